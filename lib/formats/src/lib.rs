@@ -1,0 +1,1 @@
+//! Array containers and foreign dataset layouts.

@@ -1,0 +1,1 @@
+//! OpenDRIVE road networks: read, write, geometry, lane graph, queries.

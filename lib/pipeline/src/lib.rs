@@ -1,0 +1,1 @@
+//! The stage graph, the dataset configuration and the stage runner.

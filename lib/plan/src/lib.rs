@@ -1,0 +1,1 @@
+//! Scene planning: which scenes, where, how long, in which weather.

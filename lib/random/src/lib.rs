@@ -1,0 +1,1 @@
+//! Counter-based random streams named by seed, scene, topic and entity.

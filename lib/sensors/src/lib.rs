@@ -1,0 +1,1 @@
+//! Sensor rigs: cameras, lidar, radar, GNSS, IMU.

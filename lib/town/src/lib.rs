@@ -1,0 +1,1 @@
+//! Generated road networks, written as OpenDRIVE.

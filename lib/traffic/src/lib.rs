@@ -1,0 +1,1 @@
+//! Drivers, signals and walkers on rapier3d.

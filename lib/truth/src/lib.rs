@@ -1,0 +1,1 @@
+//! Ground truth: boxes, HD map, BEV, occupancy, validity, tracks.

@@ -1,0 +1,1 @@
+//! What is seen: tiled rasteriser and packet ray tracer.

@@ -1,0 +1,1 @@
+//! Scenery, meshes and actor models; the instances at a time.
