@@ -32,7 +32,12 @@ pub struct OrientedBox {
 impl OrientedBox {
     /// The box of an object whose origin is at the centre of its footprint.
     #[must_use]
-    pub fn standing(world_from_object: Pose<World, Object>, length_m: f64, width_m: f64, height_m: f64) -> Self {
+    pub fn standing(
+        world_from_object: Pose<World, Object>,
+        length_m: f64,
+        width_m: f64,
+        height_m: f64,
+    ) -> Self {
         let up = Pose::<Object, Object>::from_xyz_rpy([0.0, 0.0, 0.5 * height_m], [0.0; 3]);
         Self {
             world_from_box: world_from_object * up,

@@ -74,8 +74,7 @@ impl<To: Frame, From: Frame> Pose<To, From> {
     /// From a position in metres and a quaternion `w, x, y, z` (normalised here).
     #[must_use]
     pub fn from_xyz_wxyz(xyz_m: [f64; 3], wxyz: [f64; 4]) -> Self {
-        let rotation =
-            UnitQuaternion::from_quaternion(Quaternion::new(wxyz[0], wxyz[1], wxyz[2], wxyz[3]));
+        let rotation = UnitQuaternion::from_quaternion(Quaternion::new(wxyz[0], wxyz[1], wxyz[2], wxyz[3]));
         Self::from_isometry(Isometry3::from_parts(Translation3::new(xyz_m[0], xyz_m[1], xyz_m[2]), rotation))
     }
 

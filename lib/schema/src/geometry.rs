@@ -1,0 +1,121 @@
+//! Triangles as every stage sees them: cameras, lidar, BEV and voxels all look at one [`Snapshot`].
+
+use std::sync::Arc;
+
+use frames::{Aabb, LocalOrigin};
+use glam::{Affine3A, Vec3};
+
+use crate::{ObjectId, Tag};
+
+/// What a part of a mesh is made of; shading decides from it how the part looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Surface {
+    /// A flat colour: linear RGB albedo, 0 to 1.
+    Plain,
+    /// Takes its colour from the instance ([`Instance::paint`]) and has a clear coat.
+    Paint,
+    /// Dark glass.
+    Glass,
+    /// Bare or painted metal.
+    Metal,
+    /// Rubber.
+    Rubber,
+    /// Cloth or skin.
+    Cloth,
+    /// Road surface.
+    Asphalt,
+    /// Paint on the road.
+    RoadMarking,
+    /// Pavement slabs, kerbs, concrete.
+    Concrete,
+    /// Grass and soil.
+    Grass,
+    /// Leaves.
+    Foliage,
+    /// Bark and wood.
+    Wood,
+    /// A house front: windows in a grid of storeys and bays drawn by the shader from the object position.
+    Facade,
+    /// Emits light while one of these [`crate::lights`] bits is set on its instance.
+    Lamp(u32),
+}
+
+/// A part of a mesh: triangles with one tag and one look.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// What it is.
+    pub tag: Tag,
+    /// What it is made of.
+    pub surface: Surface,
+    /// Base colour, linear RGB, 0 to 1.
+    pub rgb: [f32; 3],
+}
+
+/// A triangle mesh in its object's frame (FLU, metres).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TriMesh {
+    /// Vertices.
+    pub positions: Vec<Vec3>,
+    /// Vertex indices, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Index into `parts`, one per triangle.
+    pub triangle_part: Vec<u8>,
+    /// The parts, at most 256.
+    pub parts: Vec<Part>,
+}
+
+impl TriMesh {
+    /// The box around all vertices.
+    #[must_use]
+    pub fn aabb(&self) -> Aabb {
+        Aabb::from_points(&self.positions)
+    }
+
+    /// The corners of a triangle.
+    #[must_use]
+    pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
+        self.triangles[triangle].map(|v| self.positions[v as usize])
+    }
+
+    /// The part of a triangle.
+    #[must_use]
+    pub fn part(&self, triangle: usize) -> &Part {
+        &self.parts[usize::from(self.triangle_part[triangle])]
+    }
+}
+
+/// One object (or one piece of a large one) in a [`Snapshot`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instance {
+    /// Index into [`Snapshot::meshes`].
+    pub mesh: u32,
+    /// Whose this is; the same number in every output.
+    pub object: ObjectId,
+    /// Where it is now: object frame to the snapshot's local frame. Rigid (no scale).
+    pub local_from_object: Affine3A,
+    /// Where it was one frame period ago, in the same local frame.
+    pub previous_local_from_object: Affine3A,
+    /// Colour of its [`Surface::Paint`] parts, linear RGB.
+    pub paint: [f32; 3],
+    /// Which of its lamps burn ([`crate::lights`]).
+    pub lights: u32,
+}
+
+/// The world at one instant, near one place: the triangles that every sensor and label is computed from.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// Where the local frame's origin is; its axes are the world's.
+    pub origin: LocalOrigin,
+    /// All meshes; shared between snapshots of a scene, so an index means the same in each.
+    pub meshes: Arc<[Arc<TriMesh>]>,
+    /// All instances, in a fixed order.
+    pub instances: Vec<Instance>,
+}
+
+impl Snapshot {
+    /// The mesh of an instance.
+    #[must_use]
+    pub fn mesh(&self, instance: &Instance) -> &TriMesh {
+        &self.meshes[instance.mesh as usize]
+    }
+}

@@ -1,0 +1,30 @@
+//! Which lamps of an object burn, as bits of a `u32`.
+
+/// Position lamps.
+pub const POSITION: u32 = 1;
+/// Low beam.
+pub const LOW_BEAM: u32 = 1 << 1;
+/// High beam.
+pub const HIGH_BEAM: u32 = 1 << 2;
+/// Brake lamps.
+pub const BRAKE: u32 = 1 << 3;
+/// Right blinker.
+pub const BLINK_RIGHT: u32 = 1 << 4;
+/// Left blinker.
+pub const BLINK_LEFT: u32 = 1 << 5;
+/// Reversing lamps.
+pub const REVERSE: u32 = 1 << 6;
+/// Fog lamps.
+pub const FOG: u32 = 1 << 7;
+/// Emergency lights of police, ambulance, fire engine.
+pub const EMERGENCY: u32 = 1 << 9;
+/// Red lens of a traffic light.
+pub const SIGNAL_RED: u32 = 1 << 16;
+/// Yellow lens of a traffic light.
+pub const SIGNAL_YELLOW: u32 = 1 << 17;
+/// Green lens of a traffic light.
+pub const SIGNAL_GREEN: u32 = 1 << 18;
+/// A street lamp.
+pub const STREET_LAMP: u32 = 1 << 19;
+/// Lit windows of a building.
+pub const BUILDING: u32 = 1 << 20;

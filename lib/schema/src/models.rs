@@ -1,0 +1,154 @@
+//! The catalogue of actor models: names and real dimensions. `world` makes the meshes, `traffic` drives them.
+//!
+//! Dimensions are of ordinary vehicles of each kind, taken from makers' public data sheets and rounded.
+
+use crate::Tag;
+
+/// What a model is, for planning and driving.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)] // The names are their own documentation.
+pub enum BaseType {
+    Car,
+    Van,
+    Truck,
+    Bus,
+    Motorcycle,
+    Bicycle,
+    Pedestrian,
+    Cone,
+    Barrier,
+}
+
+impl BaseType {
+    /// Name in attributes.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Car => "car",
+            Self::Van => "van",
+            Self::Truck => "truck",
+            Self::Bus => "bus",
+            Self::Motorcycle => "motorcycle",
+            Self::Bicycle => "bicycle",
+            Self::Pedestrian => "pedestrian",
+            Self::Cone => "cone",
+            Self::Barrier => "barrier",
+        }
+    }
+
+    /// Semantic tags of an object of this type; the last one names its class.
+    #[must_use]
+    pub fn tags(self) -> &'static [Tag] {
+        match self {
+            Self::Car => &[Tag::Car],
+            Self::Van | Self::Truck => &[Tag::Truck],
+            Self::Bus => &[Tag::Bus],
+            Self::Motorcycle => &[Tag::Rider, Tag::Motorcycle],
+            Self::Bicycle => &[Tag::Rider, Tag::Bicycle],
+            Self::Pedestrian => &[Tag::Pedestrian],
+            Self::Cone => &[Tag::TrafficCone],
+            Self::Barrier => &[Tag::Barrier],
+        }
+    }
+}
+
+/// One model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Model {
+    /// Name in configuration, log and boxes.
+    pub name: &'static str,
+    /// What it is.
+    pub base: BaseType,
+    /// Length, width, height, metres (rider included).
+    pub size_m: [f64; 3],
+    /// Distance between the axles, metres (0 without wheels).
+    pub wheelbase_m: f64,
+    /// Wheel radius, metres.
+    pub wheel_radius_m: f64,
+    /// `emergency`, `taxi`, `electric` or empty.
+    pub special: &'static str,
+}
+
+const fn model(
+    name: &'static str,
+    base: BaseType,
+    size_m: [f64; 3],
+    wheelbase_m: f64,
+    wheel_radius_m: f64,
+    special: &'static str,
+) -> Model {
+    Model { name, base, size_m, wheelbase_m, wheel_radius_m, special }
+}
+
+/// All models, in catalogue order.
+pub const MODELS: &[Model] = {
+    use BaseType::*;
+    &[
+        model("car.coupe", Car, [4.72, 1.92, 1.38], 2.72, 0.35, ""),
+        model("car.sedan", Car, [4.70, 1.84, 1.44], 2.85, 0.33, ""),
+        model("car.hatchback", Car, [4.28, 1.79, 1.47], 2.63, 0.32, ""),
+        model("car.sports", Car, [4.38, 1.86, 1.30], 2.47, 0.34, ""),
+        model("car.wagon", Car, [4.78, 1.83, 1.48], 2.84, 0.33, ""),
+        model("car.suv", Car, [4.68, 1.89, 1.67], 2.73, 0.36, ""),
+        model("car.offroad", Car, [4.24, 1.88, 1.84], 2.46, 0.39, ""),
+        model("car.mini", Car, [3.82, 1.73, 1.42], 2.50, 0.30, ""),
+        model("car.micro", Car, [2.70, 1.66, 1.55], 1.87, 0.29, "electric"),
+        model("car.electric", Car, [4.69, 1.85, 1.44], 2.88, 0.34, "electric"),
+        model("car.limousine", Car, [5.18, 1.90, 1.50], 3.11, 0.35, ""),
+        model("car.taxi", Car, [4.93, 1.86, 1.47], 2.94, 0.34, "taxi"),
+        model("car.police", Car, [5.03, 1.90, 1.47], 3.05, 0.36, "emergency"),
+        model("van.delivery", Van, [5.93, 2.02, 2.62], 3.66, 0.35, ""),
+        model("van.camper", Van, [4.90, 1.90, 1.99], 3.00, 0.34, ""),
+        model("van.passenger", Van, [5.14, 1.93, 1.91], 3.20, 0.34, ""),
+        model("van.ambulance", Van, [6.20, 2.10, 2.85], 3.70, 0.36, "emergency"),
+        model("truck.box", Truck, [7.60, 2.35, 3.25], 4.30, 0.44, ""),
+        model("truck.heavy", Truck, [9.20, 2.50, 3.60], 5.60, 0.50, ""),
+        model("truck.pickup", Truck, [5.68, 2.02, 1.90], 3.80, 0.42, "electric"),
+        model("truck.fire", Truck, [8.60, 2.50, 3.30], 4.70, 0.50, "emergency"),
+        model("bus.city", Bus, [12.00, 2.55, 3.10], 5.90, 0.48, ""),
+        model("motorcycle.cruiser", Motorcycle, [2.35, 0.80, 1.55], 1.63, 0.33, ""),
+        model("motorcycle.sport", Motorcycle, [2.08, 0.74, 1.50], 1.40, 0.31, ""),
+        model("motorcycle.scooter", Motorcycle, [1.85, 0.72, 1.60], 1.29, 0.23, "electric"),
+        model("bicycle.city", Bicycle, [1.82, 0.62, 1.80], 1.08, 0.35, ""),
+        model("bicycle.road", Bicycle, [1.70, 0.48, 1.72], 1.00, 0.34, ""),
+        model("walker.man", Pedestrian, [0.40, 0.58, 1.78], 0.0, 0.0, ""),
+        model("walker.woman", Pedestrian, [0.36, 0.52, 1.65], 0.0, 0.0, ""),
+        model("walker.tall", Pedestrian, [0.42, 0.60, 1.90], 0.0, 0.0, ""),
+        model("walker.elder", Pedestrian, [0.38, 0.55, 1.62], 0.0, 0.0, ""),
+        model("walker.child", Pedestrian, [0.28, 0.38, 1.25], 0.0, 0.0, ""),
+        model("prop.cone", Cone, [0.36, 0.36, 0.72], 0.0, 0.0, ""),
+        model("prop.barrier", Barrier, [1.20, 0.45, 1.00], 0.0, 0.0, ""),
+    ]
+};
+
+/// The model with a name.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static Model> {
+    MODELS.iter().find(|m| m.name == name)
+}
+
+/// Models that drive in background traffic.
+pub fn vehicles() -> impl Iterator<Item = &'static Model> {
+    MODELS.iter().filter(|m| m.wheelbase_m > 0.0)
+}
+
+/// Models that walk.
+pub fn walkers() -> impl Iterator<Item = &'static Model> {
+    MODELS.iter().filter(|m| m.base == BaseType::Pedestrian)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::DetectionClass;
+
+    #[test]
+    fn names_are_unique_and_every_model_has_a_class() {
+        for (i, model) in MODELS.iter().enumerate() {
+            assert_eq!(MODELS.iter().position(|m| m.name == model.name), Some(i));
+            let tags: Vec<u8> = model.base.tags().iter().map(|&t| t as u8).collect();
+            assert!(DetectionClass::from_tags(&tags).is_some(), "{}", model.name);
+            assert!(model.wheelbase_m < model.size_m[0]);
+        }
+    }
+}

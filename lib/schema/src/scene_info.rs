@@ -1,0 +1,67 @@
+//! `log/scene.json`: facts about a scene that are no table.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// Facts about one scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SceneInfo {
+    /// Scene number.
+    pub scene: u32,
+    /// `train`, `val` or `test`.
+    pub split: String,
+    /// Map name.
+    pub map: String,
+    /// BLAKE3 of the map's OpenDRIVE text: the map is `maps/{map_file}` in the store.
+    pub map_hash: String,
+    /// The map's geographic reference, as written in the map.
+    pub geo_reference: String,
+    /// Seed of the scene's random streams.
+    pub seed: u64,
+    /// Recorded time, s.
+    pub duration_s: f64,
+    /// Recorded frames.
+    pub frames: u32,
+    /// `clustered` or `chained`.
+    pub spawn_mode: String,
+    /// Whether the weather moves from initial to final.
+    pub dynamic_weather: bool,
+    /// Weather before frame 0, by parameter name.
+    pub initial_weather: BTreeMap<String, f64>,
+    /// Weather of the last frame.
+    pub final_weather: BTreeMap<String, f64>,
+    /// The agents, vehicles first.
+    pub agents: Vec<AgentInfo>,
+    /// Background vehicles that were really placed.
+    pub n_vehicles: u32,
+    /// Walkers that were really placed.
+    pub n_walkers: u32,
+    /// Reckless background drivers.
+    pub n_reckless_vehicles: u32,
+    /// Distracted background drivers.
+    pub n_distracted_vehicles: u32,
+    /// Share of walkers who may cross roads anywhere.
+    pub walker_cross_factor: f64,
+    /// Speed difference of every driver, when it was configured.
+    pub speed_difference: Option<f64>,
+    /// Standstill gap of every driver, m, when it was configured.
+    pub standstill_gap_m: Option<f64>,
+    /// Green time of every signal, s, when it was configured.
+    pub green_time_s: Option<f64>,
+}
+
+/// One agent of a scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct AgentInfo {
+    /// `vehicle_0`, `rsu_1`, ...
+    pub agent: String,
+    /// Its object id.
+    pub id: u16,
+    /// Model of its body.
+    pub model: String,
+    /// Ignores lights, signs, vehicles and walkers.
+    pub reckless: bool,
+    /// Ignores lights and signs.
+    pub distracted: bool,
+}

@@ -1,0 +1,134 @@
+//! The dataset configuration as plain, validated values, in SI units and radians.
+//!
+//! `pipeline` reads these from TOML (and says where a fault is); the cores take the parts they need. Default
+//! values are those of the published dataset unless a field says otherwise.
+
+mod rig;
+mod scenario;
+
+use serde::Serialize;
+
+pub use rig::{CameraSettings, CameraSpec, GnssSpec, ImuSpec, LidarSpec, Mount, RadarSpec, Rig, ScanPattern};
+pub use scenario::{
+    AgentSettings, LightSettings, SceneCount, SpawnMode, Split, TimingSettings, TrafficSettings,
+    WalkerSettings, WeatherSettings, WorldSettings,
+};
+
+/// Everything that determines a dataset, besides maps and code.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DatasetSettings {
+    /// Name of the dataset, in reports.
+    pub name: String,
+    /// Seed of every random stream.
+    pub seed: u64,
+    /// How many scenes on which map, in split order.
+    pub scenes: Vec<SceneCount>,
+    /// Data-collection vehicles and RSUs.
+    pub agents: AgentSettings,
+    /// Warm-up and durations.
+    pub timing: TimingSettings,
+    /// Background vehicles and drivers.
+    pub traffic: TrafficSettings,
+    /// Pedestrians.
+    pub walkers: WalkerSettings,
+    /// Weather draws and overrides.
+    pub weather: WeatherSettings,
+    /// Street lamps and lit windows.
+    pub lights: LightSettings,
+    /// Scenery placed by rule.
+    pub world: WorldSettings,
+    /// Sensors of every data-collection vehicle.
+    pub vehicle_rig: Rig,
+    /// Sensors of every RSU.
+    pub rsu_rig: Rig,
+    /// Which objects are annotated.
+    pub annotation: AnnotationSettings,
+    /// BEV masks.
+    pub bev: BevSettings,
+    /// Voxel grids of vehicles.
+    pub vehicle_occupancy: OccupancySettings,
+    /// Voxel grids of RSUs.
+    pub rsu_occupancy: OccupancySettings,
+}
+
+/// Which objects are annotated.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AnnotationSettings {
+    /// Boxes within this 3-D distance of an agent are collected, metres (200).
+    pub box_radius_m: f64,
+    /// An object without points counts as valid when an instance image shows it.
+    pub valid_by_image: bool,
+}
+
+impl Default for AnnotationSettings {
+    fn default() -> Self {
+        Self { box_radius_m: 200.0, valid_by_image: true }
+    }
+}
+
+/// The BEV grid: square, centred on the agent, row 0 ahead, column 0 left.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BevSettings {
+    /// Write BEV masks.
+    pub enabled: bool,
+    /// Rows and columns (400).
+    pub cells: u32,
+    /// Cell size, metres (0.4).
+    pub cell_m: f64,
+}
+
+impl Default for BevSettings {
+    fn default() -> Self {
+        Self { enabled: true, cells: 400, cell_m: 0.4 }
+    }
+}
+
+impl BevSettings {
+    /// Half the grid's side, metres.
+    #[must_use]
+    pub fn half_extent_m(&self) -> f64 {
+        0.5 * f64::from(self.cells) * self.cell_m
+    }
+}
+
+/// A voxel grid around an agent, turning fully with it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OccupancySettings {
+    /// Write voxel grids.
+    pub enabled: bool,
+    /// The grid reaches this far ahead, behind, left and right, metres (64).
+    pub range_m: f64,
+    /// Cell size, metres (0.1).
+    pub voxel_m: f64,
+    /// Lower face above the grid origin, metres (-1).
+    pub lower_m: f64,
+    /// Upper face above the grid origin, metres (7).
+    pub upper_m: f64,
+    /// Height of the grid origin above the agent's origin, metres (0.02).
+    pub mount_z_m: f64,
+    /// Leave out the carrying agent's own body.
+    pub ignore_self: bool,
+}
+
+impl Default for OccupancySettings {
+    fn default() -> Self {
+        Self {
+            enabled: true,
+            range_m: 64.0,
+            voxel_m: 0.1,
+            lower_m: -1.0,
+            upper_m: 7.0,
+            mount_z_m: 0.02,
+            ignore_self: false,
+        }
+    }
+}
+
+impl OccupancySettings {
+    /// Cells along x, y, z: `(2 range / voxel, 2 range / voxel, (upper - lower) / voxel)`, rounded.
+    #[must_use]
+    pub fn shape(&self) -> [usize; 3] {
+        let across = (2.0 * self.range_m / self.voxel_m).round() as usize;
+        [across, across, ((self.upper_m - self.lower_m) / self.voxel_m).round() as usize]
+    }
+}

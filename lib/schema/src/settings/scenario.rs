@@ -1,0 +1,259 @@
+//! What happens in a scene.
+
+use serde::Serialize;
+
+/// Part of a dataset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+#[allow(missing_docs)] // The names are their own documentation.
+pub enum Split {
+    Train,
+    Val,
+    Test,
+}
+
+impl Split {
+    /// All splits, in planning order.
+    pub const ALL: [Self; 3] = [Self::Train, Self::Val, Self::Test];
+
+    /// Name in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Train => "train",
+            Self::Val => "val",
+            Self::Test => "test",
+        }
+    }
+}
+
+/// A wish for some scenes of a split on a map.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SceneCount {
+    /// The split.
+    pub split: Split,
+    /// Map name: `convoy/...` for our own towns, else the stem of a file in the maps folder.
+    pub map: String,
+    /// Scenes wanted.
+    pub count: u32,
+}
+
+/// How data-collection vehicles are spread.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SpawnMode {
+    /// Around a pivot.
+    Clustered,
+    /// Each near one that is placed already.
+    Chained,
+    /// A coin flip per scene.
+    #[default]
+    Both,
+}
+
+impl SpawnMode {
+    /// Name in configuration and tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clustered => "clustered",
+            Self::Chained => "chained",
+            Self::Both => "both",
+        }
+    }
+}
+
+/// Data-collection vehicles and RSUs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AgentSettings {
+    /// Fewest vehicles (2).
+    pub min_vehicles: u32,
+    /// Most vehicles (8).
+    pub max_vehicles: u32,
+    /// How they are spread.
+    pub spawn_mode: SpawnMode,
+    /// Spacing of a cluster, metres (48).
+    pub clustered_spawn_distance_m: f64,
+    /// Reach of a link of a chain, metres (64).
+    pub chained_spawn_distance_m: f64,
+    /// Fewest RSUs (0).
+    pub min_rsus: u32,
+    /// Most RSUs (4).
+    pub max_rsus: u32,
+    /// Models, taken in turn.
+    pub vehicle_models: Vec<String>,
+    /// Colours (sRGB), taken in turn.
+    pub vehicle_colors: Vec<[u8; 3]>,
+    /// Spacing of the pool of spawn points along lanes, metres (24).
+    pub spawn_separation_m: f64,
+}
+
+impl Default for AgentSettings {
+    fn default() -> Self {
+        Self {
+            min_vehicles: 2,
+            max_vehicles: 8,
+            spawn_mode: SpawnMode::Both,
+            clustered_spawn_distance_m: 48.0,
+            chained_spawn_distance_m: 64.0,
+            min_rsus: 0,
+            max_rsus: 4,
+            vehicle_models: ["car.coupe", "car.sedan", "car.hatchback", "car.sports"]
+                .map(String::from)
+                .to_vec(),
+            vehicle_colors: vec![
+                [0, 0, 0],
+                [255, 0, 0],
+                [0, 255, 0],
+                [0, 0, 255],
+                [255, 255, 0],
+                [255, 0, 255],
+                [0, 255, 255],
+                [255, 255, 255],
+            ],
+            spawn_separation_m: 24.0,
+        }
+    }
+}
+
+/// Warm-up and durations. The frame period is fixed: [`crate::FRAME_PERIOD_S`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TimingSettings {
+    /// Simulated before the first frame, seconds (2).
+    pub warmup_s: f64,
+    /// Shortest scene, seconds (8).
+    pub min_duration_s: f64,
+    /// Longest scene, seconds (32).
+    pub max_duration_s: f64,
+}
+
+impl Default for TimingSettings {
+    fn default() -> Self {
+        Self { warmup_s: 2.0, min_duration_s: 8.0, max_duration_s: 32.0 }
+    }
+}
+
+/// Background vehicles and drivers. Probabilities are 0 to 1.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TrafficSettings {
+    /// Background vehicles per scene; drawn when absent.
+    pub vehicles: Option<u32>,
+    /// Speed below the limit as a share of it, for every driver; drawn per driver from -0.4..0.2 when absent.
+    pub speed_difference: Option<f64>,
+    /// Gap to a standing leader, metres; drawn per driver from N(4.2, 1) when absent.
+    pub standstill_gap_m: Option<f64>,
+    /// Green time of every signal, seconds; drawn per signal from 4..28 when absent.
+    pub green_time_s: Option<f64>,
+    /// Yellow time, seconds (3).
+    pub yellow_time_s: f64,
+    /// All-red time between two greens, seconds (2).
+    pub all_red_time_s: f64,
+    /// Chance that a data-collection driver is reckless (0.01): sees no lights, signs, vehicles, walkers.
+    pub reckless_agent: f64,
+    /// The same for background drivers (0.01).
+    pub reckless_background: f64,
+    /// Chance that a data-collection driver who is not reckless is distracted (0.02): sees no lights, signs.
+    pub distracted_agent: f64,
+    /// The same for background drivers (0.02).
+    pub distracted_background: f64,
+    /// Actors are placed within this distance of any agent, metres; from the duration when absent.
+    pub spawn_radius_m: Option<f64>,
+}
+
+impl Default for TrafficSettings {
+    fn default() -> Self {
+        Self {
+            vehicles: None,
+            speed_difference: None,
+            standstill_gap_m: None,
+            green_time_s: None,
+            yellow_time_s: 3.0,
+            all_red_time_s: 2.0,
+            reckless_agent: 0.01,
+            reckless_background: 0.01,
+            distracted_agent: 0.02,
+            distracted_background: 0.02,
+            spawn_radius_m: None,
+        }
+    }
+}
+
+/// Pedestrians.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WalkerSettings {
+    /// Walkers per scene; drawn from 0..=`max_count` when absent.
+    pub count: Option<u32>,
+    /// Most walkers when drawn (480).
+    pub max_count: u32,
+    /// Slowest walking speed, m/s (0.8).
+    pub min_speed_mps: f64,
+    /// Share of walkers who may cross roads anywhere, 0 to 1; drawn per scene from Beta(2.4, 1.6) when absent.
+    pub cross_factor: Option<f64>,
+}
+
+impl Default for WalkerSettings {
+    fn default() -> Self {
+        Self { count: None, max_count: 480, min_speed_mps: 0.8, cross_factor: None }
+    }
+}
+
+/// Weather. Overrides apply to the fields of [`crate::tables::Weather`] by name.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WeatherSettings {
+    /// Draw a final weather and move towards it over the scene.
+    pub dynamic: bool,
+    /// Fixed initial values by field name.
+    pub initial: Vec<(String, f64)>,
+    /// Fixed final values by field name.
+    pub r#final: Vec<(String, f64)>,
+}
+
+impl Default for WeatherSettings {
+    fn default() -> Self {
+        Self { dynamic: true, initial: Vec::new(), r#final: Vec::new() }
+    }
+}
+
+/// Street lamps and lit windows at night.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LightSettings {
+    /// Chance that a street lamp has failed (0.1).
+    pub street_lamp_failure: f64,
+    /// Street lamps never burn.
+    pub street_lamps_off: bool,
+    /// Windows are never lit.
+    pub buildings_off: bool,
+}
+
+impl Default for LightSettings {
+    fn default() -> Self {
+        Self { street_lamp_failure: 0.1, street_lamps_off: false, buildings_off: false }
+    }
+}
+
+/// Scenery placed by rule on the land beside the roads.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WorldSettings {
+    /// Buildings per free frontage, 0 to 1 (0.8).
+    pub building_density: f64,
+    /// Trees per free frontage, 0 to 1 (0.6).
+    pub tree_density: f64,
+    /// Distance between street lamps along a sidewalk, metres (28).
+    pub lamp_spacing_m: f64,
+    /// Share of parking spaces that are taken, 0 to 1 (0.5).
+    pub parked_share: f64,
+    /// Scenery is built within this distance of any agent's path start, metres (400).
+    pub radius_m: f64,
+}
+
+impl Default for WorldSettings {
+    fn default() -> Self {
+        Self {
+            building_density: 0.8,
+            tree_density: 0.6,
+            lamp_spacing_m: 28.0,
+            parked_share: 0.5,
+            radius_m: 400.0,
+        }
+    }
+}

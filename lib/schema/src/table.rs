@@ -1,0 +1,283 @@
+//! How a row type describes its columns, so that one definition serves writing, reading and the docs.
+
+use std::fmt;
+
+/// Values of one column, in row order.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)] // One variant per column type.
+pub enum Column {
+    Bool(Vec<bool>),
+    U8(Vec<u8>),
+    U16(Vec<u16>),
+    U32(Vec<u32>),
+    U64(Vec<u64>),
+    I32(Vec<i32>),
+    I64(Vec<i64>),
+    F32(Vec<f32>),
+    F64(Vec<f64>),
+    Str(Vec<String>),
+    Bytes(Vec<Vec<u8>>),
+    OptI32(Vec<Option<i32>>),
+    OptF64(Vec<Option<f64>>),
+    OptStr(Vec<Option<String>>),
+    ListU8(Vec<Vec<u8>>),
+    ListU16(Vec<Vec<u16>>),
+    ListF32(Vec<Vec<f32>>),
+    ListStr(Vec<Vec<String>>),
+    /// Fixed number of values per row, stored flat.
+    FixedF32(usize, Vec<f32>),
+    /// Fixed number of values per row, stored flat.
+    FixedF64(usize, Vec<f64>),
+}
+
+impl Column {
+    /// Number of rows.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Bool(v) => v.len(),
+            Self::U8(v) => v.len(),
+            Self::U16(v) => v.len(),
+            Self::U32(v) => v.len(),
+            Self::U64(v) => v.len(),
+            Self::I32(v) => v.len(),
+            Self::I64(v) => v.len(),
+            Self::F32(v) => v.len(),
+            Self::F64(v) => v.len(),
+            Self::Str(v) => v.len(),
+            Self::Bytes(v) => v.len(),
+            Self::OptI32(v) => v.len(),
+            Self::OptF64(v) => v.len(),
+            Self::OptStr(v) => v.len(),
+            Self::ListU8(v) => v.len(),
+            Self::ListU16(v) => v.len(),
+            Self::ListF32(v) => v.len(),
+            Self::ListStr(v) => v.len(),
+            Self::FixedF32(n, v) => v.len() / (*n).max(1),
+            Self::FixedF64(n, v) => v.len() / (*n).max(1),
+        }
+    }
+
+    /// Whether there are no rows.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The type's name in `docs/schema.md`.
+    #[must_use]
+    pub fn type_name(&self) -> String {
+        match self {
+            Self::Bool(_) => "bool".into(),
+            Self::U8(_) => "u8".into(),
+            Self::U16(_) => "u16".into(),
+            Self::U32(_) => "u32".into(),
+            Self::U64(_) => "u64".into(),
+            Self::I32(_) => "i32".into(),
+            Self::I64(_) => "i64".into(),
+            Self::F32(_) => "f32".into(),
+            Self::F64(_) => "f64".into(),
+            Self::Str(_) => "string".into(),
+            Self::Bytes(_) => "binary".into(),
+            Self::OptI32(_) => "i32, may be null".into(),
+            Self::OptF64(_) => "f64, may be null".into(),
+            Self::OptStr(_) => "string, may be null".into(),
+            Self::ListU8(_) => "list of u8".into(),
+            Self::ListU16(_) => "list of u16".into(),
+            Self::ListF32(_) => "list of f32".into(),
+            Self::ListStr(_) => "list of string".into(),
+            Self::FixedF32(n, _) => format!("f32[{n}]"),
+            Self::FixedF64(n, _) => format!("f64[{n}]"),
+        }
+    }
+}
+
+/// A column's name and meaning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Field {
+    /// Column name.
+    pub name: &'static str,
+    /// Meaning, with unit and frame.
+    pub doc: &'static str,
+}
+
+/// A column read back is not what the row type expects.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ColumnError {
+    /// Column name.
+    pub column: String,
+    /// What is wrong.
+    pub problem: String,
+}
+
+impl fmt::Display for ColumnError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "column `{}`: {}", self.column, self.problem)
+    }
+}
+
+impl std::error::Error for ColumnError {}
+
+/// A type that is one row of a table.
+pub trait Row: Sized {
+    /// Table name: the file's stem.
+    const TABLE: &'static str;
+    /// What the table holds, for the docs.
+    const DOC: &'static str;
+
+    /// Names and meanings of the columns, in file order.
+    fn fields() -> Vec<Field>;
+    /// Rows to columns, in [`Row::fields`] order.
+    fn to_columns(rows: &[Self]) -> Vec<Column>;
+    /// Columns (in [`Row::fields`] order) back to rows.
+    ///
+    /// # Errors
+    /// A column has another type or length than the row type says.
+    fn from_columns(columns: Vec<Column>) -> Result<Vec<Self>, ColumnError>;
+}
+
+/// A Rust type that can be a cell of a table.
+pub trait Cell: Sized {
+    /// Values to a column.
+    fn column<'a>(values: impl Iterator<Item = &'a Self>) -> Column
+    where
+        Self: 'a;
+    /// A column back to values; `None` when it has another type.
+    fn values(column: Column) -> Option<Vec<Self>>;
+}
+
+macro_rules! cell {
+    ($type:ty, $variant:ident) => {
+        impl Cell for $type {
+            fn column<'a>(values: impl Iterator<Item = &'a Self>) -> Column {
+                Column::$variant(values.cloned().collect())
+            }
+            fn values(column: Column) -> Option<Vec<Self>> {
+                match column {
+                    Column::$variant(values) => Some(values),
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+cell!(bool, Bool);
+cell!(u8, U8);
+cell!(u16, U16);
+cell!(u32, U32);
+cell!(u64, U64);
+cell!(i32, I32);
+cell!(i64, I64);
+cell!(f32, F32);
+cell!(f64, F64);
+cell!(String, Str);
+cell!(Option<i32>, OptI32);
+cell!(Option<f64>, OptF64);
+cell!(Option<String>, OptStr);
+cell!(Vec<u8>, ListU8);
+cell!(Vec<u16>, ListU16);
+cell!(Vec<f32>, ListF32);
+cell!(Vec<String>, ListStr);
+
+/// Encoded bytes (an image, say): a binary column, where `Vec<u8>` is a list of numbers.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Blob(
+    /// The bytes.
+    pub Vec<u8>,
+);
+
+impl Cell for Blob {
+    fn column<'a>(values: impl Iterator<Item = &'a Self>) -> Column {
+        Column::Bytes(values.map(|b| b.0.clone()).collect())
+    }
+    fn values(column: Column) -> Option<Vec<Self>> {
+        match column {
+            Column::Bytes(values) => Some(values.into_iter().map(Blob).collect()),
+            _ => None,
+        }
+    }
+}
+
+macro_rules! fixed_cell {
+    ($type:ty, $variant:ident) => {
+        impl<const N: usize> Cell for [$type; N] {
+            fn column<'a>(values: impl Iterator<Item = &'a Self>) -> Column {
+                Column::$variant(N, values.flatten().copied().collect())
+            }
+            fn values(column: Column) -> Option<Vec<Self>> {
+                match column {
+                    Column::$variant(n, flat) if n == N => {
+                        Some(flat.chunks_exact(N).filter_map(|c| c.try_into().ok()).collect())
+                    }
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+fixed_cell!(f32, FixedF32);
+fixed_cell!(f64, FixedF64);
+
+/// Takes the next column off a list, as values of a cell type.
+///
+/// # Errors
+/// The list is at its end, or the column has another type.
+pub fn take_values<T: Cell>(
+    columns: &mut std::vec::IntoIter<Column>,
+    name: &str,
+) -> Result<Vec<T>, ColumnError> {
+    let error = |problem: String| ColumnError { column: name.to_owned(), problem };
+    let column = columns.next().ok_or_else(|| error("is missing".into()))?;
+    let found = column.type_name();
+    T::values(column).ok_or_else(|| error(format!("has type {found}, another was expected")))
+}
+
+/// Defines a row type and its [`Row`] implementation.
+#[macro_export]
+macro_rules! table {
+    (
+        $(#[doc = $doc:literal])+
+        $name:ident in $table:literal {
+            $( $(#[doc = $field_doc:literal])+ $field:ident : $type:ty, )+
+        }
+    ) => {
+        $(#[doc = $doc])+
+        #[derive(Clone, Debug, Default, PartialEq)]
+        pub struct $name {
+            $( $(#[doc = $field_doc])+ pub $field: $type, )+
+        }
+
+        impl $crate::table::Row for $name {
+            const TABLE: &'static str = $table;
+            const DOC: &'static str = concat!($($doc),+);
+
+            fn fields() -> Vec<$crate::table::Field> {
+                vec![$( $crate::table::Field {
+                    name: stringify!($field),
+                    doc: concat!($($field_doc),+),
+                } ),+]
+            }
+
+            fn to_columns(rows: &[Self]) -> Vec<$crate::table::Column> {
+                vec![$( <$type as $crate::table::Cell>::column(rows.iter().map(|r| &r.$field)) ),+]
+            }
+
+            fn from_columns(
+                columns: Vec<$crate::table::Column>,
+            ) -> Result<Vec<Self>, $crate::table::ColumnError> {
+                let mut columns = columns.into_iter();
+                $( let mut $field = $crate::table::take_values::<$type>(
+                    &mut columns, stringify!($field),
+                )?.into_iter(); )+
+                let mut rows = Vec::new();
+                // All columns of a file have as many rows; the first to end ends the table.
+                while let ($( Some($field), )+) = ($( $field.next(), )+) {
+                    rows.push(Self { $( $field ),+ });
+                }
+                Ok(rows)
+            }
+        }
+    };
+}

@@ -1,0 +1,170 @@
+//! The scene log: the only truth later stages read.
+
+use crate::table;
+use crate::tables::Weather;
+
+table! {
+    /// One row per object of a scene, moving or not: the id is the same number in every output.
+    ActorRow in "log/actors" {
+        /// Object id, 1..=65535.
+        id: u16,
+        /// `vehicle`, `walker`, `rsu`, `traffic_light`, `sign`, `prop`, `parked`, `building`, `vegetation`, `pole`, `surface`.
+        kind: String,
+        /// Model name; the mesh is made from it and the columns below.
+        model: String,
+        /// Who it is: `vehicle_0`, `rsu_1` for agents, else `background`, `walker`, `scenery`.
+        role: String,
+        /// Semantic tags of its parts; the last one with a detection class names its class.
+        semantic_tags: Vec<u8>,
+        /// Length along its x axis, m.
+        length_m: f64,
+        /// Width along its y axis, m.
+        width_m: f64,
+        /// Height along its z axis, m.
+        height_m: f64,
+        /// Colour, sRGB red, green, blue.
+        color: Vec<u8>,
+        /// Whether it never moves: then it has no rows in `states` and stands at the pose below.
+        fixed: bool,
+        /// Position in the world at frame 0, m: centre of the footprint on the ground.
+        xyz_m: [f64; 3],
+        /// Orientation in the world at frame 0: quaternion w, x, y, z.
+        quaternion: [f64; 4],
+        /// Number that varies its shape among objects of the same model.
+        variant: u32,
+        /// Object it is attached to.
+        parent: Option<i32>,
+        /// OpenDRIVE id of its signal or object.
+        opendrive_id: Option<String>,
+        /// Further facts as a JSON object of strings (`reckless`, `sign_type`, `use_wheelchair`, ...).
+        attributes: String,
+    }
+}
+
+table! {
+    /// One row per moving object and frame, frame -1 (one period before the first) included.
+    StateRow in "log/states" {
+        /// Frame number, from -1.
+        frame: i32,
+        /// Object id.
+        id: u16,
+        /// Position in the world, m: centre of the footprint on the ground.
+        xyz_m: [f64; 3],
+        /// Orientation in the world: quaternion w, x, y, z.
+        quaternion: [f64; 4],
+        /// Velocity in the world, m/s.
+        velocity_mps: [f32; 3],
+        /// Angular velocity in the world, rad/s.
+        angular_velocity_radps: [f32; 3],
+        /// Steering angle of the front wheels, rad, positive left.
+        steer_rad: f32,
+        /// Rotation of the wheels since the start, rad; of walkers the gait phase.
+        phase_rad: f32,
+        /// Lamps that burn, as bits.
+        lights: u32,
+    }
+}
+
+table! {
+    /// One row per frame: time and weather.
+    FrameRow in "log/frames" {
+        /// Frame number, from 0.
+        frame: u32,
+        /// Time since frame 0, s.
+        time_s: f64,
+        /// Cloud cover, percent.
+        cloudiness: f64,
+        /// Rain, percent.
+        precipitation: f64,
+        /// Puddles, percent.
+        precipitation_deposits: f64,
+        /// Wind, percent.
+        wind_intensity: f64,
+        /// Sun's direction, degrees clockwise from north seen from above.
+        sun_azimuth_deg: f64,
+        /// Sun's height above the horizon, degrees.
+        sun_altitude_deg: f64,
+        /// How wet surfaces look, percent.
+        wetness: f64,
+        /// Fog, percent.
+        fog_density: f64,
+        /// Where fog starts, m.
+        fog_distance_m: f64,
+        /// How fog thins with height.
+        fog_falloff: f64,
+        /// Light scattered by fog.
+        scattering_intensity: f64,
+        /// Haze (Mie scattering).
+        mie_scattering_scale: f64,
+        /// Air (Rayleigh scattering).
+        rayleigh_scattering_scale: f64,
+        /// Dust, percent.
+        dust_storm: f64,
+        /// Whether street lamps burn.
+        street_lamps: bool,
+        /// Whether windows are lit.
+        building_lights: bool,
+    }
+}
+
+impl FrameRow {
+    /// The frame's weather.
+    #[must_use]
+    pub fn weather(&self) -> Weather {
+        Weather {
+            cloudiness: self.cloudiness,
+            precipitation: self.precipitation,
+            precipitation_deposits: self.precipitation_deposits,
+            wind_intensity: self.wind_intensity,
+            sun_azimuth_deg: self.sun_azimuth_deg,
+            sun_altitude_deg: self.sun_altitude_deg,
+            wetness: self.wetness,
+            fog_density: self.fog_density,
+            fog_distance_m: self.fog_distance_m,
+            fog_falloff: self.fog_falloff,
+            scattering_intensity: self.scattering_intensity,
+            mie_scattering_scale: self.mie_scattering_scale,
+            rayleigh_scattering_scale: self.rayleigh_scattering_scale,
+            dust_storm: self.dust_storm,
+        }
+    }
+
+    /// A frame with a weather.
+    #[must_use]
+    pub fn new(frame: u32, weather: &Weather, street_lamps: bool, building_lights: bool) -> Self {
+        Self {
+            frame,
+            time_s: f64::from(frame) * crate::FRAME_PERIOD_S,
+            cloudiness: weather.cloudiness,
+            precipitation: weather.precipitation,
+            precipitation_deposits: weather.precipitation_deposits,
+            wind_intensity: weather.wind_intensity,
+            sun_azimuth_deg: weather.sun_azimuth_deg,
+            sun_altitude_deg: weather.sun_altitude_deg,
+            wetness: weather.wetness,
+            fog_density: weather.fog_density,
+            fog_distance_m: weather.fog_distance_m,
+            fog_falloff: weather.fog_falloff,
+            scattering_intensity: weather.scattering_intensity,
+            mie_scattering_scale: weather.mie_scattering_scale,
+            rayleigh_scattering_scale: weather.rayleigh_scattering_scale,
+            dust_storm: weather.dust_storm,
+            street_lamps,
+            building_lights,
+        }
+    }
+}
+
+table! {
+    /// One row per traffic light and frame, frame -1 included.
+    SignalRow in "log/signals" {
+        /// Frame number, from -1.
+        frame: i32,
+        /// Object id of the traffic light.
+        id: u16,
+        /// `Red`, `Yellow`, `Green` or `Off`.
+        state: String,
+        /// OpenDRIVE id of the signal.
+        opendrive_id: String,
+    }
+}

@@ -1,0 +1,69 @@
+//! The plan: what the dataset will hold.
+
+use crate::table;
+
+table! {
+    /// One row per scene: everything the simulation needs to know besides the agents.
+    PlanSceneRow in "plan/scenes" {
+        /// Scene number, from 0, over all splits.
+        scene: u32,
+        /// `train`, `val` or `test`.
+        split: String,
+        /// Map name.
+        map: String,
+        /// BLAKE3 of the map's OpenDRIVE text.
+        map_hash: String,
+        /// Seed of the scene's random streams.
+        seed: u64,
+        /// Recorded time, s.
+        duration_s: f64,
+        /// Recorded frames, 20 per second.
+        frames: u32,
+        /// Simulated time before frame 0, s.
+        warmup_s: f64,
+        /// `clustered` or `chained`.
+        spawn_mode: String,
+        /// Whether the weather moves from initial to final.
+        dynamic_weather: bool,
+        /// Weather before frame 0, in the order of the `frames` table's weather columns.
+        initial_weather: [f64; 14],
+        /// Weather of the last frame, same order.
+        final_weather: [f64; 14],
+        /// Background vehicles and walkers start within this distance of any vehicle agent, m.
+        spawn_radius_m: f64,
+        /// Background vehicles wanted; null: as many as drawn by the simulation from the free spawn points.
+        background_vehicles: Option<i32>,
+        /// Walkers wanted.
+        walkers: u32,
+        /// Share of walkers who may cross roads anywhere, 0 to 1.
+        walker_cross_factor: f64,
+    }
+}
+
+table! {
+    /// One row per agent of a scene: data-collection vehicles, then RSUs.
+    PlanAgentRow in "plan/agents" {
+        /// Scene number.
+        scene: u32,
+        /// `vehicle_0`, `rsu_1`, ...
+        agent: String,
+        /// Model of the body.
+        model: String,
+        /// Body colour, sRGB red, green, blue.
+        color: Vec<u8>,
+        /// Start position in the world, m (RSU: foot of the pole).
+        xyz_m: [f64; 3],
+        /// Start orientation in the world: roll, pitch, yaw, rad.
+        rpy_rad: [f64; 3],
+        /// The driver ignores lights, signs, vehicles and walkers.
+        reckless: bool,
+        /// The driver ignores lights and signs.
+        distracted: bool,
+        /// Driver's speed below the limit as a share of it (negative: faster).
+        speed_difference: f64,
+        /// Driver's gap to a standing leader, m.
+        standstill_gap_m: f64,
+        /// RSU: OpenDRIVE id of the signal whose pole it stands at.
+        signal: Option<String>,
+    }
+}

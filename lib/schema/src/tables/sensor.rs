@@ -1,0 +1,136 @@
+//! Sensor readings: one row a frame. The file's metadata holds the sensor's pose and intrinsics as JSON.
+
+use crate::table;
+use crate::table::Blob;
+
+table! {
+    /// Encoded images of one camera: `RGB-*` JPEG; `SEG-*`, `IST-*`, `DPT-*` PNG.
+    CameraRow in "sensors/{agent}/{RGB|SEG|IST|DPT}-{camera}" {
+        /// Frame number.
+        frame: u32,
+        /// Time since frame 0, s.
+        time_s: f64,
+        /// The encoded image. SEG: the tag's colour. IST: red the tag, green the id's low byte, blue its high byte. DPT: 24-bit planar depth, red lowest, 1000 m at 2^24 - 1.
+        image: Blob,
+    }
+}
+
+table! {
+    /// Optical flow of one camera.
+    FlowRow in "sensors/{agent}/FLW-{camera}" {
+        /// Frame number.
+        frame: u32,
+        /// Time since frame 0, s.
+        time_s: f64,
+        /// Image width, pixels.
+        width: u32,
+        /// Image height, pixels.
+        height: u32,
+        /// Motion to the right since the last frame, row by row; the image is 2 units wide.
+        dx: Vec<f32>,
+        /// Motion up since the last frame, row by row; the image is 2 units high.
+        dy: Vec<f32>,
+    }
+}
+
+table! {
+    /// Sweeps of one lidar, highest beam first, each beam by azimuth. Own-body returns are cut out.
+    LidarRow in "sensors/{agent}/LIDAR" {
+        /// Frame number.
+        frame: u32,
+        /// Time since frame 0, s.
+        time_s: f64,
+        /// Forward, m, sensor frame.
+        x: Vec<f32>,
+        /// Left, m.
+        y: Vec<f32>,
+        /// Up, m.
+        z: Vec<f32>,
+        /// Returned intensity, 0 to 1.
+        intensity: Vec<f32>,
+        /// Beam number, 0 is the highest.
+        ring: Vec<u16>,
+        /// Seconds after the frame's time at which the ray was fired (0: all rays of a sweep at once).
+        time_offset_s: Vec<f32>,
+        /// Object id of what was hit.
+        id: Vec<u16>,
+        /// Semantic tag of what was hit.
+        tag: Vec<u8>,
+    }
+}
+
+table! {
+    /// Sweeps of one semantic lidar: no loss, no noise.
+    SemanticLidarRow in "sensors/{agent}/SEG-LIDAR" {
+        /// Frame number.
+        frame: u32,
+        /// Time since frame 0, s.
+        time_s: f64,
+        /// Forward, m, sensor frame.
+        x: Vec<f32>,
+        /// Left, m.
+        y: Vec<f32>,
+        /// Up, m.
+        z: Vec<f32>,
+        /// Cosine of the angle between ray and surface normal, 0 to 1.
+        cos_angle: Vec<f32>,
+        /// Object id of what was hit.
+        id: Vec<u16>,
+        /// Semantic tag of what was hit.
+        tag: Vec<u8>,
+    }
+}
+
+table! {
+    /// Returns of one radar.
+    RadarRow in "sensors/{agent}/RAD_*" {
+        /// Frame number.
+        frame: u32,
+        /// Time since frame 0, s.
+        time_s: f64,
+        /// Distance, m.
+        depth: Vec<f32>,
+        /// Angle above the sensor's horizon, rad.
+        altitude: Vec<f32>,
+        /// Angle to the left of the sensor's axis, rad.
+        azimuth: Vec<f32>,
+        /// Radial velocity of the target relative to the sensor, m/s, positive receding.
+        velocity: Vec<f32>,
+        /// Object id of what was hit.
+        id: Vec<u16>,
+        /// Semantic tag of what was hit.
+        tag: Vec<u8>,
+    }
+}
+
+table! {
+    /// Fixes of the GNSS receiver, noise included: spherical Mercator about the map's origin.
+    GnssRow in "sensors/{agent}/GNSS" {
+        /// Frame number.
+        frame: u32,
+        /// Time since frame 0, s.
+        time_s: f64,
+        /// Latitude, degrees.
+        latitude_deg: f64,
+        /// Longitude, degrees.
+        longitude_deg: f64,
+        /// Altitude, m.
+        altitude_m: f64,
+    }
+}
+
+table! {
+    /// Readings of the IMU, noise included, in its body frame (FLU).
+    ImuRow in "sensors/{agent}/IMU" {
+        /// Frame number.
+        frame: u32,
+        /// Time since frame 0, s.
+        time_s: f64,
+        /// Specific force x, y, z, m/s2 (at rest z is +9.81).
+        acceleration_mps2: [f64; 3],
+        /// Angular velocity about x, y, z, rad/s.
+        gyroscope_radps: [f64; 3],
+        /// Heading, rad clockwise from north (+y of the world), 0 to 2 pi.
+        compass_rad: f64,
+    }
+}
