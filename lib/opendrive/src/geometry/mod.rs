@@ -1,0 +1,9 @@
+//! The curves of OpenDRIVE: cubics of s, the reference line in plan, and the road surface built on them.
+
+mod cubic;
+mod plan;
+mod surface;
+
+pub(crate) use cubic::{record_at, value_and_slope};
+pub(crate) use plan::Plan;
+pub(crate) use surface::{RoadFrame, Surface};

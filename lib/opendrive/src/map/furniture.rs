@@ -1,0 +1,199 @@
+//! Objects and crosswalks in the world.
+
+use frames::{Object as ObjectFrame, Pose, World};
+use nalgebra::{Point3, Vector3};
+
+use super::{Crosswalk, Map, ObjectInfo, OutlineInfo};
+use crate::geometry::Surface;
+use crate::model::{Corner, Object, Outline, Repeat};
+
+/// Most copies that one row is written out to.
+const MAX_COPIES: f64 = 10_000.0;
+/// Sampling step of a continuous row, metres.
+const ROW_STEP_M: f64 = 2.0;
+/// Painted corners take the height of lane surfaces that end nearer than this, metres.
+const NEAR_M: f64 = 2.0;
+/// Corners nearer than this are one.
+const SAME_CORNER_M: f64 = 1e-3;
+
+impl Map {
+    /// Gives a point the height of the lane surface at or beside it, if there is one near.
+    fn lay_down(&self, point: &mut Point3<f64>) {
+        let Some(hit) = self.nearest_lane(*point, |_| true) else { return };
+        if hit.t_m.abs() > 0.5 * hit.width_m + NEAR_M || hit.distance_m > hit.width_m + NEAR_M {
+            return;
+        }
+        if let Some(place) = self.lane_point(hit.lane, hit.s, hit.t_m) {
+            point.z = place.position.z;
+        }
+    }
+
+    /// Places all objects, and picks out the crosswalks.
+    pub(super) fn build_objects(&mut self) {
+        for (r, road) in self.network.roads.iter().enumerate() {
+            let surface = &self.surfaces[r];
+            for (index, object) in road.objects.iter().enumerate() {
+                let first = self.objects.len();
+                if object.repeats.is_empty() {
+                    self.objects.push(placed(
+                        surface,
+                        r as u32,
+                        index,
+                        object,
+                        object.s,
+                        object.t,
+                        object.z_offset_m,
+                    ));
+                }
+                for repeat in &object.repeats {
+                    row(surface, r as u32, index, object, repeat, &mut self.objects);
+                }
+                for (i, info) in self.objects.iter().enumerate().skip(first) {
+                    if let Some(mut crosswalk) = crosswalk(i, info, object) {
+                        crosswalk.polygon.iter_mut().for_each(|corner| self.lay_down(corner));
+                        self.crosswalks.push(crosswalk);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// An object as a crosswalk, if it is one: by its type, or by its name where the type says nothing. A ring of at
+/// least three corners is asked for, as stop lines beside crosswalks carry the word in their name, too.
+///
+/// The corners are those of the level object: exporters disagree about the sign of a painted area's tilt, and the
+/// surface under it is known.
+fn crosswalk(index: usize, info: &ObjectInfo, object: &Object) -> Option<Crosswalk> {
+    let typed = info.kind.eq_ignore_ascii_case("crosswalk");
+    if !typed && !info.name.to_ascii_lowercase().contains("crosswalk") {
+        return None;
+    }
+    let level =
+        Pose::<ObjectFrame, ObjectFrame>::from_xyz_rpy([0.0; 3], [object.roll_rad, object.pitch_rad, 0.0]);
+    let pose = info.pose * level.inverse();
+    let local = object.outlines.iter().zip(&info.outlines).find(|(_, o)| o.closed && o.base.len() >= 3);
+    let ring = local.map(|(corners, placed)| {
+        let level = corners.corners.iter().zip(&placed.base).map(|(corner, placed)| match *corner {
+            Corner::Local { u_m, v_m, z_m, .. } => pose * Point3::new(u_m, v_m, z_m),
+            Corner::Road { .. } => *placed,
+        });
+        level.collect()
+    });
+    let polygon = ring.or_else(|| {
+        let (half_length, half_width) = (0.5 * info.size_m.x, 0.5 * info.size_m.y);
+        let sized = typed && half_length > 0.0 && half_width > 0.0;
+        sized.then(|| {
+            [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]
+                .map(|(x, y)| pose * Point3::new(x * half_length, y * half_width, 0.0))
+                .to_vec()
+        })
+    })?;
+    Some(Crosswalk { object: index, id: info.id.clone(), road: info.road, s: info.s, polygon })
+}
+
+fn placed(
+    surface: &Surface,
+    road: u32,
+    index: usize,
+    object: &Object,
+    s: f64,
+    t: f64,
+    up_m: f64,
+) -> ObjectInfo {
+    let mut at = surface.point(s, t);
+    at.z += up_m;
+    let tangent = surface.frame(s).tangent;
+    let heading = frames::math::atan2(tangent.y, tangent.x) + object.hdg_rad;
+    let pose = Pose::from_xyz_rpy(at.coords.into(), [object.roll_rad, object.pitch_rad, heading]);
+    let round = object.radius_m.map(|r| 2.0 * r);
+    let or_zero = |value: Option<f64>| value.unwrap_or(0.0).max(0.0);
+    ObjectInfo {
+        id: object.id.clone(),
+        name: object.name.clone(),
+        kind: object.kind.clone(),
+        road,
+        index,
+        s,
+        t,
+        pose,
+        size_m: Vector3::new(
+            or_zero(object.length_m.or(round)),
+            or_zero(object.width_m.or(round)),
+            or_zero(object.height_m),
+        ),
+        orientation: object.orientation,
+        outlines: object.outlines.iter().map(|o| outline(surface, &pose, o)).collect(),
+    }
+}
+
+/// Corners in the world. Road coordinates count from the reference line, without lane offset.
+fn outline(surface: &Surface, pose: &Pose<World, ObjectFrame>, outline: &Outline) -> OutlineInfo {
+    let mut info = OutlineInfo { closed: outline.closed, ..OutlineInfo::default() };
+    for corner in &outline.corners {
+        let (point, height) = match *corner {
+            Corner::Local { u_m, v_m, z_m, height_m } => (*pose * Point3::new(u_m, v_m, z_m), height_m),
+            Corner::Road { s, t, dz_m, height_m } => {
+                let mut point = surface.point(s, t);
+                point.z += dz_m;
+                (point, height_m)
+            }
+        };
+        info.base.push(point);
+        info.height_m.push(height);
+    }
+    if let [first, .., last] = info.base[..]
+        && info.base.len() > 2
+        && (first - last).norm() < SAME_CORNER_M
+    {
+        info.base.pop();
+        info.height_m.pop();
+        info.closed = true;
+    }
+    info
+}
+
+/// A row of copies; one without spacing becomes a single object whose outline follows the row.
+fn row(
+    surface: &Surface,
+    road: u32,
+    index: usize,
+    object: &Object,
+    repeat: &Repeat,
+    found: &mut Vec<ObjectInfo>,
+) {
+    let mix = |pair: [f64; 2], part: f64| pair[0] + (pair[1] - pair[0]) * part;
+    let continuous = repeat.distance_m <= 0.0;
+    let step = if continuous { ROW_STEP_M } else { repeat.distance_m };
+    let length = repeat.length_m.max(0.0);
+    let count = (length / step).floor().clamp(0.0, MAX_COPIES) as usize;
+    let mut offsets: Vec<f64> = (0..=count).map(|i| i as f64 * step).collect();
+    if continuous && length > count as f64 * step {
+        offsets.push(length);
+    }
+    let mut chain = OutlineInfo::default();
+    for d in offsets {
+        let part = if length > 0.0 { (d / length).min(1.0) } else { 0.0 };
+        let (s, t, up) = (repeat.s + d, mix(repeat.t_m, part), mix(repeat.z_offset_m, part));
+        let height = repeat.height_m.map_or(object.height_m.unwrap_or(0.0), |h| mix(h, part));
+        if continuous {
+            let mut point = surface.point(s, t);
+            point.z += up;
+            chain.base.push(point);
+            chain.height_m.push(height);
+        } else {
+            let mut copy = placed(surface, road, index, object, s, t, up);
+            copy.size_m.z = height;
+            copy.size_m.y = repeat.width_m.map_or(copy.size_m.y, |w| mix(w, part));
+            found.push(copy);
+        }
+    }
+    if continuous {
+        let mut whole = placed(surface, road, index, object, repeat.s, repeat.t_m[0], repeat.z_offset_m[0]);
+        whole.size_m.z = repeat.height_m.map_or(whole.size_m.z, |h| h[0].max(h[1]));
+        whole.size_m.y = repeat.width_m.map_or(whole.size_m.y, |w| w[0].max(w[1]));
+        whole.size_m.x = length;
+        whole.outlines = vec![chain];
+        found.push(whole);
+    }
+}
