@@ -1,0 +1,60 @@
+//! What a camera sees, per pixel.
+
+use crate::camera::PinholeCamera;
+use crate::scene::Scene;
+use crate::surface::{SurfacePoint, Surfaces};
+
+/// In [`VisibilityBuffer::instance`] and [`VisibilityBuffer::triangle`]: nothing is seen here.
+pub const SKY: u32 = u32::MAX;
+
+/// Which surface each pixel's centre sees; rows from the top, row-major.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VisibilityBuffer {
+    /// The camera that saw it.
+    pub camera: PinholeCamera,
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Index into the snapshot's instances, or [`SKY`].
+    pub instance: Vec<u32>,
+    /// Index into the triangles of that instance's mesh, or [`SKY`].
+    pub triangle: Vec<u32>,
+    /// Planar depth along the optical axis, metres; infinite for sky.
+    pub depth_m: Vec<f32>,
+}
+
+impl VisibilityBuffer {
+    /// A picture of the sky alone.
+    #[must_use]
+    pub fn empty(camera: &PinholeCamera) -> Self {
+        let pixels = camera.width as usize * camera.height as usize;
+        Self {
+            camera: *camera,
+            width: camera.width,
+            height: camera.height,
+            instance: vec![SKY; pixels],
+            triangle: vec![SKY; pixels],
+            depth_m: vec![f32::INFINITY; pixels],
+        }
+    }
+
+    /// Index of a pixel in the three lists.
+    #[must_use]
+    pub fn index(&self, x: u32, y: u32) -> usize {
+        y as usize * self.width as usize + x as usize
+    }
+
+    /// Prepares the reading of surface points; `scene` must be the one that was seen.
+    #[must_use]
+    pub fn surfaces<'a>(&'a self, scene: &'a Scene<'a>) -> Surfaces<'a> {
+        Surfaces::new(self, scene)
+    }
+
+    /// The surface point at the centre of one pixel, `None` for sky. For many pixels, prepare
+    /// [`VisibilityBuffer::surfaces`] once.
+    #[must_use]
+    pub fn surface<'a>(&self, scene: &'a Scene<'_>, x: u32, y: u32) -> Option<SurfacePoint<'a>> {
+        crate::surface::single(self, scene, x, y)
+    }
+}

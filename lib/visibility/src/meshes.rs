@@ -1,0 +1,107 @@
+//! Per-mesh data that both renderers read, built once for a scene.
+
+use std::sync::Arc;
+
+use frames::Aabb;
+use glam::Vec3;
+use rayon::prelude::*;
+use schema::geometry::TriMesh;
+
+use crate::bvh::{Bvh, THOROUGH};
+
+/// Triangles a block.
+pub(crate) const BLOCK: usize = 8;
+
+/// Corners of eight triangles, `[corner][axis][lane]`, so that a vector register holds one coordinate of all.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Block(pub(crate) [[[f32; BLOCK]; 3]; 3]);
+
+/// One mesh, ready to be looked at.
+#[derive(Debug)]
+pub(crate) struct MeshData {
+    /// The mesh itself.
+    pub(crate) source: Arc<TriMesh>,
+    /// Tree over the triangles of non-zero area; [`Bvh::order`] maps slots of `blocks` to triangles.
+    pub(crate) bvh: Bvh,
+    /// Corners in the tree's order, slot `i` in lane `i % BLOCK` of block `i / BLOCK`.
+    pub(crate) blocks: Vec<Block>,
+    /// Around those triangles.
+    pub(crate) aabb: Aabb,
+}
+
+impl MeshData {
+    fn build(source: &Arc<TriMesh>) -> Self {
+        let visible: Vec<u32> = (0..source.triangles.len())
+            .filter(|&t| {
+                let [a, b, c] = source.corners(t);
+                // Also false for numbers that are not finite: they make the area NaN or infinite.
+                let area = (b - a).cross(c - a).length_squared();
+                area > 0.0 && area.is_finite() && a.is_finite()
+            })
+            .map(|t| t as u32)
+            .collect();
+        let boxes: Vec<Aabb> =
+            visible.iter().map(|&t| Aabb::from_points(&source.corners(t as usize))).collect();
+        let mut bvh = Bvh::build(&boxes, THOROUGH);
+        for slot in &mut bvh.order {
+            *slot = visible[*slot as usize];
+        }
+        let mut blocks = vec![Block([[[0.0; BLOCK]; 3]; 3]); bvh.order.len().div_ceil(BLOCK)];
+        for (slot, &triangle) in bvh.order.iter().enumerate() {
+            let block = &mut blocks[slot / BLOCK].0;
+            for (corner, position) in block.iter_mut().zip(source.corners(triangle as usize)) {
+                for (axis, value) in corner.iter_mut().zip(position.to_array()) {
+                    axis[slot % BLOCK] = value;
+                }
+            }
+        }
+        let aabb = boxes.iter().fold(Aabb::EMPTY, |all, b| all.union(*b));
+        Self { source: Arc::clone(source), bvh, blocks, aabb }
+    }
+
+    /// The corners of the triangle in a slot.
+    #[inline]
+    pub(crate) fn corners(&self, slot: u32) -> [Vec3; 3] {
+        let lane = slot as usize % BLOCK;
+        self.blocks[slot as usize / BLOCK].0.map(|[x, y, z]| Vec3::new(x[lane], y[lane], z[lane]))
+    }
+}
+
+/// The meshes of a scene with their search trees: built once, shared by all frames, agents and threads.
+///
+/// Cloning shares the data.
+#[derive(Clone, Debug, Default)]
+pub struct Meshes {
+    data: Vec<Arc<MeshData>>,
+}
+
+impl Meshes {
+    /// Prepares meshes, in parallel; the order is kept.
+    #[must_use]
+    pub fn build(meshes: &[Arc<TriMesh>]) -> Self {
+        let mut all = Self::default();
+        all.extend(meshes);
+        all
+    }
+
+    /// Prepares more meshes, which take the next indices.
+    pub fn extend(&mut self, more: &[Arc<TriMesh>]) {
+        self.data.par_extend(more.par_iter().map(|mesh| Arc::new(MeshData::build(mesh))));
+    }
+
+    /// How many meshes there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.data.len()
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.data.is_empty()
+    }
+
+    pub(crate) fn get(&self, mesh: u32) -> Option<&MeshData> {
+        self.data.get(mesh as usize).map(Arc::as_ref)
+    }
+}

@@ -1,0 +1,176 @@
+//! Small worlds for the tests.
+#![allow(dead_code)] // Each test binary uses its share.
+
+use std::sync::Arc;
+
+use frames::LocalOrigin;
+use glam::{Affine3A, Mat3, Quat, Vec3};
+use random::Stream;
+use schema::Tag;
+use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
+use visibility::{Hit, PinholeCamera, Ray};
+
+pub(crate) fn stream(topic: &str, number: u64) -> Stream {
+    Stream::new(5, 0, topic, number)
+}
+
+pub(crate) fn uniform(stream: &mut Stream, low: f32, high: f32) -> f32 {
+    stream.uniform(low.into(), high.into()) as f32
+}
+
+pub(crate) fn point(stream: &mut Stream, size: f32) -> Vec3 {
+    Vec3::from_array(std::array::from_fn(|_| uniform(stream, -size, size)))
+}
+
+pub(crate) fn unit(stream: &mut Stream) -> Vec3 {
+    loop {
+        let p = point(stream, 1.0);
+        if (0.01..1.0).contains(&p.length_squared()) {
+            return p.normalize();
+        }
+    }
+}
+
+pub(crate) fn pose(stream: &mut Stream, size: f32) -> Affine3A {
+    let q: [f32; 4] = std::array::from_fn(|_| uniform(stream, -1.0, 1.0));
+    let rotation = Quat::from_xyzw(q[0], q[1], q[2], q[3] + 2.0).normalize();
+    Affine3A::from_rotation_translation(rotation, point(stream, size))
+}
+
+pub(crate) fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Arc<TriMesh> {
+    let part = Part { tag: Tag::Building, surface: Surface::Plain, rgb: [0.5; 3] };
+    Arc::new(TriMesh { triangle_part: vec![0; triangles.len()], positions, triangles, parts: vec![part] })
+}
+
+/// Unconnected triangles.
+pub(crate) fn soup(stream: &mut Stream, count: usize, spread: f32, size: f32) -> Arc<TriMesh> {
+    let mut positions = Vec::new();
+    for _ in 0..count {
+        let centre = point(stream, spread);
+        positions.extend((0..3).map(|_| centre + point(stream, size)));
+    }
+    let triangles = (0..count as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    mesh(positions, triangles)
+}
+
+/// A closed, lumpy ball of `2 * rings * sectors` triangles.
+pub(crate) fn ball(stream: &mut Stream, rings: u32, sectors: u32, radius: f32) -> Arc<TriMesh> {
+    let mut positions = vec![Vec3::Z * radius, -Vec3::Z * radius];
+    for ring in 1..=rings {
+        for sector in 0..sectors {
+            let (s, c) = frames::math::f32::sin_cos(std::f32::consts::PI * ring as f32 / (rings + 1) as f32);
+            let (y, x) = frames::math::f32::sin_cos(std::f32::consts::TAU * sector as f32 / sectors as f32);
+            positions.push(Vec3::new(s * x, s * y, c) * (radius * uniform(stream, 0.9, 1.1)));
+        }
+    }
+    let at = |ring: u32, sector: u32| 2 + ring * sectors + sector % sectors;
+    let mut triangles = Vec::new();
+    for s in 0..sectors {
+        triangles.push([0, at(0, s), at(0, s + 1)]);
+        triangles.push([1, at(rings - 1, s + 1), at(rings - 1, s)]);
+        for r in 1..rings {
+            triangles.push([at(r - 1, s), at(r, s), at(r, s + 1)]);
+            triangles.push([at(r - 1, s), at(r, s + 1), at(r - 1, s + 1)]);
+        }
+    }
+    mesh(positions, triangles)
+}
+
+/// A flat grid of `2 * n * n` triangles in z = 0.
+pub(crate) fn floor(n: u32, size: f32) -> Arc<TriMesh> {
+    let step = 2.0 * size / n as f32;
+    let positions = (0..=n)
+        .flat_map(|i| (0..=n).map(move |j| Vec3::new(i as f32 * step - size, j as f32 * step - size, 0.0)))
+        .collect();
+    let triangles = (0..n)
+        .flat_map(|i| (0..n).map(move |j| i * (n + 1) + j))
+        .flat_map(|k| [[k, k + n + 1, k + n + 2], [k, k + n + 2, k + 1]])
+        .collect();
+    mesh(positions, triangles)
+}
+
+pub(crate) fn instance(mesh: u32, object: u16, pose: Affine3A) -> Instance {
+    Instance {
+        mesh,
+        object,
+        local_from_object: pose,
+        previous_local_from_object: pose,
+        paint: [0.5; 3],
+        lights: 0,
+    }
+}
+
+pub(crate) fn snapshot(meshes: Vec<Arc<TriMesh>>, instances: Vec<Instance>) -> Snapshot {
+    Snapshot { origin: LocalOrigin::near([0.0; 3]), meshes: meshes.into(), instances }
+}
+
+/// Floor, balls and loose triangles around the origin.
+pub(crate) fn world(number: u64) -> Snapshot {
+    let mut s = stream("world", number);
+    let meshes = vec![
+        floor(12, 40.0),
+        ball(&mut s, 7, 12, 1.5),
+        ball(&mut s, 20, 30, 4.0),
+        soup(&mut s, 60, 6.0, 2.0),
+    ];
+    let floor_pose = Affine3A::from_translation(Vec3::new(0.0, 0.0, -2.0));
+    let mut instances = vec![instance(0, 1, floor_pose)];
+    for i in 0..60 {
+        instances.push(instance(1 + i % 3, 2 + i as u16, pose(&mut s, 30.0)));
+    }
+    snapshot(meshes, instances)
+}
+
+/// A camera at a place that looks along a direction.
+pub(crate) fn look(from: Vec3, along: Vec3, width: u32, height: u32, fov_rad: f32) -> PinholeCamera {
+    let forward = along.normalize();
+    let right = forward.cross(Vec3::Z).normalize();
+    let rotation = Mat3::from_cols(right, forward.cross(right), forward);
+    let pose = Affine3A { matrix3: rotation.into(), translation: from.into() };
+    PinholeCamera::centred(pose, width, height, fov_rad)
+}
+
+/// Closest hit by trying every triangle: Moeller and Trumbore, "Fast, minimum storage ray-triangle intersection"
+/// (1997), in double precision.
+pub(crate) fn brute_force(snapshot: &Snapshot, ray: &Ray) -> Option<Hit> {
+    let mut best: Option<(f64, Hit)> = None;
+    let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+    for (number, instance) in snapshot.instances.iter().enumerate() {
+        let rotation = Mat3::from(instance.local_from_object.matrix3).as_dmat3();
+        let shift = instance.local_from_object.translation.as_dvec3();
+        let source = snapshot.mesh(instance);
+        for triangle in 0..source.triangles.len() {
+            let [a, b, c] = source.corners(triangle).map(|p| rotation * p.as_dvec3() + shift);
+            let (e1, e2) = (b - a, c - a);
+            let p = direction.cross(e2);
+            let determinant = e1.dot(p);
+            if determinant == 0.0 {
+                continue;
+            }
+            let from_a = origin - a;
+            let u = from_a.dot(p) / determinant;
+            let q = from_a.cross(e1);
+            let v = direction.dot(q) / determinant;
+            let t = e2.dot(q) / determinant;
+            if u < 0.0 || v < 0.0 || u + v > 1.0 || t < ray.t_min.into() || t > ray.t_max.into() {
+                continue;
+            }
+            if best.is_none_or(|(other, _)| t < other) {
+                let hit = Hit {
+                    t: t as f32,
+                    instance: number as u32,
+                    triangle: triangle as u32,
+                    u: u as f32,
+                    v: v as f32,
+                };
+                best = Some((t, hit));
+            }
+        }
+    }
+    best.map(|(_, hit)| hit)
+}
+
+/// How far, in barycentric weight, a hit is from its triangle's nearest edge.
+pub(crate) fn edge_weight(hit: &Hit) -> f32 {
+    hit.u.min(hit.v).min(1.0 - hit.u - hit.v)
+}

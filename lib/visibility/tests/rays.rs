@@ -1,0 +1,199 @@
+//! The ray tracer against brute force and closed forms.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::*;
+use glam::{Affine3A, Vec3};
+use proptest::prelude::*;
+use visibility::{Hit, Meshes, Ray, Scene};
+
+fn ray(origin: Vec3, direction: Vec3) -> Ray {
+    Ray { origin, direction, t_min: 0.0, t_max: 200.0 }
+}
+
+/// Whether two answers may differ: one is at an edge, or they are at the same place.
+fn agree(ours: Option<Hit>, theirs: Option<Hit>) -> bool {
+    let edge = |hit: &Option<Hit>| hit.as_ref().is_some_and(|h| edge_weight(h) < 1e-4);
+    match (ours, theirs) {
+        (None, None) => true,
+        (Some(a), Some(b)) if (a.t - b.t).abs() <= 1e-4 * b.t.max(1.0) => {
+            (a.instance, a.triangle) != (b.instance, b.triangle)
+                || ((a.u - b.u).abs() < 2e-3 && (a.v - b.v).abs() < 2e-3)
+        }
+        (a, b) => edge(&a) || edge(&b),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn rays_find_what_brute_force_finds(number in 0u64..1000) {
+        let world = world(number);
+        let meshes = Meshes::build(&world.meshes);
+        let scene = Scene::new(&meshes, &world);
+        let mut s = stream("rays", number);
+        let mut hits = 0;
+        for _ in 0..24 {
+            let ray = ray(point(&mut s, 30.0), unit(&mut s));
+            let (ours, theirs) = (scene.trace(&ray), brute_force(&world, &ray));
+            prop_assert!(agree(ours, theirs), "{ray:?}: {ours:?} {theirs:?}");
+            prop_assert_eq!(scene.occluded(&ray), ours.is_some());
+            hits += usize::from(ours.is_some());
+        }
+        prop_assert!(hits > 2);
+    }
+
+    #[test]
+    fn packets_are_single_rays_bit_for_bit(number in 0u64..1000, count in 0usize..70) {
+        let world = world(number);
+        let meshes = Meshes::build(&world.meshes);
+        let scene = Scene::new(&meshes, &world);
+        let mut s = stream("packets", number);
+        let origin = point(&mut s, 20.0);
+        let towards = unit(&mut s);
+        let directions: Vec<Vec3> =
+            (0..count).map(|_| (towards + unit(&mut s) * 0.3).normalize()).collect();
+        let mut out = vec![None; count];
+        scene.trace_packet_shared_origin(origin, &directions, 0.5, 80.0, &mut out);
+        for (direction, packet) in directions.iter().zip(&out) {
+            let single = scene.trace(&Ray { origin, direction: *direction, t_min: 0.5, t_max: 80.0 });
+            let bits = |h: &Option<Hit>| h.map(|h| {
+                (h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.instance, h.triangle)
+            });
+            prop_assert_eq!(bits(packet), bits(&single));
+        }
+    }
+}
+
+#[test]
+fn a_floor_is_hit_at_the_closed_form_distance() {
+    let world = snapshot(vec![floor(8, 50.0)], vec![instance(0, 1, Affine3A::IDENTITY)]);
+    let meshes = Meshes::build(&world.meshes);
+    let scene = Scene::new(&meshes, &world);
+    let mut s = stream("floor", 0);
+    for _ in 0..500 {
+        let origin =
+            Vec3::new(uniform(&mut s, -9.0, 9.0), uniform(&mut s, -9.0, 9.0), uniform(&mut s, 1.0, 9.0));
+        let target = Vec3::new(uniform(&mut s, -45.0, 45.0), uniform(&mut s, -45.0, 45.0), 0.0);
+        let direction = (target - origin).normalize();
+        let hit = scene.trace(&ray(origin, direction)).unwrap();
+        let expected = (target - origin).length();
+        assert!((hit.t - expected).abs() < 1e-5 * expected * (expected / origin.z), "{hit:?} {expected}");
+        assert!(scene.trace(&ray(origin, -direction)).is_none());
+        let short = Ray { t_max: expected * 0.99, ..ray(origin, direction) };
+        assert!(scene.trace(&short).is_none() && !scene.occluded(&short));
+        let late = Ray { t_min: expected * 1.01, ..ray(origin, direction) };
+        assert!(scene.trace(&late).is_none() && !scene.occluded(&late));
+    }
+}
+
+#[test]
+fn nothing_leaks_between_neighbours() {
+    // From inside a closed ball every ray must hit, also those aimed exactly at edges and corners.
+    let mut s = stream("leaks", 0);
+    let meshes = vec![ball(&mut s, 20, 30, 4.0)];
+    let place = pose(&mut s, 60.0);
+    let world = snapshot(meshes, vec![instance(0, 1, place)]);
+    let prepared = Meshes::build(&world.meshes);
+    let scene = Scene::new(&prepared, &world);
+    let source = &world.meshes[0];
+    let origin = place.transform_point3(Vec3::new(0.3, -0.2, 0.1));
+    let mut directions = Vec::new();
+    for triangle in 0..source.triangles.len() {
+        let corners = source.corners(triangle);
+        for k in 0..3 {
+            let (a, b) = (corners[k], corners[(k + 1) % 3]);
+            for share in [0.0, 0.25, 0.5, uniform(&mut s, 0.0, 1.0)] {
+                directions.push((place.transform_point3(a.lerp(b, share)) - origin).normalize());
+            }
+        }
+    }
+    directions.extend((0..20_000).map(|_| unit(&mut s)));
+    let mut out = vec![None; directions.len()];
+    scene.trace_packet_shared_origin(origin, &directions, 0.0, f32::INFINITY, &mut out);
+    let leaks = out.iter().filter(|h| h.is_none()).count();
+    assert_eq!(leaks, 0, "of {}", out.len());
+}
+
+#[test]
+fn rays_within_planes_and_along_axes_are_safe() {
+    // The floor's box has no height, and the rays run within its plane or along its grid lines.
+    let world = snapshot(vec![floor(4, 2.0)], vec![instance(0, 1, Affine3A::IDENTITY)]);
+    let meshes = Meshes::build(&world.meshes);
+    let scene = Scene::new(&meshes, &world);
+    for direction in [Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, 0.8, 0.0)] {
+        let within = scene.trace(&ray(Vec3::new(-5.0, 0.0, 0.0), direction));
+        assert!(within.is_none_or(|h| h.t.is_finite()));
+    }
+    // Straight down onto a corner that six triangles share, and onto the outermost corner.
+    for (x, y) in [(0.0, 0.0), (1.0, -1.0), (2.0, 2.0), (-2.0, 0.5)] {
+        let hit = scene.trace(&ray(Vec3::new(x, y, 3.0), Vec3::NEG_Z)).unwrap();
+        assert_eq!(hit.t, 3.0);
+    }
+}
+
+#[test]
+fn the_smaller_number_wins_ties() {
+    let twice = {
+        let one = floor(1, 5.0);
+        let mut triangles = one.triangles.clone();
+        triangles.extend(&one.triangles);
+        mesh(one.positions.clone(), triangles)
+    };
+    for order in [[0u32, 1], [1, 0]] {
+        let instances = order.map(|m| instance(m, 1, Affine3A::IDENTITY)).to_vec();
+        let world = snapshot(vec![floor(1, 5.0), twice.clone()], instances);
+        let meshes = Meshes::build(&world.meshes);
+        let scene = Scene::new(&meshes, &world);
+        let hit = scene.trace(&ray(Vec3::new(1.0, 2.0, 4.0), Vec3::NEG_Z)).unwrap();
+        assert!(hit.instance == 0 && hit.triangle < 2, "{hit:?}");
+    }
+}
+
+#[test]
+fn degenerate_and_absent_things_are_not_seen() {
+    let a = Vec3::new(0.0, 0.0, 1.0);
+    let flat = mesh(
+        vec![a, a, a + Vec3::X, a + 2.0 * Vec3::X, Vec3::new(f32::NAN, 0.0, 1.0)],
+        vec![[0, 1, 2], [0, 2, 3], [0, 0, 0], [0, 2, 4]],
+    );
+    let lost = Affine3A::from_translation(Vec3::splat(f32::NAN));
+    let world = snapshot(
+        vec![flat, mesh(vec![], vec![]), floor(2, 3.0)],
+        vec![
+            instance(0, 1, Affine3A::IDENTITY),
+            instance(1, 2, Affine3A::IDENTITY),
+            instance(2, 3, lost),
+            instance(2, 4, Affine3A::IDENTITY),
+        ],
+    );
+    let meshes = Meshes::build(&world.meshes);
+    let scene = Scene::new(&meshes, &world);
+    for x in [-1.0, 0.0, 0.5, 1.5] {
+        let hit = scene.trace(&ray(Vec3::new(x, 0.0, 3.0), Vec3::NEG_Z)).unwrap();
+        assert_eq!((hit.instance, hit.t), (3, 3.0));
+    }
+    let nothing = snapshot(vec![], vec![]);
+    let meshes = Meshes::build(&nothing.meshes);
+    let scene = Scene::new(&meshes, &nothing);
+    assert!(meshes.is_empty());
+    assert_eq!(scene.trace(&ray(Vec3::ZERO, Vec3::X)), None);
+    assert!(!scene.occluded(&ray(Vec3::ZERO, Vec3::X)));
+    assert_eq!(scene.trace(&ray(Vec3::ZERO, Vec3::splat(f32::NAN))), None);
+}
+
+#[test]
+fn meshes_can_be_appended() {
+    let world = snapshot(
+        vec![floor(1, 5.0), floor(2, 5.0)],
+        vec![instance(1, 1, Affine3A::IDENTITY), instance(0, 2, Affine3A::from_translation(Vec3::Z))],
+    );
+    let mut meshes = Meshes::build(&world.meshes[..1]);
+    meshes.extend(&world.meshes[1..]);
+    assert_eq!(meshes.len(), 2);
+    let scene = Scene::new(&meshes, &world);
+    assert_eq!(scene.trace(&ray(Vec3::new(0.5, 1.0, 5.0), Vec3::NEG_Z)).unwrap().instance, 1);
+    assert_eq!(scene.trace(&ray(Vec3::new(0.5, 1.0, -5.0), Vec3::Z)).unwrap().instance, 0);
+}
