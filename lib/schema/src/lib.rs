@@ -8,6 +8,7 @@ pub mod bev;
 pub mod class;
 pub mod geometry;
 pub mod lights;
+pub mod measures;
 pub mod models;
 pub mod scene_info;
 pub mod settings;

@@ -10,7 +10,7 @@ mod weather;
 pub use labels::{AgentRow, BoxRow, HdMapRow, TrackFrameRow, TrackRow, ValidBoxRow};
 pub use log::{ActorRow, FrameRow, SignalRow, StateRow};
 pub use plan::{PlanAgentRow, PlanSceneRow};
-pub use sensor::{CameraRow, FlowRow, GnssRow, ImuRow, LidarRow, RadarRow, SemanticLidarRow};
+pub use sensor::{CameraRow, FlowRow, GnssRow, ImuRow, LidarRow, RadarRow, SemanticLidarRow, VisibleRow};
 pub use stats::PartialRow;
 pub use weather::Weather;
 
@@ -52,6 +52,7 @@ pub fn all() -> Vec<TableDoc> {
         describe::<RadarRow>(),
         describe::<GnssRow>(),
         describe::<ImuRow>(),
+        describe::<VisibleRow>(),
         describe::<ValidBoxRow>(),
         describe::<TrackRow>(),
         describe::<TrackFrameRow>(),

@@ -134,3 +134,15 @@ table! {
         compass_rad: f64,
     }
 }
+
+table! {
+    /// Objects in an agent's instance images, all cameras together: one row per frame and object.
+    VisibleRow in "sensors/{agent}/visible" {
+        /// Frame number.
+        frame: u32,
+        /// Object id.
+        id: u16,
+        /// Its pixels.
+        pixels: u32,
+    }
+}

@@ -1,0 +1,68 @@
+//! Tables over BEV masks and voxel grids.
+
+use schema::{BevClass, Tag, measures};
+
+use super::{classes_in_order, percent, ratio};
+use crate::counts::Counts;
+use crate::table::{Section, Table};
+
+pub(super) fn bev(counts: &Counts, cells_per_grid: u64) -> Table {
+    let known = BevClass::ALL.map(BevClass::name);
+    let grids = counts.total(measures::BEV_GRIDS);
+    let mut rows: Vec<(&str, u64)> = Vec::new();
+    if counts.has(measures::BEV_CELLS) {
+        let classes = classes_in_order(counts, &[measures::BEV_CELLS], &known);
+        rows.extend(classes.into_iter().map(|class| (class, counts.of(measures::BEV_CELLS, class))));
+        rows.push(("total", counts.total(measures::BEV_CELLS)));
+    }
+    let all_cells = grids.saturating_mul(cells_per_grid);
+    let note =
+        "A cell with several labels counts for each of them, so the percentages need not add up to 100.";
+    Table::new("bev_cells", Section::Bev, "Cells by class", note)
+        .with_strings("class", rows.iter().map(|row| row.0))
+        .with_counts("cells", rows.iter().map(|row| row.1))
+        .with_numbers("mean_per_grid", 2, rows.iter().map(|row| ratio(row.1, grids)))
+        .with_numbers("percent_of_grid", 4, rows.iter().map(|row| percent(row.1, all_cells)))
+}
+
+/// Labels that occur, without free space.
+pub(super) fn occupancy(counts: &Counts) -> Table {
+    const FREE: &str = "unlabeled";
+    debug_assert_eq!(FREE, Tag::Unlabeled.name());
+    let known = Tag::ALL.map(Tag::name);
+    let both = [measures::VOXEL_CELLS, measures::VOXEL_CELLS_FILLED];
+    let grids = counts.total(measures::VOXEL_GRIDS);
+    let mut rows: Vec<(&str, u64, u64)> = classes_in_order(counts, &both, &known)
+        .into_iter()
+        .filter(|class| *class != FREE)
+        .map(|class| (class, counts.of(both[0], class), counts.of(both[1], class)))
+        .filter(|(_, unfilled, filled)| *unfilled > 0 || *filled > 0)
+        .collect();
+    if !rows.is_empty() {
+        let sum = |of: fn(&(&str, u64, u64)) -> u64| rows.iter().map(of).fold(0, u64::saturating_add);
+        let total = ("total", sum(|row| row.1), sum(|row| row.2));
+        rows.push(total);
+    }
+    let all_cells = both.map(|measure| counts.total(measure));
+    let note = "Free space is not counted. Filled: the inside of closed objects is labelled too.";
+    Table::new("voxel_cells", Section::Occupancy, "Cells by label", note)
+        .with_strings("label", rows.iter().map(|row| row.0))
+        .with_counts("unfilled", rows.iter().map(|row| row.1))
+        .with_counts("filled", rows.iter().map(|row| row.2))
+        // Without filled grids there is no ratio, rather than one of 0.
+        .with_numbers(
+            "filled_by_unfilled",
+            3,
+            rows.iter().map(|row| if counts.has(both[1]) { ratio(row.2, row.1) } else { None }),
+        )
+        .with_numbers("mean_per_grid", 1, rows.iter().map(|row| ratio(row.1, grids)))
+        .with_numbers(
+            "percent_of_grid",
+            4,
+            rows.iter().map(|row| {
+                // A share of the grid needs the free cells counted too.
+                let free = counts.of(both[0], FREE);
+                if free > 0 { percent(row.1, all_cells[0]) } else { None }
+            }),
+        )
+}

@@ -1,0 +1,123 @@
+//! Tables over scenes.
+
+use schema::scene_info::SceneInfo;
+
+use super::histogram::histogram;
+use crate::table::{Section, Table};
+
+/// Histograms over scenes, one table each.
+pub(crate) struct SceneHistogram {
+    pub(crate) table: &'static str,
+    pub(crate) title: &'static str,
+    width: u64,
+    overflow: Option<u64>,
+    value: fn(&SceneInfo) -> u64,
+}
+
+pub(crate) const SCENE_HISTOGRAMS: [SceneHistogram; 5] = [
+    SceneHistogram {
+        table: "scenes_by_vehicles",
+        title: "Data-collection vehicles",
+        width: 1,
+        overflow: None,
+        value: |scene| agents(scene, "vehicle_"),
+    },
+    SceneHistogram {
+        table: "scenes_by_rsus",
+        title: "Road-side units",
+        width: 1,
+        overflow: None,
+        value: |scene| agents(scene, "rsu_"),
+    },
+    SceneHistogram {
+        table: "scenes_by_duration",
+        title: "Duration (whole seconds)",
+        width: 1,
+        overflow: None,
+        // A half-frame's tolerance: 8 s written as 7.999999 are 8 s.
+        value: |scene| (scene.duration_s + 0.5 * schema::FRAME_PERIOD_S) as u64,
+    },
+    SceneHistogram {
+        table: "scenes_by_background_vehicles",
+        title: "Background vehicles",
+        width: 20,
+        overflow: Some(400),
+        value: |scene| scene.n_vehicles.into(),
+    },
+    SceneHistogram {
+        table: "scenes_by_pedestrians",
+        title: "Background pedestrians",
+        width: 20,
+        overflow: Some(400),
+        value: |scene| scene.n_walkers.into(),
+    },
+];
+
+fn agents(scene: &SceneInfo, prefix: &str) -> u64 {
+    scene.agents.iter().filter(|agent| agent.agent.starts_with(prefix)).count() as u64
+}
+
+pub(super) fn tables(scenes: &[&SceneInfo]) -> Vec<Table> {
+    let mut tables = vec![maps(scenes)];
+    for spec in SCENE_HISTOGRAMS {
+        let values: Vec<u64> = scenes.iter().map(|scene| (spec.value)(scene)).collect();
+        let bins = histogram(&values, spec.width, spec.overflow);
+        tables.push(
+            Table::new(spec.table, Section::Scenes, spec.title, "")
+                .with_strings("bin", bins.iter().map(|bin| bin.label.as_str()))
+                .with_counts("lower", bins.iter().map(|bin| bin.lower))
+                .with_counts("scenes", bins.iter().map(|bin| bin.count)),
+        );
+    }
+    tables.push(each_scene(scenes));
+    tables
+}
+
+/// Scenes of each map and split.
+fn maps(scenes: &[&SceneInfo]) -> Table {
+    let sorted = |name: fn(&SceneInfo) -> &str| {
+        let mut names: Vec<&str> = scenes.iter().map(|scene| name(scene)).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
+    };
+    let maps = sorted(|scene| &scene.map);
+    let known = ["train", "val", "test"];
+    let others = sorted(|scene| &scene.split).into_iter().filter(|split| !known.contains(split));
+    let splits: Vec<&str> = known.into_iter().chain(others).collect();
+
+    let count = |map: Option<&str>, split: Option<&str>| {
+        let matches = |scene: &&&SceneInfo| {
+            map.is_none_or(|map| scene.map == map) && split.is_none_or(|split| scene.split == split)
+        };
+        scenes.iter().filter(matches).count() as u64
+    };
+    // The last row is the sum, when there is anything to sum.
+    let total = (!maps.is_empty()).then_some(None);
+    let rows: Vec<Option<&str>> = maps.iter().copied().map(Some).chain(total).collect();
+    let mut table = Table::new("scenes_by_map", Section::Scenes, "Scenes by map and split", "")
+        .with_strings("map", rows.iter().map(|map| map.unwrap_or("total")));
+    for split in splits {
+        table = table.with_counts(split, rows.iter().map(|map| count(*map, Some(split))));
+    }
+    table.with_counts("total", rows.iter().map(|map| count(*map, None)))
+}
+
+/// One row a scene.
+fn each_scene(scenes: &[&SceneInfo]) -> Table {
+    Table::new("scenes", Section::Scenes, "Every scene", "")
+        .with_counts("scene", scenes.iter().map(|scene| scene.scene.into()))
+        .with_strings("split", scenes.iter().map(|scene| scene.split.as_str()))
+        .with_strings("map", scenes.iter().map(|scene| scene.map.as_str()))
+        .with_numbers("duration_s", 2, scenes.iter().map(|scene| Some(scene.duration_s)))
+        .with_counts("frames", scenes.iter().map(|scene| scene.frames.into()))
+        .with_counts("vehicles", scenes.iter().map(|scene| agents(scene, "vehicle_")))
+        .with_counts("rsus", scenes.iter().map(|scene| agents(scene, "rsu_")))
+        .with_counts("background_vehicles", scenes.iter().map(|scene| scene.n_vehicles.into()))
+        .with_counts("pedestrians", scenes.iter().map(|scene| scene.n_walkers.into()))
+        .with_strings("spawn_mode", scenes.iter().map(|scene| scene.spawn_mode.as_str()))
+        .with_strings(
+            "weather",
+            scenes.iter().map(|scene| if scene.dynamic_weather { "dynamic" } else { "static" }),
+        )
+}

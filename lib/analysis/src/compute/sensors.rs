@@ -1,0 +1,59 @@
+//! Tables over sensor data.
+
+use schema::measures;
+
+use super::{percent, ratio};
+use crate::counts::Counts;
+use crate::table::{Section, Table};
+
+pub(super) fn tables(counts: &Counts) -> Vec<Table> {
+    vec![points(counts), images(counts), bytes(counts)]
+}
+
+/// Sweeps that a sensor made: the frames of the agents that carry it.
+fn sweeps(counts: &Counts, measure: &str, sensor: &str) -> u64 {
+    let carriers: Vec<&str> = counts.agents(measure, sensor).map(|(agent, _)| agent).collect();
+    counts
+        .agents(measures::AGENT_FRAMES, "")
+        .filter(|(agent, _)| carriers.binary_search(agent).is_ok())
+        .fold(0, |sum, (_, frames)| sum.saturating_add(frames))
+}
+
+fn points(counts: &Counts) -> Table {
+    let rows: Vec<(&str, &str, u64, u64)> =
+        [("lidar", measures::LIDAR_POINTS), ("radar", measures::RADAR_POINTS)]
+            .into_iter()
+            .flat_map(|(kind, measure)| {
+                counts.classes(measure).map(move |sensor| {
+                    (sensor, kind, sweeps(counts, measure, sensor), counts.of(measure, sensor))
+                })
+            })
+            .collect();
+    let note = "A sweep is one frame of one agent that carries the sensor.";
+    Table::new("points_per_sensor", Section::Sensors, "Lidar and radar points", note)
+        .with_strings("sensor", rows.iter().map(|row| row.0))
+        .with_strings("kind", rows.iter().map(|row| row.1))
+        .with_counts("sweeps", rows.iter().map(|row| row.2))
+        .with_counts("points", rows.iter().map(|row| row.3))
+        .with_numbers("points_per_sweep", 1, rows.iter().map(|row| ratio(row.3, row.2)))
+}
+
+fn images(counts: &Counts) -> Table {
+    let kinds: Vec<&str> = counts.classes(measures::IMAGES).collect();
+    let agent_frames = counts.total(measures::AGENT_FRAMES);
+    let images = |kind: &&str| counts.of(measures::IMAGES, kind);
+    Table::new("images_per_kind", Section::Sensors, "Images", "")
+        .with_strings("kind", kinds.iter().copied())
+        .with_counts("images", kinds.iter().map(images))
+        .with_numbers("images_per_agent_frame", 2, kinds.iter().map(|kind| ratio(images(kind), agent_frames)))
+}
+
+fn bytes(counts: &Counts) -> Table {
+    let sensors: Vec<&str> = counts.classes(measures::SENSOR_BYTES).collect();
+    let total = counts.total(measures::SENSOR_BYTES);
+    let of = |sensor: &&str| counts.of(measures::SENSOR_BYTES, sensor);
+    Table::new("bytes_per_sensor", Section::Sensors, "Encoded bytes", "")
+        .with_strings("sensor", sensors.iter().copied())
+        .with_counts("bytes", sensors.iter().map(of))
+        .with_numbers("percent", 2, sensors.iter().map(|sensor| percent(of(sensor), total)))
+}

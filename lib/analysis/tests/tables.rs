@@ -1,0 +1,321 @@
+//! Small inputs with answers that can be worked out by hand, and the published figures.
+
+use std::collections::BTreeMap;
+
+use analysis::{Counts, DatasetFacts, Tables, compute_tables, draw_figures, report_html, to_csv};
+use proptest::prelude::*;
+use schema::measures;
+use schema::scene_info::{AgentInfo, SceneInfo};
+use schema::tables::PartialRow;
+
+fn row(agent: &str, measure: &str, class: &str, bin: i32, count: u64) -> PartialRow {
+    PartialRow { agent: agent.into(), measure: measure.into(), class: class.into(), bin, count }
+}
+
+fn scene(number: u32, vehicles: u16, rsus: u16) -> SceneInfo {
+    let agent = |agent: String| AgentInfo { agent, ..AgentInfo::default() };
+    SceneInfo {
+        scene: number,
+        split: "train".into(),
+        map: "Town01".into(),
+        duration_s: 10.0,
+        frames: 200,
+        agents: (0..vehicles)
+            .map(|i| agent(format!("vehicle_{i}")))
+            .chain((0..rsus).map(|i| agent(format!("rsu_{i}"))))
+            .collect(),
+        ..SceneInfo::default()
+    }
+}
+
+fn weather(scene: SceneInfo, parameter: &str, initial: f64, last: Option<f64>) -> SceneInfo {
+    let one = |value: f64| BTreeMap::from([(parameter.to_owned(), value)]);
+    SceneInfo { initial_weather: one(initial), final_weather: last.map(one).unwrap_or_default(), ..scene }
+}
+
+fn tables_of(scenes: &[SceneInfo], rows: &[PartialRow]) -> Tables {
+    let mut counts = Counts::default();
+    counts.add(rows);
+    let facts = DatasetFacts { name: "demo".into(), bev_cells_per_grid: 160_000 };
+    compute_tables(&facts, scenes, &counts)
+}
+
+fn csv(tables: &Tables, name: &str) -> String {
+    to_csv(tables.get(name).expect("a table of that name"))
+}
+
+#[test]
+fn scenes_are_counted_by_their_agents_and_size() {
+    let mut scenes = vec![scene(2, 3, 0), scene(0, 1, 2), scene(1, 3, 0)];
+    scenes[0].n_vehicles = 400;
+    scenes[1].n_vehicles = 399;
+    scenes[2].n_vehicles = 1000;
+    scenes[0].split = "val".into();
+    scenes[1].map = "Town02".into();
+    scenes[2].duration_s = 11.999_999_9;
+    let tables = tables_of(&scenes, &[]);
+    assert_eq!(csv(&tables, "scenes_by_vehicles"), "bin,lower,scenes\n1,1,1\n2,2,0\n3,3,2\n");
+    assert_eq!(csv(&tables, "scenes_by_rsus"), "bin,lower,scenes\n0,0,2\n1,1,0\n2,2,1\n");
+    assert_eq!(csv(&tables, "scenes_by_duration"), "bin,lower,scenes\n10,10,2\n11,11,0\n12,12,1\n");
+    assert_eq!(
+        csv(&tables, "scenes_by_background_vehicles"),
+        "bin,lower,scenes\n380-399,380,1\n400+,400,2\n"
+    );
+    assert_eq!(csv(&tables, "scenes_by_pedestrians"), "bin,lower,scenes\n0-19,0,3\n");
+    assert_eq!(
+        csv(&tables, "scenes_by_map"),
+        "map,train,val,test,total\nTown01,1,1,0,2\nTown02,1,0,0,1\ntotal,2,1,0,3\n"
+    );
+    assert_eq!(tables.get("scenes").expect("there").counts("scene"), [0, 1, 2]);
+}
+
+#[test]
+fn transitions_follow_the_half_open_bins() {
+    let clouds = [(9.999, Some(10.0)), (39.999, Some(40.0)), (69.999, Some(70.0)), (100.0, None)];
+    let mut scenes: Vec<SceneInfo> =
+        clouds.iter().map(|&(a, b)| weather(scene(0, 1, 0), "cloudiness", a, b)).collect();
+    // Without weather, or with one that is no number, a scene is in no matrix.
+    scenes.push(scene(9, 1, 0));
+    scenes.push(weather(scene(9, 1, 0), "cloudiness", f64::NAN, None));
+    let tables = tables_of(&scenes, &[]);
+    let table = tables.get("weather_cloudiness").expect("there");
+    let mut want = [0_u64; 16];
+    for (initial, last) in [(0, 1), (1, 2), (2, 3), (3, 3)] {
+        want[4 * initial + last] = 1;
+    }
+    assert_eq!(table.counts("scenes"), want);
+    assert!(csv(&tables, "weather_cloudiness").contains("none,low,1,0.2500\n"));
+
+    let sun = [(-0.001, 0.0), (5.999, 6.0), (90.0, -90.0)];
+    let scenes: Vec<SceneInfo> =
+        sun.iter().map(|&(a, b)| weather(scene(0, 1, 0), "sun_altitude_deg", a, Some(b))).collect();
+    let tables = tables_of(&scenes, &[]);
+    let table = tables.get("weather_sun_altitude").expect("there");
+    assert_eq!(table.counts("scenes"), [0, 1, 0, 0, 0, 1, 1, 0, 0]);
+    // No scene has rain: counts are 0, and there is nothing to divide by.
+    assert!(csv(&tables, "weather_precipitation").ends_with("heavy,heavy,0,\n"));
+}
+
+#[test]
+fn boxes_have_shares_and_means() {
+    let tables = tables_of(
+        &[],
+        &[
+            row("", measures::FRAMES, "", 0, 100),
+            row("", measures::FRAMES, "", 0, 100),
+            row("", measures::BOXES, "car", 0, 1000),
+            row("", measures::BOXES_VALID, "car", 0, 581),
+            row("", measures::BOXES, "bus", 0, 8),
+            row("", measures::BOXES, "hovercraft", 0, 2),
+        ],
+    );
+    let csv = csv(&tables, "boxes_per_class");
+    let lines: Vec<&str> = csv.lines().collect();
+    assert_eq!(lines[0], "class,all,valid,valid_percent,all_per_frame,valid_per_frame");
+    assert_eq!(lines[1], "traffic_light,0,0,,0.00,0.00");
+    assert!(lines.contains(&"car,1000,581,58.1,5.00,2.90"), "{csv}");
+    assert!(lines.contains(&"bus,8,0,0.0,0.04,0.00"), "{csv}");
+    assert_eq!(lines[lines.len() - 2], "hovercraft,2,0,0.0,0.01,0.00");
+    assert_eq!(lines[lines.len() - 1], "total,1010,581,57.5,5.05,2.90");
+}
+
+#[test]
+fn frames_without_valid_objects_are_frames() {
+    let tables = tables_of(
+        &[scene(0, 1, 0)],
+        &[
+            row("", measures::VALID_PER_FRAME, "car", 0, 50),
+            row("", measures::VALID_PER_FRAME, "car", 100, 20),
+            row("", measures::VALID_PER_FRAME, "bus", 5, 1),
+        ],
+    );
+    let table = tables.get("valid_per_frame").expect("there");
+    assert_eq!(table.len(), 21);
+    assert_eq!(table.strings("bin")[..2], ["0-4", "5-9"]);
+    assert_eq!(table.strings("bin")[20], "100+");
+    // 200 frames by the scene's own count.
+    assert_eq!((table.counts("car")[0], table.counts("car")[20]), (180, 20));
+    assert_eq!((table.counts("bus")[0], table.counts("bus")[1]), (199, 1));
+    assert_eq!(table.counts("barrier")[0], 200);
+    for class in ["car", "bus", "barrier"] {
+        assert_eq!(table.counts(class).iter().sum::<u64>(), 200);
+    }
+}
+
+#[test]
+fn values_outside_the_bins_have_rows_of_their_own() {
+    let rate = |bin, count| row("", measures::YAW_RATE_DPS, "car", bin, count);
+    let inside = tables_of(&[], &[rate(-50, 1), rate(45, 2)]);
+    let table = inside.get("yaw_rate").expect("there");
+    assert_eq!((table.len(), table.strings("bin")[0].as_str()), (20, "-50..-45"));
+    assert_eq!((table.counts("car")[0], table.counts("car")[19]), (1, 2));
+    let outside = tables_of(&[], &[rate(-55, 1), rate(0, 5), rate(50, 2), rate(400, 3)]);
+    let table = outside.get("yaw_rate").expect("there");
+    assert_eq!(table.strings("bin").first().map(String::as_str), Some("<-50"));
+    assert_eq!(table.strings("bin").last().map(String::as_str), Some("50+"));
+    assert_eq!((table.counts("car")[0], table.counts("car")[21]), (1, 5));
+    let headings = tables_of(&[], &[row("", measures::YAW_DEG, "barrier", -180, 7)]);
+    assert_eq!(headings.get("yaw").expect("there").len(), 36);
+    assert_eq!(headings.get("yaw").expect("there").counts("barrier")[0], 7);
+}
+
+#[test]
+fn grids_reproduce_the_published_arithmetic() {
+    // Roads and riders over 588,520 masks, and three labels of the voxel grids, as published.
+    let tables = tables_of(
+        &[],
+        &[
+            row("vehicle_0", measures::BEV_GRIDS, "", 0, 588_520),
+            row("vehicle_0", measures::BEV_CELLS, "road", 0, 18_423_410_070),
+            row("vehicle_0", measures::BEV_CELLS, "rider", 0, 4_059_365),
+            row("vehicle_0", measures::VOXEL_GRIDS, "", 0, 588_520),
+            row("vehicle_0", measures::VOXEL_CELLS, "unlabeled", 0, 74_041_651_379_126),
+            row("vehicle_0", measures::VOXEL_CELLS, "building", 0, 900_817_475_055),
+            row("vehicle_0", measures::VOXEL_CELLS, "pole", 0, 8_579_662_196),
+            row("vehicle_0", measures::VOXEL_CELLS_FILLED, "unlabeled", 0, 72_503_458_309_399),
+            row("vehicle_0", measures::VOXEL_CELLS_FILLED, "building", 0, 1_674_330_702_776),
+            row("vehicle_0", measures::VOXEL_CELLS_FILLED, "pole", 0, 8_989_939_222),
+        ],
+    );
+    let bev = csv(&tables, "bev_cells");
+    assert!(bev.contains("\nroad,18423410070,31304.65,19.5654\n"), "{bev}");
+    assert!(bev.contains("\nrider,4059365,6.90,0.0043\n"), "{bev}");
+    assert!(bev.ends_with("\ntotal,18427469435,31311.54,19.5697\n"), "{bev}");
+    let voxels = csv(&tables, "voxel_cells");
+    assert!(voxels.contains("\nbuilding,900817475055,1674330702776,1.859,"), "{voxels}");
+    assert!(voxels.contains("\npole,8579662196,8989939222,1.048,"), "{voxels}");
+    assert!(!voxels.contains("unlabeled"));
+    let table = tables.get("voxel_cells").expect("there");
+    assert_eq!(table.counts("unfilled").last(), Some(&(900_817_475_055 + 8_579_662_196)));
+}
+
+#[test]
+fn sweeps_are_the_frames_of_those_who_carry_the_sensor() {
+    let tables = tables_of(
+        &[],
+        &[
+            row("vehicle_0", measures::AGENT_FRAMES, "", 0, 100),
+            row("rsu_0", measures::AGENT_FRAMES, "", 0, 40),
+            row("vehicle_0", measures::LIDAR_POINTS, "LIDAR", 0, 1000),
+            row("rsu_0", measures::LIDAR_POINTS, "LIDAR", 0, 400),
+            row("vehicle_0", measures::RADAR_POINTS, "RAD_BACK", 0, 50),
+            row("vehicle_0", measures::IMAGES, "RGB", 0, 600),
+            row("vehicle_0", measures::SENSOR_BYTES, "RGB", 0, 3000),
+            row("vehicle_0", measures::SENSOR_BYTES, "LIDAR", 0, 1000),
+        ],
+    );
+    assert_eq!(
+        csv(&tables, "points_per_sensor"),
+        "sensor,kind,sweeps,points,points_per_sweep\nLIDAR,lidar,140,1400,10.0\nRAD_BACK,radar,100,50,0.5\n"
+    );
+    assert_eq!(csv(&tables, "images_per_kind"), "kind,images,images_per_agent_frame\nRGB,600,4.29\n");
+    assert_eq!(csv(&tables, "bytes_per_sensor"), "sensor,bytes,percent\nLIDAR,1000,25.00\nRGB,3000,75.00\n");
+    let overview = csv(&tables, "overview");
+    assert!(overview.contains("\nvehicle_frames,100\nrsu_frames,40\n"), "{overview}");
+}
+
+#[test]
+fn wheelchairs_are_counted_among_all_and_valid() {
+    let tables = tables_of(
+        &[],
+        &[
+            row("", measures::PEDESTRIANS, "", 0, 150),
+            row("", measures::PEDESTRIANS, "all", 0, 50),
+            row("", measures::WHEELCHAIR, "all", 0, 10),
+            row("", measures::PEDESTRIANS, "valid", 0, 80),
+            row("", measures::WHEELCHAIR, "valid", 0, 2),
+        ],
+    );
+    assert_eq!(
+        csv(&tables, "wheelchairs"),
+        "objects,pedestrians,wheelchair_users,percent\nall,200,10,5.00\nvalid,80,2,2.50\n"
+    );
+}
+
+#[test]
+fn the_report_of_nothing_is_a_page() {
+    let tables = tables_of(&[], &[]);
+    let figures = draw_figures(&tables);
+    assert!(figures.is_empty());
+    let html = report_html(&tables, &figures);
+    assert!(html.contains("<span>scenes</span>"));
+    assert!(!html.contains("Occupancy labels"));
+}
+
+fn parse(xml: &str) -> roxmltree::Document<'_> {
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    roxmltree::Document::parse_with_options(xml, options).expect("well-formed")
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    #[test]
+    fn matrices_sum_to_one_and_histograms_to_the_scenes(
+        specs in proptest::collection::vec((-120.0..120.0_f64, -120.0..120.0_f64, 1_u16..9, 0_u16..5, 0_u32..3000), 1..40),
+    ) {
+        let scenes: Vec<SceneInfo> = specs
+            .iter()
+            .enumerate()
+            .map(|(i, &(a, b, vehicles, rsus, background))| {
+                let mut scene = scene(i as u32, vehicles, rsus);
+                for parameter in ["cloudiness", "precipitation", "fog_density", "sun_altitude_deg"] {
+                    scene.initial_weather.insert(parameter.into(), a);
+                    scene.final_weather.insert(parameter.into(), b);
+                }
+                SceneInfo { n_vehicles: background, n_walkers: background / 2, ..scene }
+            })
+            .collect();
+        let tables = tables_of(&scenes, &[]);
+        for table in &tables.tables {
+            if table.name.starts_with("weather_") {
+                let sum: f64 = table.numbers("fraction").iter().flatten().sum();
+                prop_assert!((sum - 1.0).abs() < 1e-9, "{}: {}", table.name, sum);
+            }
+            if table.column("bin").is_some() && !table.counts("scenes").is_empty() {
+                prop_assert_eq!(table.counts("scenes").iter().sum::<u64>(), scenes.len() as u64);
+            }
+        }
+        let mut reversed = scenes.clone();
+        reversed.reverse();
+        prop_assert_eq!(&tables_of(&reversed, &[]), &tables, "the order of scenes makes no difference");
+    }
+
+    #[test]
+    fn any_counts_make_well_formed_pages(
+        rows in proptest::collection::vec(
+            (
+                proptest::sample::select(vec![
+                    "frames", "agent_frames", "boxes", "boxes_valid", "valid_per_frame", "yaw_deg", "speed_mps",
+                    "yaw_rate_dps", "bev_cells", "bev_grids", "voxel_cells", "voxel_cells_filled", "lidar_points",
+                    "sensor_bytes", "pedestrians",
+                ]),
+                proptest::sample::select(vec!["", "car", "road", "a<b>&\"c\u{1}", "unlabeled", "vehicle_0"]),
+                any::<i32>(),
+                proptest::sample::select(vec![0, 1, 77, u64::MAX]),
+            ),
+            0..30,
+        ),
+        name in "\\PC{0,12}",
+    ) {
+        let rows: Vec<PartialRow> = rows.iter().map(|(m, class, bin, n)| row("vehicle_0", m, class, *bin, *n)).collect();
+        let mut tables = tables_of(&[scene(0, 1, 1)], &rows);
+        tables.dataset = name;
+        let figures = draw_figures(&tables);
+        for figure in &figures {
+            parse(&figure.svg);
+            prop_assert!(!figure.svg.contains("NaN") && !figure.svg.contains("inf\""));
+        }
+        let html = report_html(&tables, &figures);
+        let page = parse(&html);
+        // Every link within the page has its target.
+        for link in page.descendants().filter_map(|node| node.attribute("href")) {
+            let target = link.trim_start_matches('#');
+            prop_assert!(page.descendants().any(|node| node.attribute("id") == Some(target)));
+        }
+        for table in &tables.tables {
+            let lines = to_csv(table).lines().count();
+            prop_assert!(lines > table.len(), "{}", table.name);
+        }
+    }
+}

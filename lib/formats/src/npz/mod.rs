@@ -1,0 +1,16 @@
+//! Numpy archives: zip files of NPY arrays.
+
+mod encode;
+mod read;
+mod write;
+mod zip;
+
+pub use encode::{DEFAULT_LEVEL, EncodedMember, encode_member};
+pub use read::{DEFAULT_MAX_BYTES, NpzReader};
+pub use write::NpzWriter;
+
+/// Name of a frame's member: `0000.npy`, `0001.npy`, ..., `10000.npy`.
+#[must_use]
+pub fn frame_member(frame: u32) -> String {
+    format!("{frame:04}.npy")
+}

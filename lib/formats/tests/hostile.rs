@@ -1,0 +1,184 @@
+//! Broken archives give errors that name what is wrong; nothing panics or sets much memory aside.
+
+use std::io::Cursor;
+
+use formats::{Array, DEFAULT_LEVEL, DType, NpzError, NpzReader, NpzWriter, Scalar, encode_member};
+use proptest::prelude::*;
+
+fn archive() -> Vec<u8> {
+    let mut writer = NpzWriter::new(Vec::new());
+    let sparse: Vec<u8> = (0..4000_u32).map(|i| u8::from(i % 97 == 0)).collect();
+    writer
+        .append(encode_member("0000.npy", Scalar::Bool, &[4, 1000], &sparse, DEFAULT_LEVEL).expect("valid"))
+        .expect("in memory");
+    writer
+        .append(encode_member("0001.npy", Scalar::F32, &[5, 3], &[7; 60], 0).expect("valid"))
+        .expect("in memory");
+    writer.finish().expect("in memory")
+}
+
+/// Reads every member, within 1 MiB.
+fn read_all(bytes: &[u8]) -> Result<Vec<Array>, NpzError> {
+    let mut reader = NpzReader::new(Cursor::new(bytes))?.with_max_bytes(1 << 20);
+    let names: Vec<String> = reader.members().map(str::to_owned).collect();
+    names.iter().map(|name| reader.read(name)).collect()
+}
+
+fn message(bytes: &[u8]) -> String {
+    read_all(bytes).expect_err("the archive is broken").to_string()
+}
+
+fn find(bytes: &[u8], what: &[u8]) -> usize {
+    bytes.windows(what.len()).position(|window| window == what).expect("present")
+}
+
+#[test]
+fn every_cut_is_noticed() {
+    let whole = archive();
+    assert_eq!(read_all(&whole).expect("whole").len(), 2);
+    for len in 0..whole.len() {
+        let error = read_all(&whole[..len]).expect_err("cut");
+        assert!(matches!(error, NpzError::Truncated { .. }), "{len}: {error}");
+    }
+}
+
+#[test]
+fn every_flipped_bit_is_survived_and_data_never_changes_silently() {
+    let whole = archive();
+    let want = read_all(&whole).expect("whole");
+    for bit in 0..8 * whole.len() {
+        let mut bytes = whole.clone();
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        // Versions, times and attributes mean nothing here; everything else must be noticed.
+        if let Ok(got) = read_all(&bytes) {
+            assert_eq!(got, want, "bit {bit}");
+        }
+    }
+}
+
+#[test]
+fn faults_are_named() {
+    let whole = archive();
+    assert_eq!(message(b"not a zip"), "archive: corrupt: wrong magic: this is no zip file");
+    assert_eq!(
+        message(&whole[..100]),
+        "end of archive: truncated: no record with the central directory's place"
+    );
+
+    let mut bytes = whole.clone();
+    let stored_data = find(&bytes, &[7; 60]);
+    bytes[stored_data] = 8;
+    assert!(message(&bytes).starts_with("0001.npy: bad checksum: the archive says "));
+
+    let mut bytes = whole.clone();
+    let numpy = find(&bytes, b"\x93NUMPY");
+    bytes[numpy] = 0;
+    assert_eq!(message(&bytes), "0001.npy: corrupt: wrong magic: the member is not a NPY array");
+
+    let mut bytes = whole.clone();
+    bytes[0] = b'Q';
+    assert_eq!(message(&bytes), "0000.npy: corrupt: wrong magic: no member starts where the directory says");
+
+    let central = find(&whole, b"PK\x01\x02");
+    let mut bytes = whole.clone();
+    bytes[central + 10] = 12;
+    assert_eq!(message(&bytes), "0000.npy: unsupported: compression method 12");
+
+    let mut bytes = whole.clone();
+    bytes[central + 8] = 1;
+    assert_eq!(message(&bytes), "0000.npy: unsupported: encryption");
+
+    // 4000 bytes and a header cannot be 4 GB; a possible size beyond the limit is refused as such.
+    let mut bytes = whole.clone();
+    bytes[central + 24..central + 28].copy_from_slice(&4_000_000_000_u32.to_le_bytes());
+    assert!(message(&bytes).contains("4000000000 bytes cannot come out of"));
+    let error = NpzReader::new(Cursor::new(&whole)).expect("whole").with_max_bytes(100).read("0000.npy");
+    assert_eq!(error.expect_err("too large").to_string(), "0000.npy: has 4128 bytes, the limit is 100");
+
+    let error = NpzReader::new(Cursor::new(&whole)).expect("whole").read("0002.npy");
+    assert_eq!(error.expect_err("absent").to_string(), "0002.npy: no such member");
+}
+
+#[test]
+fn a_shape_that_lies_sets_no_memory_aside() {
+    let whole = archive();
+    let mut bytes = whole.clone();
+    let shape = find(&bytes, b"(5, 3), }");
+    bytes[shape..shape + 9].copy_from_slice(b"(9999999)");
+    assert!(message(&bytes).starts_with("0001.npy: corrupt: "), "{}", message(&bytes));
+}
+
+#[test]
+fn what_cannot_be_written_is_refused() {
+    let long = "x".repeat(256);
+    for name in ["", "a/b.npy", "..\\b", "ä.npy", long.as_str()] {
+        assert!(encode_member(name, Scalar::U8, &[1], &[0], 0).is_err(), "{name}");
+    }
+    for (shape, len) in [(vec![2, 2], 3), (vec![], 0), (vec![usize::MAX, 2], 4), (vec![1; 65], 1)] {
+        assert!(encode_member("a.npy", Scalar::U8, &shape, &vec![0; len], 2).is_err(), "{shape:?}");
+    }
+    assert!(encode_member("a.npy", DType::Record(Vec::new()), &[1], &[], 2).is_err());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn noise_is_no_archive(
+        head in proptest::collection::vec(any::<u8>(), 0..200),
+        tail in proptest::collection::vec(any::<u8>(), 16),
+    ) {
+        // With an end record's magic in place the reader looks deeper.
+        let mut bytes = head;
+        bytes.extend_from_slice(b"PK\x05\x06");
+        bytes.extend_from_slice(&tail);
+        bytes.extend_from_slice(&[0, 0]);
+        // A few noises announce an empty directory, which is an empty archive.
+        if let Ok(arrays) = read_all(&bytes) {
+            prop_assert!(arrays.is_empty());
+        }
+    }
+
+    #[test]
+    fn many_changed_bytes_are_survived(
+        changes in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..20),
+    ) {
+        let mut bytes = archive();
+        for (index, value) in changes {
+            let at = index.index(bytes.len());
+            bytes[at] = value;
+        }
+        let _ = read_all(&bytes).map_err(|error| error.to_string());
+    }
+
+    #[test]
+    fn arrays_come_back(
+        lens in proptest::collection::vec(0_usize..20, 0..4),
+        fill in proptest::collection::vec(any::<u8>(), 1..50),
+        level in 0_u32..10,
+    ) {
+        let dtype = DType::Record(vec![("x".into(), Scalar::F32), ("id".into(), Scalar::U16)]);
+        let len = lens.iter().product::<usize>() * 6;
+        let bytes: Vec<u8> = fill.iter().copied().cycle().take(len).collect();
+        let member = encode_member("0000.npy", dtype.clone(), &lens, &bytes, level).expect("valid");
+        prop_assert_eq!(&member, &encode_member("0000.npy", dtype.clone(), &lens, &bytes, level).expect("valid"));
+        let mut writer = NpzWriter::new(Vec::new());
+        writer.append(member).expect("in memory");
+        let archive = writer.finish().expect("in memory");
+        prop_assert_eq!(read_all(&archive).expect("whole"), vec![Array { dtype, shape: lens, bytes }]);
+    }
+}
+
+/// Large members cross the pieces that encoding works in.
+#[test]
+fn a_member_of_many_pieces_comes_back() {
+    let bytes: Vec<u8> = (0..1_000_003_u32).map(|i| (i.wrapping_mul(0x9E37_79B9) >> 24) as u8).collect();
+    for level in [0, 1, DEFAULT_LEVEL, 9] {
+        let mut writer = NpzWriter::new(Vec::new());
+        writer
+            .append(encode_member("0000.npy", Scalar::U8, &[1_000_003], &bytes, level).expect("valid"))
+            .expect("in memory");
+        let archive = writer.finish().expect("in memory");
+        assert!(read_all(&archive).expect("whole")[0].bytes == bytes, "level {level}");
+    }
+}
