@@ -1,0 +1,274 @@
+//! Reference lines in plan: chains of lines, arcs and clothoids between two poses.
+
+use frames::math::{atan2, sin_cos, tan};
+use frames::wrap_pi;
+use opendrive::{Curve, Geometry};
+
+/// Pieces shorter than this are left out (the gap stays far below any drawing accuracy).
+const SHORTEST_M: f64 = 1e-6;
+
+/// A place and a direction in plan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pose2 {
+    pub(crate) x_m: f64,
+    pub(crate) y_m: f64,
+    /// Radians from east, counter-clockwise.
+    pub(crate) heading_rad: f64,
+}
+
+impl Pose2 {
+    /// The pose `ahead_m` along the heading and `left_m` to its left, same heading.
+    pub(crate) fn moved(self, ahead_m: f64, left_m: f64) -> Self {
+        let (sin, cos) = sin_cos(self.heading_rad);
+        Self {
+            x_m: self.x_m + cos * ahead_m - sin * left_m,
+            y_m: self.y_m + sin * ahead_m + cos * left_m,
+            ..self
+        }
+    }
+
+    /// The same place, turned counter-clockwise.
+    pub(crate) fn turned(self, angle_rad: f64) -> Self {
+        Self { heading_rad: wrap_pi(self.heading_rad + angle_rad), ..self }
+    }
+
+    /// Where another pose's place lies: metres ahead and to the left.
+    fn locate(self, other: Self) -> (f64, f64) {
+        let (sin, cos) = sin_cos(self.heading_rad);
+        let (dx, dy) = (other.x_m - self.x_m, other.y_m - self.y_m);
+        (cos * dx + sin * dy, cos * dy - sin * dx)
+    }
+}
+
+/// How a path may turn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bend {
+    /// Largest radius, metres; infinite takes all the room there is.
+    pub(crate) radius_m: f64,
+    /// Length of the clothoid at each end of the arc, metres.
+    pub(crate) ease_m: f64,
+    /// Straight metres kept at the beginning.
+    pub(crate) lead_in_m: f64,
+    /// Straight metres kept at the end.
+    pub(crate) lead_out_m: f64,
+}
+
+/// A reference line that grows at its end.
+#[derive(Clone, Debug)]
+pub(crate) struct Path {
+    pub(crate) pieces: Vec<Geometry>,
+    pub(crate) length_m: f64,
+    end: Pose2,
+}
+
+impl Path {
+    /// A smooth path between two poses: line, (clothoid,) arc(, clothoid), line where the two tangents meet between
+    /// them; else two arcs that meet halfway, as for a change of lane.
+    pub(crate) fn between(from: Pose2, to: Pose2, bend: &Bend) -> Self {
+        let mut path = Self { pieces: Vec::new(), length_m: 0.0, end: from };
+        let (ahead, left) = from.locate(to);
+        let turn = wrap_pi(to.heading_rad - from.heading_rad);
+        let (sin, cos) = sin_cos(turn);
+        if turn.abs() < 1e-9 && left.abs() < 1e-6 && ahead > 0.0 {
+            path.line(ahead);
+            return path;
+        }
+        // Distances to where the tangents meet.
+        let (leg_out, leg_in) =
+            if sin.abs() > 1e-6 { (left / sin, ahead - cos * left / sin) } else { (-1.0, -1.0) };
+        let room = (leg_in - bend.lead_in_m).min(leg_out - bend.lead_out_m);
+        if room > SHORTEST_M {
+            path.fillet(turn, room, leg_in, leg_out, bend);
+        } else {
+            path.line(bend.lead_in_m);
+            path.two_arcs(to.moved(-bend.lead_out_m, 0.0));
+            path.line(bend.lead_out_m);
+        }
+        path
+    }
+
+    /// The pose at its end.
+    #[cfg(test)]
+    pub(crate) fn end(&self) -> Pose2 {
+        self.end
+    }
+
+    fn fillet(&mut self, turn: f64, room: f64, leg_in: f64, leg_out: f64, bend: &Bend) {
+        let half = tan(0.5 * turn.abs());
+        let (mut radius, mut ease) = (bend.radius_m.min(room / half), bend.ease_m);
+        // The clothoids may take at most the whole turn.
+        ease = ease.min(0.95 * turn.abs() * radius);
+        let tangent_of = |radius: f64, ease: f64| {
+            if ease <= 0.0 {
+                return radius * half;
+            }
+            let angle = 0.5 * ease / radius;
+            let (x, y) = clothoid_end(ease, angle);
+            let (sin, cos) = sin_cos(angle);
+            // The arc is shifted inwards by y - R (1 - cos) and begins x - R sin later.
+            (radius + y - radius * (1.0 - cos)) * half + x - radius * sin
+        };
+        let mut tangent = tangent_of(radius, ease);
+        if tangent > room {
+            // Radius and clothoid shrink together, and the tangent with them.
+            let scale = room / tangent;
+            (radius, ease, tangent) = (radius * scale, ease * scale, room);
+        }
+        let curvature = turn.signum() / radius;
+        self.line(leg_in - tangent);
+        self.clothoid(0.0, curvature, ease);
+        self.arc(curvature, turn.abs() * radius - ease);
+        self.clothoid(curvature, 0.0, ease);
+        self.line(leg_out - tangent);
+    }
+
+    /// Two arcs with equal tangents (the biarc of Bolton, 1975).
+    fn two_arcs(&mut self, to: Pose2) {
+        let from = self.end;
+        let (sin0, cos0) = sin_cos(from.heading_rad);
+        let (sin1, cos1) = sin_cos(to.heading_rad);
+        let v = [to.x_m - from.x_m, to.y_m - from.y_m];
+        let sum = [cos0 + cos1, sin0 + sin1];
+        // |v - d (t0 + t1)| = 2 d, for d > 0.
+        let a = 4.0 - (sum[0] * sum[0] + sum[1] * sum[1]);
+        let b = v[0] * sum[0] + v[1] * sum[1];
+        let c = v[0] * v[0] + v[1] * v[1];
+        let root = (b * b + a * c).max(0.0).sqrt();
+        // The form that stays exact when `a` goes to 0 (parallel ends).
+        let d = if b > 0.0 { c / (b + root) } else { (root - b) / a.max(1e-12) };
+        let middle = [
+            0.5 * (from.x_m + d * cos0 + to.x_m - d * cos1),
+            0.5 * (from.y_m + d * sin0 + to.y_m - d * sin1),
+        ];
+        for target in [middle, [to.x_m, to.y_m]] {
+            let (ahead, left) = self.end.locate(Pose2 { x_m: target[0], y_m: target[1], heading_rad: 0.0 });
+            let turn = 2.0 * atan2(left, ahead);
+            let chord = (ahead * ahead + left * left).sqrt();
+            if turn.abs() < 1e-9 {
+                self.line(chord);
+            } else {
+                let curvature = 2.0 * sin_cos(0.5 * turn).0 / chord;
+                self.arc(curvature, turn / curvature);
+            }
+        }
+    }
+
+    fn line(&mut self, length_m: f64) {
+        self.push(Curve::Line, length_m, self.end.moved(length_m, 0.0));
+    }
+
+    fn arc(&mut self, curvature: f64, length_m: f64) {
+        let turn = curvature * length_m;
+        let (sin, cos) = sin_cos(turn);
+        let end = self.end.moved(sin / curvature, (1.0 - cos) / curvature).turned(turn);
+        self.push(Curve::Arc { curvature }, length_m, end);
+    }
+
+    /// A clothoid that begins or ends straight.
+    fn clothoid(&mut self, curvature_start: f64, curvature_end: f64, length_m: f64) {
+        let curvature = curvature_start + curvature_end;
+        let turn = 0.5 * curvature * length_m;
+        let (x, y) = clothoid_end(length_m, turn.abs());
+        let end = if curvature_start == 0.0 {
+            self.end.moved(x, y * turn.signum()).turned(turn)
+        } else {
+            // Seen backwards from its end it is the other kind.
+            self.end.turned(turn).moved(x, -y * turn.signum())
+        };
+        self.push(Curve::Spiral { curvature_start, curvature_end }, length_m, end);
+    }
+
+    fn push(&mut self, curve: Curve, length_m: f64, end: Pose2) {
+        if length_m <= SHORTEST_M {
+            return;
+        }
+        let Pose2 { x_m, y_m, heading_rad } = self.end;
+        self.pieces.push(Geometry { s: self.length_m, x_m, y_m, hdg_rad: heading_rad, length_m, curve });
+        self.length_m += length_m;
+        self.end = end;
+    }
+}
+
+/// End of a clothoid that begins straight along x and has turned left by `angle_rad` after `length_m`: the Fresnel
+/// integrals as power series of the angle (Abramowitz and Stegun 7.3.11 and 7.3.13, in the angle).
+fn clothoid_end(length_m: f64, angle_rad: f64) -> (f64, f64) {
+    let (mut x, mut y) = (0.0, 0.0);
+    // Term n is (-1)^(n / 2) angle^n / (n! (2 n + 1)), even ones in x and odd ones in y; angles stay below 2.
+    let mut term = 1.0;
+    for n in 0..32 {
+        let n = f64::from(n);
+        let value = term / (2.0 * n + 1.0);
+        match (n as u32) % 4 {
+            0 => x += value,
+            1 => y += value,
+            2 => x -= value,
+            _ => y -= value,
+        }
+        term *= angle_rad / (n + 1.0);
+    }
+    (x * length_m, y * length_m)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn pose(x_m: f64, y_m: f64, heading_rad: f64) -> Pose2 {
+        Pose2 { x_m, y_m, heading_rad }
+    }
+
+    /// Walks a path's curvature in midpoint steps from its first pose.
+    fn walk(path: &Path, from: Pose2) -> Pose2 {
+        let mut at = from;
+        for piece in &path.pieces {
+            let n = 20_000;
+            let h = piece.length_m / f64::from(n);
+            for i in 0..n {
+                let part = (f64::from(i) + 0.5) / f64::from(n);
+                let curvature = match piece.curve {
+                    Curve::Arc { curvature } => curvature,
+                    Curve::Spiral { curvature_start, curvature_end } => {
+                        curvature_start + part * (curvature_end - curvature_start)
+                    }
+                    _ => 0.0,
+                };
+                at = at.turned(0.5 * h * curvature).moved(h, 0.0).turned(0.5 * h * curvature);
+            }
+        }
+        at
+    }
+
+    fn assert_same(a: Pose2, b: Pose2, accuracy: f64) {
+        let distance = ((a.x_m - b.x_m) * (a.x_m - b.x_m) + (a.y_m - b.y_m) * (a.y_m - b.y_m)).sqrt();
+        let turn = wrap_pi(a.heading_rad - b.heading_rad).abs();
+        assert!(distance < accuracy && turn < accuracy, "{a:?} {b:?}");
+    }
+
+    #[test]
+    fn a_quarter_turn_is_line_arc_line() {
+        let bend = Bend { radius_m: 6.0, ease_m: 0.0, lead_in_m: 1.0, lead_out_m: 1.0 };
+        let path = Path::between(pose(0.0, 0.0, 0.0), pose(10.0, -9.0, -0.5 * std::f64::consts::PI), &bend);
+        let lengths: Vec<f64> = path.pieces.iter().map(|p| p.length_m).collect();
+        assert_eq!(lengths.len(), 3);
+        assert!((lengths[0] - 4.0).abs() < 1e-12 && (lengths[2] - 3.0).abs() < 1e-12, "{lengths:?}");
+        assert_eq!(path.pieces[1].curve, Curve::Arc { curvature: -1.0 / 6.0 });
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+        #[test]
+        fn paths_end_where_they_should(x in -40.0..40.0f64, y in -40.0..40.0f64, heading in -3.0..3.0f64,
+                                       ease_m in prop::sample::select(vec![0.0, 4.0, 15.0]),
+                                       radius_m in prop::sample::select(vec![5.0, 30.0, f64::INFINITY])) {
+            prop_assume!(x * x + y * y > 25.0);
+            let (from, to) = (pose(3.0, 4.0, 0.3), pose(3.0 + x, 4.0 + y, heading));
+            let bend = Bend { radius_m, ease_m, lead_in_m: 0.5, lead_out_m: 1.0 };
+            let path = Path::between(from, to, &bend);
+            assert_same(path.end(), to, 1e-5);
+            assert_same(walk(&path, from), to, 1e-5);
+            let sum: f64 = path.pieces.iter().map(|p| p.length_m).sum();
+            prop_assert!((sum - path.length_m).abs() < 1e-9);
+        }
+    }
+}
