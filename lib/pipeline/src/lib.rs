@@ -1,1 +1,33 @@
 //! The stage graph, the dataset configuration and the stage runner.
+//!
+//! A stage binary is a dozen lines: it hands a [`Stage`] to [`run_stage`], which parses the arguments, reads the
+//! configuration, decides which scenes need work, runs them with their failures kept apart, and turns the outcome
+//! into an exit code. [`drive`] is the same for the `convoy` program, which runs every stage in order.
+
+mod args;
+mod code_version;
+mod config;
+mod drive;
+mod graph;
+mod interrupt;
+mod progress;
+mod runner;
+mod status;
+
+pub use args::{ProgressMode, StageArgs};
+pub use code_version::code_version;
+pub use config::{ConfigKey, Fault, config_keys, load as load_config, parse as parse_config};
+pub use drive::drive;
+pub use graph::{Graph, StageSpec, UnitKind, config_hash};
+pub use progress::Progress;
+pub use runner::{Job, Pulse, Stage, StageError, run_stage};
+pub use status::{State, state_of};
+
+/// Exit code: everything was done.
+pub const EXIT_DONE: u8 = 0;
+/// Exit code: some scenes failed; they are listed, the others are kept.
+pub const EXIT_SOME_FAILED: u8 = 1;
+/// Exit code: bad arguments or configuration.
+pub const EXIT_USAGE: u8 = 2;
+/// Exit code: stopped by a signal or a full disk; worth another try.
+pub const EXIT_TRY_AGAIN: u8 = 75;

@@ -1,1 +1,88 @@
-//! Shards, manifests and their atomic commit.
+//! The file store: shards, manifests and their atomic commit.
+//!
+//! A shard becomes visible in one step and only when it is complete; a stage's manifest for a scene is written
+//! last and names every shard with its checksum. Readers follow manifests. So a process can be killed at any
+//! instant: what is named by a manifest is whole, what is not is swept at the next start.
+//!
+//! * [`Backend`]: the few operations a place of storage must offer; [`Disk`] is the only one so far. Nothing
+//!   above it renames or assumes a file system.
+//! * [`keys`]: the layout, one function per kind of file.
+//! * [`Manifest`], [`Attempt`], [`Unit`]: writing a stage's outputs.
+//! * [`Store::read_rows`], [`Store::row_groups`]: reading tables.
+//! * [`verify`]: re-hashing everything.
+
+mod attempt;
+mod backend;
+mod convert;
+mod disk;
+mod error;
+pub mod keys;
+mod manifest;
+mod read;
+mod verify;
+mod write;
+
+use std::path::Path;
+use std::sync::Arc;
+
+pub use attempt::{Attempt, Identity, Unit};
+pub use backend::{Backend, ReadSeek, Shard, Sink};
+pub use disk::Disk;
+pub use error::StoreError;
+pub use keys::Scope;
+pub use manifest::{Failure, Manifest, Output, Redo};
+pub use read::RowGroups;
+pub use verify::{Finding, Problem, Verification, verify};
+pub use write::{FileWriter, Finished, TableOptions, TableWriter};
+
+/// A store of one dataset. Cheap to clone.
+#[derive(Clone)]
+pub struct Store {
+    backend: Arc<dyn Backend>,
+}
+
+impl Store {
+    /// The store in a folder, which need not exist yet.
+    #[must_use]
+    pub fn on_disk(root: &Path) -> Self {
+        Self::new(Arc::new(Disk::new(root)))
+    }
+
+    /// A store on any backend.
+    #[must_use]
+    pub fn new(backend: Arc<dyn Backend>) -> Self {
+        Self { backend }
+    }
+
+    /// The backend.
+    #[must_use]
+    pub fn backend(&self) -> &dyn Backend {
+        self.backend.as_ref()
+    }
+
+    /// Where a key is, for messages.
+    #[must_use]
+    pub fn location(&self, key: &str) -> String {
+        self.backend.location(key)
+    }
+
+    /// A whole small object, or `None` when it does not exist.
+    ///
+    /// # Errors
+    /// The backend cannot read.
+    pub fn read(&self, key: &str) -> Result<Option<Vec<u8>>, StoreError> {
+        self.backend.read(key)
+    }
+}
+
+impl std::fmt::Debug for Store {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Store({})", self.location(""))
+    }
+}
+
+/// BLAKE3 of some bytes, as 64 hexadecimal digits: every checksum and digest in a store.
+#[must_use]
+pub fn hash_bytes(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex().to_string()
+}

@@ -1,0 +1,65 @@
+# Everyday commands. CI calls the same targets.
+
+CONFIG ?= configs/demo.toml
+STORE  ?= dataset
+MAPS   ?=
+JOBS   ?=
+SCENES ?=
+STAGE  ?=
+FORCE  ?=
+
+CARGO ?= cargo
+BIN    = target/release
+MAPS_ARG    = $(if $(MAPS),--maps $(MAPS))
+THREADS_ARG = $(if $(JOBS),--threads $(JOBS))
+SCENES_ARG  = $(if $(SCENES),--scenes $(SCENES))
+FORCE_ARG   = $(if $(FORCE),--force)
+COMMON      = --config $(CONFIG) --store $(STORE)
+
+.PHONY: dataset stage stats status verify build test lint bench docs clean-store help
+
+help:
+	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
+	@echo "make stage STAGE=render-sensors [SCENES=3,7-9] [FORCE=1]"
+	@echo "make status | stats | verify        (same CONFIG and STORE)"
+	@echo "make test | lint | bench | docs     (for developers)"
+
+build:
+	$(CARGO) build --release --locked --workspace --bins
+
+# Everything that is missing or stale, in order.
+dataset: build
+	$(BIN)/convoy run $(COMMON) $(MAPS_ARG) $(THREADS_ARG) $(SCENES_ARG)
+
+# One stage for some scenes.
+stage: build
+	@test -n "$(STAGE)" || { echo "say which: make stage STAGE=render-sensors [SCENES=1] [FORCE=1]"; exit 2; }
+	$(BIN)/$(STAGE) $(COMMON) $(MAPS_ARG) $(THREADS_ARG) $(SCENES_ARG) $(FORCE_ARG)
+
+stats: build
+	$(BIN)/stats $(COMMON) $(THREADS_ARG) $(FORCE_ARG)
+
+# A table of scenes and stages; tells by its exit code whether everything is done.
+status: build
+	$(BIN)/convoy status $(COMMON) $(SCENES_ARG)
+
+# Hashes every shard again and names what is missing, truncated or changed.
+verify: build
+	$(BIN)/convoy verify --store $(STORE)
+
+# The tests across stages run the real programs, so these are built first.
+test:
+	$(CARGO) build --locked --workspace --bins
+	$(CARGO) nextest run --locked --workspace || { $(CARGO) nextest --version >/dev/null 2>&1 && exit 1; $(CARGO) test --locked --workspace --all-targets; }
+	$(CARGO) test --locked --workspace --doc
+
+lint:
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
+	tests/check_layers.sh
+
+bench:
+	$(CARGO) bench --locked --workspace --benches
+
+docs:
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps

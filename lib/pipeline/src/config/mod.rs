@@ -1,0 +1,158 @@
+//! The dataset configuration: TOML in, [`DatasetSettings`] out, every fault at once with its line.
+
+mod reader;
+mod rigs;
+mod scenario;
+
+use std::path::Path;
+
+use schema::settings::{AnnotationSettings, BevSettings, DatasetSettings};
+
+pub use reader::{ConfigKey, Fault};
+use reader::{Section, with_document};
+
+/// Reads a configuration file.
+///
+/// # Errors
+/// All faults of the file, with line numbers.
+pub fn load(path: &Path) -> Result<DatasetSettings, Vec<Fault>> {
+    let file = path.display().to_string();
+    match std::fs::read_to_string(path) {
+        Ok(text) => parse(&text, &file),
+        Err(e) => Err(vec![Fault { file, line: None, message: format!("cannot read: {e}") }]),
+    }
+}
+
+/// Reads a configuration text; `file` is its name in messages.
+///
+/// # Errors
+/// All faults of the text, with line numbers.
+pub fn parse(text: &str, file: &str) -> Result<DatasetSettings, Vec<Fault>> {
+    with_document(text, file, dataset).map(|(settings, _)| settings)
+}
+
+/// Every key with its type, default and meaning, in reading order: the source of `docs/configuration.md`.
+#[must_use]
+pub fn config_keys() -> Vec<ConfigKey> {
+    reader::describe(dataset)
+}
+
+fn dataset(root: &Section<'_>) -> DatasetSettings {
+    let name = root.text("name", "dataset", "name of the dataset, in reports");
+    let seed = root.integer("seed", 27, 0, i64::MAX, "seed of every random stream") as u64;
+    let scenes = scenario::scenes(root);
+    let annotation = annotation(&root.section("annotation", "which objects are annotated"));
+    let bev = bev(&root.section("bev", "bird's-eye-view masks"));
+    let (vehicle_rig, vehicle_occupancy) =
+        rigs::vehicle(&root.section("vehicle", "sensors and voxel grid of every data-collection vehicle"));
+    let (rsu_rig, rsu_occupancy) = rigs::rsu(&root.section("rsu", "sensors and voxel grid of every RSU"));
+    DatasetSettings {
+        name,
+        seed,
+        scenes,
+        agents: scenario::agents(&root.section("agents", "data-collection vehicles and RSUs")),
+        timing: scenario::timing(&root.section("timing", "warm-up and durations")),
+        traffic: scenario::traffic(&root.section("traffic", "background vehicles and drivers")),
+        walkers: scenario::walkers(&root.section("walkers", "pedestrians")),
+        weather: scenario::weather(&root.section("weather", "weather draws and overrides")),
+        lights: scenario::lights(&root.section("lights", "street lamps and lit windows at night")),
+        world: scenario::world(&root.section("world", "scenery placed by rule")),
+        vehicle_rig,
+        rsu_rig,
+        annotation,
+        bev,
+        vehicle_occupancy,
+        rsu_occupancy,
+    }
+}
+
+fn annotation(section: &Section<'_>) -> AnnotationSettings {
+    let d = AnnotationSettings::default();
+    AnnotationSettings {
+        box_radius_m: section.number(
+            "box_radius_m",
+            d.box_radius_m,
+            1.0,
+            2000.0,
+            "boxes within this 3-D distance of an agent are collected, m",
+        ),
+        valid_by_image: section.flag(
+            "valid_by_image",
+            d.valid_by_image,
+            "an object without points is valid when an instance image shows it",
+        ),
+    }
+}
+
+fn bev(section: &Section<'_>) -> BevSettings {
+    let d = BevSettings::default();
+    BevSettings {
+        enabled: section.flag("enabled", d.enabled, "write BEV masks"),
+        cells: section.integer("cells", d.cells.into(), 2, 4096, "rows and columns of the grid") as u32,
+        cell_m: section.number("cell_m", d.cell_m, 0.01, 10.0, "cell size, m"),
+    }
+}
+
+/// Default settings with one scene, for tests.
+#[cfg(test)]
+pub(crate) fn example_settings() -> DatasetSettings {
+    parse("[scenes.train]\n\"convoy/demo\" = 1\n", "example.toml")
+        .expect("the smallest configuration is valid")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn faults(text: &str) -> String {
+        let faults = parse(text, "bad.toml").expect_err("has faults");
+        faults.iter().map(|f| format!("{f}\n")).collect()
+    }
+
+    #[test]
+    fn defaults_are_the_published_ones() {
+        let s = example_settings();
+        assert_eq!(s.agents, schema::settings::AgentSettings::default());
+        assert_eq!(s.vehicle_rig, schema::settings::Rig::vehicle());
+        assert_eq!(s.rsu_rig, schema::settings::Rig::rsu());
+        assert_eq!(s.vehicle_occupancy, schema::settings::OccupancySettings::default());
+        assert_eq!(s.weather, schema::settings::WeatherSettings::default());
+    }
+
+    #[test]
+    fn all_faults_come_at_once_with_their_lines() {
+        let text = "seed = -4\n\n[scenes.train]\n\"convoy/demo\" = 1\n\n[vehicle.camera]\nwidth = \"wide\"\nhieght = 900\n\
+                    [agents]\nmin_vehicles = 5\nmax_vehicles = 3\n";
+        insta::assert_snapshot!(faults(text), @r"
+        bad.toml:1: `seed` is -4, expected 0 to 9223372036854775807
+        bad.toml:7: `vehicle.camera.width` is a string, expected an integer
+        bad.toml:8: unknown key `vehicle.camera.hieght` (did you mean `height`?)
+        bad.toml:10: `agents.min_vehicles` is 5, more than `agents.max_vehicles` (3)
+        ");
+    }
+
+    #[test]
+    fn broken_toml_is_reported_with_its_line() {
+        let text = faults("name = \"x\"\nseed = = 3\n[scenes.train]\n\"convoy/demo\" = 1\n");
+        assert!(text.starts_with("bad.toml:2: "), "{text}");
+    }
+
+    #[test]
+    fn a_dataset_without_scenes_is_a_fault() {
+        assert!(faults("name = \"x\"\n").contains("no scenes"));
+    }
+
+    #[test]
+    fn sensors_can_be_moved_added_and_switched_off() {
+        let text = "[scenes.train]\n\"convoy/demo\" = 1\n[vehicle.lidar]\nsemantic = true\nchannels = 32\n\
+                    [rsu.radar]\nenabled = false\n[vehicle.gnss]\nenabled = false\n\
+                    [[vehicle.cameras]]\nname = \"CAM_ROOF\"\nxyz_m = [0, 0, 2.5]\nrpy_deg = [0, 15, 180]\n";
+        let s = parse(text, "x.toml").expect("is valid");
+        let names: Vec<&str> = s.vehicle_rig.lidars.iter().map(|l| l.name.as_str()).collect();
+        assert_eq!(names, ["LIDAR", "SEG-LIDAR"]);
+        assert_eq!(s.vehicle_rig.lidars[0].scan.channels, 32);
+        assert_eq!(s.vehicle_rig.cameras.len(), 1);
+        assert!((s.vehicle_rig.cameras[0].mount.rpy_rad[2] - std::f64::consts::PI).abs() < 1e-12);
+        assert!(s.rsu_rig.radars.is_empty() && s.vehicle_rig.gnss.is_none());
+    }
+}

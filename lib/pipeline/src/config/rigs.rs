@@ -1,0 +1,289 @@
+//! The keys that say what an agent carries.
+
+use frames::{deg, to_deg};
+use schema::settings::{
+    CameraSettings, CameraSpec, GnssSpec, ImuSpec, LidarSpec, Mount, OccupancySettings, RadarSpec, Rig,
+    ScanPattern,
+};
+
+use super::reader::Section;
+
+pub(crate) fn vehicle(s: &Section<'_>) -> (Rig, OccupancySettings) {
+    let mut rig = common(s, &Rig::vehicle());
+    rig.gnss = gnss(&s.section("gnss", "GNSS receiver"));
+    rig.imu = imu(&s.section("imu", "inertial measurement unit"));
+    (rig, occupancy(s))
+}
+
+pub(crate) fn rsu(s: &Section<'_>) -> (Rig, OccupancySettings) {
+    (common(s, &Rig::rsu()), occupancy(s))
+}
+
+fn common(s: &Section<'_>, d: &Rig) -> Rig {
+    Rig {
+        camera: camera(&s.section("camera", "what all cameras share"), &d.camera),
+        cameras: cameras(s, &d.cameras),
+        lidars: lidars(&s.section("lidar", "lidar"), &d.lidars[0]),
+        radars: radars(s, &d.radars),
+        gnss: None,
+        imu: None,
+    }
+}
+
+fn mount(s: &Section<'_>, d: &Mount) -> Mount {
+    Mount {
+        xyz_m: s.triple("xyz_m", d.xyz_m, "position on the agent: forward, left, up, m"),
+        rpy_rad: s
+            .triple("rpy_deg", d.rpy_rad.map(to_deg), "roll, pitch (nose down), yaw (left), degrees")
+            .map(deg),
+    }
+}
+
+fn camera(s: &Section<'_>, d: &CameraSettings) -> CameraSettings {
+    let fov_deg = s.number(
+        "fov_deg",
+        to_deg(d.horizontal_fov_rad).round(),
+        1.0,
+        170.0,
+        "horizontal field of view, degrees",
+    );
+    CameraSettings {
+        width: s.integer("width", d.width.into(), 16, 8192, "image width, pixels") as u32,
+        height: s.integer("height", d.height.into(), 16, 8192, "image height, pixels") as u32,
+        horizontal_fov_rad: deg(fov_deg),
+        f_stop: s.number("f_stop", d.f_stop, 0.5, 64.0, "aperture of the RGB images"),
+        jpeg_quality: s.integer(
+            "jpeg_quality",
+            d.jpeg_quality.into(),
+            1,
+            100,
+            "JPEG quality of the RGB images",
+        ) as u8,
+        rgb: s.flag("rgb", d.rgb, "write RGB images"),
+        semantic: s.flag("semantic", d.semantic, "write semantic images"),
+        instance: s.flag("instance", d.instance, "write instance images"),
+        depth: s.flag("depth", d.depth, "write depth images"),
+        flow: s.flag("flow", d.flow, "write optical flow"),
+    }
+}
+
+fn cameras(s: &Section<'_>, d: &[CameraSpec]) -> Vec<CameraSpec> {
+    let read = |item: &Section<'_>| CameraSpec {
+        name: item.text("name", "CAM_FRONT", "camera name, part of the file names"),
+        mount: mount(item, &d[0].mount),
+    };
+    let sections = s.sections(
+        "cameras",
+        &names(d.iter().map(|c| &c.name)),
+        "camera positions; replaces the default list",
+    );
+    read(&s.describe_item("cameras"));
+    let cameras = sections.map_or_else(|| d.to_vec(), |list| list.iter().map(read).collect());
+    unique(s, "cameras", cameras.iter().map(|c| &c.name));
+    cameras
+}
+
+fn names<'a>(names: impl Iterator<Item = &'a String>) -> String {
+    names.map(String::as_str).collect::<Vec<_>>().join(", ")
+}
+
+fn unique<'a>(s: &Section<'_>, key: &str, names: impl Iterator<Item = &'a String>) {
+    let mut seen = std::collections::BTreeSet::new();
+    for name in names {
+        let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
+        if name.is_empty() || !plain {
+            s.fault_at(
+                key,
+                format!("`{}`: `{name}` is no file name (letters, digits, _ and -)", s.path_of(key)),
+            );
+        }
+        if !seen.insert(name) {
+            s.fault_at(key, format!("`{}`: the name `{name}` occurs twice", s.path_of(key)));
+        }
+    }
+}
+
+fn lidars(s: &Section<'_>, d: &LidarSpec) -> Vec<LidarSpec> {
+    let enabled = s.flag("enabled", true, "write the lidar");
+    let semantic = s.flag("semantic", false, "write a semantic lidar with the same rays");
+    let channels = s.integer("channels", d.scan.channels.into(), 1, 1024, "beams") as u32;
+    let columns =
+        s.integer("columns", d.scan.columns.into(), 1, 65_536, "azimuth steps per beam and frame") as u32;
+    let degrees = |key, value: f64, low, high, doc| deg(s.number(key, to_deg(value), low, high, doc));
+    let upper_rad =
+        degrees("upper_fov_deg", d.scan.upper_rad, -90.0, 90.0, "highest beam, degrees above the horizon");
+    let lower_rad =
+        degrees("lower_fov_deg", d.scan.lower_rad, -90.0, 90.0, "lowest beam, degrees above the horizon");
+    let horizontal_fov_rad = degrees(
+        "horizontal_fov_deg",
+        d.scan.horizontal_fov_rad,
+        1.0,
+        360.0,
+        "horizontal field of view, degrees",
+    );
+    if lower_rad > upper_rad {
+        s.fault_at("lower_fov_deg", format!("`{}` is above upper_fov_deg", s.path_of("lower_fov_deg")));
+    }
+    let lidar = LidarSpec {
+        name: d.name.clone(),
+        mount: mount(s, &d.mount),
+        scan: ScanPattern { channels, columns, upper_rad, lower_rad, horizontal_fov_rad },
+        range_m: s.number("range_m", d.range_m, 1.0, 1000.0, "reach, m"),
+        dropoff_rate: s.number("dropoff_rate", d.dropoff_rate, 0.0, 1.0, "share of rays that return nothing"),
+        dropoff_intensity_limit: s.number(
+            "dropoff_intensity_limit",
+            d.dropoff_intensity_limit,
+            0.0,
+            1.0,
+            "returns stronger than this are never dropped for weakness",
+        ),
+        dropoff_zero_intensity: s.number(
+            "dropoff_zero_intensity",
+            d.dropoff_zero_intensity,
+            0.0,
+            1.0,
+            "chance that a return of no intensity is dropped",
+        ),
+        attenuation_per_m: s.number(
+            "attenuation_per_m",
+            d.attenuation_per_m,
+            0.0,
+            1.0,
+            "loss of intensity, per m",
+        ),
+        noise_m: s.number("noise_m", d.noise_m, 0.0, 10.0, "standard deviation of the distance, m"),
+        semantic: false,
+    };
+    let mut lidars = Vec::new();
+    if semantic {
+        lidars.push(lidar.semantic());
+    }
+    if enabled {
+        lidars.insert(0, lidar);
+    }
+    lidars
+}
+
+fn radars(s: &Section<'_>, d: &[RadarSpec]) -> Vec<RadarSpec> {
+    let shared = s.section("radar", "what all radars share");
+    let first = &d[0];
+    let enabled = shared.flag("enabled", true, "write the radars");
+    let range_m = shared.number("range_m", first.range_m, 1.0, 1000.0, "reach, m");
+    let degrees = |key, value: f64, doc| deg(shared.number(key, to_deg(value).round(), 0.1, 179.0, doc));
+    let horizontal_fov_rad =
+        degrees("horizontal_fov_deg", first.horizontal_fov_rad, "width of the cone, degrees");
+    let vertical_fov_rad = degrees("vertical_fov_deg", first.vertical_fov_rad, "height of the cone, degrees");
+    let rays = shared.integer("rays", first.rays.into(), 1, 1_000_000, "rays per frame") as u32;
+    let read = |item: &Section<'_>| {
+        (item.text("name", "RAD_FRONT", "radar name, part of the file names"), mount(item, &first.mount))
+    };
+    let sections =
+        s.sections("radars", &names(d.iter().map(|r| &r.name)), "radar positions; replaces the default list");
+    read(&s.describe_item("radars"));
+    let places: Vec<(String, Mount)> = sections.map_or_else(
+        || d.iter().map(|r| (r.name.clone(), r.mount)).collect(),
+        |l| l.iter().map(read).collect(),
+    );
+    unique(s, "radars", places.iter().map(|(name, _)| name));
+    if !enabled {
+        return Vec::new();
+    }
+    places
+        .into_iter()
+        .map(|(name, mount)| RadarSpec { name, mount, range_m, horizontal_fov_rad, vertical_fov_rad, rays })
+        .collect()
+}
+
+fn gnss(s: &Section<'_>) -> Option<GnssSpec> {
+    let d = GnssSpec::default();
+    let enabled = s.flag("enabled", true, "write GNSS fixes");
+    let spec = GnssSpec {
+        mount: mount(s, &d.mount),
+        noise_deg: [
+            s.number(
+                "noise_latitude_deg",
+                d.noise_deg[0],
+                0.0,
+                1.0,
+                "standard deviation of the latitude, degrees",
+            ),
+            s.number(
+                "noise_longitude_deg",
+                d.noise_deg[1],
+                0.0,
+                1.0,
+                "standard deviation of the longitude, degrees",
+            ),
+        ],
+        noise_altitude_m: s.number(
+            "noise_altitude_m",
+            d.noise_altitude_m,
+            0.0,
+            100.0,
+            "standard deviation of the altitude, m",
+        ),
+    };
+    enabled.then_some(spec)
+}
+
+fn imu(s: &Section<'_>) -> Option<ImuSpec> {
+    let d = ImuSpec::default();
+    let enabled = s.flag("enabled", true, "write IMU readings");
+    let spec = ImuSpec {
+        mount: mount(s, &d.mount),
+        noise_accel_mps2: s.number(
+            "noise_accel_mps2",
+            d.noise_accel_mps2,
+            0.0,
+            10.0,
+            "standard deviation of each acceleration, m/s2",
+        ),
+        gyro_bias_radps: s.number(
+            "gyro_bias_radps",
+            d.gyro_bias_radps,
+            0.0,
+            1.0,
+            "constant bias of each rate, rad/s",
+        ),
+        noise_gyro_radps: s.number(
+            "noise_gyro_radps",
+            d.noise_gyro_radps,
+            0.0,
+            1.0,
+            "standard deviation of each rate, rad/s",
+        ),
+    };
+    enabled.then_some(spec)
+}
+
+fn occupancy(parent: &Section<'_>) -> OccupancySettings {
+    let s = parent.section("occupancy", "voxel grid");
+    let d = OccupancySettings::default();
+    let settings = OccupancySettings {
+        enabled: s.flag("enabled", d.enabled, "write voxel grids"),
+        range_m: s.number("range_m", d.range_m, 1.0, 500.0, "reach ahead, behind, left and right, m"),
+        voxel_m: s.number("voxel_m", d.voxel_m, 0.02, 5.0, "cell size, m"),
+        lower_m: s.number("lower_m", d.lower_m, -100.0, 100.0, "lower face above the grid's origin, m"),
+        upper_m: s.number("upper_m", d.upper_m, -100.0, 100.0, "upper face above the grid's origin, m"),
+        mount_z_m: s.number(
+            "mount_z_m",
+            d.mount_z_m,
+            -10.0,
+            100.0,
+            "grid origin above the agent's origin, m",
+        ),
+        ignore_self: s.flag("ignore_self", d.ignore_self, "leave out the carrying agent's own body"),
+    };
+    if settings.lower_m >= settings.upper_m {
+        s.fault_at("lower_m", format!("`{}` is not below upper_m", s.path_of("lower_m")));
+    }
+    let [x, y, z] = settings.shape();
+    // A grid must fit in memory next to a stage's other data.
+    if x.saturating_mul(y).saturating_mul(z) > 1 << 30 {
+        s.fault_at(
+            "voxel_m",
+            format!("`{}`: a grid of {x} x {y} x {z} cells is too large", s.path_of("voxel_m")),
+        );
+    }
+    settings
+}

@@ -1,0 +1,291 @@
+//! The keys that say what happens in a scene.
+
+use schema::settings::{
+    AgentSettings, LightSettings, SceneCount, SpawnMode, Split, TimingSettings, TrafficSettings,
+    WalkerSettings, WeatherSettings, WorldSettings,
+};
+use schema::tables::Weather;
+
+use super::reader::Section;
+
+const DRAWN_PER_DRIVER: &str = "drawn per driver";
+
+pub(crate) fn scenes(root: &Section<'_>) -> Vec<SceneCount> {
+    let section = root.section("scenes", "how many scenes on which map");
+    let mut scenes = Vec::new();
+    for split in Split::ALL {
+        let doc = format!("scenes of the {} split; keys are map names", split.name());
+        let counts = section.section(split.name(), &doc).free_integers(
+            "\"MAP\"",
+            0,
+            100_000,
+            "scenes on a map: `convoy/...` or the stem of a file in the maps folder",
+        );
+        scenes.extend(counts.into_iter().map(|(map, count)| SceneCount { split, map, count: count as u32 }));
+    }
+    if scenes.iter().all(|s| s.count == 0) {
+        root.fault_at(
+            "scenes",
+            "no scenes: add a table such as [scenes.train] with \"convoy/demo\" = 2".into(),
+        );
+    }
+    scenes
+}
+
+pub(crate) fn agents(s: &Section<'_>) -> AgentSettings {
+    let d = AgentSettings::default();
+    let settings = AgentSettings {
+        min_vehicles: count(s, "min_vehicles", d.min_vehicles, "fewest data-collection vehicles in a scene"),
+        max_vehicles: count(s, "max_vehicles", d.max_vehicles, "most data-collection vehicles in a scene"),
+        spawn_mode: s.choice(
+            "spawn_mode",
+            &[
+                ("clustered", SpawnMode::Clustered),
+                ("chained", SpawnMode::Chained),
+                ("both", SpawnMode::Both),
+            ],
+            2,
+            "vehicles around a pivot, each near another, or a coin flip per scene",
+        ),
+        clustered_spawn_distance_m: metres(
+            s,
+            "clustered_spawn_distance_m",
+            d.clustered_spawn_distance_m,
+            "spacing of a cluster, m",
+        ),
+        chained_spawn_distance_m: metres(
+            s,
+            "chained_spawn_distance_m",
+            d.chained_spawn_distance_m,
+            "reach of a link of a chain, m",
+        ),
+        min_rsus: count(s, "min_rsus", d.min_rsus, "fewest RSUs in a scene"),
+        max_rsus: count(
+            s,
+            "max_rsus",
+            d.max_rsus,
+            "most RSUs in a scene (signalised junctions near the start limit them)",
+        ),
+        vehicle_models: s.texts(
+            "vehicle_models",
+            &d.vehicle_models,
+            "models of the data-collection vehicles, taken in turn",
+        ),
+        vehicle_colors: s.colors("vehicle_colors", &d.vehicle_colors, "their colours, taken in turn"),
+        spawn_separation_m: s.number(
+            "spawn_separation_m",
+            d.spawn_separation_m,
+            2.0,
+            1000.0,
+            "spacing of the spawn points along lanes, m",
+        ),
+    };
+    ordered(s, "min_vehicles", settings.min_vehicles, "max_vehicles", settings.max_vehicles);
+    ordered(s, "min_rsus", settings.min_rsus, "max_rsus", settings.max_rsus);
+    for model in &settings.vehicle_models {
+        if schema::models::find(model).is_none_or(|m| m.wheelbase_m <= 0.0) {
+            s.fault_at("vehicle_models", format!("`agents.vehicle_models`: no vehicle model `{model}`"));
+        }
+    }
+    if settings.vehicle_models.is_empty() || settings.vehicle_colors.is_empty() {
+        s.fault_at(
+            "vehicle_models",
+            "`agents.vehicle_models` and `agents.vehicle_colors` must not be empty".into(),
+        );
+    }
+    settings
+}
+
+fn ordered(s: &Section<'_>, low: &str, low_value: u32, high: &str, high_value: u32) {
+    if low_value > high_value {
+        let (low_path, high_path) = (s.path_of(low), s.path_of(high));
+        s.fault_at(low, format!("`{low_path}` is {low_value}, more than `{high_path}` ({high_value})"));
+    }
+}
+
+fn count(s: &Section<'_>, key: &str, default: u32, doc: &str) -> u32 {
+    s.integer(key, default.into(), 0, 1000, doc) as u32
+}
+
+fn metres(s: &Section<'_>, key: &str, default: f64, doc: &str) -> f64 {
+    s.number(key, default, 0.1, 100_000.0, doc)
+}
+
+fn share(s: &Section<'_>, key: &str, default: f64, doc: &str) -> f64 {
+    s.number(key, default, 0.0, 1.0, doc)
+}
+
+pub(crate) fn timing(s: &Section<'_>) -> TimingSettings {
+    let d = TimingSettings::default();
+    let settings = TimingSettings {
+        warmup_s: s.number("warmup_s", d.warmup_s, 0.0, 600.0, "simulated before frame 0, s"),
+        min_duration_s: s.number("min_duration_s", d.min_duration_s, 1.0, 3600.0, "shortest scene, s"),
+        max_duration_s: s.number("max_duration_s", d.max_duration_s, 1.0, 3600.0, "longest scene, s"),
+    };
+    if settings.min_duration_s > settings.max_duration_s {
+        s.fault_at("min_duration_s", "`timing.min_duration_s` is more than `timing.max_duration_s`".into());
+    }
+    settings
+}
+
+pub(crate) fn traffic(s: &Section<'_>) -> TrafficSettings {
+    let d = TrafficSettings::default();
+    TrafficSettings {
+        vehicles: s
+            .optional_integer(
+                "vehicles",
+                "drawn from the free spawn points",
+                0,
+                20_000,
+                "background vehicles in a scene",
+            )
+            .map(|n| n as u32),
+        speed_difference: s.optional_number(
+            "speed_difference",
+            DRAWN_PER_DRIVER,
+            -2.0,
+            0.95,
+            "speed below the limit as a share of it (negative: faster), for every driver",
+        ),
+        standstill_gap_m: s.optional_number(
+            "standstill_gap_m",
+            DRAWN_PER_DRIVER,
+            0.5,
+            50.0,
+            "gap to a standing leader, m",
+        ),
+        green_time_s: s.optional_number(
+            "green_time_s",
+            "drawn per signal, 4 to 28",
+            1.0,
+            600.0,
+            "green time of every signal, s",
+        ),
+        yellow_time_s: s.number("yellow_time_s", d.yellow_time_s, 0.5, 10.0, "yellow time, s"),
+        all_red_time_s: s.number(
+            "all_red_time_s",
+            d.all_red_time_s,
+            0.0,
+            20.0,
+            "all-red time between two greens, s",
+        ),
+        reckless_agent: share(
+            s,
+            "reckless_agent",
+            d.reckless_agent,
+            "share of data-collection drivers who see no lights, signs, vehicles, walkers",
+        ),
+        reckless_background: share(
+            s,
+            "reckless_background",
+            d.reckless_background,
+            "the same for background drivers",
+        ),
+        distracted_agent: share(
+            s,
+            "distracted_agent",
+            d.distracted_agent,
+            "share of the other data-collection drivers who see no lights and signs",
+        ),
+        distracted_background: share(
+            s,
+            "distracted_background",
+            d.distracted_background,
+            "the same for background drivers",
+        ),
+        spawn_radius_m: s.optional_number(
+            "spawn_radius_m",
+            "from the duration",
+            10.0,
+            20_000.0,
+            "background actors start within this distance of a data-collection vehicle, m",
+        ),
+    }
+}
+
+pub(crate) fn walkers(s: &Section<'_>) -> WalkerSettings {
+    let d = WalkerSettings::default();
+    WalkerSettings {
+        count: s
+            .optional_integer("count", "drawn from 0 to max_count", 0, 20_000, "walkers in a scene")
+            .map(|n| n as u32),
+        max_count: s.integer("max_count", d.max_count.into(), 0, 20_000, "most walkers when drawn") as u32,
+        min_speed_mps: s.number("min_speed_mps", d.min_speed_mps, 0.1, 5.0, "slowest walking speed, m/s"),
+        cross_factor: s.optional_number(
+            "cross_factor",
+            "drawn per scene",
+            0.0,
+            1.0,
+            "share of walkers who may cross roads anywhere",
+        ),
+    }
+}
+
+pub(crate) fn weather(s: &Section<'_>) -> WeatherSettings {
+    let d = WeatherSettings::default();
+    WeatherSettings {
+        dynamic: s.flag("dynamic", d.dynamic, "draw a final weather and move towards it over the scene"),
+        initial: overrides(
+            &s.section("initial", "fixed values of the initial weather; the others are drawn"),
+        ),
+        r#final: overrides(&s.section("final", "fixed values of the final weather; the others are drawn")),
+    }
+}
+
+fn overrides(s: &Section<'_>) -> Vec<(String, f64)> {
+    let read = |&name: &&'static str| {
+        let (min, max) = match name {
+            "sun_azimuth_deg" => (0.0, 360.0),
+            "sun_altitude_deg" => (-90.0, 90.0),
+            "fog_distance_m" => (0.0, 100_000.0),
+            "fog_falloff" => (0.0, 100.0),
+            "scattering_intensity" | "mie_scattering_scale" | "rayleigh_scattering_scale" => (0.0, 10.0),
+            _ => (0.0, 100.0),
+        };
+        let value = s.optional_number(name, "drawn", min, max, "see the frames table in schema.md")?;
+        Some((name.to_owned(), value))
+    };
+    Weather::NAMES.iter().filter_map(read).collect()
+}
+
+pub(crate) fn lights(s: &Section<'_>) -> LightSettings {
+    let d = LightSettings::default();
+    LightSettings {
+        street_lamp_failure: share(
+            s,
+            "street_lamp_failure",
+            d.street_lamp_failure,
+            "share of street lamps that have failed",
+        ),
+        street_lamps_off: s.flag("street_lamps_off", d.street_lamps_off, "street lamps never burn"),
+        buildings_off: s.flag("buildings_off", d.buildings_off, "windows are never lit"),
+    }
+}
+
+pub(crate) fn world(s: &Section<'_>) -> WorldSettings {
+    let d = WorldSettings::default();
+    WorldSettings {
+        building_density: share(
+            s,
+            "building_density",
+            d.building_density,
+            "share of free frontage with buildings",
+        ),
+        tree_density: share(s, "tree_density", d.tree_density, "share of free frontage with trees"),
+        lamp_spacing_m: s.number(
+            "lamp_spacing_m",
+            d.lamp_spacing_m,
+            5.0,
+            1000.0,
+            "distance between street lamps along a sidewalk, m",
+        ),
+        parked_share: share(s, "parked_share", d.parked_share, "share of parking spaces that are taken"),
+        radius_m: s.number(
+            "radius_m",
+            d.radius_m,
+            50.0,
+            5000.0,
+            "scenery is built within this distance of an agent's start, m",
+        ),
+    }
+}

@@ -1,0 +1,249 @@
+//! The `convoy` program: all stages in order, the status table, verification.
+
+use std::path::PathBuf;
+use std::process::{Command, ExitCode};
+use std::time::Instant;
+
+use clap::{Parser, Subcommand};
+use store::{Scope, Store};
+
+use crate::args::{ProgressMode, SceneList};
+use crate::graph::{Graph, UnitKind};
+use crate::runner::{init_logging, settings_or_faults};
+use crate::status::{State, planned_scenes, state_of};
+use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE};
+
+/// Makes V2X cooperative-perception datasets.
+#[derive(Debug, Parser)]
+#[command(name = "convoy", version)]
+struct Args {
+    #[command(subcommand)]
+    command: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// Runs everything that is missing or stale, in order.
+    Run {
+        /// Dataset configuration (TOML).
+        #[arg(long, value_name = "FILE")]
+        config: PathBuf,
+        /// The store: a folder.
+        #[arg(long, value_name = "DIR")]
+        store: PathBuf,
+        /// Folder with OpenDRIVE files.
+        #[arg(long, value_name = "DIR")]
+        maps: Option<PathBuf>,
+        /// Only these scenes.
+        #[arg(long, value_name = "LIST")]
+        scenes: Option<String>,
+        /// Worker threads.
+        #[arg(long, value_name = "N")]
+        threads: Option<usize>,
+        /// Only say what would be done.
+        #[arg(long)]
+        dry_run: bool,
+        /// How to show progress.
+        #[arg(long, value_enum, default_value = "auto")]
+        progress: ProgressMode,
+    },
+    /// Prints a table of scenes and stages: done, stale, failed, missing.
+    Status {
+        /// Dataset configuration (TOML).
+        #[arg(long, value_name = "FILE")]
+        config: PathBuf,
+        /// The store: a folder.
+        #[arg(long, value_name = "DIR")]
+        store: PathBuf,
+        /// Only these scenes.
+        #[arg(long, value_name = "LIST")]
+        scenes: Option<SceneList>,
+    },
+    /// Re-hashes a store and names every missing, truncated or changed shard.
+    Verify {
+        /// The store: a folder.
+        #[arg(long, value_name = "DIR")]
+        store: PathBuf,
+    },
+}
+
+/// Runs the `convoy` program.
+#[must_use]
+pub fn drive() -> ExitCode {
+    let args = Args::parse();
+    init_logging();
+    ExitCode::from(match args.command {
+        Verb::Run { config, store, maps, scenes, threads, dry_run, progress } => {
+            let mut common: Vec<String> = vec!["--config".into(), config.display().to_string()];
+            common.extend(["--store".into(), store.display().to_string()]);
+            if let Some(maps) = maps {
+                common.extend(["--maps".into(), maps.display().to_string()]);
+            }
+            if let Some(threads) = threads {
+                common.extend(["--threads".into(), threads.to_string()]);
+            }
+            if dry_run {
+                common.push("--dry-run".into());
+            }
+            let word = match progress {
+                ProgressMode::Auto => "auto",
+                ProgressMode::Bar => "bar",
+                ProgressMode::Plain => "plain",
+                ProgressMode::None => "none",
+            };
+            common.extend(["--progress".into(), word.into()]);
+            run(&common, scenes.as_deref(), &store)
+        }
+        Verb::Status { config, store, scenes } => status(&config, &store, scenes.as_ref()),
+        Verb::Verify { store } => verify(&store),
+    })
+}
+
+/// Prints a line of the program's answer to standard output.
+#[expect(clippy::print_stdout, reason = "this is the program's answer, not a log")]
+pub(crate) fn say(line: &str) {
+    println!("{line}");
+}
+
+/// Runs every stage as a process of its own: a stage's memory ends with it, and a crash is the stage's alone.
+fn run(common: &[String], scenes: Option<&str>, store: &std::path::Path) -> u8 {
+    let folder = match std::env::current_exe() {
+        Ok(exe) => exe.parent().map(std::path::Path::to_owned).unwrap_or_default(),
+        Err(e) => {
+            tracing::error!("cannot find the stage programs: {e}");
+            return EXIT_SOME_FAILED;
+        }
+    };
+    let mut worst = EXIT_DONE;
+    let mut times = Vec::new();
+    for stage in &Graph::get().stages {
+        let program = folder.join(&stage.name);
+        let mut command = Command::new(&program);
+        command.args(common);
+        if let (UnitKind::Scene, Some(scenes)) = (stage.unit, scenes) {
+            command.args(["--scenes", scenes]);
+        }
+        let start = Instant::now();
+        let code = match command.status() {
+            Ok(status) => {
+                status.code().map_or(EXIT_TRY_AGAIN, |c| u8::try_from(c).unwrap_or(EXIT_SOME_FAILED))
+            }
+            Err(e) => {
+                tracing::error!("{}: cannot start: {e} (build the workspace first)", program.display());
+                return EXIT_USAGE;
+            }
+        };
+        times.push((stage.name.as_str(), start.elapsed().as_secs_f64(), code));
+        worst = worst.max(code);
+        if code == EXIT_USAGE || code == EXIT_TRY_AGAIN || (code != EXIT_DONE && stage.unit == UnitKind::Plan)
+        {
+            break;
+        }
+    }
+    say(&format!("{:<20} {:>9}", "stage", "seconds"));
+    for (name, secs, code) in &times {
+        let outcome = match *code {
+            EXIT_DONE => "",
+            EXIT_SOME_FAILED => "  some scenes failed",
+            EXIT_USAGE => "  bad arguments or configuration",
+            EXIT_TRY_AGAIN => "  stopped, run again",
+            _ => "  crashed",
+        };
+        say(&format!("{name:<20} {secs:>9.1}{outcome}"));
+    }
+    let total: f64 = times.iter().map(|(_, secs, _)| secs).sum();
+    say(&format!("{:<20} {total:>9.1}", "total"));
+    let root = store.display();
+    say(&format!("dataset: {root} (scenes in {root}/scenes, report in {root}/stats/report.html)"));
+    worst
+}
+
+fn status(config: &std::path::Path, store: &std::path::Path, only: Option<&SceneList>) -> u8 {
+    let Some(settings) = settings_or_faults(config) else { return EXIT_USAGE };
+    match status_table(&settings, &Store::on_disk(store), only) {
+        Ok(all_done) => {
+            if all_done {
+                EXIT_DONE
+            } else {
+                EXIT_SOME_FAILED
+            }
+        }
+        Err(e) => {
+            tracing::error!("{e}");
+            EXIT_SOME_FAILED
+        }
+    }
+}
+
+fn status_table(
+    settings: &schema::settings::DatasetSettings,
+    store: &Store,
+    only: Option<&SceneList>,
+) -> Result<bool, store::StoreError> {
+    let stages = &Graph::get().stages;
+    let mut reasons = Vec::new();
+    let mut all_done = true;
+    let mut cell =
+        |name: &str, stage: &crate::StageSpec, scope: Scope| -> Result<&'static str, store::StoreError> {
+            let state = state_of(store, settings, stage, scope)?;
+            all_done &= state == State::Done;
+            Ok(match state {
+                State::Done => "done",
+                State::Missing => "missing",
+                State::Stale(why) => {
+                    reasons.push(format!("{name} {}: stale: {why}", stage.name));
+                    "stale"
+                }
+                State::Failed(why) => {
+                    reasons.push(format!("{name} {}: failed: {why}", stage.name));
+                    "failed"
+                }
+            })
+        };
+    for stage in stages.iter().filter(|s| s.unit == UnitKind::Plan) {
+        say(&format!("{}: {}", stage.name, cell("plan", stage, Scope::Plan)?));
+    }
+    let per_scene: Vec<_> = stages.iter().filter(|s| s.unit == UnitKind::Scene).collect();
+    let header: Vec<String> = per_scene.iter().map(|s| format!("{:>17}", s.name)).collect();
+    say(&format!("scene {}", header.join(" ")));
+    for scene in planned_scenes(store)?.unwrap_or_default() {
+        if only.is_some_and(|list| !list.contains(scene)) {
+            continue;
+        }
+        let name = format!("{scene:04} ");
+        let mut line = name.clone();
+        for stage in &per_scene {
+            line.push_str(&format!(" {:>17}", cell(&name, stage, Scope::Scene(scene))?));
+        }
+        say(&line);
+    }
+    for stage in stages.iter().filter(|s| s.unit == UnitKind::Stats) {
+        say(&format!("{}: {}", stage.name, cell("stats", stage, Scope::Stats)?));
+    }
+    for reason in reasons {
+        say(&reason);
+    }
+    Ok(all_done)
+}
+
+fn verify(store: &std::path::Path) -> u8 {
+    match store::verify(&Store::on_disk(store), |_| {}) {
+        Ok(result) => {
+            for finding in &result.findings {
+                say(&finding.to_string());
+            }
+            let megabytes = result.bytes as f64 / 1e6;
+            say(&format!(
+                "{} manifests, {} shards, {megabytes:.1} MB: {} faulty",
+                result.manifests,
+                result.shards,
+                result.findings.len()
+            ));
+            if result.findings.is_empty() { EXIT_DONE } else { EXIT_SOME_FAILED }
+        }
+        Err(e) => {
+            tracing::error!("{e}");
+            EXIT_SOME_FAILED
+        }
+    }
+}

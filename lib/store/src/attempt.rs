@@ -1,0 +1,210 @@
+//! One try of a stage at one scope: units of work, shards, the manifest last.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use schema::table::{Column, Row};
+
+use crate::manifest::{Manifest, Output, Redo};
+use crate::write::{FileWriter, Finished, TableOptions, TableWriter, write_columns};
+use crate::{Scope, Store, StoreError};
+
+/// What makes two tries the same: if all of it is equal, so are the outputs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Identity {
+    /// The stage.
+    pub stage: String,
+    /// What it works on.
+    pub scope: Scope,
+    /// Version of the code.
+    pub code_version: String,
+    /// Digest of the parts of the configuration it uses.
+    pub config_hash: String,
+    /// Digest of each thing it reads.
+    pub inputs: BTreeMap<String, String>,
+}
+
+/// A running try. Dropping it keeps finished units for the next one and discards shards in hand.
+#[derive(Debug)]
+pub struct Attempt {
+    store: Store,
+    identity: Identity,
+    redo: Redo,
+    old_stands: bool,
+    outputs: Vec<Output>,
+    sections: BTreeMap<String, String>,
+}
+
+impl Attempt {
+    /// Starts (or takes up) a try and sweeps leftovers. An old manifest stands until the first shard is ready
+    /// to take an old one's place. With `force` the new manifest differs from the old one even if everything
+    /// else is equal, so that dependants become stale; units that a killed forced try finished are kept.
+    ///
+    /// # Errors
+    /// The store cannot be read or written.
+    pub fn start(store: &Store, identity: Identity, force: bool) -> Result<Self, StoreError> {
+        let (scope, stage) = (identity.scope, identity.stage.as_str());
+        store.backend().sweep(&scope.folder(), stage)?;
+        let old = store.manifest(scope, stage)?;
+        let old_stands = old.is_some();
+        let redo = match old {
+            Some(old) => Redo {
+                generation: old.generation + u32::from(force),
+                replaces: old.outputs.into_iter().map(|o| o.key).collect(),
+            },
+            None => store.read_json(&scope.redo(stage))?.unwrap_or_default(),
+        };
+        let (outputs, sections) = (Vec::new(), BTreeMap::new());
+        Ok(Self { store: store.clone(), identity, redo, old_stands, outputs, sections })
+    }
+
+    /// Takes the old manifest away: from here on its shards are replaced one by one.
+    fn set_old_aside(&mut self) -> Result<(), StoreError> {
+        if self.old_stands {
+            let (scope, stage) = (self.identity.scope, self.identity.stage.as_str());
+            self.store.write_json(&scope.redo(stage), stage, &self.redo)?;
+            self.store.backend().remove(&scope.manifest(stage))?;
+            self.old_stands = false;
+        }
+        Ok(())
+    }
+
+    /// Opens a unit of work (an agent, say), or `None` when an earlier try of the same identity finished it.
+    ///
+    /// # Errors
+    /// The store cannot be read.
+    pub fn unit(&mut self, name: &str) -> Result<Option<Unit<'_>>, StoreError> {
+        let key = self.identity.scope.part(&self.identity.stage, name);
+        if let Some(part) = self.store.read_json::<Manifest>(&key)? {
+            let same = Manifest { outputs: part.outputs.clone(), ..self.manifest_of(Vec::new()) };
+            if part == same && self.store.outputs_present(&part)? {
+                self.outputs.extend(part.outputs);
+                return Ok(None);
+            }
+        }
+        Ok(Some(Unit { attempt: self, name: name.to_owned(), shards: Vec::new() }))
+    }
+
+    /// Remembers the digest of a part that other stages depend on singly.
+    pub fn section(&mut self, name: &str, digest: String) {
+        self.sections.insert(name.to_owned(), digest);
+    }
+
+    /// Writes the manifest, removes what an older try left, and ends the try.
+    ///
+    /// # Errors
+    /// The store cannot be written.
+    pub fn commit(mut self) -> Result<Manifest, StoreError> {
+        self.set_old_aside()?;
+        let outputs = std::mem::take(&mut self.outputs);
+        let mut manifest = self.manifest_of(outputs);
+        manifest.outputs.sort_by(|a, b| a.key.cmp(&b.key));
+        manifest.sections = std::mem::take(&mut self.sections);
+        let (scope, stage) = (self.identity.scope, self.identity.stage.as_str());
+        let backend = self.store.backend();
+        let kept: BTreeSet<&str> = manifest.outputs.iter().map(|o| o.key.as_str()).collect();
+        for key in self.redo.replaces.iter().filter(|k| !kept.contains(k.as_str())) {
+            backend.remove(key)?;
+        }
+        self.store.write_json(&scope.manifest(stage), stage, &manifest)?;
+        for key in backend.list(&scope.parts(stage))? {
+            backend.remove(&key)?;
+        }
+        backend.remove(&scope.redo(stage))?;
+        backend.remove(&scope.failure(stage))?;
+        Ok(manifest)
+    }
+
+    fn manifest_of(&self, outputs: Vec<Output>) -> Manifest {
+        Manifest {
+            format_version: schema::FORMAT_VERSION,
+            stage: self.identity.stage.clone(),
+            code_version: self.identity.code_version.clone(),
+            config_hash: self.identity.config_hash.clone(),
+            generation: self.redo.generation,
+            inputs: self.identity.inputs.clone(),
+            outputs,
+            sections: BTreeMap::new(),
+        }
+    }
+}
+
+/// A unit of work within a try: its shards are kept once it is finished, even if the try is killed later.
+#[derive(Debug)]
+pub struct Unit<'a> {
+    attempt: &'a mut Attempt,
+    name: String,
+    shards: Vec<Finished>,
+}
+
+impl Unit<'_> {
+    /// Starts a shard of any bytes.
+    ///
+    /// # Errors
+    /// The store cannot be written.
+    pub fn file(&self, key: &str) -> Result<FileWriter, StoreError> {
+        FileWriter::create(&self.attempt.store, key, &self.attempt.identity.stage)
+    }
+
+    /// Starts a table.
+    ///
+    /// # Errors
+    /// The store cannot be written.
+    pub fn table<R: Row>(&self, key: &str, options: TableOptions) -> Result<TableWriter<R>, StoreError> {
+        TableWriter::create(self.file(key)?, options)
+    }
+
+    /// Writes a whole table.
+    ///
+    /// # Errors
+    /// The store cannot be written.
+    pub fn rows<R: Row>(&mut self, key: &str, rows: &[R]) -> Result<(), StoreError> {
+        let mut table = self.table(key, TableOptions::default())?;
+        table.push(rows)?;
+        self.add(table.finish()?);
+        Ok(())
+    }
+
+    /// Writes a whole table of columns that no row type describes (statistics).
+    ///
+    /// # Errors
+    /// The store cannot be written.
+    pub fn columns(&mut self, key: &str, columns: Vec<(&str, Column)>) -> Result<(), StoreError> {
+        let shard = write_columns(self.file(key)?, columns)?;
+        self.add(shard);
+        Ok(())
+    }
+
+    /// Writes a whole shard of bytes.
+    ///
+    /// # Errors
+    /// The store cannot be written.
+    pub fn bytes(&mut self, key: &str, bytes: &[u8], rows: u64) -> Result<(), StoreError> {
+        let mut file = self.file(key)?;
+        file.write_bytes(bytes)?;
+        self.add(file.finish(rows)?);
+        Ok(())
+    }
+
+    /// Counts a finished shard among the unit's outputs.
+    pub fn add(&mut self, shard: Finished) {
+        self.shards.push(shard);
+    }
+
+    /// Makes the unit's shards visible and ends it: from here on a killed run keeps it.
+    ///
+    /// # Errors
+    /// The store cannot be written.
+    pub fn finish(self) -> Result<(), StoreError> {
+        let Self { attempt, name, shards } = self;
+        attempt.set_old_aside()?;
+        let mut outputs = Vec::with_capacity(shards.len());
+        for shard in shards {
+            outputs.push(shard.commit()?);
+        }
+        let identity = &attempt.identity;
+        let part = attempt.manifest_of(outputs);
+        attempt.store.write_json(&identity.scope.part(&identity.stage, &name), &identity.stage, &part)?;
+        attempt.outputs.extend(part.outputs);
+        Ok(())
+    }
+}

@@ -1,0 +1,180 @@
+//! Between our columns and arrow's arrays.
+
+use std::sync::Arc;
+
+use arrow_array::{
+    Array, ArrayRef, BinaryArray, BooleanArray, FixedSizeListArray, Float32Array, Float64Array,
+    GenericListArray, Int32Array, Int64Array, ListArray, PrimitiveArray, StringArray, UInt8Array,
+    UInt16Array, UInt32Array, UInt64Array,
+};
+use arrow_buffer::OffsetBuffer;
+use arrow_array::types::{ArrowPrimitiveType, Float32Type, UInt8Type, UInt16Type};
+use arrow_schema::{DataType, Field, Schema};
+use schema::table::{Column, ColumnError, Row};
+
+/// The arrow schema of a row type.
+pub(crate) fn arrow_schema<R: Row>() -> Schema {
+    let types = R::to_columns(&[]);
+    schema_of(R::fields().into_iter().map(|field| field.name).zip(&types))
+}
+
+/// The arrow schema of some named columns.
+pub(crate) fn schema_of<'a>(columns: impl Iterator<Item = (&'a str, &'a Column)>) -> Schema {
+    let field = |(name, column): (&str, &Column)| {
+        let (data_type, nullable) = arrow_type(column);
+        Field::new(name, data_type, nullable)
+    };
+    Schema::new(columns.map(field).collect::<Vec<_>>())
+}
+
+fn item(data_type: DataType) -> Arc<Field> {
+    Arc::new(Field::new("item", data_type, false))
+}
+
+fn arrow_type(column: &Column) -> (DataType, bool) {
+    let data_type = match column {
+        Column::Bool(_) => DataType::Boolean,
+        Column::U8(_) => DataType::UInt8,
+        Column::U16(_) => DataType::UInt16,
+        Column::U32(_) => DataType::UInt32,
+        Column::U64(_) => DataType::UInt64,
+        Column::I32(_) | Column::OptI32(_) => DataType::Int32,
+        Column::I64(_) => DataType::Int64,
+        Column::F32(_) => DataType::Float32,
+        Column::F64(_) | Column::OptF64(_) => DataType::Float64,
+        Column::Str(_) | Column::OptStr(_) => DataType::Utf8,
+        Column::Bytes(_) => DataType::Binary,
+        Column::ListU8(_) => DataType::List(item(DataType::UInt8)),
+        Column::ListU16(_) => DataType::List(item(DataType::UInt16)),
+        Column::ListF32(_) => DataType::List(item(DataType::Float32)),
+        Column::ListStr(_) => DataType::List(item(DataType::Utf8)),
+        Column::FixedF32(n, _) => DataType::FixedSizeList(item(DataType::Float32), *n as i32),
+        Column::FixedF64(n, _) => DataType::FixedSizeList(item(DataType::Float64), *n as i32),
+    };
+    (data_type, matches!(column, Column::OptI32(_) | Column::OptF64(_) | Column::OptStr(_)))
+}
+
+/// Our column as an arrow array.
+pub(crate) fn to_arrow(column: Column) -> ArrayRef {
+    match column {
+        Column::Bool(v) => Arc::new(BooleanArray::from(v)),
+        Column::U8(v) => Arc::new(UInt8Array::from(v)),
+        Column::U16(v) => Arc::new(UInt16Array::from(v)),
+        Column::U32(v) => Arc::new(UInt32Array::from(v)),
+        Column::U64(v) => Arc::new(UInt64Array::from(v)),
+        Column::I32(v) => Arc::new(Int32Array::from(v)),
+        Column::I64(v) => Arc::new(Int64Array::from(v)),
+        Column::F32(v) => Arc::new(Float32Array::from(v)),
+        Column::F64(v) => Arc::new(Float64Array::from(v)),
+        Column::Str(v) => Arc::new(StringArray::from(v)),
+        Column::Bytes(v) => Arc::new(BinaryArray::from_iter_values(v)),
+        Column::OptI32(v) => Arc::new(Int32Array::from(v)),
+        Column::OptF64(v) => Arc::new(Float64Array::from(v)),
+        Column::OptStr(v) => Arc::new(StringArray::from(v)),
+        Column::ListU8(v) => primitive_list::<UInt8Type>(v),
+        Column::ListU16(v) => primitive_list::<UInt16Type>(v),
+        Column::ListF32(v) => primitive_list::<Float32Type>(v),
+        Column::ListStr(v) => {
+            let offsets = OffsetBuffer::from_lengths(v.iter().map(Vec::len));
+            let values = StringArray::from_iter_values(v.into_iter().flatten());
+            Arc::new(ListArray::new(item(DataType::Utf8), offsets, Arc::new(values), None))
+        }
+        Column::FixedF32(n, v) => Arc::new(FixedSizeListArray::new(
+            item(DataType::Float32),
+            n as i32,
+            Arc::new(Float32Array::from(v)),
+            None,
+        )),
+        Column::FixedF64(n, v) => Arc::new(FixedSizeListArray::new(
+            item(DataType::Float64),
+            n as i32,
+            Arc::new(Float64Array::from(v)),
+            None,
+        )),
+    }
+}
+
+fn primitive_list<T: ArrowPrimitiveType>(rows: Vec<Vec<T::Native>>) -> ArrayRef {
+    let offsets = OffsetBuffer::from_lengths(rows.iter().map(Vec::len));
+    let values: Vec<T::Native> = rows.concat();
+    Arc::new(ListArray::new(
+        item(T::DATA_TYPE),
+        offsets,
+        Arc::new(PrimitiveArray::<T>::from_iter_values(values)),
+        None,
+    ))
+}
+
+/// An arrow array as our column, of the type that `wanted` has.
+pub(crate) fn from_arrow(name: &str, wanted: &Column, array: &dyn Array) -> Result<Column, ColumnError> {
+    let wrong = || ColumnError {
+        column: name.to_owned(),
+        problem: format!("has type {}, {} was expected", array.data_type(), wanted.type_name()),
+    };
+    macro_rules! primitive {
+        ($array:ty) => {
+            array.as_any().downcast_ref::<$array>().ok_or_else(wrong)?
+        };
+    }
+    Ok(match wanted {
+        Column::Bool(_) => Column::Bool(primitive!(BooleanArray).values().iter().collect()),
+        Column::U8(_) => Column::U8(primitive!(UInt8Array).values().to_vec()),
+        Column::U16(_) => Column::U16(primitive!(UInt16Array).values().to_vec()),
+        Column::U32(_) => Column::U32(primitive!(UInt32Array).values().to_vec()),
+        Column::U64(_) => Column::U64(primitive!(UInt64Array).values().to_vec()),
+        Column::I32(_) => Column::I32(primitive!(Int32Array).values().to_vec()),
+        Column::I64(_) => Column::I64(primitive!(Int64Array).values().to_vec()),
+        Column::F32(_) => Column::F32(primitive!(Float32Array).values().to_vec()),
+        Column::F64(_) => Column::F64(primitive!(Float64Array).values().to_vec()),
+        Column::OptI32(_) => Column::OptI32(primitive!(Int32Array).iter().collect()),
+        Column::OptF64(_) => Column::OptF64(primitive!(Float64Array).iter().collect()),
+        Column::Str(_) => {
+            Column::Str(primitive!(StringArray).iter().map(|s| s.unwrap_or_default().to_owned()).collect())
+        }
+        Column::OptStr(_) => {
+            Column::OptStr(primitive!(StringArray).iter().map(|s| s.map(str::to_owned)).collect())
+        }
+        Column::Bytes(_) => {
+            Column::Bytes(primitive!(BinaryArray).iter().map(|b| b.unwrap_or_default().to_vec()).collect())
+        }
+        Column::ListU8(_) => {
+            Column::ListU8(list_values::<UInt8Type>(primitive!(ListArray)).ok_or_else(wrong)?)
+        }
+        Column::ListU16(_) => {
+            Column::ListU16(list_values::<UInt16Type>(primitive!(ListArray)).ok_or_else(wrong)?)
+        }
+        Column::ListF32(_) => {
+            Column::ListF32(list_values::<Float32Type>(primitive!(ListArray)).ok_or_else(wrong)?)
+        }
+        Column::ListStr(_) => {
+            let list = primitive!(ListArray);
+            let values = list.values().as_any().downcast_ref::<StringArray>().ok_or_else(wrong)?;
+            let rows = list
+                .offsets()
+                .windows(2)
+                .map(|w| (w[0]..w[1]).map(|i| values.value(i as usize).to_owned()).collect());
+            Column::ListStr(rows.collect())
+        }
+        Column::FixedF32(n, _) => {
+            let list = primitive!(FixedSizeListArray);
+            let values = list.values().as_any().downcast_ref::<Float32Array>().ok_or_else(wrong)?;
+            if list.value_length() as usize != *n {
+                return Err(wrong());
+            }
+            Column::FixedF32(*n, values.values().to_vec())
+        }
+        Column::FixedF64(n, _) => {
+            let list = primitive!(FixedSizeListArray);
+            let values = list.values().as_any().downcast_ref::<Float64Array>().ok_or_else(wrong)?;
+            if list.value_length() as usize != *n {
+                return Err(wrong());
+            }
+            Column::FixedF64(*n, values.values().to_vec())
+        }
+    })
+}
+
+fn list_values<T: ArrowPrimitiveType>(list: &GenericListArray<i32>) -> Option<Vec<Vec<T::Native>>> {
+    let values = list.values().as_any().downcast_ref::<PrimitiveArray<T>>()?;
+    Some(list.offsets().windows(2).map(|w| values.values()[w[0] as usize..w[1] as usize].to_vec()).collect())
+}

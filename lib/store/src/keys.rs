@@ -1,0 +1,108 @@
+//! The layout of a store: where everything is.
+
+use schema::AgentId;
+
+/// What a manifest is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Scope {
+    /// The whole dataset's plan.
+    Plan,
+    /// One scene.
+    Scene(u32),
+    /// The whole dataset's statistics.
+    Stats,
+}
+
+impl Scope {
+    /// The folder that holds everything of this scope.
+    #[must_use]
+    pub fn folder(self) -> String {
+        match self {
+            Self::Plan => "plan".into(),
+            Self::Scene(scene) => format!("scenes/{scene:04}"),
+            Self::Stats => "stats".into(),
+        }
+    }
+
+    /// The manifest of a stage.
+    #[must_use]
+    pub fn manifest(self, stage: &str) -> String {
+        match self {
+            Self::Plan | Self::Stats => format!("{}/_manifest.json", self.folder()),
+            Self::Scene(_) => format!("{}/_manifests/{stage}.json", self.folder()),
+        }
+    }
+
+    /// The folder of a stage's records of finished units, until its manifest takes their place.
+    #[must_use]
+    pub fn parts(self, stage: &str) -> String {
+        format!("{}/_manifests/{stage}.parts", self.folder())
+    }
+
+    /// The record of one finished unit.
+    #[must_use]
+    pub fn part(self, stage: &str, unit: &str) -> String {
+        format!("{}/{unit}.json", self.parts(stage))
+    }
+
+    /// The record that a stage is being done again.
+    #[must_use]
+    pub fn redo(self, stage: &str) -> String {
+        format!("{}/_manifests/{stage}.redo.json", self.folder())
+    }
+
+    /// The record that a stage failed.
+    #[must_use]
+    pub fn failure(self, stage: &str) -> String {
+        format!("{}/_manifests/{stage}.failed.json", self.folder())
+    }
+}
+
+/// Format version, resolved configuration, code version.
+pub const DATASET: &str = "dataset.json";
+/// Planned scenes.
+pub const PLAN_SCENES: &str = "plan/scenes.parquet";
+/// Planned agents.
+pub const PLAN_AGENTS: &str = "plan/agents.parquet";
+
+/// A map, by name.
+#[must_use]
+pub fn map(name: &str) -> String {
+    format!("maps/{name}.xodr.zst")
+}
+
+/// A file of a scene, by its name in the scene's folder.
+#[must_use]
+pub fn scene(scene: u32, name: &str) -> String {
+    format!("scenes/{scene:04}/{name}")
+}
+
+/// A sensor's shard.
+#[must_use]
+pub fn sensor(scene: u32, agent: AgentId, sensor: &str) -> String {
+    format!("scenes/{scene:04}/sensors/{agent}/{sensor}.parquet")
+}
+
+/// BEV masks of an agent.
+#[must_use]
+pub fn bev(scene: u32, agent: AgentId) -> String {
+    format!("scenes/{scene:04}/bev/{agent}.npz")
+}
+
+/// Voxel grids of an agent.
+#[must_use]
+pub fn occupancy(scene: u32, agent: AgentId) -> String {
+    format!("scenes/{scene:04}/occupancy/{agent}.npz")
+}
+
+/// Filled voxel grids of an agent.
+#[must_use]
+pub fn occupancy_filled(scene: u32, agent: AgentId) -> String {
+    format!("scenes/{scene:04}/occupancy_filled/{agent}.npz")
+}
+
+/// Partial counts of a stage.
+#[must_use]
+pub fn partial_stats(scene: u32, stage: &str) -> String {
+    format!("scenes/{scene:04}/stats/{stage}.parquet")
+}

@@ -1,0 +1,94 @@
+//! Reading tables, whole or group by group.
+
+use std::marker::PhantomData;
+
+use arrow_array::RecordBatch;
+use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
+use schema::table::{Column, ColumnError, Row};
+
+use crate::manifest::Manifest;
+use crate::{Store, StoreError, convert};
+
+impl Store {
+    /// A whole table that a manifest names.
+    ///
+    /// # Errors
+    /// It is missing, of another size than its manifest says, or cannot be decoded.
+    pub fn read_rows<R: Row>(&self, manifest: &Manifest, key: &str) -> Result<Vec<R>, StoreError> {
+        let mut rows = Vec::new();
+        for group in self.row_groups(manifest, key)? {
+            rows.extend(group?);
+        }
+        Ok(rows)
+    }
+
+    /// A table that a manifest names, some rows at a time.
+    ///
+    /// # Errors
+    /// As [`Store::read_rows`]; later groups report their own.
+    pub fn row_groups<R: Row>(&self, manifest: &Manifest, key: &str) -> Result<RowGroups<R>, StoreError> {
+        let location = self.location(key);
+        let corrupt = |problem: String| StoreError::Corrupt { path: location.clone(), problem };
+        let shard = self.open_output(manifest, key)?;
+        let builder = ParquetRecordBatchReaderBuilder::try_new(shard).map_err(|e| corrupt(e.to_string()))?;
+        let groups = builder.metadata().num_row_groups();
+        let largest = (0..groups).map(|g| builder.metadata().row_group(g).num_rows()).max().unwrap_or(0);
+        // A batch never spans more than a few thousand rows, nor several frames of a sensor.
+        let batch = usize::try_from(largest).unwrap_or(1).clamp(1, 8192);
+        let reader = builder.with_batch_size(batch).build().map_err(|e| corrupt(e.to_string()))?;
+        Ok(RowGroups { reader, location, row: PhantomData })
+    }
+
+    /// Opens an output after checking its size against the manifest.
+    ///
+    /// # Errors
+    /// The manifest does not name it, it is missing, or of another size.
+    pub fn open_output(&self, manifest: &Manifest, key: &str) -> Result<crate::Shard, StoreError> {
+        let path = self.location(key);
+        let Some(output) = manifest.output(key) else {
+            let problem = format!("is not among the outputs of stage {}", manifest.stage);
+            return Err(StoreError::Corrupt { path, problem });
+        };
+        match self.backend().size(key)? {
+            None => return Err(StoreError::Missing { path }),
+            Some(found) if found != output.bytes => {
+                return Err(StoreError::Size { path, expected: output.bytes, found });
+            }
+            Some(_) => {}
+        }
+        self.backend().open(key)
+    }
+}
+
+/// Rows of a table, some at a time.
+pub struct RowGroups<R> {
+    reader: ParquetRecordBatchReader,
+    location: String,
+    row: PhantomData<fn() -> R>,
+}
+
+impl<R: Row> Iterator for RowGroups<R> {
+    type Item = Result<Vec<R>, StoreError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let batch = self.reader.next()?;
+        let corrupt = |problem: String| StoreError::Corrupt { path: self.location.clone(), problem };
+        Some(
+            batch
+                .map_err(|e| corrupt(e.to_string()))
+                .and_then(|batch| rows_of(&batch).map_err(|e| corrupt(e.to_string()))),
+        )
+    }
+}
+
+fn rows_of<R: Row>(batch: &RecordBatch) -> Result<Vec<R>, ColumnError> {
+    let wanted: Vec<Column> = R::to_columns(&[]);
+    let mut columns = Vec::with_capacity(wanted.len());
+    for (field, column) in R::fields().into_iter().zip(&wanted) {
+        let array = batch
+            .column_by_name(field.name)
+            .ok_or_else(|| ColumnError { column: field.name.to_owned(), problem: "is missing".into() })?;
+        columns.push(convert::from_arrow(field.name, column, array.as_ref())?);
+    }
+    R::from_columns(columns)
+}

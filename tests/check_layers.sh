@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# Dependencies point one way: each crate may depend only on the crates named after it here.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+declare -A allowed=(
+    [frames]=""
+    [random]=""
+    [schema]="frames"
+    [formats]=""
+    [store]="schema"
+    [pipeline]="frames schema store"
+    [opendrive]="frames"
+    [town]="frames opendrive random"
+    [world]="frames opendrive random schema"
+    [plan]="frames opendrive random schema"
+    [traffic]="frames opendrive random schema"
+    [visibility]="frames schema"
+    [sensors]="frames random schema visibility"
+    [truth]="frames opendrive schema"
+    [analysis]="frames schema"
+    [replay]="frames opendrive pipeline schema store world"
+)
+bad=0
+for manifest in lib/*/Cargo.toml; do
+    crate=$(basename "$(dirname "$manifest")")
+    if [[ ! -v "allowed[$crate]" ]]; then
+        echo "$manifest: crate $crate has no place in tests/check_layers.sh"
+        bad=1
+        continue
+    fi
+    used=$(awk '/^\[/{inside = ($0 == "[dependencies]")} inside && /\.workspace/{sub(/\..*/, ""); print}' "$manifest")
+    for dependency in $used; do
+        [[ -d "lib/$dependency" ]] || continue
+        if [[ " ${allowed[$crate]} " != *" $dependency "* ]]; then
+            echo "$manifest: $crate must not depend on $dependency"
+            bad=1
+        fi
+    done
+done
+exit $bad
