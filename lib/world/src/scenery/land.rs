@@ -1,0 +1,108 @@
+//! Which land is still free.
+
+use std::collections::BTreeMap;
+
+use crate::surfaces::Cover;
+
+/// Side of a search cell, metres.
+const CELL_M: f64 = 16.0;
+
+/// A rectangle in the plan.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rect {
+    pub(super) centre: [f64; 2],
+    /// Direction of its first side, of length 1.
+    pub(super) axis: [f64; 2],
+    pub(super) half: [f64; 2],
+}
+
+impl Rect {
+    /// A square around a point.
+    pub(super) fn around(x: f64, y: f64, half: f64) -> Self {
+        Self { centre: [x, y], axis: [1.0, 0.0], half: [half; 2] }
+    }
+
+    pub(super) fn grown(&self, by_m: f64) -> Self {
+        Self { half: self.half.map(|h| h + by_m), ..*self }
+    }
+
+    /// The point at shares -1 to 1 of the half sides.
+    pub(super) fn at(&self, u: f64, v: f64) -> [f64; 2] {
+        let (a, b) = (u * self.half[0], v * self.half[1]);
+        [
+            self.centre[0] + a * self.axis[0] - b * self.axis[1],
+            self.centre[1] + a * self.axis[1] + b * self.axis[0],
+        ]
+    }
+
+    /// Half extents of the upright box around it.
+    fn extent(&self) -> [f64; 2] {
+        let [c, s] = self.axis.map(f64::abs);
+        [c * self.half[0] + s * self.half[1], s * self.half[0] + c * self.half[1]]
+    }
+
+    /// Whether two rectangles meet (separating axes).
+    pub(super) fn meets(&self, other: &Self) -> bool {
+        let apart = [other.centre[0] - self.centre[0], other.centre[1] - self.centre[1]];
+        let axes = [self.axis, [-self.axis[1], self.axis[0]], other.axis, [-other.axis[1], other.axis[0]]];
+        axes.iter().all(|n| {
+            let reach = |r: &Self| {
+                let along = (n[0] * r.axis[0] + n[1] * r.axis[1]).abs();
+                let across = (n[1] * r.axis[0] - n[0] * r.axis[1]).abs();
+                along * r.half[0] + across * r.half[1]
+            };
+            (n[0] * apart[0] + n[1] * apart[1]).abs() <= reach(self) + reach(other)
+        })
+    }
+
+    fn cells(&self) -> impl Iterator<Item = (i32, i32)> {
+        let [ex, ey] = self.extent();
+        let of = |v: f64| (v / CELL_M).floor() as i32;
+        let (x0, x1) = (of(self.centre[0] - ex), of(self.centre[0] + ex));
+        let (y0, y1) = (of(self.centre[1] - ey), of(self.centre[1] + ey));
+        (x0..=x1).flat_map(move |x| (y0..=y1).map(move |y| (x, y)))
+    }
+}
+
+/// The land of a region with what stands on it so far.
+pub(super) struct Land<'a> {
+    cover: &'a Cover,
+    taken: Vec<Rect>,
+    cells: BTreeMap<(i32, i32), Vec<usize>>,
+}
+
+impl<'a> Land<'a> {
+    pub(super) fn new(cover: &'a Cover) -> Self {
+        Self { cover, taken: Vec::new(), cells: BTreeMap::new() }
+    }
+
+    /// Whether nothing stands on a rectangle.
+    pub(super) fn unused(&self, rect: &Rect) -> bool {
+        let near = rect.cells().filter_map(|c| self.cells.get(&c)).flatten();
+        !near.into_iter().any(|i| self.taken[*i].meets(rect))
+    }
+
+    /// Whether no lane of any kind lies on a rectangle (sampled every half metre).
+    pub(super) fn off_road(&self, rect: &Rect) -> bool {
+        let steps = rect.half.map(|h| (2.0 * h / 0.5).ceil().clamp(1.0, 400.0) as usize);
+        (0..=steps[0]).all(|i| {
+            (0..=steps[1]).all(|j| {
+                let share = |k: usize, n: usize| 2.0 * k as f64 / n as f64 - 1.0;
+                let [x, y] = rect.at(share(i, steps[0]), share(j, steps[1]));
+                !self.cover.any(x, y)
+            })
+        })
+    }
+
+    pub(super) fn free(&self, rect: &Rect) -> bool {
+        self.unused(rect) && self.off_road(rect)
+    }
+
+    pub(super) fn take(&mut self, rect: Rect) {
+        let index = self.taken.len();
+        for cell in rect.cells() {
+            self.cells.entry(cell).or_default().push(index);
+        }
+        self.taken.push(rect);
+    }
+}

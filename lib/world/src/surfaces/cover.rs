@@ -1,0 +1,89 @@
+//! What lies over a point of the plan: lane surfaces, found through a grid.
+
+use nalgebra::Point3;
+
+use super::Region;
+
+/// Side of a grid cell, metres.
+const CELL_M: f64 = 8.0;
+/// Points this far outside a triangle still count, as a share of its extent: shared edges have no gaps.
+const EDGE: f64 = 1e-9;
+
+/// A triangle of a lane's surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Facet {
+    pub(crate) corners: [Point3<f64>; 3],
+    /// Index of its road.
+    pub(crate) road: u32,
+    /// Whether vehicles drive, stop or park on it (else it is for walking, or a median).
+    pub(crate) paved: bool,
+}
+
+/// All lane surfaces of a region.
+#[derive(Debug)]
+pub(crate) struct Cover {
+    region: Region,
+    columns: usize,
+    rows: usize,
+    cells: Vec<Vec<u32>>,
+    facets: Vec<Facet>,
+}
+
+impl Cover {
+    pub(crate) fn new(region: Region) -> Self {
+        let cells_along = |low: f64, high: f64| (((high - low) / CELL_M).ceil().max(0.0) as usize) + 1;
+        let columns = cells_along(region.min[0], region.max[0]);
+        let rows = cells_along(region.min[1], region.max[1]);
+        Self { region, columns, rows, cells: vec![Vec::new(); columns * rows], facets: Vec::new() }
+    }
+
+    fn cell(&self, x: f64, y: f64) -> [usize; 2] {
+        let of = |v: f64, low: f64, n: usize| (((v - low) / CELL_M).floor().max(0.0) as usize).min(n - 1);
+        [of(x, self.region.min[0], self.columns), of(y, self.region.min[1], self.rows)]
+    }
+
+    pub(crate) fn add(&mut self, facet: Facet) {
+        let [a, b, c] = facet.corners;
+        let low = self.cell(a.x.min(b.x).min(c.x), a.y.min(b.y).min(c.y));
+        let high = self.cell(a.x.max(b.x).max(c.x), a.y.max(b.y).max(c.y));
+        let index = self.facets.len() as u32;
+        self.facets.push(facet);
+        for row in low[1]..=high[1] {
+            for column in low[0]..=high[0] {
+                self.cells[row * self.columns + column].push(index);
+            }
+        }
+    }
+
+    /// All facets over a point with their heights there.
+    pub(crate) fn at(&self, x: f64, y: f64) -> impl Iterator<Item = (&Facet, f64)> {
+        let [column, row] = self.cell(x, y);
+        self.cells[row * self.columns + column].iter().filter_map(move |i| {
+            let facet = &self.facets[*i as usize];
+            height_in(&facet.corners, x, y).map(|z| (facet, z))
+        })
+    }
+
+    /// Whether any lane lies over or under a point.
+    pub(crate) fn any(&self, x: f64, y: f64) -> bool {
+        self.at(x, y).next().is_some()
+    }
+
+    /// Height of the paved facet nearest to a height.
+    pub(crate) fn paved_near(&self, x: f64, y: f64, z: f64) -> Option<f64> {
+        let paved = self.at(x, y).filter(|(f, _)| f.paved).map(|(_, h)| h);
+        paved.min_by(|a, b| (a - z).abs().total_cmp(&(b - z).abs()))
+    }
+}
+
+/// Height of a triangle's plane at a point of its plan; none outside.
+pub(crate) fn height_in(corners: &[Point3<f64>; 3], x: f64, y: f64) -> Option<f64> {
+    let [a, b, c] = corners;
+    let det = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+    if det.abs() < 1e-12 {
+        return None;
+    }
+    let u = ((x - a.x) * (c.y - a.y) - (c.x - a.x) * (y - a.y)) / det;
+    let v = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) / det;
+    (u >= -EDGE && v >= -EDGE && u + v <= 1.0 + EDGE).then(|| a.z + u * (b.z - a.z) + v * (c.z - a.z))
+}

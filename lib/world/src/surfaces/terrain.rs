@@ -1,0 +1,201 @@
+//! The land around the roads: a height grid that stays under every lane.
+
+use nalgebra::Point3;
+use schema::Tag;
+use schema::geometry::{Part, Surface};
+
+use super::sections::{Ground, Section};
+use super::tiles::Tiles;
+use super::{Layer, Region};
+use crate::build::part;
+
+/// Colour of grass, linear RGB.
+pub(super) const GRASS_RGB: [f32; 3] = [0.10, 0.17, 0.05];
+const GRASS: Part = part(Tag::Terrain, Surface::Grass, GRASS_RGB);
+/// Finest grid, metres.
+const CELL_M: f64 = 4.0;
+/// Most nodes along one side of the grid.
+const MAX_NODES: f64 = 700.0;
+/// The land stays this far under lanes, metres.
+const UNDER_M: f64 = 0.09;
+/// Steepest land (rise over run).
+const SLOPE: f64 = 0.5;
+/// Lanes are sampled this densely across and along, metres.
+const SAMPLE_M: f64 = 1.0;
+
+/// A height grid over a region.
+#[derive(Debug)]
+pub(crate) struct Terrain {
+    origin: [f64; 2],
+    cell: f64,
+    columns: usize,
+    rows: usize,
+    heights: Vec<f64>,
+}
+
+impl Terrain {
+    /// The land of a region, from the lanes of its sections.
+    pub(crate) fn new(sections: &[Section], region: &Region) -> Self {
+        let extent = (region.max[0] - region.min[0]).max(region.max[1] - region.min[1]);
+        let cell = CELL_M.max(extent / MAX_NODES);
+        let nodes = |low: f64, high: f64| ((high - low) / cell).ceil().max(1.0) as usize + 1;
+        let columns = nodes(region.min[0], region.max[0]);
+        let rows = nodes(region.min[1], region.max[1]);
+        let mut terrain = Self { origin: region.min, cell, columns, rows, heights: Vec::new() };
+        let caps = terrain.caps(sections);
+        terrain.heights = filled(caps, columns, rows);
+        terrain.limit_slope();
+        terrain
+    }
+
+    /// The highest height of each node that keeps the cells around it under all lanes; infinite where no lane is.
+    fn caps(&self, sections: &[Section]) -> Vec<f64> {
+        let mut caps = vec![f64::INFINITY; self.columns * self.rows];
+        for section in sections {
+            for strip in section.strips.iter().filter(|s| s.ground != Ground::Land) {
+                for i in 0..section.s.len() - 1 {
+                    let (r0, r1, l0, l1) =
+                        (strip.right[i], strip.right[i + 1], strip.left[i], strip.left[i + 1]);
+                    let raise = strip.raise[i][0].max(strip.raise[i][1]);
+                    let along =
+                        ((r1 - r0).norm().max((l1 - l0).norm()) / SAMPLE_M).ceil().clamp(1.0, 64.0) as usize;
+                    let across =
+                        ((l0 - r0).norm().max((l1 - r1).norm()) / SAMPLE_M).ceil().clamp(1.0, 64.0) as usize;
+                    for a in 0..=along {
+                        let u = a as f64 / along as f64;
+                        let (right, left) = (r0 + (r1 - r0) * u, l0 + (l1 - l0) * u);
+                        for b in 0..=across {
+                            let p = right + (left - right) * (b as f64 / across as f64);
+                            self.cap(&mut caps, p, p.z - raise - UNDER_M);
+                        }
+                    }
+                }
+            }
+        }
+        caps
+    }
+
+    /// Lowers the nodes of the cells that a point, or a point half a sample away, lies in.
+    fn cap(&self, caps: &mut [f64], p: Point3<f64>, z: f64) {
+        let index = |v: f64, low: f64, n: usize| {
+            let c = ((v - low) / self.cell).floor();
+            (c >= 0.0 && c < (n - 1) as f64).then_some(c as usize)
+        };
+        for dx in [-0.6 * SAMPLE_M, 0.6 * SAMPLE_M] {
+            for dy in [-0.6 * SAMPLE_M, 0.6 * SAMPLE_M] {
+                let column = index(p.x + dx, self.origin[0], self.columns);
+                let row = index(p.y + dy, self.origin[1], self.rows);
+                if let (Some(c), Some(r)) = (column, row) {
+                    for node in [
+                        r * self.columns + c,
+                        r * self.columns + c + 1,
+                        (r + 1) * self.columns + c,
+                        (r + 1) * self.columns + c + 1,
+                    ] {
+                        caps[node] = caps[node].min(z);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Lowers nodes until no slope is steeper than [`SLOPE`]: two sweeps of a chamfer distance (Borgefors, 1986).
+    fn limit_slope(&mut self) {
+        let (straight, diagonal) = (SLOPE * self.cell, SLOPE * self.cell * std::f64::consts::SQRT_2);
+        let (columns, rows) = (self.columns as isize, self.rows as isize);
+        let forward = [(-1, 0, straight), (0, -1, straight), (-1, -1, diagonal), (1, -1, diagonal)];
+        for sign in [1isize, -1] {
+            for k in 0..columns * rows {
+                let i = if sign > 0 { k } else { columns * rows - 1 - k };
+                let (c, r) = (i % columns, i / columns);
+                for (dc, dr, rise) in forward {
+                    let (nc, nr) = (c + sign * dc, r + sign * dr);
+                    if nc >= 0 && nc < columns && nr >= 0 && nr < rows {
+                        let limit = self.heights[(nr * columns + nc) as usize] + rise;
+                        let height = &mut self.heights[i as usize];
+                        *height = height.min(limit);
+                    }
+                }
+            }
+        }
+    }
+
+    fn node(&self, column: usize, row: usize) -> Point3<f64> {
+        let z = self.heights[row * self.columns + column];
+        Point3::new(self.origin[0] + column as f64 * self.cell, self.origin[1] + row as f64 * self.cell, z)
+    }
+
+    /// Whether a point is on the grid.
+    pub(crate) fn contains(&self, x: f64, y: f64) -> bool {
+        let of = |v: f64, low: f64, n: usize| v >= low && v <= low + (n - 1) as f64 * self.cell;
+        of(x, self.origin[0], self.columns) && of(y, self.origin[1], self.rows)
+    }
+
+    /// Height of the land at a point; beyond the grid that of its edge.
+    pub(crate) fn height(&self, x: f64, y: f64) -> f64 {
+        let at = |v: f64, low: f64, n: usize| {
+            let share = ((v - low) / self.cell).clamp(0.0, (n - 1) as f64);
+            let cell = (share.floor() as usize).min(n - 2);
+            (cell, share - cell as f64)
+        };
+        let (c, u) = at(x, self.origin[0], self.columns);
+        let (r, v) = at(y, self.origin[1], self.rows);
+        let z = |dc: usize, dr: usize| self.heights[(r + dr) * self.columns + c + dc];
+        // The two triangles of a cell meet in the diagonal from (0, 0) to (1, 1).
+        if u >= v {
+            z(0, 0) + u * (z(1, 0) - z(0, 0)) + v * (z(1, 1) - z(1, 0))
+        } else {
+            z(0, 0) + v * (z(0, 1) - z(0, 0)) + u * (z(1, 1) - z(0, 1))
+        }
+    }
+
+    pub(crate) fn build(&self, tiles: &mut Tiles) {
+        for r in 0..self.rows - 1 {
+            for c in 0..self.columns - 1 {
+                let (a, b, d, e) =
+                    (self.node(c, r), self.node(c + 1, r), self.node(c + 1, r + 1), self.node(c, r + 1));
+                tiles.quad(Layer::Terrain, GRASS, [a, b, d, e]);
+            }
+        }
+    }
+}
+
+/// Fills nodes without a value from those with one: averages over ever larger squares, then back down, so that the land between
+/// roads is smooth (push and pull, Gortler et al., 1996).
+fn filled(values: Vec<f64>, columns: usize, rows: usize) -> Vec<f64> {
+    if values.iter().all(|v| v.is_finite()) {
+        return values;
+    }
+    if values.iter().all(|v| !v.is_finite()) {
+        return vec![0.0; values.len()];
+    }
+    let (half_columns, half_rows) = (columns.div_ceil(2), rows.div_ceil(2));
+    let mut sums = vec![(0.0, 0.0f64); half_columns * half_rows];
+    for (i, v) in values.iter().enumerate().filter(|(_, v)| v.is_finite()) {
+        let (c, r) = (i % columns, i / columns);
+        let sum = &mut sums[(r / 2) * half_columns + c / 2];
+        sum.0 += v;
+        sum.1 += 1.0;
+    }
+    let coarse = sums.iter().map(|(sum, n)| if *n > 0.0 { sum / n } else { f64::INFINITY }).collect();
+    let coarse = filled(coarse, half_columns, half_rows);
+    let sample = |c: usize, r: usize| {
+        // Coarse values sit in the middle of two by two nodes.
+        let axis = |i: usize, n: usize| {
+            let at = (0.5 * (i as f64 - 0.5)).clamp(0.0, (n - 1) as f64);
+            let low = (at.floor() as usize).min(n.saturating_sub(2));
+            (low, (low + 1).min(n - 1), at - low as f64)
+        };
+        let (c0, c1, u) = axis(c, half_columns);
+        let (r0, r1, v) = axis(r, half_rows);
+        let z = |c: usize, r: usize| coarse[r * half_columns + c];
+        let low = z(c0, r0) + u * (z(c1, r0) - z(c0, r0));
+        let high = z(c0, r1) + u * (z(c1, r1) - z(c0, r1));
+        low + v * (high - low)
+    };
+    values
+        .iter()
+        .enumerate()
+        .map(|(i, v)| if v.is_finite() { *v } else { sample(i % columns, i / columns) })
+        .collect()
+}

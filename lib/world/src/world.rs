@@ -1,0 +1,395 @@
+//! The scene's meshes, and which of them are where at a moment.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use frames::math::f32::pow;
+use frames::{LocalOrigin, Object, Pose, World as WorldFrame};
+use glam::{Affine3A, Mat3A, Quat, Vec3A};
+use opendrive::Map;
+use schema::geometry::{Instance, Snapshot, TriMesh};
+use schema::tables::{ActorRow, FrameRow, SignalRow, StateRow};
+use schema::{ObjectId, lights};
+
+use crate::WorldError;
+use crate::actors::{Joint, LAMP_FAILED, actor_mesh};
+use crate::surfaces::{self, GroundLevels, Layer, Region};
+
+/// What the log says about one frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// States of the moving objects at this frame.
+    pub states: &'a [StateRow],
+    /// Their states one frame earlier; an object without one is taken to have stood still.
+    pub previous: &'a [StateRow],
+    /// Traffic lights at this frame.
+    pub signals: &'a [SignalRow],
+    /// Whether lamps and windows are lit.
+    pub frame: &'a FrameRow,
+}
+
+/// Lamps of something that never moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum StaticLights {
+    None,
+    Signal,
+    StreetLamp,
+    Building,
+}
+
+/// An instance that never moves.
+#[derive(Clone, Debug)]
+struct Fixed {
+    mesh: u32,
+    object: ObjectId,
+    origin_m: [f64; 3],
+    rotation: Mat3A,
+    paint: [f32; 3],
+    lights: StaticLights,
+}
+
+/// Bounding sphere in the world, metres; kept apart from [`Fixed`] so that culling reads little memory.
+#[derive(Clone, Copy, Debug)]
+struct Sphere {
+    centre: [f64; 3],
+    radius: f64,
+}
+
+impl Sphere {
+    fn reaches(&self, centre: [f64; 3], radius: f64) -> bool {
+        let d = [0, 1, 2].map(|k| self.centre[k] - centre[k]);
+        let reach = radius + self.radius;
+        d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= reach * reach
+    }
+}
+
+/// The pieces of a model as mesh numbers and joints, and how far they reach around its origin.
+#[derive(Clone, Debug)]
+struct Pieces {
+    pieces: Arc<[(u32, Joint)]>,
+    reach_m: f64,
+}
+
+/// What a model's meshes depend on: name, bits of the size, variant.
+type ModelKey = (String, [u64; 3], u32);
+
+/// An object that moves.
+#[derive(Clone, Debug)]
+struct Mover {
+    model: Pieces,
+    paint: [f32; 3],
+}
+
+/// The world of one scene.
+#[derive(Debug)]
+pub struct World {
+    meshes: Arc<[Arc<TriMesh>]>,
+    fixed: Vec<Fixed>,
+    spheres: Vec<Sphere>,
+    /// By object id.
+    movers: BTreeMap<ObjectId, Mover>,
+    ground: Vec<GroundLevels>,
+}
+
+/// Meshes while they are gathered: identical models share theirs.
+#[derive(Default)]
+struct Library {
+    meshes: Vec<Arc<TriMesh>>,
+    models: BTreeMap<ModelKey, Pieces>,
+}
+
+impl Library {
+    fn add(&mut self, mesh: Arc<TriMesh>) -> u32 {
+        self.meshes.push(mesh);
+        (self.meshes.len() - 1) as u32
+    }
+
+    fn pieces(&mut self, actor: &ActorRow) -> Option<Pieces> {
+        let size = [actor.length_m, actor.width_m, actor.height_m];
+        // Road-side units may carry any model name: their body is a pole.
+        let model = if actor.kind == "rsu" { "pole.rsu" } else { actor.model.as_str() };
+        // Whether a lamp has failed is no matter of shape.
+        let variant = if model == "pole.lamp" { actor.variant & !LAMP_FAILED } else { actor.variant };
+        let key = (model.to_owned(), size.map(f64::to_bits), variant);
+        if let Some(known) = self.models.get(&key) {
+            return Some(known.clone());
+        }
+        let made = actor_mesh(model, size, variant)?;
+        let mut reach = 0.0f64;
+        let mut shared: Vec<(Arc<TriMesh>, u32)> = Vec::new();
+        let mut pieces = Vec::with_capacity(made.pieces.len());
+        for piece in made.pieces {
+            let joint_m = match piece.joint {
+                Joint::Fixed => 0.0,
+                Joint::Wheel { at, .. } | Joint::Limb { at, .. } => f64::from(at.length()),
+            };
+            let radius = piece.mesh.positions.iter().map(|p| p.length_squared()).fold(0.0, f32::max).sqrt();
+            reach = reach.max(joint_m + f64::from(radius));
+            // Wheels of a vehicle share one mesh.
+            let known =
+                shared.iter().find(|(mesh, _)| Arc::ptr_eq(mesh, &piece.mesh)).map(|(_, index)| *index);
+            let index = known.unwrap_or_else(|| {
+                let index = self.add(Arc::clone(&piece.mesh));
+                shared.push((Arc::clone(&piece.mesh), index));
+                index
+            });
+            pieces.push((index, piece.joint));
+        }
+        let entry = Pieces { pieces: pieces.into(), reach_m: reach };
+        self.models.insert(key, entry.clone());
+        Some(entry)
+    }
+}
+
+impl World {
+    /// Builds the meshes of a scene: actors from their rows, surfaces from the map for the areas that the rows of kind
+    /// `surface` name.
+    ///
+    /// # Errors
+    /// An id is used twice, a model is unknown, or a row has numbers that are not usable.
+    pub fn new(map: &Map, actors: &[ActorRow]) -> Result<Self, WorldError> {
+        let mut rows: Vec<&ActorRow> = actors.iter().collect();
+        rows.sort_by_key(|a| a.id);
+        if let Some(pair) = rows.windows(2).find(|p| p[0].id == p[1].id) {
+            return Err(WorldError::DuplicateId { id: pair[0].id });
+        }
+        let mut library = Library::default();
+        let mut world = Self {
+            meshes: Arc::new([]),
+            fixed: Vec::new(),
+            spheres: Vec::new(),
+            movers: BTreeMap::new(),
+            ground: Vec::new(),
+        };
+        world.add_surfaces(map, &rows, &mut library)?;
+        for actor in rows.into_iter().filter(|a| a.kind != "surface") {
+            check(actor)?;
+            let unknown = || WorldError::UnknownModel { id: actor.id, model: actor.model.clone() };
+            let model = library.pieces(actor).ok_or_else(unknown)?;
+            let paint = linear_rgb(&actor.color);
+            if actor.fixed {
+                world.add_fixed(actor, &model.pieces, paint, &library);
+            } else {
+                world.movers.insert(actor.id, Mover { model, paint });
+            }
+        }
+        world.meshes = library.meshes.into();
+        Ok(world)
+    }
+
+    fn add_surfaces(
+        &mut self,
+        map: &Map,
+        rows: &[&ActorRow],
+        library: &mut Library,
+    ) -> Result<(), WorldError> {
+        // All layers of one area are made together.
+        let mut areas: Vec<(Region, Vec<(Layer, ObjectId)>)> = Vec::new();
+        for actor in rows.iter().filter(|a| a.kind == "surface") {
+            let layer = Layer::from_model(&actor.model)
+                .ok_or_else(|| WorldError::UnknownModel { id: actor.id, model: actor.model.clone() })?;
+            let half = [0.5 * actor.length_m, 0.5 * actor.width_m];
+            let region = Region {
+                min: [actor.xyz_m[0] - half[0], actor.xyz_m[1] - half[1]],
+                max: [actor.xyz_m[0] + half[0], actor.xyz_m[1] + half[1]],
+            };
+            let usable =
+                half.iter().all(|h| *h > 0.0 && *h < 1e5) && actor.xyz_m.iter().all(|v| v.abs() < 1e8);
+            if !usable {
+                return Err(bad(actor, "the area of a surface must have a finite, positive extent"));
+            }
+            match areas.iter_mut().find(|(known, _)| *known == region) {
+                Some((_, layers)) => layers.push((layer, actor.id)),
+                None => areas.push((region, vec![(layer, actor.id)])),
+            }
+        }
+        for (region, layers) in areas {
+            let made = surfaces::build(map, &region);
+            for tile in made.tiles {
+                let Some((_, object)) = layers.iter().find(|(layer, _)| *layer == tile.layer) else {
+                    continue;
+                };
+                let fixed = Fixed {
+                    mesh: 0,
+                    object: *object,
+                    origin_m: tile.origin_m,
+                    rotation: Mat3A::IDENTITY,
+                    paint: [0.5; 3],
+                    lights: StaticLights::None,
+                };
+                let mesh = library.add(Arc::new(tile.mesh));
+                self.push_fixed(Fixed { mesh, ..fixed }, &library.meshes[mesh as usize]);
+            }
+            self.ground.push(made.ground);
+        }
+        Ok(())
+    }
+
+    fn add_fixed(&mut self, actor: &ActorRow, pieces: &[(u32, Joint)], paint: [f32; 3], library: &Library) {
+        let lights = match actor.kind.as_str() {
+            "traffic_light" => StaticLights::Signal,
+            "building" => StaticLights::Building,
+            "pole" if actor.model == "pole.lamp" && actor.variant & LAMP_FAILED == 0 => {
+                StaticLights::StreetLamp
+            }
+            _ => StaticLights::None,
+        };
+        let pose = Pose::<WorldFrame, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
+        let rotation = rotation(&pose);
+        for (mesh, joint) in pieces {
+            let joint = joint.object_from_piece(0.0, 0.0);
+            let offset = rotation * joint.translation;
+            let origin_m = [0, 1, 2].map(|k| actor.xyz_m[k] + f64::from(offset[k]));
+            let fixed = Fixed {
+                mesh: *mesh,
+                object: actor.id,
+                origin_m,
+                rotation: rotation * joint.matrix3,
+                paint,
+                lights,
+            };
+            self.push_fixed(fixed, &library.meshes[*mesh as usize]);
+        }
+    }
+
+    fn push_fixed(&mut self, fixed: Fixed, mesh: &TriMesh) {
+        let bounds = mesh.aabb();
+        let (middle, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
+        let centre = fixed.rotation * Vec3A::from(middle);
+        let centre = [0, 1, 2].map(|k| fixed.origin_m[k] + f64::from(centre[k]));
+        self.spheres.push(Sphere { centre, radius: f64::from(half.length()) });
+        self.fixed.push(fixed);
+    }
+
+    /// All meshes of the scene; the same list in every snapshot.
+    #[must_use]
+    pub fn meshes(&self) -> Arc<[Arc<TriMesh>]> {
+        Arc::clone(&self.meshes)
+    }
+
+    /// The instances within `radius_m` (by bounding spheres) of a place: first what never moves, by id and piece, then what
+    /// moves, by id and piece.
+    ///
+    /// Rows of objects that are not among the scene's moving actors, or whose numbers are not finite, are passed
+    /// over; moving actors without a state are absent.
+    #[must_use]
+    pub fn snapshot(&self, moment: &Moment<'_>, centre_world_m: [f64; 3], radius_m: f64) -> Snapshot {
+        let origin = LocalOrigin::near(centre_world_m);
+        let zero = origin.world_xyz();
+        let signals: BTreeMap<ObjectId, u32> =
+            moment.signals.iter().map(|row| (row.id, signal_bits(&row.state))).collect();
+        let mut instances = Vec::new();
+        for (fixed, sphere) in self.fixed.iter().zip(&self.spheres) {
+            if !sphere.reaches(centre_world_m, radius_m) {
+                continue;
+            }
+            let lights = match fixed.lights {
+                StaticLights::None => 0,
+                StaticLights::Signal => signals.get(&fixed.object).copied().unwrap_or(0),
+                StaticLights::StreetLamp if moment.frame.street_lamps => lights::STREET_LAMP,
+                StaticLights::Building if moment.frame.building_lights => lights::BUILDING,
+                _ => 0,
+            };
+            let translation = Vec3A::from_array([0, 1, 2].map(|k| (fixed.origin_m[k] - zero[k]) as f32));
+            let pose = Affine3A { matrix3: fixed.rotation, translation };
+            instances.push(Instance {
+                mesh: fixed.mesh,
+                object: fixed.object,
+                local_from_object: pose,
+                previous_local_from_object: pose,
+                paint: fixed.paint,
+                lights,
+            });
+        }
+        let mut previous: Vec<&StateRow> = moment.previous.iter().collect();
+        previous.sort_by_key(|s| s.id);
+        let mut states: Vec<&StateRow> = moment.states.iter().collect();
+        states.sort_by_key(|s| s.id);
+        states.dedup_by_key(|s| s.id);
+        for state in states {
+            let Some(mover) = self.movers.get(&state.id) else { continue };
+            let sphere = Sphere { centre: state.xyz_m, radius: mover.model.reach_m };
+            if !usable(state) || !sphere.reaches(centre_world_m, radius_m) {
+                continue;
+            }
+            let before = previous.binary_search_by_key(&state.id, |s| s.id).ok().map(|i| previous[i]);
+            let before = before.filter(|s| usable(s)).unwrap_or(state);
+            let now = local_from_state(&origin, state);
+            let then = local_from_state(&origin, before);
+            for (mesh, joint) in mover.model.pieces.iter() {
+                instances.push(Instance {
+                    mesh: *mesh,
+                    object: state.id,
+                    local_from_object: now * joint.object_from_piece(state.steer_rad, state.phase_rad),
+                    previous_local_from_object: then
+                        * joint.object_from_piece(before.steer_rad, before.phase_rad),
+                    paint: mover.paint,
+                    lights: state.lights,
+                });
+            }
+        }
+        Snapshot { origin, meshes: self.meshes(), instances }
+    }
+
+    /// Height of the ground at a place: the lane surface (sidewalks with their kerb) nearest to `near_z_m`, else the land;
+    /// `near_z_m` itself in a world without surfaces.
+    #[must_use]
+    pub fn ground_height(&self, x_m: f64, y_m: f64, near_z_m: f64) -> f64 {
+        let inside = self.ground.iter().find(|g| g.terrain.contains(x_m, y_m)).or(self.ground.first());
+        inside.map_or(near_z_m, |g| g.height(x_m, y_m, near_z_m))
+    }
+}
+
+fn bad(actor: &ActorRow, problem: &'static str) -> WorldError {
+    WorldError::BadActor { id: actor.id, model: actor.model.clone(), problem }
+}
+
+fn check(actor: &ActorRow) -> Result<(), WorldError> {
+    let size = [actor.length_m, actor.width_m, actor.height_m];
+    if !size.iter().all(|v| *v > 0.0 && *v < 1000.0) {
+        return Err(bad(actor, "length, width and height must be between 0 and 1000 m"));
+    }
+    if !actor.xyz_m.iter().all(|v| v.abs() < 1e8) {
+        return Err(bad(actor, "its position is not finite"));
+    }
+    let norm: f64 = actor.quaternion.iter().map(|q| q * q).sum();
+    if !(0.5..2.0).contains(&norm) {
+        return Err(bad(actor, "its orientation is no unit quaternion"));
+    }
+    Ok(())
+}
+
+fn usable(state: &StateRow) -> bool {
+    let norm: f64 = state.quaternion.iter().map(|q| q * q).sum();
+    state.xyz_m.iter().all(|v| v.abs() < 1e8)
+        && (0.5..2.0).contains(&norm)
+        && state.steer_rad.is_finite()
+        && state.phase_rad.is_finite()
+}
+
+fn rotation(pose: &Pose<WorldFrame, Object>) -> Mat3A {
+    let [w, x, y, z] = pose.wxyz();
+    Mat3A::from_quat(Quat::from_xyzw(x as f32, y as f32, z as f32, w as f32).normalize())
+}
+
+fn local_from_state(origin: &LocalOrigin, state: &StateRow) -> Affine3A {
+    origin.local_from_body(&Pose::<WorldFrame, Object>::from_xyz_wxyz(state.xyz_m, state.quaternion))
+}
+
+fn signal_bits(state: &str) -> u32 {
+    match state {
+        "Red" => lights::SIGNAL_RED,
+        "Yellow" => lights::SIGNAL_YELLOW,
+        "Green" => lights::SIGNAL_GREEN,
+        _ => 0,
+    }
+}
+
+/// sRGB bytes to linear light (IEC 61966-2-1); grey where a colour is incomplete.
+fn linear_rgb(color: &[u8]) -> [f32; 3] {
+    let [r, g, b] = *color else { return [0.2; 3] };
+    [r, g, b].map(|byte| {
+        let v = f32::from(byte) / 255.0;
+        if v <= 0.040_45 { v / 12.92 } else { pow((v + 0.055) / 1.055, 2.4) }
+    })
+}

@@ -1,0 +1,261 @@
+//! A whole town: scenery keeps off the roads, lanes are covered by road, nothing hangs over them.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests may stop and say that they were skipped.
+
+use std::collections::BTreeSet;
+
+use frames::{Object, Pose, World as WorldFrame};
+use glam::Vec3;
+use nalgebra::Point3;
+use opendrive::{LaneInfo, LaneType, Map};
+use random::Stream;
+use schema::Tag;
+use schema::geometry::Snapshot;
+use schema::settings::WorldSettings;
+use schema::tables::{ActorRow, FrameRow, SignalRow, StateRow};
+use world::{Moment, World, WorldError, place};
+
+fn demo() -> Map {
+    Map::new(town::generate(&town::named("convoy/demo").unwrap()).unwrap())
+}
+
+fn carla(name: &str) -> Option<Map> {
+    let path = format!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/maps/carla/{}.xodr"), name);
+    match std::fs::read(&path) {
+        Ok(bytes) => Some(Map::new(opendrive::read_bytes(&bytes).unwrap())),
+        Err(_) => {
+            println!("skipped: no map {path}");
+            None
+        }
+    }
+}
+
+fn settings() -> WorldSettings {
+    WorldSettings { radius_m: 150.0, ..WorldSettings::default() }
+}
+
+/// Some place on a driving lane.
+fn start(map: &Map) -> [f64; 3] {
+    let hit = map.nearest_driving_lane(Point3::origin()).unwrap();
+    map.lane_point(hit.lane, hit.s, 0.0).unwrap().position.coords.into()
+}
+
+fn empty_moment(frame: &FrameRow) -> Moment<'_> {
+    Moment { states: &[], previous: &[], signals: &[], frame }
+}
+
+/// Heights and tags of everything on a vertical line, by brute force.
+fn column(snapshot: &Snapshot, x: f64, y: f64) -> Vec<(f64, Tag)> {
+    let p = snapshot.origin.local_from_world([x, y, 0.0]);
+    let base = snapshot.origin.world_xyz()[2];
+    let mut hits = Vec::new();
+    for instance in &snapshot.instances {
+        let mesh = snapshot.mesh(instance);
+        let bounds = frames::Aabb::from_points(
+            &mesh.aabb().corners().map(|c| instance.local_from_object.transform_point3(c)),
+        );
+        if p.x < bounds.min.x || p.x > bounds.max.x || p.y < bounds.min.y || p.y > bounds.max.y {
+            continue;
+        }
+        for i in 0..mesh.triangles.len() {
+            let [a, b, c] = mesh.corners(i).map(|v| instance.local_from_object.transform_point3(v));
+            let det = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+            if det.abs() < 1e-9 {
+                continue;
+            }
+            let u = ((p.x - a.x) * (c.y - a.y) - (c.x - a.x) * (p.y - a.y)) / det;
+            let v = ((b.x - a.x) * (p.y - a.y) - (p.x - a.x) * (b.y - a.y)) / det;
+            if u >= -1e-4 && v >= -1e-4 && u + v <= 1.0001 {
+                let z: Vec3 = a + (b - a) * u + (c - a) * v;
+                hits.push((f64::from(z.z) + base, mesh.part(i).tag));
+            }
+        }
+    }
+    hits
+}
+
+fn check_town(map: &Map, name: &str) {
+    let centre = start(map);
+    let actors = place(map, &settings(), 5, &[centre], 10).unwrap();
+    // Ids: dense from the first one.
+    assert!(actors.iter().enumerate().all(|(i, a)| usize::from(a.id) == i + 10 && a.fixed));
+    let kinds: BTreeSet<&str> = actors.iter().map(|a| a.kind.as_str()).collect();
+    assert!(
+        ["surface", "building", "vegetation", "pole", "prop"].iter().all(|k| kinds.contains(k)),
+        "{name}: {kinds:?}"
+    );
+
+    // No building on any lane: exact lane geometry, not the meshes.
+    let built = |l: &LaneInfo| l.lane_type != LaneType::None;
+    for building in actors.iter().filter(|a| a.kind == "building") {
+        let pose = Pose::<WorldFrame, Object>::from_xyz_wxyz(building.xyz_m, building.quaternion);
+        for i in 0..=8 {
+            for j in 0..=8 {
+                let share = |k: i32| f64::from(k) / 8.0 - 0.5;
+                let p = pose * Point3::new(share(i) * building.length_m, share(j) * building.width_m, 0.0);
+                for hit in map.lanes_within(p, 9.0, built) {
+                    let beyond = hit.distance_m > 0.5 * hit.width_m + 0.02 || !hit.is_inside();
+                    // Beyond a lane's end its nearest place has no offset but a distance.
+                    assert!(
+                        beyond || (hit.distance_m - hit.t_m.abs()).abs() > 0.05,
+                        "{name}: building {} on {hit:?}",
+                        building.id
+                    );
+                }
+            }
+        }
+    }
+
+    let world = World::new(map, &actors).unwrap();
+    let frame = FrameRow::default();
+    let snapshot = world.snapshot(&empty_moment(&frame), centre, 400.0);
+    let lanes: Vec<&LaneInfo> = map.lanes().iter().filter(|l| l.lane_type.is_drivable()).collect();
+    let mut random = Stream::new(3, 0, "test/lanes", 0);
+    let mut tested = 0;
+    for _ in 0..4000 {
+        let lane = random.choose(&lanes).unwrap();
+        let s = random.uniform(lane.s_start, lane.s_end);
+        let side = random.uniform(-0.45, 0.45);
+        let middle = map.lane_point(lane.id, s, 0.0).unwrap();
+        let point = map.lane_point(lane.id, s, side * middle.width_m).unwrap().position;
+        let near = (point.x - centre[0]).abs() < 140.0 && (point.y - centre[1]).abs() < 140.0;
+        if !near || middle.width_m < 0.5 || tested >= 150 {
+            continue;
+        }
+        tested += 1;
+        let hits = column(&snapshot, point.x, point.y);
+        let road = |t: Tag| matches!(t, Tag::Road | Tag::RoadLine);
+        assert!(
+            hits.iter().any(|(z, t)| road(*t) && (z - point.z).abs() < 0.02),
+            "{name}: no road at {point} ({:?}, s {s}): {hits:?}",
+            lane.id
+        );
+        for (z, tag) in &hits {
+            let clear = road(*tag)
+                || matches!(tag, Tag::Pole | Tag::TrafficLight | Tag::Vegetation)
+                || *z < point.z + 0.02
+                || *z > point.z + 4.0;
+            assert!(
+                clear,
+                "{name}: {tag:?} {:.3} m over the lane at {point} ({:?}, s {s})",
+                z - point.z,
+                lane.id
+            );
+        }
+        let ground = world.ground_height(point.x, point.y, point.z);
+        assert!((ground - point.z).abs() < 0.03, "{name}: ground {ground} at {point}");
+    }
+    assert!(tested > 100, "{name}: only {tested} points");
+}
+
+#[test]
+fn a_generated_town_is_sound() {
+    check_town(&demo(), "demo");
+}
+
+#[test]
+fn real_towns_are_sound() {
+    for name in ["Town10HD", "Town03"] {
+        if let Some(map) = carla(name) {
+            check_town(&map, name);
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_world() {
+    let map = demo();
+    let make = |seed| place(&map, &settings(), seed, &[start(&map)], 1).unwrap();
+    let (a, b, other) = (make(1), make(1), make(2));
+    assert_eq!(a, b);
+    assert_ne!(a, other);
+    let (w, v) = (World::new(&map, &a).unwrap(), World::new(&map, &b).unwrap());
+    assert_eq!(w.meshes().len(), v.meshes().len());
+    assert!(w.meshes().iter().zip(v.meshes().iter()).all(|(m, n)| m == n));
+}
+
+fn car(id: u16) -> ActorRow {
+    ActorRow {
+        id,
+        kind: "vehicle".into(),
+        model: "car.sedan".into(),
+        role: "background".into(),
+        length_m: 4.7,
+        width_m: 1.84,
+        height_m: 1.44,
+        color: vec![255, 0, 0],
+        quaternion: [1.0, 0.0, 0.0, 0.0],
+        ..ActorRow::default()
+    }
+}
+
+fn state(frame: i32, id: u16, x: f64, phase_rad: f32) -> StateRow {
+    StateRow {
+        frame,
+        id,
+        xyz_m: [x, 0.0, 0.0],
+        quaternion: [1.0, 0.0, 0.0, 0.0],
+        phase_rad,
+        ..StateRow::default()
+    }
+}
+
+#[test]
+fn moving_actors_carry_their_previous_place() {
+    let map = demo();
+    let world = World::new(&map, &[car(7), car(9)]).unwrap();
+    let states = [state(0, 9, 5.0, 0.0), state(0, 7, 10.0, 0.5), state(0, 400, 0.0, 0.0)];
+    let previous = [state(-1, 7, 9.5, 0.2)];
+    let frame = FrameRow::default();
+    let moment = Moment { states: &states, previous: &previous, signals: &[], frame: &frame };
+    let snapshot = world.snapshot(&moment, [3.0, 0.0, 0.0], 50.0);
+    // Five pieces each; the unknown object is passed over.
+    assert_eq!(snapshot.instances.len(), 10);
+    let of = |id: u16| snapshot.instances.iter().filter(move |i| i.object == id);
+    for instance in of(7) {
+        let moved = instance.local_from_object.translation - instance.previous_local_from_object.translation;
+        assert!((moved - glam::Vec3A::X * 0.5).length() < 1e-5);
+    }
+    let wheels =
+        of(7).filter(|i| i.local_from_object.matrix3 != i.previous_local_from_object.matrix3).count();
+    assert_eq!(wheels, 4, "the wheels have turned");
+    assert!(of(9).all(|i| i.local_from_object == i.previous_local_from_object));
+    assert!((of(9).next().unwrap().paint[0] - 1.0).abs() < 1e-6);
+    // Far from it there is nothing.
+    assert!(world.snapshot(&moment, [500.0, 0.0, 0.0], 50.0).instances.is_empty());
+}
+
+#[test]
+fn lights_follow_the_log() {
+    let map = demo();
+    let actors = place(&map, &settings(), 5, &[start(&map)], 1).unwrap();
+    let world = World::new(&map, &actors).unwrap();
+    let light = actors.iter().find(|a| a.kind == "traffic_light").unwrap();
+    let signals = [SignalRow { frame: 0, id: light.id, state: "Yellow".into(), opendrive_id: String::new() }];
+    let frame = FrameRow { street_lamps: true, building_lights: true, ..FrameRow::default() };
+    let moment = Moment { states: &[], previous: &[], signals: &signals, frame: &frame };
+    let snapshot = world.snapshot(&moment, start(&map), 300.0);
+    let lights_of = |kind: &str| -> Vec<u32> {
+        let ids: BTreeSet<u16> = actors.iter().filter(|a| a.kind == kind).map(|a| a.id).collect();
+        snapshot.instances.iter().filter(|i| ids.contains(&i.object)).map(|i| i.lights).collect()
+    };
+    let shown = snapshot.instances.iter().find(|i| i.object == light.id).unwrap();
+    assert_eq!(shown.lights, schema::lights::SIGNAL_YELLOW);
+    assert!(lights_of("building").iter().all(|l| *l == schema::lights::BUILDING));
+    assert!(lights_of("pole").contains(&schema::lights::STREET_LAMP));
+    let day = FrameRow::default();
+    let snapshot = world.snapshot(&empty_moment(&day), start(&map), 300.0);
+    assert!(snapshot.instances.iter().all(|i| i.lights == 0));
+}
+
+#[test]
+fn faults_are_named() {
+    let map = demo();
+    assert_eq!(place(&map, &settings(), 1, &[], 1).unwrap_err(), WorldError::NoCentre);
+    assert!(matches!(place(&map, &settings(), 1, &[[9e6, 0.0, 0.0]], 1), Err(WorldError::NoRoads { .. })));
+    assert!(matches!(place(&map, &settings(), 1, &[start(&map)], 65_530), Err(WorldError::OutOfIds { .. })));
+    assert_eq!(World::new(&map, &[car(1), car(1)]).unwrap_err(), WorldError::DuplicateId { id: 1 });
+    let strange = ActorRow { model: "car.boat".into(), ..car(1) };
+    assert!(matches!(World::new(&map, &[strange]), Err(WorldError::UnknownModel { id: 1, .. })));
+    let flat = ActorRow { height_m: f64::NAN, ..car(1) };
+    assert!(matches!(World::new(&map, &[flat]), Err(WorldError::BadActor { id: 1, .. })));
+}
