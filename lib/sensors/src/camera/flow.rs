@@ -1,0 +1,53 @@
+//! Optical flow: where each pixel's surface was one frame ago.
+
+use glam::{Affine3A, Vec2, Vec3};
+use rayon::prelude::*;
+use visibility::{PinholeCamera, Scene, VisibilityBuffer};
+
+use super::{CameraView, Flow};
+
+/// Largest flow: the whole picture.
+const LIMIT: f32 = 2.0;
+
+/// Current minus previous position on the screen of the surface at each pixel, x right, y up, the picture being
+/// 2 units wide and high.
+///
+/// The sky is infinitely far: it moves with the camera's rotation alone. Each component is limited to +-2, which a
+/// surface that was beside or behind the camera a frame ago exceeds.
+pub(super) fn flow(scene: &Scene<'_>, view: &CameraView, buffer: &VisibilityBuffer) -> Flow {
+    let camera = &buffer.camera;
+    let width = buffer.width as usize;
+    let surfaces = buffer.surfaces(scene);
+    let instances = &scene.snapshot().instances;
+    let optical_before = view.previous_local_from_optical.inverse();
+    // Per instance: from its frame to the previous optical frame.
+    let before: Vec<Affine3A> =
+        instances.iter().map(|i| optical_before * i.previous_local_from_object).collect();
+    let pixels = buffer.instance.len();
+    let mut flow = Flow { dx: vec![0.0; pixels], dy: vec![0.0; pixels] };
+    let rows = flow.dx.par_chunks_mut(width).zip(flow.dy.par_chunks_mut(width));
+    rows.enumerate().for_each(|(y, (dx, dy))| {
+        let y = y as u32;
+        surfaces.for_each_in_row(y, |x, point| {
+            let was = match point {
+                Some(p) => before[p.instance as usize].transform_point3(p.position_object),
+                None => {
+                    let direction = camera.direction_optical(x as f32 + 0.5, y as f32 + 0.5);
+                    optical_before.transform_vector3(camera.local_from_optical.transform_vector3(direction))
+                }
+            };
+            let now = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+            let moved = now - project(camera, was);
+            dx[x as usize] = (2.0 * moved.x / camera.width as f32).clamp(-LIMIT, LIMIT);
+            dy[x as usize] = (-2.0 * moved.y / camera.height as f32).clamp(-LIMIT, LIMIT);
+        });
+    });
+    flow
+}
+
+/// Position in the picture of a point in the optical frame, pixels; what is nearer than the near plane (or behind)
+/// is moved onto it.
+fn project(camera: &PinholeCamera, point: Vec3) -> Vec2 {
+    let z = point.z.max(camera.near_m);
+    Vec2::new(camera.fx * point.x / z + camera.cx, camera.fy * point.y / z + camera.cy)
+}

@@ -1,0 +1,111 @@
+//! Images of labels: tags, object ids, depth; and how many pixels show each object.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use schema::{ObjectId, Tag};
+use visibility::{SKY, Scene, VisibilityBuffer};
+
+/// Depth at the end of the 24-bit scale, metres.
+const DEPTH_SCALE_M: f64 = 1000.0;
+/// Largest 24-bit number.
+const DEPTH_STEPS: f64 = 16_777_215.0;
+
+/// What each pixel shows, run by run.
+pub(super) struct LabelImages<'a> {
+    scene: &'a Scene<'a>,
+    buffer: &'a VisibilityBuffer,
+}
+
+impl<'a> LabelImages<'a> {
+    pub(super) fn new(scene: &'a Scene<'a>, buffer: &'a VisibilityBuffer) -> Self {
+        Self { scene, buffer }
+    }
+
+    /// Calls `each(first pixel, end, tag, id)` for runs of pixels of one row that show one triangle.
+    fn runs(&self, y: usize, mut each: impl FnMut(usize, usize, Tag, ObjectId)) {
+        let width = self.buffer.width as usize;
+        let instances = &self.buffer.instance[y * width..(y + 1) * width];
+        let triangles = &self.buffer.triangle[y * width..(y + 1) * width];
+        let snapshot = self.scene.snapshot();
+        let mut start = 0;
+        while start < width {
+            let (instance, triangle) = (instances[start], triangles[start]);
+            let same = instances[start..]
+                .iter()
+                .zip(&triangles[start..])
+                .take_while(|&(&i, &t)| i == instance && t == triangle)
+                .count();
+            let (tag, id) = if instance == SKY {
+                (Tag::Sky, 0)
+            } else {
+                let placed = &snapshot.instances[instance as usize];
+                (snapshot.mesh(placed).part(triangle as usize).tag, placed.object)
+            };
+            each(start, start + same, tag, id);
+            start += same;
+        }
+    }
+
+    /// The tag of each pixel; [`Tag::Sky`] where nothing is seen.
+    pub(super) fn tags(&self) -> Vec<u8> {
+        let width = self.buffer.width as usize;
+        let mut tags = vec![0; self.buffer.instance.len()];
+        tags.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+            self.runs(y, |start, end, tag, _| row[start..end].fill(tag as u8));
+        });
+        tags
+    }
+
+    /// Tag, low byte and high byte of the id of each pixel.
+    pub(super) fn instances(&self) -> Vec<u8> {
+        let width = self.buffer.width as usize;
+        let mut rgb = vec![0; 3 * self.buffer.instance.len()];
+        rgb.par_chunks_mut(3 * width).enumerate().for_each(|(y, row)| {
+            self.runs(y, |start, end, tag, id| {
+                let [low, high] = id.to_le_bytes();
+                for pixel in row[3 * start..3 * end].as_chunks_mut::<3>().0 {
+                    *pixel = [tag as u8, low, high];
+                }
+            });
+        });
+        rgb
+    }
+
+    /// Pixels by object.
+    pub(super) fn pixel_counts(&self) -> BTreeMap<ObjectId, u32> {
+        let instances = &self.scene.snapshot().instances;
+        let mut by_instance = vec![0u32; instances.len()];
+        for run in self.buffer.instance.chunk_by(|a, b| a == b) {
+            if let Some(count) = by_instance.get_mut(run[0] as usize) {
+                *count += run.len() as u32;
+            }
+        }
+        let mut counts = BTreeMap::new();
+        for (instance, count) in instances.iter().zip(by_instance) {
+            if count > 0 && instance.object != 0 {
+                *counts.entry(instance.object).or_insert(0) += count;
+            }
+        }
+        counts
+    }
+}
+
+/// Planar depth as 24-bit numbers, red lowest: `round(depth / 1000 m * (2^24 - 1))`, at most that for sky.
+pub(super) fn depth_rgb(buffer: &VisibilityBuffer) -> Vec<u8> {
+    let mut rgb = vec![0; 3 * buffer.depth_m.len()];
+    rgb.par_chunks_mut(3 << 14).zip(buffer.depth_m.par_chunks(1 << 14)).for_each(|(rgb, depth_m)| {
+        for (pixel, &depth_m) in rgb.as_chunks_mut::<3>().0.iter_mut().zip(depth_m) {
+            let steps = (f64::from(depth_m) * (DEPTH_STEPS / DEPTH_SCALE_M) + 0.5).min(DEPTH_STEPS) as u32;
+            let [low, middle, high, _] = steps.to_le_bytes();
+            *pixel = [low, middle, high];
+        }
+    });
+    rgb
+}
+
+/// Planar depth in metres of a pixel of a depth image.
+#[must_use]
+pub fn decode_depth_m([low, middle, high]: [u8; 3]) -> f64 {
+    f64::from(u32::from_le_bytes([low, middle, high, 0])) * (DEPTH_SCALE_M / DEPTH_STEPS)
+}

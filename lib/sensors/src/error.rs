@@ -1,0 +1,42 @@
+//! What can go wrong in making sensor readings.
+
+/// A sensor reading could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum SensorError {
+    /// The picture has no pixels, or more columns or rows than its file formats hold.
+    #[error("a picture of {width} x {height} pixels can't be made: 1 to {} pixels a side", MAX_SIDE_PX)]
+    PictureSize {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// A field of view that no pinhole camera has.
+    #[error("a camera's horizontal field of view must be between 0 and 180 degrees, not {degrees}")]
+    FieldOfView {
+        /// The field of view asked for, degrees.
+        degrees: f64,
+    },
+    /// A colour picture was asked for and no light given.
+    #[error("colour pictures need a light")]
+    NoLight,
+    /// A scan pattern with more rays than a sweep can number.
+    #[error("a lidar of {channels} channels x {columns} columns has too many rays (at most {})", MAX_RAYS)]
+    ScanPattern {
+        /// Beams.
+        channels: u32,
+        /// Azimuth steps a beam.
+        columns: u32,
+    },
+    /// The PNG encoder refused.
+    #[error("PNG: {0}")]
+    Png(#[from] png::EncodingError),
+    /// The JPEG encoder refused.
+    #[error("JPEG: {0}")]
+    Jpeg(#[from] jpeg_encoder::EncodingError),
+}
+
+/// Longest side of a picture, pixels.
+pub(crate) const MAX_SIDE_PX: u32 = 16_384;
+/// Most rays of a sweep: a fixed bound on memory, 16 times the densest published lidar.
+pub(crate) const MAX_RAYS: u64 = 1 << 22;

@@ -1,0 +1,346 @@
+//! Lidars: a table of rays, one sweep a frame.
+
+use glam::{Affine3A, Vec3};
+use rayon::prelude::*;
+use schema::ObjectId;
+use schema::geometry::{Part, Surface};
+use schema::settings::LidarSpec;
+use schema::tables::{LidarRow, SemanticLidarRow};
+use visibility::{Hit, Scene};
+
+use crate::error::{MAX_RAYS, SensorError};
+
+/// Returns within this distance ahead or behind and [`CROP_LEFT_M`] to the sides are of the agent's own body.
+const CROP_AHEAD_M: f32 = 2.44;
+/// See [`CROP_AHEAD_M`].
+const CROP_LEFT_M: f32 = 1.04;
+/// Columns and channels of the blocks in which rays are followed: 16 neighbours make a packet.
+const BLOCK: [usize; 2] = [4, 4];
+/// Rays a parallel task: fixed, so that results are joined in the same order on any number of threads.
+const CHUNK: usize = 4096;
+
+/// A lidar with its rays worked out, for all sweeps of all agents that carry it.
+#[derive(Clone, Debug)]
+pub struct Lidar {
+    spec: LidarSpec,
+    /// Unit directions in the sensor frame, highest channel first.
+    directions: Vec<Vec3>,
+    /// The order in which rays are followed: neighbours together.
+    order: Vec<u32>,
+}
+
+/// One sweep, in the order of the rays: highest channel first, each from the left end of the field of view
+/// clockwise. All lists are equally long.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LidarSweep {
+    /// Forward, metres, sensor frame.
+    pub x_m: Vec<f32>,
+    /// Left, metres.
+    pub y_m: Vec<f32>,
+    /// Up, metres.
+    pub z_m: Vec<f32>,
+    /// Returned intensity, 0 to 1.
+    pub intensity: Vec<f32>,
+    /// Channel, 0 is the highest.
+    pub ring: Vec<u16>,
+    /// Seconds after the frame's time: 0, all rays of a sweep are fired at once.
+    pub time_offset_s: Vec<f32>,
+    /// Whose surface was hit.
+    pub id: Vec<ObjectId>,
+    /// What was hit.
+    pub tag: Vec<u8>,
+    /// Cosine of the angle between ray and surface normal, 0 to 1.
+    pub cos_angle: Vec<f32>,
+}
+
+/// One return.
+#[derive(Clone, Copy)]
+struct Return {
+    ray: u32,
+    point_m: Vec3,
+    intensity: f32,
+    id: ObjectId,
+    tag: u8,
+    cos_angle: f32,
+}
+
+impl Lidar {
+    /// Works out the rays of a lidar.
+    ///
+    /// Channel `i` of `n` is at `upper - i (upper - lower) / (n - 1)`, column `j` of `m` at `fov / 2 - j fov / m`
+    /// to the left.
+    ///
+    /// # Errors
+    /// The pattern has too many rays.
+    pub fn new(spec: &LidarSpec) -> Result<Self, SensorError> {
+        let scan = &spec.scan;
+        if u64::from(scan.channels) * u64::from(scan.columns) > MAX_RAYS
+            || scan.channels > u32::from(u16::MAX)
+        {
+            return Err(SensorError::ScanPattern { channels: scan.channels, columns: scan.columns });
+        }
+        let step_down = (scan.upper_rad - scan.lower_rad) / f64::from(scan.channels.max(2) - 1);
+        let step_right = scan.horizontal_fov_rad / f64::from(scan.columns.max(1));
+        let columns: Vec<(f64, f64)> = (0..scan.columns)
+            .map(|j| frames::math::sin_cos(0.5 * scan.horizontal_fov_rad - f64::from(j) * step_right))
+            .collect();
+        let mut directions = Vec::with_capacity((scan.channels * scan.columns) as usize);
+        for channel in 0..scan.channels {
+            let (up, flat) = frames::math::sin_cos(scan.upper_rad - f64::from(channel) * step_down);
+            directions.extend(
+                columns
+                    .iter()
+                    .map(|&(left, ahead)| Vec3::new((flat * ahead) as f32, (flat * left) as f32, up as f32)),
+            );
+        }
+        let (rows, width) = (scan.channels as usize, scan.columns as usize);
+        let mut order = Vec::with_capacity(directions.len());
+        for row in (0..rows).step_by(BLOCK[1]) {
+            for column in (0..width).step_by(BLOCK[0]) {
+                for r in row..(row + BLOCK[1]).min(rows) {
+                    order.extend((column..(column + BLOCK[0]).min(width)).map(|c| (r * width + c) as u32));
+                }
+            }
+        }
+        Ok(Self { spec: spec.clone(), directions, order })
+    }
+
+    /// What it was made from.
+    #[must_use]
+    pub fn spec(&self) -> &LidarSpec {
+        &self.spec
+    }
+
+    /// Unit directions of all rays in the sensor frame, highest channel first.
+    #[must_use]
+    pub fn directions(&self) -> &[Vec3] {
+        &self.directions
+    }
+
+    /// One sweep from where the sensor is.
+    ///
+    /// `stream` gives the random drops and the noise: ray `r` of frame `f` reads the words at `f << 32 | r`, so
+    /// that nothing depends on which rays hit or on threads. A ray is dropped with [`LidarSpec::dropoff_rate`];
+    /// a return whose bare intensity `I = exp(-attenuation d)` is at most [`LidarSpec::dropoff_intensity_limit`]
+    /// is kept with the chance `1 - zero + I zero / limit`. Semantic lidars have neither drops nor noise. Returns
+    /// with `|x| <= 2.44` and `|y| <= 1.04` are left out (the agent's own body).
+    #[must_use]
+    pub fn sweep(
+        &self,
+        scene: &Scene<'_>,
+        local_from_sensor: Affine3A,
+        stream: &random::Stream,
+        frame: u32,
+    ) -> LidarSweep {
+        let spec = &self.spec;
+        let drop_below = if spec.semantic { 0.0 } else { spec.dropoff_rate as f32 };
+        let origin = Vec3::from(local_from_sensor.translation);
+        let words_of = |ray: u32| stream.at(u64::from(frame) << 32 | u64::from(ray));
+        let returns: Vec<Vec<Return>> = self
+            .order
+            .par_chunks(CHUNK)
+            .map(|rays| {
+                let fired: Vec<(u32, [u32; 4])> = rays
+                    .iter()
+                    .map(|&ray| (ray, if spec.semantic { [0; 4] } else { words_of(ray) }))
+                    .filter(|(_, words)| drop_below <= 0.0 || random::unit_f32(words[0]) >= drop_below)
+                    .collect();
+                let directions: Vec<Vec3> = fired
+                    .iter()
+                    .map(|&(ray, _)| {
+                        local_from_sensor.transform_vector3(self.directions[ray as usize]).normalize()
+                    })
+                    .collect();
+                let mut hits = vec![None; directions.len()];
+                scene.trace_packet_shared_origin(origin, &directions, 0.0, spec.range_m as f32, &mut hits);
+                fired
+                    .iter()
+                    .zip(&directions)
+                    .zip(&hits)
+                    .filter_map(|((&(ray, words), &direction), hit)| {
+                        self.receive(scene, ray, words, direction, hit.as_ref()?)
+                    })
+                    .collect()
+            })
+            .collect();
+        self.collect(&returns)
+    }
+
+    /// Turns a hit into a return, unless it is too weak or on the agent's own body.
+    fn receive(
+        &self,
+        scene: &Scene<'_>,
+        ray: u32,
+        words: [u32; 4],
+        direction_local: Vec3,
+        hit: &Hit,
+    ) -> Option<Return> {
+        let spec = &self.spec;
+        let bare = frames::math::f32::exp(-(spec.attenuation_per_m as f32) * hit.t);
+        let mut range_m = hit.t;
+        if !spec.semantic {
+            let limit = spec.dropoff_intensity_limit as f32;
+            let zero = spec.dropoff_zero_intensity as f32;
+            if limit > 0.0 && bare <= limit && random::unit_f32(words[1]) >= 1.0 - zero + bare * zero / limit
+            {
+                return None;
+            }
+            if spec.noise_m > 0.0 {
+                range_m += spec.noise_m as f32 * random::normal_pair_f32(words[2], words[3]).0;
+            }
+        }
+        let point_m = self.directions[ray as usize] * range_m;
+        if point_m.x.abs() <= CROP_AHEAD_M && point_m.y.abs() <= CROP_LEFT_M {
+            return None;
+        }
+        let surface = Struck::new(scene, hit)?;
+        let cos_angle = surface.normal_local.dot(direction_local).abs().min(1.0);
+        Some(Return {
+            ray,
+            point_m,
+            intensity: bare * reflectance(surface.part) * (0.25 + 0.75 * cos_angle),
+            id: surface.object,
+            tag: surface.part.tag as u8,
+            cos_angle,
+        })
+    }
+
+    /// Returns in following order to lists in ray order.
+    fn collect(&self, returns: &[Vec<Return>]) -> LidarSweep {
+        const NONE: u32 = u32::MAX;
+        let all: Vec<&Return> = returns.iter().flatten().collect();
+        let mut by_ray = vec![NONE; self.directions.len()];
+        for (index, r) in all.iter().enumerate() {
+            by_ray[r.ray as usize] = index as u32;
+        }
+        let columns = self.spec.scan.columns.max(1);
+        let n = all.len();
+        let mut sweep = LidarSweep::with_capacity(n);
+        for index in by_ray.into_iter().filter(|&index| index != NONE) {
+            let r = all[index as usize];
+            sweep.x_m.push(r.point_m.x);
+            sweep.y_m.push(r.point_m.y);
+            sweep.z_m.push(r.point_m.z);
+            sweep.intensity.push(r.intensity);
+            sweep.ring.push((r.ray / columns) as u16);
+            sweep.id.push(r.id);
+            sweep.tag.push(r.tag);
+            sweep.cos_angle.push(r.cos_angle);
+        }
+        sweep.time_offset_s = vec![0.0; n];
+        sweep
+    }
+}
+
+impl LidarSweep {
+    fn with_capacity(n: usize) -> Self {
+        Self {
+            x_m: Vec::with_capacity(n),
+            y_m: Vec::with_capacity(n),
+            z_m: Vec::with_capacity(n),
+            intensity: Vec::with_capacity(n),
+            ring: Vec::with_capacity(n),
+            time_offset_s: Vec::new(),
+            id: Vec::with_capacity(n),
+            tag: Vec::with_capacity(n),
+            cos_angle: Vec::with_capacity(n),
+        }
+    }
+
+    /// Number of returns.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.x_m.len()
+    }
+
+    /// Whether nothing came back.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.x_m.is_empty()
+    }
+
+    /// The sweep as a row of an ordinary lidar's table.
+    #[must_use]
+    pub fn into_row(self, frame: u32) -> LidarRow {
+        LidarRow {
+            frame,
+            time_s: crate::frame_time_s(frame),
+            x: self.x_m,
+            y: self.y_m,
+            z: self.z_m,
+            intensity: self.intensity,
+            ring: self.ring,
+            time_offset_s: self.time_offset_s,
+            id: self.id,
+            tag: self.tag,
+        }
+    }
+
+    /// The sweep as a row of a semantic lidar's table.
+    #[must_use]
+    pub fn into_semantic_row(self, frame: u32) -> SemanticLidarRow {
+        SemanticLidarRow {
+            frame,
+            time_s: crate::frame_time_s(frame),
+            x: self.x_m,
+            y: self.y_m,
+            z: self.z_m,
+            cos_angle: self.cos_angle,
+            id: self.id,
+            tag: self.tag,
+        }
+    }
+}
+
+/// The surface that a ray struck.
+pub(crate) struct Struck<'a> {
+    pub(crate) part: &'a Part,
+    pub(crate) object: ObjectId,
+    /// Unit normal, either side, local frame.
+    pub(crate) normal_local: Vec3,
+    /// Where the ray met it, in the object's frame.
+    pub(crate) position_object: Vec3,
+}
+
+impl<'a> Struck<'a> {
+    pub(crate) fn new(scene: &Scene<'a>, hit: &Hit) -> Option<Self> {
+        let snapshot = scene.snapshot();
+        let instance = snapshot.instances.get(hit.instance as usize)?;
+        let mesh = snapshot.mesh(instance);
+        let [a, b, c] = mesh.corners(hit.triangle as usize);
+        let normal = instance.local_from_object.transform_vector3((b - a).cross(c - a));
+        Some(Self {
+            part: mesh.part(hit.triangle as usize),
+            object: instance.object,
+            normal_local: normal.normalize_or_zero(),
+            position_object: a + (b - a) * hit.u + (c - a) * hit.v,
+        })
+    }
+}
+
+/// Share of near-infrared light (905 nm) that a surface sends back, 0 to 1.
+///
+/// Round figures of the usual measurements for dry surfaces: asphalt 0.15, concrete 0.35, plants 0.5, cloth 0.4,
+/// dark glass 0.05. Signs and road markings are retroreflective; painted surfaces follow the brightness of their
+/// colour.
+fn reflectance(part: &Part) -> f32 {
+    use schema::Tag;
+    let [r, g, b] = part.rgb;
+    let brightness = (0.2126 * r + 0.7152 * g + 0.0722 * b).clamp(0.0, 1.0);
+    if part.tag == Tag::TrafficSign && !matches!(part.surface, Surface::Metal) {
+        return 1.0;
+    }
+    match part.surface {
+        Surface::Plain | Surface::Cloth => 0.15 + 0.6 * brightness,
+        Surface::Paint => 0.45,
+        Surface::Glass => 0.05,
+        Surface::Metal => 0.4,
+        Surface::Rubber => 0.06,
+        Surface::Asphalt => 0.15,
+        Surface::RoadMarking => 0.8,
+        Surface::Concrete | Surface::Facade => 0.35,
+        Surface::Grass | Surface::Foliage => 0.5,
+        Surface::Wood => 0.35,
+        Surface::Lamp(_) => 0.6,
+    }
+}

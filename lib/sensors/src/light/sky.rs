@@ -1,0 +1,371 @@
+//! The sky of a frame: clear air, clouds, night glow; what it shines on surfaces; how the film is exposed.
+
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+use schema::tables::Weather;
+
+use super::atmosphere::Atmosphere;
+use super::math::luminance;
+use crate::look::Noise;
+
+/// Side of the picture of the sky, texels.
+const SIDE: usize = 512;
+/// Altitudes and azimuths at which the clear air is worked out.
+const ALTITUDES: usize = 40;
+const AZIMUTHS: usize = 24;
+/// Share of light that the ground sends back up.
+const GROUND_ALBEDO: Vec3 = Vec3::new(0.17, 0.16, 0.14);
+/// Full moon on a facing surface, brightened for the film, kilolux.
+const MOON_KLX: Vec3 = Vec3::new(0.0007, 0.0009, 0.0013);
+/// Altitude of the moon, which stands opposite the sun.
+const MOON_UP: f32 = 0.6;
+/// Glow of the night sky and of towns behind the horizon, kcd/m2.
+const NIGHT: Vec3 = Vec3::new(0.000_05, 0.000_075, 0.000_14);
+const TOWN: Vec3 = Vec3::new(0.000_35, 0.000_28, 0.000_22);
+/// What street lighting gives at night, for the exposure, kilolux.
+const STREET_KLX: f32 = 0.007;
+/// Share of direct light that comes back from lit surroundings.
+const BOUNCED: f32 = 0.13;
+/// Radius of the sun's disc, radians, a little enlarged by glare.
+const SUN_RADIUS: f32 = 0.0075;
+
+/// The sky and the sun or moon of one frame; the same for all agents.
+#[derive(Clone, Debug)]
+pub struct Sky {
+    /// Radiance over the upper half of directions: `(x, y) / (1 + z)` spans the square.
+    texels: Vec<Vec3>,
+    /// Radiance of the ground far away.
+    ground: Vec3,
+    /// Mean radiance near the horizon.
+    pub(crate) horizon: Vec3,
+    /// Towards the sun, or the moon when the sun is down; world axes.
+    pub(crate) key_direction: Vec3,
+    /// What it gives a facing surface, kilolux.
+    pub(crate) key_klx: Vec3,
+    /// Radiance of its disc.
+    disc: Vec3,
+    /// Illuminance from sky and ground of a surface with normal `n` is `ambient[0] + n . ambient[1..4]`.
+    pub(crate) ambient: [Vec3; 4],
+    /// Film value per radiance at f/1.8.
+    exposure: f32,
+    horizontal_klx: f32,
+}
+
+impl Sky {
+    /// The sky in a weather, `time_s` seconds after frame 0 (clouds drift with the wind).
+    #[must_use]
+    pub fn new(weather: &Weather, time_s: f64) -> Self {
+        let sun = Vec3::from_array(weather.direction_to_sun().map(|v| v as f32));
+        let cover = (weather.cloudiness / 100.0).clamp(0.0, 1.0) as f32;
+        let air = Atmosphere::new(
+            weather.rayleigh_scattering_scale,
+            weather.mie_scattering_scale,
+            (weather.dust_storm / 100.0).clamp(0.0, 1.0) as f32,
+            sun.z,
+        );
+        let clear = ClearSky::new(&air, sun);
+        // Thick cloud lets a third of the light through and none of it directly.
+        let veiled = smooth(0.45, 0.97, cover);
+        let sun_klx = air.sun_klx();
+        let (key_direction, clear_key) = if luminance(sun_klx) > luminance(MOON_KLX) {
+            (sun, sun_klx)
+        } else {
+            let away = Vec2::new(-sun.x, -sun.y).normalize_or(Vec2::X) * (1.0 - MOON_UP * MOON_UP).sqrt();
+            (away.extend(MOON_UP), MOON_KLX)
+        };
+        let key_klx = clear_key * (1.0 - 0.985 * veiled);
+
+        let clear_up = clear.mean() * std::f32::consts::PI + clear_key * key_direction.z.max(0.0);
+        let overcast = Vec3::splat(luminance(clear_up)).lerp(clear_up, 0.35) * (0.36 / std::f32::consts::PI);
+        let wind_m = (3.0 + 0.15 * weather.wind_intensity) * time_s;
+        let clouds = Clouds { cover, veiled, overcast, sun, lit: clear_key, drift_m: wind_m as f32 };
+        let noise = Noise::get();
+        let texels: Vec<Vec3> = (0..SIDE * SIDE)
+            .into_par_iter()
+            .with_min_len(SIDE)
+            .map(|i| {
+                let direction = direction_of((i % SIDE) as f32, (i / SIDE) as f32);
+                clouds.over(noise, direction, clear.at(direction))
+            })
+            .collect();
+
+        let mut sky = Self {
+            texels,
+            ground: Vec3::ZERO,
+            horizon: Vec3::ZERO,
+            key_direction,
+            key_klx,
+            disc: if key_klx == Vec3::ZERO { Vec3::ZERO } else { key_klx * 12.0 },
+            ambient: [Vec3::ZERO; 4],
+            exposure: 0.0,
+            horizontal_klx: 0.0,
+        };
+        sky.add_up();
+        sky
+    }
+
+    /// Works out what the sky gives surfaces, and from it the exposure.
+    fn add_up(&mut self) {
+        // Radiance of the upper half weighed by each component of its direction (first-order spherical harmonics).
+        let mut linear = [Vec3::ZERO; 3];
+        let mut weights = 0.0;
+        let mut ring = (Vec3::ZERO, 0.0f32);
+        let step = 8;
+        for row in (step / 2..SIDE).step_by(step) {
+            for column in (step / 2..SIDE).step_by(step) {
+                let d = direction_of(column as f32, row as f32);
+                if d.z <= 0.0 {
+                    continue;
+                }
+                // Solid angle of a texel in this projection.
+                let weight = (1.0 + d.z) * (1.0 + d.z);
+                let radiance = self.texels[row * SIDE + column];
+                for (sum, component) in linear.iter_mut().zip(d.to_array()) {
+                    *sum += radiance * (component * weight);
+                }
+                weights += weight;
+                if d.z < 0.12 {
+                    ring.0 += radiance;
+                    ring.1 += 1.0;
+                }
+            }
+        }
+        // The weights sum to the half sphere, 2 pi.
+        let scale = std::f32::consts::TAU / weights;
+        let linear = linear.map(|l| l * scale);
+        self.horizon = ring.0 / ring.1.max(1.0);
+        // Irradiance of an upward surface is the z component itself.
+        let up = linear[2];
+        let from_sun = self.key_klx * self.key_direction.z.max(0.0);
+        let pi = std::f32::consts::PI;
+        self.ground = (up + from_sun * 0.7) * GROUND_ALBEDO / pi;
+        // Exact for surfaces that look straight up or down; the linear terms give walls their bright side.
+        let below = self.ground * pi;
+        self.ambient = [(up + below) * 0.5, linear[0] * 0.5, linear[1] * 0.5, (up - below) * 0.5];
+
+        self.horizontal_klx = luminance(up + from_sun);
+        // A grey of 18 % in this light comes out as middle grey; the dark stays a little darker than the day. A low
+        // sun lights what stands upright.
+        let standing = luminance(self.key_klx) * self.key_direction.z.max(0.3);
+        let adapted = luminance(up) + standing + STREET_KLX;
+        let darkness = frames::math::f32::pow((adapted / 100.0).min(1.0), 0.04);
+        self.exposure = 3.7 * darkness / adapted;
+    }
+
+    /// Sunlight that walls and ground throw back into shadows, kilolux: a fixed share.
+    pub(crate) fn bounced_klx(&self) -> Vec3 {
+        self.key_klx * (BOUNCED * self.key_direction.z.max(0.1))
+    }
+
+    /// Film value per radiance: follows the light by a fixed rule and the aperture, never the picture itself.
+    pub(crate) fn exposure(&self, f_stop: f64) -> f32 {
+        let opening = 1.8 / f_stop.clamp(0.5, 64.0);
+        self.exposure * (opening * opening) as f32
+    }
+
+    /// Whether the sun or moon is strong enough beside the sky for its shadows to be seen.
+    pub(crate) fn key_casts_shadows(&self) -> bool {
+        luminance(self.key_klx) * self.key_direction.z.max(0.05) > 0.02 * luminance(self.ambient[0])
+    }
+
+    /// Whether lamps light anything visibly.
+    pub(crate) fn lamps_matter(&self) -> bool {
+        self.horizontal_klx < 0.6
+    }
+
+    /// Radiance from a direction (world axes), without the sun's disc.
+    #[inline]
+    pub(crate) fn radiance(&self, direction: Vec3) -> Vec3 {
+        if direction.z <= 0.0 {
+            return self.ground.lerp(self.horizon, exp_toward_horizon(direction.z));
+        }
+        let scale = 0.5 * SIDE as f32 / (1.0 + direction.z);
+        let limit = (SIDE - 1) as f32 - 1e-2;
+        let x = (direction.x * scale + 0.5 * SIDE as f32 - 0.5).clamp(0.0, limit);
+        let y = (direction.y * scale + 0.5 * SIDE as f32 - 0.5).clamp(0.0, limit);
+        let (column, row) = (x as usize, y as usize);
+        let (fx, fy) = (x - column as f32, y - row as f32);
+        let index = row * SIDE + column;
+        let at = |i: usize| self.texels.get(i).copied().unwrap_or(Vec3::ZERO);
+        let upper = at(index).lerp(at(index + 1), fx);
+        let lower = at(index + SIDE).lerp(at(index + SIDE + 1), fx);
+        upper.lerp(lower, fy)
+    }
+
+    /// Radiance of what a camera sees in a direction: sky with the sun's or moon's disc.
+    #[inline]
+    pub(crate) fn seen(&self, direction: Vec3) -> Vec3 {
+        let sky = self.radiance(direction);
+        // 1 - cos is half the angle squared.
+        let off2 = 2.0 * (1.0 - direction.dot(self.key_direction)).max(0.0);
+        let edge = off2 / (SUN_RADIUS * SUN_RADIUS);
+        let glare = 0.015 / (1.0 + 0.02 * edge);
+        let disc = (1.5 - edge).clamp(0.0, 1.0);
+        sky + self.disc * (disc + if edge < 4000.0 { glare * (1.0 - edge / 4000.0) } else { 0.0 })
+    }
+}
+
+/// The far ground goes over into haze at the horizon.
+fn exp_toward_horizon(z: f32) -> f32 {
+    super::math::exp_neg(-z * 12.0)
+}
+
+/// Direction of a texel's centre.
+fn direction_of(column: f32, row: f32) -> Vec3 {
+    let half = 0.5 * SIDE as f32;
+    let (u, v) = ((column + 0.5 - half) / half, (row + 0.5 - half) / half);
+    let r2 = u * u + v * v;
+    // The corners beyond the horizon repeat it, so that interpolation at the rim has neighbours.
+    if r2 >= 1.0 {
+        let scale = 1.0 / r2.sqrt();
+        return Vec3::new(u * scale, v * scale, 0.0);
+    }
+    Vec3::new(2.0 * u, 2.0 * v, 1.0 - r2) / (1.0 + r2)
+}
+
+fn smooth(low: f32, high: f32, x: f32) -> f32 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// Radiance of the cloudless sky by altitude and by azimuth from the sun.
+struct ClearSky {
+    table: Vec<Vec3>,
+    sun: Vec2,
+}
+
+impl ClearSky {
+    fn new(air: &Atmosphere, sun: Vec3) -> Self {
+        let table = (0..ALTITUDES * AZIMUTHS)
+            .into_par_iter()
+            .map(|i| {
+                // Denser near the horizon, where the sky changes most.
+                let t = (i / AZIMUTHS) as f32 / (ALTITUDES - 1) as f32;
+                let side = 1.0 - 2.0 * (i % AZIMUTHS) as f32 / (AZIMUTHS - 1) as f32;
+                let up = t * t;
+                let haze = (1.0 - up) * (1.0 - up);
+                air.radiance(up, side) + NIGHT + TOWN * (haze * haze * haze)
+            })
+            .collect();
+        Self { table, sun: Vec2::new(sun.x, sun.y).normalize_or(Vec2::X) }
+    }
+
+    fn at(&self, direction: Vec3) -> Vec3 {
+        let flat = Vec2::new(direction.x, direction.y);
+        let side = flat.normalize_or(self.sun).dot(self.sun);
+        let row = direction.z.max(0.0).sqrt().min(1.0) * (ALTITUDES - 1) as f32;
+        let column = (0.5 - 0.5 * side).clamp(0.0, 1.0) * (AZIMUTHS - 1) as f32;
+        let (r, c) = ((row as usize).min(ALTITUDES - 2), (column as usize).min(AZIMUTHS - 2));
+        let (fr, fc) = (row - r as f32, column - c as f32);
+        let cell = |r: usize, c: usize| self.table[r * AZIMUTHS + c];
+        cell(r, c).lerp(cell(r, c + 1), fc).lerp(cell(r + 1, c).lerp(cell(r + 1, c + 1), fc), fr)
+    }
+
+    /// Mean radiance as an upward surface weighs it.
+    fn mean(&self) -> Vec3 {
+        let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+        for r in 0..ALTITUDES {
+            let t = r as f32 / (ALTITUDES - 1) as f32;
+            // d(up) is 2 t dt; an upward surface weighs by up.
+            let weight = t * t * t;
+            for c in 0..AZIMUTHS {
+                sum += self.table[r * AZIMUTHS + c] * weight;
+                weights += weight;
+            }
+        }
+        sum / weights
+    }
+}
+
+/// Clouds on a plane above.
+struct Clouds {
+    cover: f32,
+    veiled: f32,
+    overcast: Vec3,
+    sun: Vec3,
+    lit: Vec3,
+    drift_m: f32,
+}
+
+impl Clouds {
+    const HEIGHT_M: f32 = 1500.0;
+
+    /// The sky in a direction with clouds in front.
+    fn over(&self, noise: &Noise, direction: Vec3, clear: Vec3) -> Vec3 {
+        if self.cover <= 0.0 {
+            return clear;
+        }
+        let up = direction.z.max(0.0);
+        // The layer curves with the planet: it does not reach infinity at the horizon.
+        let distance = Self::HEIGHT_M / (up + 0.08);
+        let (x, y) = (direction.x * distance + self.drift_m, direction.y * distance + 0.4 * self.drift_m);
+        let footprint = distance / SIDE as f32 / (up + 0.08);
+        let large = noise.at(x / 55.0, y / 55.0, footprint / 55.0);
+        let small = noise.at(y / 13.0 + 40.0, x / 13.0, footprint / 13.0);
+        let thickness = 0.72 * large + 0.28 * small;
+        let threshold = 0.82 - 0.9 * self.cover;
+        let mask = smooth(threshold, threshold + 0.22, thickness).max(self.veiled);
+        // Overcast: twice as bright above as at the horizon (CIE); thick parts are darker.
+        let grey = self.overcast * ((1.0 + 2.0 * up) * (3.0 / 7.0) * (1.25 - 0.5 * thickness));
+        let toward_sun = 0.5 + 0.5 * direction.dot(self.sun);
+        let depth = smooth(threshold, threshold + 0.6, thickness);
+        let white = self.lit * ((0.14 + 0.16 * toward_sun * toward_sun) * (1.0 - 0.45 * depth))
+            + self.overcast * 0.45;
+        let cloud = white.lerp(grey, self.veiled);
+        // Far clouds go over into the haze.
+        let haze = (1.0 - up) * (1.0 - up);
+        let haze = haze * haze * haze * haze * (1.0 - 0.8 * self.veiled);
+        clear.lerp(cloud, mask * (1.0 - 0.8 * haze))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ambient_light_is_the_sky_integrated() {
+        // Against a direct sum over directions, for an upward and a tilted surface.
+        let sky = Sky::new(&Weather { cloudiness: 30.0, ..Weather::default() }, 0.0);
+        for (normal, tolerance) in [(Vec3::Z, 0.08), (Vec3::new(0.6, 0.0, 0.8), 0.15)] {
+            let mut sum = Vec3::ZERO;
+            let (rows, columns) = (120, 240);
+            for r in 0..rows {
+                let z = 1.0 - 2.0 * (r as f32 + 0.5) / rows as f32;
+                for c in 0..columns {
+                    let (sin, cos) =
+                        frames::math::f32::sin_cos(std::f32::consts::TAU * (c as f32 + 0.5) / columns as f32);
+                    let flat = (1.0 - z * z).sqrt();
+                    let d = Vec3::new(flat * cos, flat * sin, z);
+                    let radiance = if z > 0.0 { sky.radiance(d) } else { sky.ground };
+                    sum += radiance * d.dot(normal).max(0.0);
+                }
+            }
+            let want = sum * (4.0 * std::f32::consts::PI / (rows * columns) as f32);
+            let [a, x, y, z] = sky.ambient;
+            let got = a + x * normal.x + y * normal.y + z * normal.z;
+            assert!((got - want).abs().max_element() < tolerance * want.max_element(), "{got} {want}");
+        }
+    }
+
+    #[test]
+    fn directions_and_texels_agree() {
+        let sky = Sky::new(&Weather { cloudiness: 60.0, ..Weather::default() }, 3.0);
+        for (column, row) in [(100, 300), (256, 256), (400, 120), (60, 256)] {
+            let d = direction_of(column as f32, row as f32);
+            let got = sky.radiance(d);
+            assert!((got - sky.texels[row * SIDE + column]).abs().max_element() < 1e-3 * got.max_element());
+        }
+    }
+
+    #[test]
+    fn clouds_veil_the_sun_and_night_is_dark() {
+        let clear = Sky::new(&Weather::default(), 0.0);
+        let grey = Sky::new(&Weather { cloudiness: 100.0, ..Weather::default() }, 0.0);
+        assert!(grey.key_klx.y < 0.03 * clear.key_klx.y);
+        let night = Sky::new(&Weather { sun_altitude_deg: -40.0, ..Weather::default() }, 0.0);
+        assert!(night.horizontal_klx < 1e-4 * clear.horizontal_klx);
+        assert!(night.lamps_matter() && !clear.lamps_matter());
+        assert!(night.key_direction.z > 0.0);
+    }
+}

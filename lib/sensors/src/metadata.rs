@@ -1,0 +1,79 @@
+//! What a sensor's table says about the sensor itself: its pose and intrinsics, as JSON.
+
+use frames::{Agent, Frame, Pose};
+use schema::settings::{CameraSettings, CameraSpec, Mount};
+use serde_json::{Value, json};
+
+/// Key of the JSON text in a sensor table's metadata.
+pub const SENSOR_METADATA_KEY: &str = "sensor";
+
+/// Pose of a sensor in its agent's frame, as a JSON object: `name`, `frame` (`flu`), `agent_from_sensor` with
+/// `translation` (m) and `quaternion` (w, x, y, z).
+#[must_use]
+pub fn sensor_metadata(name: &str, mount: &Mount) -> String {
+    describe(name, "flu", &mount.agent_from_sensor()).to_string()
+}
+
+/// The same for a camera, whose pose is that of its optical frame (x right, y down, z forward), with `width`,
+/// `height` (pixels) and `intrinsics`, the 3 x 3 matrix that takes optical directions to pixels.
+#[must_use]
+pub fn camera_metadata(camera: &CameraSpec, settings: &CameraSettings) -> String {
+    let agent_from_optical = camera.mount.agent_from_sensor() * frames::flu_from_optical();
+    let mut value = describe(&camera.name, "optical", &agent_from_optical);
+    value["width"] = json!(settings.width);
+    value["height"] = json!(settings.height);
+    value["intrinsics"] = json!(intrinsics(settings));
+    value.to_string()
+}
+
+/// `[[f, 0, w / 2], [0, f, h / 2], [0, 0, 1]]`, pixels.
+#[must_use]
+pub fn intrinsics(settings: &CameraSettings) -> [[f64; 3]; 3] {
+    let focal = settings.focal_px();
+    [
+        [focal, 0.0, 0.5 * f64::from(settings.width)],
+        [0.0, focal, 0.5 * f64::from(settings.height)],
+        [0.0, 0.0, 1.0],
+    ]
+}
+
+fn describe<F: Frame>(name: &str, frame: &str, agent_from_sensor: &Pose<Agent, F>) -> Value {
+    json!({
+        "name": name,
+        "frame": frame,
+        "agent_from_sensor": {
+            "translation": agent_from_sensor.xyz(),
+            "quaternion": agent_from_sensor.wxyz(),
+        },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use schema::settings::Rig;
+
+    #[test]
+    fn the_front_left_camera_is_described_as_published() {
+        let rig = Rig::vehicle();
+        let value: Value =
+            serde_json::from_str(&camera_metadata(&rig.cameras[0], &rig.camera)).expect("is JSON");
+        assert_eq!(value["name"], "CAM_FRONT_LEFT");
+        assert_eq!(value["agent_from_sensor"]["translation"], json!([0.4, 0.4, 1.6]));
+        let want = [0.674_379_7, -0.674_379_7, 0.212_631_1, -0.212_631_1];
+        for (i, want) in want.iter().enumerate() {
+            let got = value["agent_from_sensor"]["quaternion"][i].as_f64().expect("is a number");
+            assert!((got - want).abs() < 1e-7, "{got} {want}");
+        }
+        let focal = value["intrinsics"][0][0].as_f64().expect("is a number");
+        assert!((focal - 953.402_874_075_368_1).abs() < 1e-9);
+    }
+
+    #[test]
+    fn names_are_escaped() {
+        let text = sensor_metadata("a\"b", &Mount::upright([0.0, 0.0, 1.8], 0.0));
+        let value: Value = serde_json::from_str(&text).expect("is JSON");
+        assert_eq!(value["name"], "a\"b");
+        assert_eq!(value["agent_from_sensor"]["quaternion"], json!([1.0, 0.0, 0.0, 0.0]));
+    }
+}

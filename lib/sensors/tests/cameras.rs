@@ -1,0 +1,244 @@
+//! Camera images against closed forms.
+
+mod common;
+
+use common::{at, block, instance, plane, snapshot, street};
+use frames::{Agent, LocalOrigin, Pose, Sensor, World, deg};
+use glam::{Affine3A, Vec3};
+use nalgebra::Point3;
+use schema::Tag;
+use schema::geometry::{Snapshot, Surface};
+use schema::settings::{CameraSettings, Mount};
+use schema::tables::Weather;
+use sensors::{CameraFrame, CameraView, Lighting, Picture, SensorError, Sky, decode_depth_m, render_camera};
+use visibility::{Meshes, Scene, rasterize};
+
+fn settings(width: u32, height: u32) -> CameraSettings {
+    CameraSettings { width, height, semantic: true, depth: true, flow: true, ..CameraSettings::default() }
+}
+
+fn decode(bytes: &[u8]) -> (Vec<u8>, png::OutputInfo) {
+    let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
+    decoder.set_transformations(png::Transformations::EXPAND);
+    let mut reader = decoder.read_info().expect("is PNG");
+    let mut data = vec![0; reader.output_buffer_size().expect("is small")];
+    let info = reader.next_frame(&mut data).expect("has an image");
+    (data, info)
+}
+
+fn render(snapshot: &Snapshot, view: &CameraView, weather: &Weather) -> CameraFrame {
+    let meshes = Meshes::build(&snapshot.meshes);
+    let scene = Scene::new(&meshes, snapshot);
+    let sky = Sky::new(weather, 0.0);
+    let lighting = Lighting::new(&scene, &sky, weather, Vec3::ZERO);
+    render_camera(&scene, view, Some(&lighting)).expect("is a camera")
+}
+
+fn standing_view(pose: [f64; 3], rpy: [f64; 3], settings: &CameraSettings) -> CameraView {
+    let pose = Pose::<World, Agent>::from_xyz_rpy(pose, rpy);
+    let mount = Mount::upright([0.6, 0.0, 1.6], 0.0);
+    CameraView::new(&LocalOrigin::near([0.0; 3]), &pose, &pose, &mount, settings)
+}
+
+#[test]
+fn known_points_project_as_the_pinhole_formula_says() {
+    // Small blocks at known places: their pixels' mean must be where K [R|t] puts their centres.
+    let settings = settings(800, 450);
+    let pose = Pose::<World, Agent>::from_xyz_rpy([3.0, -2.0, 0.5], [0.02, -0.03, 0.7]);
+    let mount = Mount { xyz_m: [0.4, 0.4, 1.6], rpy_rad: [0.0, 0.05, deg(55.0)] };
+    let origin = LocalOrigin::near([0.0; 3]);
+    let view = CameraView::new(&origin, &pose, &pose, &mount, &settings);
+    let k = sensors::intrinsics(&settings);
+    let world_from_sensor: Pose<World, Sensor> = pose * mount.agent_from_sensor();
+    for (id, forward) in [(5u16, [12.0, 3.0, 1.0]), (300, [20.0, -8.0, -2.0]), (65535, [9.0, 0.0, 0.0])] {
+        let centre = world_from_sensor * Point3::from(forward);
+        let pose =
+            Affine3A::from_translation(Vec3::new(centre.x as f32, centre.y as f32, centre.z as f32 - 0.1));
+        let snapshot = snapshot(vec![block([0.2; 3], Tag::Car, Surface::Plain)], vec![instance(0, id, pose)]);
+        let frame = render(&snapshot, &view, &Weather::default());
+        let (data, info) = decode(frame.instance.as_ref().expect("was asked for"));
+        let (mut u, mut v, mut n) = (0.0, 0.0, 0.0);
+        for (i, p) in data.chunks_exact(3).enumerate() {
+            if p[0] != Tag::Sky as u8 {
+                assert_eq!((p[0], u16::from_le_bytes([p[1], p[2]])), (Tag::Car as u8, id));
+                u += (i % info.width as usize) as f64 + 0.5;
+                v += (i / info.width as usize) as f64 + 0.5;
+                n += 1.0;
+            }
+        }
+        // Forward, left, up to right, down, forward.
+        let want_u = k[0][0] * -forward[1] / forward[0] + k[0][2];
+        let want_v = k[1][1] * -forward[2] / forward[0] + k[1][2];
+        assert!(n > 4.0);
+        assert!((u / n - want_u).abs() < 1.0 && (v / n - want_v).abs() < 1.0, "{} {want_u}", u / n);
+        assert_eq!(frame.pixel_counts.get(&id).copied(), Some(n as u32));
+        assert_eq!(frame.pixel_counts.len(), 1);
+    }
+}
+
+#[test]
+fn depth_decodes_to_the_buffer() {
+    let snapshot = street(false);
+    let view = standing_view([0.0, -5.0, 0.0], [0.0; 3], &settings(320, 180));
+    let meshes = Meshes::build(&snapshot.meshes);
+    let scene = Scene::new(&meshes, &snapshot);
+    let buffer = rasterize(&scene, &view.pinhole().expect("is a camera"));
+    let only = CameraSettings { rgb: false, ..view.settings.clone() };
+    let view = CameraView { settings: only, ..view };
+    let frame = CameraFrame::from_buffer(&scene, &view, &buffer, None).expect("needs no light");
+    assert!(frame.rgb.is_none());
+    let (data, _) = decode(frame.depth.as_ref().expect("was asked for"));
+    for (p, depth) in data.as_chunks::<3>().0.iter().zip(&buffer.depth_m) {
+        let want = f64::from(*depth).min(1000.0);
+        assert!((decode_depth_m(*p) - want).abs() <= 1000.0 / 16_777_216.0);
+    }
+    // Semantic colours name the same tags as the instance image.
+    let (semantic, _) = decode(frame.semantic.as_ref().expect("was asked for"));
+    let (instance, _) = decode(frame.instance.as_ref().expect("was asked for"));
+    for (s, i) in semantic.as_chunks::<3>().0.iter().zip(instance.as_chunks::<3>().0) {
+        assert_eq!(Tag::from_u8(i[0]).expect("is a tag").camera_rgb(), *s);
+    }
+    assert_eq!(&instance[..3], &[Tag::Sky as u8, 0, 0]);
+}
+
+#[test]
+fn flow_is_the_difference_of_two_projections() {
+    // A level plane seen by a camera that drives and turns, and a block that moves by itself.
+    let settings = settings(160, 90);
+    let mount = Mount::upright([0.6, 0.0, 1.6], 0.0);
+    let before = Pose::<World, Agent>::from_xyz_rpy([0.0, 0.0, 0.0], [0.0, 0.0, 0.0]);
+    let now = Pose::<World, Agent>::from_xyz_rpy([0.7, 0.05, 0.0], [0.0, 0.002, 0.03]);
+    let origin = LocalOrigin::near([0.0; 3]);
+    let view = CameraView::new(&origin, &now, &before, &mount, &settings);
+    let mut mover = instance(1, 2, at(15.0, -2.0, 0.0, 0.1));
+    mover.previous_local_from_object = at(14.2, -2.0, 0.0, 0.0);
+    let snapshot = snapshot(
+        vec![
+            plane(300.0, 0.0, Tag::Road, Surface::Asphalt),
+            block([3.0, 2.0, 2.5], Tag::Car, Surface::Paint),
+        ],
+        vec![instance(0, 1, Affine3A::IDENTITY), mover],
+    );
+    let meshes = Meshes::build(&snapshot.meshes);
+    let scene = Scene::new(&meshes, &snapshot);
+    let buffer = rasterize(&scene, &view.pinhole().expect("is a camera"));
+    let view = CameraView { settings: CameraSettings { rgb: false, ..settings.clone() }, ..view };
+    let frame = CameraFrame::from_buffer(&scene, &view, &buffer, None).expect("needs no light");
+    let flow = frame.flow.as_ref().expect("was asked for");
+
+    let optical = mount.agent_from_sensor() * frames::flu_from_optical();
+    let (now_optical, before_optical) = (now * optical, (before * optical).inverse());
+    let moved = |p: Point3<f64>| {
+        // Block: undo the present pose, redo the one before.
+        let local =
+            mover.local_from_object.inverse().transform_point3(Vec3::new(p.x as f32, p.y as f32, p.z as f32));
+        let was = mover.previous_local_from_object.transform_point3(local);
+        Point3::new(f64::from(was.x), f64::from(was.y), f64::from(was.z))
+    };
+    let focal = settings.focal_px();
+    let (mut on_plane, mut on_block, mut on_sky) = (0, 0, 0);
+    for y in 0..90u32 {
+        for x in 0..160u32 {
+            let i = buffer.index(x, y);
+            let ray =
+                Point3::new((f64::from(x) + 0.5 - 80.0) / focal, (f64::from(y) + 0.5 - 45.0) / focal, 1.0);
+            let was = match buffer.instance[i] {
+                0 => {
+                    // Closed form: the ray meets z = 0.
+                    let direction = now_optical.rotate(ray.coords);
+                    let eye = now_optical.translation();
+                    on_plane += 1;
+                    before_optical * Point3::from(eye - direction * (eye.z / direction.z))
+                }
+                1 => {
+                    on_block += 1;
+                    before_optical
+                        * moved(now_optical * Point3::from(ray.coords * f64::from(buffer.depth_m[i])))
+                }
+                _ => {
+                    on_sky += 1;
+                    Point3::from(before_optical.rotate(now_optical.rotate(ray.coords)))
+                }
+            };
+            let dx = (ray.x - was.x / was.z) * focal * 2.0 / 160.0;
+            let dy = -(ray.y - was.y / was.z) * focal * 2.0 / 90.0;
+            assert!((f64::from(flow.dx[i]) - dx).abs() < 2e-4, "{x} {y}: {} {dx}", flow.dx[i]);
+            assert!((f64::from(flow.dy[i]) - dy).abs() < 2e-4, "{x} {y}: {} {dy}", flow.dy[i]);
+        }
+    }
+    assert!(on_plane > 1000 && on_block > 50 && on_sky > 1000);
+    // Driving forward, the ground ahead moves down: not up.
+    assert!(flow.dy[buffer.index(80, 80)] < 0.0);
+}
+
+#[test]
+fn bytes_do_not_depend_on_threads() {
+    let snapshot = street(true);
+    let weather =
+        Weather { sun_altitude_deg: -10.0, precipitation: 40.0, fog_density: 10.0, ..Weather::default() };
+    let view = standing_view([0.0, -5.0, 0.0], [0.0; 3], &settings(320, 180));
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("starts");
+        pool.install(|| render(&snapshot, &view, &weather))
+    };
+    let (one, two) = (with(1), with(2));
+    assert!(one == two);
+    assert_eq!(&one.rgb.expect("was asked for")[..2], &[0xff, 0xd8], "starts as a JPEG");
+}
+
+#[test]
+fn pictures_follow_sun_fog_and_aperture() {
+    let snapshot = street(false);
+    let meshes = Meshes::build(&snapshot.meshes);
+    let scene = Scene::new(&meshes, &snapshot);
+    let picture = |weather: &Weather, f_stop: f64| {
+        let settings = CameraSettings { f_stop, ..settings(200, 112) };
+        let view = standing_view([0.0, -5.2, 0.0], [0.0; 3], &settings);
+        let buffer = rasterize(&scene, &view.pinhole().expect("is a camera"));
+        let sky = Sky::new(weather, 0.0);
+        let lighting = Lighting::new(&scene, &sky, weather, Vec3::ZERO);
+        Picture::new(&scene, &view, &buffer, &lighting)
+    };
+    let mean = |p: &Picture| p.rgb.iter().map(|&v| f64::from(v)).sum::<f64>() / p.rgb.len() as f64;
+    let spread = |p: &Picture| {
+        let m = mean(p);
+        (p.rgb.iter().map(|&v| (f64::from(v) - m) * (f64::from(v) - m)).sum::<f64>() / p.rgb.len() as f64)
+            .sqrt()
+    };
+    let noon = picture(&Weather::default(), 1.8);
+    assert!((70.0..190.0).contains(&mean(&noon)), "{}", mean(&noon));
+    let night = picture(&Weather { sun_altitude_deg: -30.0, ..Weather::default() }, 1.8);
+    assert!(mean(&night) < 0.6 * mean(&noon) && mean(&night) > 8.0, "{}", mean(&night));
+    assert!(mean(&picture(&Weather::default(), 4.0)) < 0.7 * mean(&noon));
+    let fog = picture(
+        &Weather {
+            fog_density: 90.0,
+            fog_distance_m: 0.0,
+            fog_falloff: 0.0,
+            cloudiness: 90.0,
+            ..Weather::default()
+        },
+        1.8,
+    );
+    assert!(spread(&fog) < 0.75 * spread(&noon), "{} {}", spread(&fog), spread(&noon));
+}
+
+#[test]
+fn odd_requests_are_refused_or_answered() {
+    let empty = snapshot(Vec::new(), Vec::new());
+    let frame = render(&empty, &standing_view([0.0; 3], [0.0; 3], &settings(17, 5)), &Weather::default());
+    assert!(frame.pixel_counts.is_empty());
+    let (tags, _) = decode(frame.semantic.as_ref().expect("was asked for"));
+    assert_eq!(tags[..3], Tag::Sky.camera_rgb());
+
+    let view = |width, fov| {
+        standing_view([0.0; 3], [0.0; 3], &CameraSettings { horizontal_fov_rad: fov, ..settings(width, 10) })
+    };
+    assert!(matches!(view(0, 1.0).pinhole(), Err(SensorError::PictureSize { .. })));
+    assert!(matches!(view(1 << 20, 1.0).pinhole(), Err(SensorError::PictureSize { .. })));
+    assert!(matches!(view(10, 3.2).pinhole(), Err(SensorError::FieldOfView { .. })));
+    assert!(matches!(view(10, f64::NAN).pinhole(), Err(SensorError::FieldOfView { .. })));
+    let meshes = Meshes::build(&empty.meshes);
+    let scene = Scene::new(&meshes, &empty);
+    assert!(matches!(render_camera(&scene, &view(10, 1.0), None), Err(SensorError::NoLight)));
+}

@@ -1,0 +1,212 @@
+//! Lidar and radar against closed forms and statistics.
+
+mod common;
+
+use common::{at, block, instance, plane, snapshot, street};
+use glam::{Affine3A, Vec3};
+use random::Stream;
+use schema::Tag;
+use schema::geometry::Surface;
+use schema::settings::{LidarSpec, Rig, ScanPattern};
+use sensors::{Lidar, RadarMotion, SensorError, radar};
+use visibility::{Meshes, Ray, Scene};
+
+fn stream() -> Stream {
+    Stream::new(27, 0, "test/sensors", 1)
+}
+
+fn small(spec: LidarSpec) -> LidarSpec {
+    LidarSpec { scan: ScanPattern { channels: 32, columns: 256, ..spec.scan }, ..spec }
+}
+
+#[test]
+fn ranges_on_a_plane_follow_the_beam_angles() {
+    let snapshot = snapshot(
+        vec![plane(400.0, 0.0, Tag::Road, Surface::Asphalt)],
+        vec![instance(0, 9, Affine3A::IDENTITY)],
+    );
+    let meshes = Meshes::build(&snapshot.meshes);
+    let scene = Scene::new(&meshes, &snapshot);
+    let spec = small(LidarSpec::vehicle().semantic());
+    let lidar = Lidar::new(&spec).expect("is small");
+    let sweep = lidar.sweep(&scene, at(5.0, 2.0, 1.8, 0.4), &stream(), 0);
+    let mut count = 0;
+    for channel in 0..32u32 {
+        let elevation =
+            spec.scan.upper_rad - f64::from(channel) * (spec.scan.upper_rad - spec.scan.lower_rad) / 31.0;
+        let range = 1.8 / -frames::math::sin(elevation);
+        if elevation >= 0.0 || range > 120.0 {
+            continue;
+        }
+        for column in 0..256u32 {
+            let azimuth = std::f64::consts::PI - f64::from(column) * std::f64::consts::TAU / 256.0;
+            let flat = range * frames::math::cos(elevation);
+            let (y, x) = (flat * frames::math::sin(azimuth), flat * frames::math::cos(azimuth));
+            if x.abs() <= 2.44 && y.abs() <= 1.04 {
+                continue;
+            }
+            let got = Vec3::new(sweep.x_m[count], sweep.y_m[count], sweep.z_m[count]);
+            let want = Vec3::new(x as f32, y as f32, -1.8);
+            assert!((got - want).length() < 2e-4 * range as f32, "{got} {want}");
+            let cosine = 1.8 / range;
+            assert!((f64::from(sweep.cos_angle[count]) - cosine).abs() < 1e-4);
+            assert_eq!((u32::from(sweep.ring[count]), sweep.id[count], sweep.tag[count]), (channel, 9, 1));
+            count += 1;
+        }
+    }
+    assert_eq!(sweep.len(), count, "nothing else came back");
+    assert!(count > 3000);
+}
+
+#[test]
+fn drops_and_noise_have_the_stated_rates() {
+    // A wall all around at one distance: every ray would return.
+    let distance = 100.0f32;
+    let mut walls = Vec::new();
+    for i in 0..64 {
+        let yaw = std::f32::consts::TAU * i as f32 / 64.0;
+        walls.push(instance(0, 3, Affine3A::from_rotation_z(yaw) * at(distance + 0.5, 0.0, -50.0, 0.0)));
+    }
+    let snapshot = snapshot(vec![block([1.0, 12.0, 100.0], Tag::Building, Surface::Concrete)], walls);
+    let meshes = Meshes::build(&snapshot.meshes);
+    let scene = Scene::new(&meshes, &snapshot);
+    let spec = LidarSpec {
+        scan: ScanPattern {
+            channels: 64,
+            columns: 1024,
+            upper_rad: 0.05,
+            lower_rad: -0.05,
+            ..LidarSpec::vehicle().scan
+        },
+        ..LidarSpec::vehicle()
+    };
+    let all = Lidar::new(&spec.semantic()).expect("is small").sweep(&scene, Affine3A::IDENTITY, &stream(), 4);
+    assert_eq!(all.len(), 64 * 1024);
+    let sweep = Lidar::new(&spec).expect("is small").sweep(&scene, Affine3A::IDENTITY, &stream(), 4);
+    let intensity = frames::math::exp(-0.004 * f64::from(distance));
+    let want = 0.86 * (1.0 - 0.4 + 0.5 * intensity);
+    let got = sweep.len() as f64 / all.len() as f64;
+    assert!((got - want).abs() < 0.006, "{got} {want}");
+
+    // Noise: against the noiseless ranges of the same directions.
+    let quiet = LidarSpec { noise_m: 0.0, ..spec.clone() };
+    let quiet = Lidar::new(&quiet).expect("is small").sweep(&scene, Affine3A::IDENTITY, &stream(), 4);
+    assert_eq!(quiet.len(), sweep.len(), "noise drops nothing");
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for i in 0..sweep.len() {
+        let range = |s: &sensors::LidarSweep| f64::from(Vec3::new(s.x_m[i], s.y_m[i], s.z_m[i]).length());
+        let error = range(&sweep) - range(&quiet);
+        sum += error;
+        squares += error * error;
+    }
+    let n = sweep.len() as f64;
+    assert!((sum / n).abs() < 5e-4);
+    assert!(((squares / n).sqrt() - 0.03).abs() < 6e-4);
+
+    let other = Lidar::new(&spec).expect("is small").sweep(&scene, Affine3A::IDENTITY, &stream(), 5);
+    assert_ne!(other, sweep, "another frame draws other numbers");
+}
+
+#[test]
+fn sweeps_equal_single_rays_and_do_not_depend_on_threads() {
+    let snapshot = street(false);
+    let meshes = Meshes::build(&snapshot.meshes);
+    let scene = Scene::new(&meshes, &snapshot);
+    let pose = at(0.0, -5.0, 1.8, 0.2);
+    let lidar = Lidar::new(&small(LidarSpec::vehicle().semantic())).expect("is small");
+    let sweep = lidar.sweep(&scene, pose, &stream(), 1);
+    let mut next = 0;
+    for direction in lidar.directions() {
+        let ray = Ray {
+            origin: Vec3::from(pose.translation),
+            direction: pose.transform_vector3(*direction).normalize(),
+            t_min: 0.0,
+            t_max: 120.0,
+        };
+        let Some(hit) = scene.trace(&ray) else { continue };
+        let p = *direction * hit.t;
+        if p.x.abs() <= 2.44 && p.y.abs() <= 1.04 {
+            continue;
+        }
+        assert_eq!(sweep.x_m[next], p.x);
+        assert_eq!(sweep.id[next], snapshot.instances[hit.instance as usize].object);
+        next += 1;
+    }
+    assert_eq!(next, sweep.len());
+
+    let noisy = Lidar::new(&small(LidarSpec::rsu())).expect("is small");
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("starts");
+        pool.install(|| noisy.sweep(&scene, pose, &stream(), 2))
+    };
+    let one = with(1);
+    assert_eq!(one, with(2));
+    assert!(one.y_m.iter().zip(&one.x_m).all(|(_, &x)| x > -0.2), "180 degrees ahead");
+    assert!(one.intensity.iter().all(|i| (0.0..=1.0).contains(i)));
+}
+
+#[test]
+fn too_many_rays_are_refused() {
+    let scan = ScanPattern { channels: 60_000, columns: 60_000, ..LidarSpec::vehicle().scan };
+    let result = Lidar::new(&LidarSpec { scan, ..LidarSpec::vehicle() });
+    assert!(matches!(result, Err(SensorError::ScanPattern { .. })));
+    let none = ScanPattern { channels: 0, columns: 0, ..LidarSpec::vehicle().scan };
+    let lidar = Lidar::new(&LidarSpec { scan: none, ..LidarSpec::vehicle() }).expect("is empty");
+    assert!(lidar.directions().is_empty());
+}
+
+#[test]
+fn doppler_is_positive_for_what_recedes() {
+    // A wall ahead that moves away at 10 m/s, a radar that drives towards it at 4 m/s.
+    let mut wall = instance(0, 2, at(40.0, 0.0, -50.0, 0.0));
+    wall.previous_local_from_object = at(39.5, 0.0, -50.0, 0.0);
+    let snapshot = snapshot(vec![block([1.0, 400.0, 100.0], Tag::Truck, Surface::Metal)], vec![wall]);
+    let meshes = Meshes::build(&snapshot.meshes);
+    let scene = Scene::new(&meshes, &snapshot);
+    let spec = &Rig::vehicle().radars[1];
+    let motion = RadarMotion {
+        local_from_sensor: at(0.2, 0.0, 0.6, 0.0),
+        previous_local_from_sensor: at(0.0, 0.0, 0.6, 0.0),
+        own: None,
+    };
+    let returns = radar(&scene, spec, &motion, &stream(), 3);
+    assert_eq!(returns.len(), spec.rays as usize, "the wall fills the cone");
+    let (mut left, mut high) = (0, 0);
+    for i in 0..returns.len() {
+        let (sin_az, cos_az) = frames::math::f32::sin_cos(returns.azimuth_rad[i]);
+        let (sin_alt, cos_alt) = frames::math::f32::sin_cos(returns.altitude_rad[i]);
+        let along = cos_az * cos_alt;
+        assert!((returns.velocity_mps[i] - 6.0 * along).abs() < 2e-3);
+        assert!((returns.depth_m[i] * along - 39.3).abs() < 1e-3, "the wall's face is 39.3 m ahead");
+        // Inside the elliptic cone.
+        let y = sin_az / cos_az / frames::math::f32::tan(0.5 * spec.horizontal_fov_rad as f32);
+        let z = sin_alt / along / frames::math::f32::tan(0.5 * spec.vertical_fov_rad as f32);
+        assert!(y * y + z * z <= 1.0 + 1e-4);
+        left += i32::from(y > 0.0);
+        high += i32::from(z > 0.0);
+    }
+    // Evenly to both sides; radii evenly from 0 to 1.
+    assert!((left - 1000).abs() < 110 && (high - 1000).abs() < 110, "{left} {high}");
+}
+
+#[test]
+fn the_own_body_is_looked_through() {
+    let snapshot = snapshot(
+        vec![
+            block([5.0, 2.0, 1.5], Tag::Car, Surface::Paint),
+            block([1.0, 200.0, 60.0], Tag::Building, Surface::Facade),
+        ],
+        vec![instance(0, 1, at(0.0, 0.0, 0.0, 0.0)), instance(1, 2, at(30.0, 0.0, -30.0, 0.0))],
+    );
+    let meshes = Meshes::build(&snapshot.meshes);
+    let scene = Scene::new(&meshes, &snapshot);
+    let pose = at(2.4, 0.0, 0.6, 0.0);
+    let motion = |own| RadarMotion { local_from_sensor: pose, previous_local_from_sensor: pose, own };
+    let spec = &Rig::vehicle().radars[1];
+    let blocked = radar(&scene, spec, &motion(None), &stream(), 0);
+    assert!(blocked.id.iter().all(|&id| id == 1));
+    let through = radar(&scene, spec, &motion(Some(1)), &stream(), 0);
+    assert_eq!(through.len(), spec.rays as usize);
+    assert!(through.id.iter().all(|&id| id == 2));
+    assert!(through.velocity_mps.iter().all(|&v| v == 0.0));
+}

@@ -1,0 +1,237 @@
+//! The ground over the grid, layer by layer.
+
+use schema::{BevClass, Tag};
+
+use super::raster::Triangle;
+
+/// Surfaces at most this far apart on a vertical line are one layer (road, marks, kerb, terrain beneath), metres.
+const LAYER_M: f32 = 1.5;
+/// Following the ground, a step between neighbouring cells is at most this high, metres.
+const STEP_M: f32 = 0.6;
+/// The agent stands on ground this near, across and up, metres.
+const STAND_M: f32 = 3.0;
+/// An area belongs to a layer at most this far away: half the clearance under a bridge, metres.
+const AREA_M: f32 = 2.4;
+
+/// What the ground is at one cell, as far as it is known.
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    low: f32,
+    high: f32,
+    bits: u16,
+}
+
+impl Cell {
+    const EMPTY: Self = Self { low: f32::INFINITY, high: f32::NEG_INFINITY, bits: 0 };
+
+    fn is_empty(self) -> bool {
+        self.low > self.high
+    }
+
+    fn has_layers(self) -> bool {
+        self.high - self.low > LAYER_M
+    }
+
+    fn add(&mut self, z: f32, bits: u16) {
+        self.low = self.low.min(z);
+        self.high = self.high.max(z);
+        self.bits |= bits;
+    }
+
+    /// Vertical distance to another layer, 0 where they overlap.
+    fn gap(self, other: Self) -> f32 {
+        (self.low - other.high).max(other.low - self.high).max(0.0)
+    }
+
+    /// Vertical distance to the agent's height.
+    fn height_gap(self) -> f32 {
+        self.low.max(-self.high).max(0.0)
+    }
+}
+
+/// A layer of a cell that has several.
+#[derive(Clone, Copy, Debug)]
+struct Layer {
+    cell: u32,
+    is: Cell,
+}
+
+/// The layers of all cells.
+struct Layers<'a> {
+    /// The only layer of every cell that is not among `several`.
+    cells: &'a [Cell],
+    /// The layers of the others, by cell, then from low to high.
+    several: &'a [Layer],
+}
+
+impl Layers<'_> {
+    /// The layer of a cell (with paving, if wanted) at the smallest distance; the lower one of two equals.
+    fn nearest(&self, cell: usize, paved_only: bool, distance: impl Fn(Cell) -> f32) -> Option<Cell> {
+        let fits = |layer: Cell| !layer.is_empty() && (layer.bits != 0 || !paved_only);
+        if !self.cells[cell].has_layers() {
+            return Some(self.cells[cell]).filter(|&layer| fits(layer));
+        }
+        let start = self.several.partition_point(|layer| (layer.cell as usize) < cell);
+        let own = self.several[start..].iter().take_while(|layer| layer.cell as usize == cell);
+        own.map(|layer| layer.is).filter(|&l| fits(l)).min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
+    }
+}
+
+/// The ground over the grid.
+#[derive(Debug)]
+pub(super) struct Ground {
+    side: usize,
+    cell_m: f32,
+    cells: Vec<Cell>,
+    triangles: Vec<(Triangle, Tag)>,
+}
+
+impl Ground {
+    pub(super) fn new(side: usize, cell_m: f32) -> Self {
+        Self { side, cell_m, cells: vec![Cell::EMPTY; side * side], triangles: Vec::new() }
+    }
+
+    /// Rows and columns.
+    pub(super) fn side(&self) -> usize {
+        self.side
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.cells.fill(Cell::EMPTY);
+        self.triangles.clear();
+    }
+
+    /// Adds a triangle of a ground tag.
+    pub(super) fn add(&mut self, triangle: &Triangle, tag: Tag) {
+        let cells = &mut self.cells;
+        visit(triangle, tag, self.side, |cell, z, bits| cells[cell].add(z, bits));
+        self.triangles.push((*triangle, tag));
+    }
+
+    /// Chooses one layer per cell when all triangles are added, and returns the classes it shows.
+    pub(super) fn settle(&mut self) -> Vec<u16> {
+        if self.cells.iter().any(|cell| cell.has_layers()) {
+            let layers = self.split();
+            self.follow(&layers);
+        }
+        self.cells.iter().map(|cell| cell.bits).collect()
+    }
+
+    /// Height of the shown layer's top above the agent; the agent's own where there is no ground.
+    pub(super) fn level(&self, cell: usize) -> f32 {
+        let cell = self.cells[cell];
+        if cell.is_empty() { 0.0 } else { cell.high }
+    }
+
+    /// Whether a flat area at some height lies on the shown layer.
+    pub(super) fn is_near(&self, cell: usize, z: f32) -> bool {
+        (z - self.level(cell)).abs() <= AREA_M
+    }
+
+    /// The layers of all cells that have several, by cell, then from low to high.
+    fn split(&self) -> Vec<Layer> {
+        let mut surfaces: Vec<(u32, f32, u16)> = Vec::new();
+        for (triangle, tag) in &self.triangles {
+            visit(triangle, *tag, self.side, |cell, z, bits| {
+                if self.cells[cell].has_layers() {
+                    surfaces.push((cell as u32, z, bits));
+                }
+            });
+        }
+        surfaces.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+        let mut layers: Vec<Layer> = Vec::new();
+        for (cell, z, bits) in surfaces {
+            match layers.last_mut() {
+                Some(last) if last.cell == cell && z - last.is.high <= LAYER_M => last.is.add(z, bits),
+                _ => {
+                    let mut is = Cell::EMPTY;
+                    is.add(z, bits);
+                    layers.push(Layer { cell, is });
+                }
+            }
+        }
+        layers
+    }
+
+    /// Follows the ground from the agent, cell by cell, nearest cells first, and keeps the layer by which
+    /// each cell is reached: first along roads and sidewalks, then over all other ground. So a ramp is not undercut
+    /// by the terrain beside it.
+    fn follow(&mut self, layers: &[Layer]) {
+        let layers = Layers { cells: &self.cells, several: layers };
+        let side = self.side;
+        let mut settled = self.cells.clone();
+        let mut reached = vec![false; side * side];
+        // In the order in which they were reached.
+        let mut order: Vec<usize> = Vec::new();
+        for paved_only in [true, false] {
+            for cell in self.near_agent().filter(|&cell| !reached[cell]).collect::<Vec<_>>() {
+                if let Some(layer) =
+                    layers.nearest(cell, paved_only, Cell::height_gap).filter(|l| l.height_gap() <= STAND_M)
+                {
+                    (reached[cell], settled[cell]) = (true, layer);
+                    order.push(cell);
+                }
+            }
+            let mut next = 0;
+            while let Some(&cell) = order.get(next) {
+                next += 1;
+                let from = settled[cell];
+                let (row, column) = (cell / side, cell % side);
+                let neighbours = [
+                    (row > 0).then(|| cell - side),
+                    (column > 0).then(|| cell - 1),
+                    (column + 1 < side).then_some(cell + 1),
+                    (row + 1 < side).then_some(cell + side),
+                ];
+                for to in neighbours.into_iter().flatten() {
+                    if reached[to] {
+                        continue;
+                    }
+                    if let Some(layer) =
+                        layers.nearest(to, paved_only, |l| l.gap(from)).filter(|l| l.gap(from) <= STEP_M)
+                    {
+                        (reached[to], settled[to]) = (true, layer);
+                        order.push(to);
+                    }
+                }
+            }
+        }
+        for (cell, settled) in settled.iter_mut().enumerate().filter(|(cell, _)| !reached[*cell]) {
+            if let Some(layer) = layers.nearest(cell, false, Cell::height_gap) {
+                *settled = layer;
+            }
+        }
+        self.cells = settled;
+    }
+
+    /// The cells about the agent, row by row.
+    fn near_agent(&self) -> impl Iterator<Item = usize> + use<> {
+        let side = self.side;
+        let reach = ((STAND_M / self.cell_m).ceil() as usize).max(1).min(side.div_ceil(2));
+        let range = (side / 2).saturating_sub(reach)..(side / 2 + reach).min(side);
+        range.clone().flat_map(move |row| range.clone().map(move |column| row * side + column))
+    }
+}
+
+/// Calls with the cells of a ground triangle: the cell, the height, the classes it shows there.
+fn visit(triangle: &Triangle, tag: Tag, side: usize, mut cell: impl FnMut(usize, f32, u16)) {
+    let height = triangle.height();
+    let road = 1 << BevClass::Road as u16;
+    let bits = match tag {
+        Tag::Road | Tag::RoadLine => road,
+        Tag::Sidewalk => 1 << BevClass::Sidewalk as u16,
+        _ => 0,
+    };
+    triangle.centres(side, |row, columns| {
+        for column in columns {
+            cell(row * side + column, height.at(row, column), bits);
+        }
+    });
+    if tag == Tag::RoadLine {
+        triangle.touched(side, |row, columns| {
+            for column in columns {
+                cell(row * side + column, height.at(row, column), 1 << BevClass::RoadLine as u16);
+            }
+        });
+    }
+}

@@ -1,0 +1,164 @@
+//! Which cells a triangle covers.
+
+use std::ops::RangeInclusive;
+
+use glam::Vec3A;
+
+/// Rounding must not open seams between triangles that share an edge: spans of centres are wider by this, cells.
+const SEAM: f32 = 1e-4;
+
+/// A triangle in grid coordinates that has a point over the grid.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Triangle {
+    corners: [Vec3A; 3],
+}
+
+/// Height over the grid, never outside the triangle's own.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Height {
+    at: Vec3A,
+    per_column: f32,
+    per_row: f32,
+    range: [f32; 2],
+}
+
+impl Height {
+    /// At the centre of a cell.
+    pub(super) fn at(&self, row: usize, column: usize) -> f32 {
+        let (du, dv) = (column as f32 + 0.5 - self.at.x, row as f32 + 0.5 - self.at.y);
+        let z = self.at.z + du * self.per_column + dv * self.per_row;
+        z.clamp(self.range[0], self.range[1])
+    }
+}
+
+impl Triangle {
+    /// None where its bounding box misses the grid or a corner is no number.
+    pub(super) fn new(corners: [Vec3A; 3], cells: usize) -> Option<Self> {
+        let low = corners[0].min(corners[1]).min(corners[2]);
+        let high = corners[0].max(corners[1]).max(corners[2]);
+        let size = cells as f32;
+        let over = high.x >= 0.0 && high.y >= 0.0 && low.x <= size && low.y <= size;
+        (over && corners.iter().all(|c| c.is_finite())).then_some(Self { corners })
+    }
+
+    /// Whether its bounding box holds a cell's centre: small triangles mostly don't.
+    pub(super) fn may_cover_a_centre(&self) -> bool {
+        let [a, b, c] = self.corners;
+        let low = (a.min(b).min(c) - (0.5 + SEAM)).ceil();
+        let high = (a.max(b).max(c) - (0.5 - SEAM)).floor();
+        low.x <= high.x && low.y <= high.y
+    }
+
+    /// Lowest and highest z.
+    pub(super) fn z_range(&self) -> [f32; 2] {
+        let [a, b, c] = self.corners.map(|p| p.z);
+        [a.min(b).min(c), a.max(b).max(c)]
+    }
+
+    pub(super) fn height(&self) -> Height {
+        let [a, b, c] = self.corners;
+        let range = self.z_range();
+        let normal = (b - a).cross(c - a);
+        let (per_column, per_row) = (-normal.x / normal.z, -normal.y / normal.z);
+        if per_column.is_finite() && per_row.is_finite() {
+            Height { at: a, per_column, per_row, range }
+        } else {
+            // Seen from the edge: its top.
+            Height { at: a.with_z(range[1]), per_column: 0.0, per_row: 0.0, range }
+        }
+    }
+
+    fn edges(&self) -> [Edge; 3] {
+        let [a, b, c] = self.corners;
+        [Edge::new(a, b), Edge::new(b, c), Edge::new(c, a)]
+    }
+
+    fn rows(&self) -> [f32; 2] {
+        let [a, b, c] = self.corners.map(|p| p.y);
+        [a.min(b).min(c), a.max(b).max(c)]
+    }
+
+    /// Calls with the run of cells of each row whose centres it covers.
+    pub(super) fn centres(&self, cells: usize, mut run: impl FnMut(usize, RangeInclusive<usize>)) {
+        let [low, high] = self.rows();
+        let Some(rows) = indices((low - 0.5).ceil(), high - 0.5, cells) else { return };
+        let edges = self.edges();
+        for row in rows {
+            let v = row as f32 + 0.5;
+            let mut span = [f32::INFINITY, f32::NEG_INFINITY];
+            for edge in &edges {
+                edge.cross(&mut span, v);
+            }
+            if let Some(columns) = indices((span[0] - 0.5 - SEAM).ceil(), span[1] - 0.5 + SEAM, cells) {
+                run(row, columns);
+            }
+        }
+    }
+
+    /// Calls with the run of cells of each row that it has a point in.
+    pub(super) fn touched(&self, cells: usize, mut run: impl FnMut(usize, RangeInclusive<usize>)) {
+        let [low, high] = self.rows();
+        let Some(rows) = indices(low.floor(), high, cells) else { return };
+        let edges = self.edges();
+        for row in rows {
+            let (near, far) = (row as f32, (row + 1) as f32);
+            let mut span = [f32::INFINITY, f32::NEG_INFINITY];
+            for edge in &edges {
+                for corner in [edge.a, edge.b] {
+                    if near <= corner.y && corner.y <= far {
+                        widen(&mut span, corner.x);
+                    }
+                }
+                edge.cross(&mut span, near);
+                edge.cross(&mut span, far);
+            }
+            if let Some(columns) = indices(span[0].floor(), span[1], cells) {
+                run(row, columns);
+            }
+        }
+    }
+}
+
+/// The whole numbers from `first` (a whole number) to `high`, clipped to the grid.
+fn indices(first: f32, high: f32, cells: usize) -> Option<RangeInclusive<usize>> {
+    let first = first.max(0.0);
+    let last = high.floor().min(cells as f32 - 1.0);
+    if first <= last { Some(first as usize..=last as usize) } else { None }
+}
+
+fn widen(span: &mut [f32; 2], u: f32) {
+    span[0] = span[0].min(u);
+    span[1] = span[1].max(u);
+}
+
+/// An edge of a triangle.
+#[derive(Clone, Copy)]
+struct Edge {
+    a: Vec3A,
+    b: Vec3A,
+    /// Columns per row; not finite for an edge along a row.
+    slope: f32,
+}
+
+impl Edge {
+    fn new(a: Vec3A, b: Vec3A) -> Self {
+        // From the lower end always: triangles that share an edge must find the same places on it.
+        let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
+        Self { a: low, b: high, slope: (high.x - low.x) / (high.y - low.y) }
+    }
+
+    /// Widens a span by where the edge meets a line of constant row.
+    fn cross(&self, span: &mut [f32; 2], v: f32) {
+        let (a, b) = (self.a, self.b);
+        if v < a.y || v > b.y {
+            return;
+        }
+        if self.slope.is_finite() {
+            let u = a.x + self.slope * (v - a.y);
+            widen(span, u.clamp(a.x.min(b.x), a.x.max(b.x)));
+        } else {
+            widen(span, a.x);
+            widen(span, b.x);
+        }
+    }
+}

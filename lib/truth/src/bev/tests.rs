@@ -1,0 +1,198 @@
+//! Closed forms, point-in-polygon tests and overpasses.
+
+use frames::{FOOTPRINT_LOOP, Object, OrientedBox};
+use proptest::prelude::*;
+
+use super::*;
+use crate::scene::{self, Builder};
+
+fn settings() -> BevSettings {
+    BevSettings { enabled: true, cells: 100, cell_m: 0.4 }
+}
+
+fn mask_of(builder: &Builder, pose: &Pose<World, Agent>, areas: Areas<'_>) -> BevMask {
+    let near = pose.xyz();
+    BevRasterizer::new(&settings()).expect("settings").rasterize(&builder.snapshot(near), pose, areas)
+}
+
+fn at(xyz_m: [f64; 3], rpy_rad: [f64; 3]) -> Pose<World, Agent> {
+    Pose::from_xyz_rpy(xyz_m, rpy_rad)
+}
+
+/// Centre of a cell in the world, at the agent's height.
+fn centre(pose: &Pose<World, Agent>, row: usize, column: usize) -> Point3<f64> {
+    let level = Pose::<World, Agent>::from_xyz_rpy(pose.xyz(), [0.0, 0.0, pose.yaw()]);
+    level * Point3::new(20.0 - 0.4 * (row as f64 + 0.5), 20.0 - 0.4 * (column as f64 + 0.5), 0.0)
+}
+
+/// Distance of a point from the border of a convex loop, positive inside.
+fn inside_m(corners: &[Point3<f64>], p: Point3<f64>) -> f64 {
+    let n = corners.len();
+    (0..n)
+        .map(|e| {
+            let (a, b) = (corners[e], corners[(e + 1) % n]);
+            let (along, to) = ((b - a).xy(), (p - a).xy());
+            along.perp(&to) / along.norm()
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+fn flat(b: &mut Builder, tag: Tag, x: [f32; 2], y: [f32; 2], z: f64) {
+    b.add(scene::sheet(tag, x, y, 5.0, |_, _| 0.0), 1, [0.0, 0.0, z], [0.0; 3]);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+    #[test]
+    fn a_car_covers_the_centres_in_its_footprint(
+        x in -18.0..18.0f64, y in -18.0..18.0f64, yaw in -3.0..3.0f64, agent_yaw in -3.0..3.0f64, tilt in -0.1..0.1f64,
+    ) {
+        let place = [x + 7000.0, y - 300.0, 12.0];
+        let mut b = Builder::default();
+        b.add(scene::box_mesh(Tag::Car, [4.6, 1.9, 1.5], 2), 4, place, [0.0, 0.0, yaw]);
+        // The mask ignores the agent's own tilt.
+        let pose = at([7000.0, -300.0, 12.0], [tilt, -tilt, agent_yaw]);
+        let mask = mask_of(&b, &pose, Areas::default());
+        let corners = OrientedBox::standing(Pose::<World, Object>::from_xyz_rpy(place, [0.0, 0.0, yaw]), 4.6, 1.9, 1.5).corners();
+        let footprint: Vec<_> = FOOTPRINT_LOOP.iter().map(|&c| corners[c]).collect();
+        for row in 0..100 {
+            for column in 0..100 {
+                let deep = inside_m(&footprint, centre(&pose, row, column));
+                if deep.abs() > 1e-3 {
+                    prop_assert_eq!(mask.get(BevClass::Car, row, column), deep > 0.0, "{} {}", row, column);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn small_things_never_vanish(x in -13.0..13.0f64, y in -13.0..13.0f64, yaw in -3.0..3.0f64) {
+        let mut b = Builder::default();
+        flat(&mut b, Tag::Road, [-30.0, 30.0], [-30.0, 30.0], 0.0);
+        b.add(scene::box_mesh(Tag::Pedestrian, [0.2, 0.1, 1.7], 1), 4, [x, y, 0.0], [0.0; 3]);
+        let pose = at([0.0; 3], [0.0, 0.0, yaw]);
+        let mask = mask_of(&b, &pose, Areas::default());
+        let cells = mask.counts()[BevClass::Pedestrian as usize];
+        prop_assert!((1..=4).contains(&cells), "{}", cells);
+        for row in 0..100 {
+            for column in 0..100 {
+                if mask.get(BevClass::Pedestrian, row, column) {
+                    let away = (centre(&pose, row, column) - Point3::new(x, y, 0.0)).xy().norm();
+                    prop_assert!(away < 0.5, "{away} m away");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_run_backwards_and_columns_to_the_right() {
+    let mut b = Builder::default();
+    b.add(scene::box_mesh(Tag::Bus, [1.0, 1.0, 3.0], 1), 1, [15.0, 5.0, 0.0], [0.0; 3]);
+    let mask = mask_of(&b, &at([0.0; 3], [0.0; 3]), Areas::default());
+    // 15 m ahead of 20: row 5 / 0.4 = 12.5; 5 m left of 20: column 15 / 0.4 = 37.5.
+    assert!(mask.get(BevClass::Bus, 12, 37));
+    assert_eq!(mask.counts()[BevClass::Bus as usize], 9, "centres 0.2 apart from 0.1 inside: 3 x 3");
+    let bytes = mask.to_bytes();
+    assert_eq!(bytes.len(), 14 * 100 * 100);
+    assert_eq!(bytes[BevClass::Bus as usize * 10_000 + 12 * 100 + 37], 1);
+    assert_eq!(bytes.iter().map(|b| u64::from(*b)).sum::<u64>(), mask.counts().iter().sum::<u64>());
+    assert_eq!(to_rgb(&mask)[3 * (12 * 100 + 37)..][..3], BevClass::Bus.rgb());
+    assert_eq!(to_rgb(&mask)[..3], [255; 3]);
+}
+
+#[test]
+fn lines_sidewalks_and_areas_are_where_they_are() {
+    let mut b = Builder::default();
+    flat(&mut b, Tag::Road, [-30.0, 30.0], [-4.0, 4.0], 0.0);
+    flat(&mut b, Tag::Sidewalk, [-30.0, 30.0], [4.0, 8.0], 0.15);
+    flat(&mut b, Tag::RoadLine, [-30.0, 30.0], [0.15, 0.27], 0.005);
+    let area = |x: [f64; 2], y: [f64; 2], z: f64| {
+        [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]].map(|p| Point3::new(p[0], p[1], z)).to_vec()
+    };
+    let crosswalks = [area([5.0, 9.0], [-6.0, 6.0], 0.0)];
+    let hazards = [area([-10.0, -6.0], [-4.0, 0.0], 0.1), area([-10.0, -6.0], [-4.0, 0.0], 6.0)];
+    let areas = Areas { crosswalks: &crosswalks, hazards: &hazards };
+    let counts = mask_of(&b, &at([0.0; 3], [0.0; 3]), areas).counts();
+    let of = |class: BevClass| counts[class as usize];
+    assert_eq!(of(BevClass::Road), 100 * 20);
+    assert_eq!(of(BevClass::Sidewalk), 100 * 10);
+    assert_eq!(of(BevClass::RoadLine), 100, "0.12 m wide and in one column of 0.4 m");
+    assert_eq!(of(BevClass::Crosswalk), 10 * 20, "where there is road");
+    assert_eq!(of(BevClass::Hazard), 10 * 10);
+}
+
+/// A road with a bridge across: the deck 6 m above, traffic on both. Ramps lead up at its far end.
+fn overpass() -> Builder {
+    let mut b = Builder::default();
+    flat(&mut b, Tag::Terrain, [-40.0, 40.0], [-40.0, 40.0], -0.2);
+    flat(&mut b, Tag::Road, [-40.0, 40.0], [-4.0, 4.0], 0.0);
+    flat(&mut b, Tag::Road, [4.0, 12.0], [-40.0, 40.0], 6.0);
+    flat(&mut b, Tag::Bridge, [4.0, 12.0], [-40.0, 40.0], 5.2);
+    flat(&mut b, Tag::RoadLine, [7.95, 8.05], [-40.0, 40.0], 6.005);
+    b.add(scene::box_mesh(Tag::Car, [4.6, 1.9, 1.5], 1), 10, [8.0, 0.0, 0.0], [0.0; 3]);
+    b.add(scene::box_mesh(Tag::Truck, [8.0, 2.4, 4.6], 1), 11, [-2.0, 2.0, 0.0], [0.0; 3]);
+    b.add(scene::box_mesh(Tag::Bus, [12.0, 2.4, 3.0], 1), 12, [6.0, 0.0, 6.0], [0.0, 0.0, frames::deg(90.0)]);
+    // Half over the edge of the grid.
+    b.add(
+        scene::box_mesh(Tag::Bus, [12.0, 2.4, 3.0], 1),
+        13,
+        [10.0, 21.0, 6.0],
+        [0.0, 0.0, frames::deg(90.0)],
+    );
+    b
+}
+
+#[test]
+fn under_a_bridge_one_sees_the_lower_deck() {
+    let mask = mask_of(&overpass(), &at([0.0; 3], [0.0; 3]), Areas::default());
+    let counts = mask.counts();
+    assert_eq!(counts[BevClass::Road as usize], 100 * 20, "the lower road alone");
+    assert_eq!(counts[BevClass::RoadLine as usize], 0);
+    assert!(counts[BevClass::Car as usize] > 0 && counts[BevClass::Truck as usize] > 0);
+    assert_eq!(counts[BevClass::Bus as usize], 0);
+}
+
+#[test]
+fn on_a_bridge_one_sees_the_upper_deck() {
+    let mask = mask_of(&overpass(), &at([8.0, 0.0, 6.0], [0.0; 3]), Areas::default());
+    let counts = mask.counts();
+    // Deck: 8 m of 40; lower road: 8 m, but not under the deck.
+    assert_eq!(counts[BevClass::Road as usize], 20 * 100 + 80 * 20);
+    assert!(counts[BevClass::RoadLine as usize] >= 100);
+    assert_eq!(counts[BevClass::Car as usize], 0, "the car is under the deck");
+    let bus_cells = 6 * 30;
+    assert!(counts[BevClass::Bus as usize] >= bus_cells, "both buses, one of them half outside");
+}
+
+#[test]
+fn a_ramp_leads_up_to_the_layer_it_ends_on() {
+    let mut b = Builder::default();
+    flat(&mut b, Tag::Terrain, [-60.0, 60.0], [-60.0, 60.0], -0.2);
+    // 30 % up from x = -10 to x = 10, then level 6 m above the terrain.
+    b.add(
+        scene::sheet(Tag::Road, [-30.0, 30.0], [-4.0, 4.0], 1.0, |x, _| (0.3 * (x + 10.0)).clamp(0.0, 6.0)),
+        2,
+        [0.0; 3],
+        [0.0; 3],
+    );
+    b.add(scene::box_mesh(Tag::Car, [4.6, 1.9, 1.5], 1), 10, [15.0, 0.0, 6.0], [0.0; 3]);
+    b.add(scene::box_mesh(Tag::Truck, [4.6, 1.9, 3.0], 1), 11, [15.0, 0.0, -0.2], [0.0; 3]);
+    // From the foot of the ramp: the road goes on up the ramp, and the truck under it can't be seen.
+    let mask = mask_of(&b, &at([-15.1, 0.0, 0.0], [0.0; 3]), Areas::default());
+    let near = mask.counts();
+    // Row centres from x = 4.7 on backwards by 0.4; the last one on the road is at -29.7.
+    assert_eq!(near[BevClass::Road as usize], 20 * 87, "from x = -30 to the grid's end at 4.9");
+    let mask = mask_of(&b, &at([5.0, 0.0, 4.5], [0.0, -0.29, 0.0]), Areas::default());
+    let counts = mask.counts();
+    assert!(counts[BevClass::Car as usize] > 0);
+    assert_eq!(counts[BevClass::Truck as usize], 0);
+    assert_eq!(counts[BevClass::Road as usize], 20 * 100);
+}
+
+#[test]
+fn senseless_grids_are_refused() {
+    for (cells, cell_m) in [(0, 0.4), (9000, 0.4), (400, 0.0), (400, f64::NAN)] {
+        assert!(BevRasterizer::new(&BevSettings { enabled: true, cells, cell_m }).is_err());
+    }
+}
