@@ -1,1 +1,19 @@
 //! Scene planning: which scenes, where, how long, in which weather.
+//!
+//! [`plan`] turns a dataset's settings and its maps into one row per scene and agent. Each scene depends on the
+//! dataset's seed, its own number, its map and the settings alone, so [`plan_scene`] gives the same rows as the whole
+//! plan does. Every topic (durations, weather, vehicles, ...) draws from its own named random stream.
+
+mod agents;
+mod error;
+mod pool;
+mod scene;
+mod timing;
+mod weather;
+
+pub use agents::RSU_MODEL;
+pub use error::PlanError;
+pub use pool::{SpawnPoint, SpawnPool};
+pub use scene::{Plan, PlanMap, PlannedScene, SceneSlot, plan, plan_scene, scene_slots};
+pub use timing::{background_radius_m, draw_duration_s, frame_count};
+pub use weather::{draw_weather, plan_weather};

@@ -1,1 +1,27 @@
-//! Drivers, signals and walkers on rapier3d.
+//! Drivers, signals and walkers on rapier3d: one scene from the plan to the log.
+//!
+//! [`simulate`] places the scene's actors at rest, runs the warm-up, and logs the state of every moving object and
+//! signal from one period before frame 0 to the last frame, in steps of [`schema::FRAME_PERIOD_S`].
+//!
+//! Drivers follow lanes with the intelligent driver model, obey signals, take turns at junctions and stop for walkers.
+//! The rigid-body engine moves the bodies: as drivers wish while nothing touches, and by its contact solver when a
+//! driver who looks at nothing hits something.
+
+mod bodies;
+mod driver;
+mod error;
+mod input;
+mod junction;
+mod log;
+mod net;
+mod signals;
+mod simulation;
+mod spawn;
+mod vehicles;
+mod walkers;
+mod ways;
+
+pub use driver::{Idm, equilibrium_gap_m};
+pub use error::TrafficError;
+pub use input::{SceneInput, SceneLog};
+pub use simulation::simulate;

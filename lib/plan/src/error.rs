@@ -1,0 +1,52 @@
+//! Why a dataset cannot be planned.
+
+/// A fault of the settings or of a map that leaves no plan.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PlanError {
+    /// The settings ask for scenes on a map that was not given.
+    #[error(
+        "map `{map}`: not found (known maps: {known}); put its .xodr file into the maps folder or correct the name"
+    )]
+    UnknownMap {
+        /// Map name.
+        map: String,
+        /// Names of the maps there are.
+        known: String,
+    },
+    /// A map without lanes for motor traffic.
+    #[error("map `{map}`: no driving lanes; vehicles need lanes of type `driving`")]
+    NoDrivingLanes {
+        /// Map name.
+        map: String,
+    },
+    /// A map whose driving lanes offer no place to start.
+    #[error(
+        "map `{map}`: no spawn points outside junctions on its {lanes} driving lanes; use a map with longer roads, or a smaller `spawn_separation_m`"
+    )]
+    NoSpawnPoints {
+        /// Map name.
+        map: String,
+        /// Driving lanes it has.
+        lanes: usize,
+    },
+    /// A vehicle model that the catalogue does not have.
+    #[error("agents.vehicle_models: `{model}` is no vehicle of the catalogue")]
+    UnknownModel {
+        /// The name.
+        model: String,
+    },
+    /// A setting that no plan can follow.
+    #[error("{setting}: {problem}")]
+    BadSetting {
+        /// Name of the setting.
+        setting: &'static str,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// More scenes than numbers.
+    #[error("the settings ask for more than {limit} scenes")]
+    TooManyScenes {
+        /// Most scenes.
+        limit: u32,
+    },
+}

@@ -1,0 +1,201 @@
+//! The plan of a dataset, scene by scene.
+
+use std::collections::BTreeMap;
+
+use opendrive::Map;
+use random::Stream;
+use schema::AgentId;
+use schema::settings::{DatasetSettings, SpawnMode, Split};
+use schema::tables::{PlanAgentRow, PlanSceneRow};
+
+use crate::PlanError;
+use crate::agents::{draw_driver, place_rsus, place_vehicles, vehicle_models};
+use crate::pool::SpawnPool;
+use crate::timing::{background_radius_m, draw_duration_s, frame_count};
+use crate::weather::plan_weather;
+
+/// Most scenes of a dataset.
+const MAX_SCENES: u32 = 1_000_000;
+
+/// A map to plan on.
+#[derive(Debug)]
+pub struct PlanMap {
+    /// The road network.
+    pub map: Map,
+    /// BLAKE3 of its OpenDRIVE text, hexadecimal.
+    pub hash: String,
+}
+
+/// What a dataset will hold.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Plan {
+    /// One row per scene, by scene number.
+    pub scenes: Vec<PlanSceneRow>,
+    /// One row per agent: by scene, vehicles before RSUs.
+    pub agents: Vec<PlanAgentRow>,
+    /// What could not be had as wished, with scene and map.
+    pub warnings: Vec<String>,
+}
+
+/// One scene of a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedScene {
+    /// The scene.
+    pub scene: PlanSceneRow,
+    /// Its agents, vehicles before RSUs.
+    pub agents: Vec<PlanAgentRow>,
+    /// What could not be had as wished.
+    pub warnings: Vec<String>,
+}
+
+/// Number, split and map of a scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneSlot {
+    /// Scene number.
+    pub scene: u32,
+    /// Its split.
+    pub split: Split,
+    /// Map name.
+    pub map: String,
+}
+
+/// The scenes that the settings ask for, numbered from 0: train, val, test, and within each in the order of the
+/// settings.
+///
+/// # Errors
+/// When they are too many to number.
+pub fn scene_slots(settings: &DatasetSettings) -> Result<Vec<SceneSlot>, PlanError> {
+    let mut slots = Vec::new();
+    for split in Split::ALL {
+        for wish in settings.scenes.iter().filter(|w| w.split == split) {
+            if u64::from(wish.count) + slots.len() as u64 > u64::from(MAX_SCENES) {
+                return Err(PlanError::TooManyScenes { limit: MAX_SCENES });
+            }
+            for _ in 0..wish.count {
+                slots.push(SceneSlot { scene: slots.len() as u32, split, map: wish.map.clone() });
+            }
+        }
+    }
+    Ok(slots)
+}
+
+/// Plans a whole dataset.
+///
+/// # Errors
+/// When a map is missing or has no place for vehicles, or a setting cannot be followed.
+pub fn plan(settings: &DatasetSettings, maps: &BTreeMap<String, PlanMap>) -> Result<Plan, PlanError> {
+    let mut pools: BTreeMap<&str, SpawnPool> = BTreeMap::new();
+    let mut plan = Plan::default();
+    for slot in &scene_slots(settings)? {
+        let Some((name, map)) = maps.get_key_value(&slot.map) else {
+            let known = maps.keys().cloned().collect::<Vec<_>>().join(", ");
+            return Err(PlanError::UnknownMap { map: slot.map.clone(), known });
+        };
+        let pool =
+            pools.entry(name).or_insert_with(|| SpawnPool::new(&map.map, settings.agents.spawn_separation_m));
+        let planned = plan_scene(settings, slot, map, pool)?;
+        plan.scenes.push(planned.scene);
+        plan.agents.extend(planned.agents);
+        plan.warnings.extend(planned.warnings);
+    }
+    Ok(plan)
+}
+
+/// Plans one scene; `pool` is the map's, with the settings' separation.
+///
+/// # Errors
+/// When the map has no place for vehicles, or a setting cannot be followed.
+pub fn plan_scene(
+    settings: &DatasetSettings,
+    slot: &SceneSlot,
+    map: &PlanMap,
+    pool: &SpawnPool,
+) -> Result<PlannedScene, PlanError> {
+    if pool.lanes == 0 {
+        return Err(PlanError::NoDrivingLanes { map: slot.map.clone() });
+    }
+    if pool.points.is_empty() {
+        return Err(PlanError::NoSpawnPoints { map: slot.map.clone(), lanes: pool.lanes });
+    }
+    let models = vehicle_models(&settings.agents)?;
+    let number = slot.scene;
+    let stream = |topic, entity| Stream::new(settings.seed, u64::from(number), topic, entity);
+
+    let duration_s = draw_duration_s(&settings.timing, &mut stream("plan/duration", 0));
+    let warmup_s = settings.timing.warmup_s.max(0.0);
+    let [initial, last] = plan_weather(&settings.weather, settings.seed, number, pool.is_high_ground());
+
+    let mut counts = stream("plan/counts", 0);
+    let between = |stream: &mut Stream, low: u32, high: u32| {
+        stream.int_inclusive(i64::from(low), i64::from(high)) as usize
+    };
+    let vehicles = between(&mut counts, settings.agents.min_vehicles, settings.agents.max_vehicles);
+    let rsus = between(&mut counts, settings.agents.min_rsus, settings.agents.max_rsus);
+    let heads = counts.chance(0.5);
+    let mode = match settings.agents.spawn_mode {
+        SpawnMode::Both if heads => SpawnMode::Clustered,
+        SpawnMode::Both => SpawnMode::Chained,
+        fixed => fixed,
+    };
+    if vehicles + rsus > usize::from(u16::MAX) {
+        return Err(PlanError::BadSetting {
+            setting: "agents.max_vehicles",
+            problem: "too many agents".into(),
+        });
+    }
+
+    let placement = place_vehicles(
+        &map.map,
+        pool,
+        &settings.agents,
+        &models,
+        mode,
+        vehicles,
+        &mut stream("plan/vehicles", 0),
+    );
+    let mut agents: Vec<PlanAgentRow> = Vec::new();
+    for (i, start) in placement.starts.iter().enumerate() {
+        let mut driver = stream("plan/driver", i as u64);
+        let (reckless, distracted, speed_difference, standstill_gap_m) =
+            draw_driver(&settings.traffic, &mut driver);
+        agents.push(PlanAgentRow {
+            scene: number,
+            agent: AgentId::vehicle(i as u16).to_string(),
+            model: models[i % models.len()].name.into(),
+            color: settings.agents.vehicle_colors[i % settings.agents.vehicle_colors.len()].to_vec(),
+            xyz_m: start.xyz_m.coords.into(),
+            rpy_rad: start.rpy_rad,
+            reckless,
+            distracted,
+            speed_difference,
+            standstill_gap_m,
+            signal: None,
+        });
+    }
+    agents.extend(place_rsus(&map.map, &placement, number, rsus, &mut stream("plan/rsus", 0)));
+
+    let mut walkers = stream("plan/walkers", 0);
+    let drawn_walkers = between(&mut walkers, 0, settings.walkers.max_count) as u32;
+    let drawn_factor = walkers.beta(2.4, 1.6);
+    let radius = settings.traffic.spawn_radius_m.unwrap_or_else(|| background_radius_m(duration_s, warmup_s));
+    let scene = PlanSceneRow {
+        scene: number,
+        split: slot.split.name().into(),
+        map: slot.map.clone(),
+        map_hash: map.hash.clone(),
+        seed: settings.seed.wrapping_add(u64::from(number)),
+        duration_s,
+        frames: frame_count(duration_s),
+        warmup_s,
+        spawn_mode: mode.name().into(),
+        dynamic_weather: settings.weather.dynamic,
+        initial_weather: initial.to_array(),
+        final_weather: last.to_array(),
+        spawn_radius_m: radius,
+        background_vehicles: settings.traffic.vehicles.map(|n| n.min(i32::MAX as u32) as i32),
+        walkers: settings.walkers.count.unwrap_or(drawn_walkers),
+        walker_cross_factor: settings.walkers.cross_factor.unwrap_or(drawn_factor),
+    };
+    let warnings = placement.warnings.iter().map(|w| format!("scene {number} ({}): {w}", slot.map)).collect();
+    Ok(PlannedScene { scene, agents, warnings })
+}

@@ -1,0 +1,272 @@
+//! Plans on hand-made networks and, where they are at hand, on real maps.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nalgebra::Point3;
+use opendrive::{
+    Cubic, Geometry, Lane, LaneSection, LaneType, Map, Network, Road, RoadType, Speed, SpeedUnit, read_bytes,
+};
+use plan::{PlanError, PlanMap, SceneSlot, SpawnPool, plan, plan_scene, scene_slots};
+use proptest::prelude::*;
+use schema::settings::{
+    AgentSettings, AnnotationSettings, BevSettings, DatasetSettings, LightSettings, OccupancySettings, Rig,
+    SceneCount, SpawnMode, Split, TimingSettings, TrafficSettings, WalkerSettings, WeatherSettings,
+    WorldSettings,
+};
+
+fn settings(scenes: &[(Split, &str, u32)]) -> DatasetSettings {
+    DatasetSettings {
+        name: "test".into(),
+        seed: 27,
+        scenes: scenes
+            .iter()
+            .map(|&(split, map, count)| SceneCount { split, map: map.into(), count })
+            .collect(),
+        agents: AgentSettings::default(),
+        timing: TimingSettings::default(),
+        traffic: TrafficSettings::default(),
+        walkers: WalkerSettings::default(),
+        weather: WeatherSettings::default(),
+        lights: LightSettings::default(),
+        world: WorldSettings::default(),
+        vehicle_rig: Rig::vehicle(),
+        rsu_rig: Rig::rsu(),
+        annotation: AnnotationSettings::default(),
+        bev: BevSettings::default(),
+        vehicle_occupancy: OccupancySettings::default(),
+        rsu_occupancy: OccupancySettings::default(),
+    }
+}
+
+/// A straight road to the east with one lane each way.
+fn straight(length_m: f64, lane_type: LaneType) -> Map {
+    let lane = |id| Lane { id, lane_type, widths: vec![Cubic::constant(3.5)], ..Lane::default() };
+    let road = Road {
+        id: "1".into(),
+        length_m,
+        types: vec![RoadType {
+            s: 0.0,
+            kind: "town".into(),
+            speed: Some(Speed { max: 50.0, unit: SpeedUnit::KilometresPerHour }),
+        }],
+        plan_view: vec![Geometry { length_m, ..Geometry::default() }],
+        sections: vec![LaneSection { left: vec![lane(1)], right: vec![lane(-1)], ..LaneSection::default() }],
+        ..Road::default()
+    };
+    Map::new(Network { roads: vec![road], ..Network::default() })
+}
+
+fn maps(entries: Vec<(&str, Map)>) -> BTreeMap<String, PlanMap> {
+    entries
+        .into_iter()
+        .map(|(name, map)| (name.to_owned(), PlanMap { map, hash: format!("hash of {name}") }))
+        .collect()
+}
+
+/// A real map, or None (with a line that says so) where the maps are not at hand.
+#[allow(clippy::print_stdout)] // Says why a test passes without testing.
+fn carla(name: &str) -> Option<Map> {
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/maps/carla")).join(name);
+    match std::fs::read(&path) {
+        Ok(bytes) => Some(Map::new(read_bytes(&bytes).expect("a readable map"))),
+        Err(_) => {
+            println!("skipped: {} is absent", path.display());
+            None
+        }
+    }
+}
+
+#[test]
+fn pool_of_a_straight_road_is_regular() {
+    let pool = SpawnPool::new(&straight(200.0, LaneType::Driving), 24.0);
+    // 0, 24, ..., 192 in each direction; the last has 8 m ahead.
+    assert_eq!(pool.points.len(), 18);
+    let east: Vec<f64> = pool.points[..9].iter().map(|p| p.xyz_m.x).collect();
+    assert_eq!(east, (0..9).map(|i| 24.0 * f64::from(i)).collect::<Vec<_>>());
+    assert!(pool.points[..9].iter().all(|p| p.xyz_m.y == -1.75 && p.rpy_rad[2].abs() < 1e-9));
+    assert!(
+        pool.points[9..]
+            .iter()
+            .all(|p| p.xyz_m.y == 1.75 && (p.rpy_rad[2].abs() - std::f64::consts::PI).abs() < 1e-9)
+    );
+}
+
+#[test]
+fn scenes_are_numbered_train_val_test() {
+    let settings = settings(&[
+        (Split::Test, "a", 1),
+        (Split::Train, "b", 2),
+        (Split::Train, "a", 1),
+        (Split::Val, "a", 1),
+    ]);
+    let slots = scene_slots(&settings).expect("few scenes");
+    let short: Vec<_> = slots.iter().map(|s| (s.scene, s.split, s.map.as_str())).collect();
+    let expected = [
+        (0, Split::Train, "b"),
+        (1, Split::Train, "b"),
+        (2, Split::Train, "a"),
+        (3, Split::Val, "a"),
+        (4, Split::Test, "a"),
+    ];
+    assert_eq!(short, expected);
+}
+
+#[test]
+fn a_scene_planned_alone_is_the_same() {
+    let settings = settings(&[(Split::Train, "road", 3), (Split::Val, "other", 2)]);
+    let maps = maps(vec![
+        ("road", straight(400.0, LaneType::Driving)),
+        ("other", straight(900.0, LaneType::Driving)),
+    ]);
+    let whole = plan(&settings, &maps).expect("a plan");
+    assert_eq!(whole.scenes.len(), 5);
+    for slot in scene_slots(&settings).expect("few scenes").iter().rev() {
+        let map = &maps[&slot.map];
+        let pool = SpawnPool::new(&map.map, settings.agents.spawn_separation_m);
+        let alone = plan_scene(&settings, slot, map, &pool).expect("a scene");
+        assert_eq!(alone.scene, whole.scenes[slot.scene as usize]);
+        let agents: Vec<_> = whole.agents.iter().filter(|a| a.scene == slot.scene).cloned().collect();
+        assert_eq!(alone.agents, agents);
+    }
+    assert_eq!(whole.scenes[4].map_hash, "hash of other");
+    assert_eq!(whole.scenes[4].seed, 27 + 4);
+}
+
+#[test]
+fn a_new_wish_in_one_topic_moves_no_other() {
+    let base = settings(&[(Split::Train, "road", 4)]);
+    let maps = maps(vec![("road", straight(800.0, LaneType::Driving))]);
+    let before = plan(&base, &maps).expect("a plan");
+    let mut changed = base.clone();
+    changed.weather.initial = vec![("cloudiness".into(), 1.0)];
+    changed.walkers.count = Some(7);
+    let after = plan(&changed, &maps).expect("a plan");
+    assert_eq!(before.agents, after.agents);
+    for (a, b) in before.scenes.iter().zip(&after.scenes) {
+        assert_eq!(
+            (a.duration_s, a.final_weather, a.walker_cross_factor),
+            (b.duration_s, b.final_weather, b.walker_cross_factor)
+        );
+        assert_eq!((b.initial_weather[0], b.walkers), (1.0, 7));
+        assert_eq!(a.initial_weather[1..], b.initial_weather[1..]);
+    }
+}
+
+#[test]
+fn faults_name_the_map_and_the_way_out() {
+    let text = |result: Result<plan::Plan, PlanError>| result.expect_err("a fault").to_string();
+    let unknown = text(plan(
+        &settings(&[(Split::Train, "mars", 1)]),
+        &maps(vec![("road", straight(100.0, LaneType::Driving))]),
+    ));
+    assert!(unknown.contains("mars") && unknown.contains("road"), "{unknown}");
+    let no_lanes = text(plan(
+        &settings(&[(Split::Train, "path", 1)]),
+        &maps(vec![("path", straight(100.0, LaneType::Sidewalk))]),
+    ));
+    assert!(no_lanes.contains("path") && no_lanes.contains("no driving lanes"), "{no_lanes}");
+    let no_points = text(plan(
+        &settings(&[(Split::Train, "stub", 1)]),
+        &maps(vec![("stub", straight(3.0, LaneType::Driving))]),
+    ));
+    assert!(no_points.contains("stub") && no_points.contains("no spawn points"), "{no_points}");
+    let mut odd = settings(&[(Split::Train, "road", 1)]);
+    odd.agents.vehicle_models = vec!["walker.man".into()];
+    assert!(matches!(
+        plan(&odd, &maps(vec![("road", straight(100.0, LaneType::Driving))])),
+        Err(PlanError::UnknownModel { .. })
+    ));
+}
+
+#[test]
+fn too_few_points_give_fewer_vehicles_and_a_warning() {
+    let mut settings = settings(&[(Split::Train, "road", 1)]);
+    settings.agents.min_vehicles = 8;
+    let plan = plan(&settings, &maps(vec![("road", straight(30.0, LaneType::Driving))])).expect("a plan");
+    assert!(plan.agents.len() < 8 && !plan.agents.is_empty());
+    assert!(plan.warnings.len() == 1 && plan.warnings[0].contains("scene 0 (road)"), "{:?}", plan.warnings);
+}
+
+#[test]
+fn counts_cover_their_ranges() {
+    let settings = settings(&[(Split::Train, "road", 2000)]);
+    let plan = plan(&settings, &maps(vec![("road", straight(2000.0, LaneType::Driving))])).expect("a plan");
+    let mut vehicles = [0u32; 9];
+    for scene in &plan.scenes {
+        vehicles[plan.agents.iter().filter(|a| a.scene == scene.scene).count()] += 1;
+        assert!(scene.walkers <= 480 && (0.0..=1.0).contains(&scene.walker_cross_factor));
+    }
+    // 2000 / 7 = 286, four standard errors are 63.
+    assert!(vehicles[2..].iter().all(|&n| (220..350).contains(&n)), "{vehicles:?}");
+    let clustered = plan.scenes.iter().filter(|s| s.spawn_mode == "clustered").count();
+    assert!((910..1090).contains(&clustered));
+    let factor = plan.scenes.iter().map(|s| s.walker_cross_factor).sum::<f64>() / 2000.0;
+    assert!((factor - 0.6).abs() < 0.02);
+}
+
+fn positions(plan: &plan::PlannedScene) -> Vec<Point3<f64>> {
+    plan.agents.iter().filter(|a| a.signal.is_none()).map(|a| Point3::from(a.xyz_m)).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+    #[test]
+    fn vehicles_keep_their_distances(seed in any::<u64>(), clustered in any::<bool>(), count in 1u32..9, length in 60.0..3000.0f64) {
+        let mut settings = settings(&[(Split::Train, "road", 1)]);
+        settings.seed = seed;
+        settings.agents.spawn_mode = if clustered { SpawnMode::Clustered } else { SpawnMode::Chained };
+        settings.agents.min_vehicles = count;
+        settings.agents.max_vehicles = count;
+        let map = PlanMap { map: straight(length, LaneType::Driving), hash: String::new() };
+        let pool = SpawnPool::new(&map.map, 24.0);
+        let slot = SceneSlot { scene: 5, split: Split::Val, map: "road".into() };
+        let planned = plan_scene(&settings, &slot, &map, &pool).expect("a scene");
+        let at = positions(&planned);
+        prop_assert!(!at.is_empty() && at.len() <= count as usize);
+        prop_assert_eq!(at.len() < count as usize, !planned.warnings.is_empty());
+        if clustered {
+            // All lie within the radius around one point, so within twice the radius of each other.
+            let radius = if count < 2 { 48.0 } else { 48.0 / frames::math::sin(std::f64::consts::PI / f64::from(count)) };
+            prop_assert!(at.iter().all(|a| at.iter().all(|b| (a - b).norm() <= 2.0 * radius + 1e-9)));
+        } else {
+            // Each but the first is near one before it.
+            for (i, p) in at.iter().enumerate().skip(1) {
+                prop_assert!(at[..i].iter().any(|q| (p - q).norm() <= 64.0));
+            }
+        }
+        for (i, a) in at.iter().enumerate() {
+            for b in &at[i + 1..] {
+                prop_assert!((a - b).norm() > 2.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn rsus_stand_by_the_lights_of_near_junctions() {
+    let Some(map) = carla("Town10HD.xodr") else { return };
+    let settings = settings(&[(Split::Train, "Town10HD", 40)]);
+    let maps = maps(vec![("Town10HD", map)]);
+    let plan = plan(&settings, &maps).expect("a plan");
+    let map = &maps["Town10HD"].map;
+    let rsus: Vec<_> = plan.agents.iter().filter(|a| a.signal.is_some()).collect();
+    assert!(rsus.len() > 20, "{}", rsus.len());
+    for rsu in rsus {
+        let signal = map.signals().iter().find(|s| Some(&s.id) == rsu.signal.as_ref()).expect("its signal");
+        let junction = &map.junctions()[signal.junction.expect("a junction")];
+        assert!(signal.dynamic);
+        let (foot, at) = (signal.on_surface, Point3::from(rsu.xyz_m));
+        assert!(((at - foot).norm() - 0.2).abs() < 1e-9);
+        let flat = |p: Point3<f64>| p.xy();
+        assert!((flat(junction.centre) - flat(at)).norm() < (flat(junction.centre) - flat(foot)).norm());
+        let (sin, cos) = frames::math::sin_cos(rsu.rpy_rad[2]);
+        let to = flat(junction.centre) - flat(at);
+        assert!((to.x * cos + to.y * sin - to.norm()).abs() < 1e-6);
+    }
+    for vehicle in plan.agents.iter().filter(|a| a.signal.is_none()) {
+        let outside = map
+            .nearest_lane(Point3::from(vehicle.xyz_m), |l| l.lane_type.is_drivable() && l.junction.is_none());
+        assert!(outside.expect("a lane").distance_m < 0.01);
+    }
+}

@@ -1,0 +1,45 @@
+//! What a simulation takes and gives.
+
+use opendrive::Map;
+use schema::ObjectId;
+use schema::settings::DatasetSettings;
+use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanSceneRow, SignalRow, StateRow};
+
+/// A scene to simulate.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneInput<'a> {
+    /// The scene's map.
+    pub map: &'a Map,
+    /// The scene's plan.
+    pub scene: &'a PlanSceneRow,
+    /// Its agents: vehicles, then RSUs, each in the order of their numbers.
+    pub agents: &'a [PlanAgentRow],
+    /// The dataset's settings (traffic, walkers, lights).
+    pub settings: &'a DatasetSettings,
+    /// Objects that never move. Those of kind `traffic_light` with an `opendrive_id` get signal states; those of kind
+    /// `parked` can be hit.
+    pub fixed: &'a [ActorRow],
+    /// Id of the first actor; the others follow.
+    pub first_id: ObjectId,
+}
+
+/// What happened in a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SceneLog {
+    /// Agent vehicles, RSUs, background vehicles, walkers; ids ascend from the first one.
+    pub actors: Vec<ActorRow>,
+    /// Moving actors at frames -1 to the last, by frame, then id.
+    pub states: Vec<StateRow>,
+    /// Frames 0 to the last.
+    pub frames: Vec<FrameRow>,
+    /// Traffic lights at frames -1 to the last, by frame, then id.
+    pub signals: Vec<SignalRow>,
+    /// Background vehicles that were placed.
+    pub n_vehicles: u32,
+    /// Walkers that were placed.
+    pub n_walkers: u32,
+    /// Reckless ones among the background drivers.
+    pub n_reckless: u32,
+    /// Distracted ones among the background drivers.
+    pub n_distracted: u32,
+}

@@ -1,0 +1,364 @@
+//! Who may enter a junction: signals, signs, and one at a time where ways cross.
+//!
+//! A driver may pass the line before a junction only with all lanes of its way through it reserved. A lane is reserved
+//! when no lane that conflicts with it is; reservations end when the vehicle's rear has left the lane (or, for one
+//! rival, the place where the two meet). Requests are served in the order in which drivers came to the line, vehicle
+//! numbers breaking ties, so no two wait for each other: whoever has entered can leave, because entry needs room behind
+//! the junction.
+
+use crate::driver::{braking_to_stop, envelope};
+use crate::net::{CONFLICT_M, Lane, Net, PLANNED_BRAKING};
+use crate::signals::{Light, Signals};
+use crate::vehicles::{Occupancy, Vehicle};
+
+/// Free space behind the rear of a vehicle that waits behind a junction, metres.
+const EXIT_MARGIN_M: f64 = 1.5;
+/// A vehicle behind a junction slower than this blocks it, m/s.
+const EXIT_SLOW_MPS: f64 = 5.0 / 3.6;
+/// Drivers stop at yellow if this braking is enough, m/s2.
+const YELLOW_BRAKING: f64 = 3.5;
+/// Drivers stop at red if it is at all possible, m/s2.
+const RED_BRAKING: f64 = 7.5;
+/// Standing time at a stop sign, steps (2 s).
+const STOP_STEPS: u32 = 40;
+/// Lanes with no smaller radius than this are straight for long vehicles, metres.
+const STRAIGHT_M: f64 = 60.0;
+/// Vehicles longer than this need room in turns, metres.
+const LONG_M: f64 = 5.2;
+/// Speed towards traffic lights and towards signs, m/s.
+const LIGHT_MPS: f64 = 15.0 / 3.6;
+const SIGN_MPS: f64 = 10.0 / 3.6;
+/// The slow-down begins at this many seconds of the wished speed.
+const SLOWDOWN_S: f64 = 3.5;
+
+/// A reserved junction lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Held {
+    pub(crate) lane: usize,
+    /// The vehicle's odometer at the lane's beginning, metres.
+    pub(crate) start_m: f64,
+}
+
+/// The next line that a vehicle has no leave to pass.
+#[derive(Clone, Debug)]
+pub(crate) struct Line {
+    /// From the front bumper, metres.
+    pub(crate) gap_m: f64,
+    /// First lane behind the line.
+    pub(crate) entry: usize,
+    /// Position of `entry` in the route.
+    position: usize,
+}
+
+/// Reservations of all junction lanes.
+#[derive(Debug)]
+pub(crate) struct Reservations {
+    holders: Vec<Vec<usize>>,
+}
+
+/// What a driver makes of the line ahead.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Approach {
+    /// Gap to the place to stop before the line, if it must not be passed, metres.
+    pub(crate) stop_gap_m: Option<f64>,
+    /// Highest speed here, m/s.
+    pub(crate) cap_mps: f64,
+}
+
+impl Vehicle {
+    /// The next line ahead that the front has not passed, whether or not there is leave to pass it.
+    fn next_entry(&self, net: &Net) -> Option<(usize, f64)> {
+        let mut before: Option<usize> = None;
+        for (lane, start) in self.lanes_ahead(net) {
+            let gap = start - self.half_length_m();
+            if gap > self.view_m() {
+                return None;
+            }
+            let same = before.is_some_and(|b| net.lanes[b].junction == net.lanes[lane].junction);
+            if net.lanes[lane].junction.is_some() && !same && gap > 0.0 {
+                return Some((lane, gap));
+            }
+            before = Some(lane);
+        }
+        None
+    }
+
+    /// The next line ahead without leave.
+    pub(crate) fn next_line(&self, net: &Net) -> Option<Line> {
+        let mut before: Option<usize> = None;
+        for (position, (lane, start)) in self.lanes_ahead(net).enumerate() {
+            if start > self.view_m() {
+                return None;
+            }
+            let enters = net.lanes[lane].junction.is_some() && position > 0;
+            let same = before.is_some_and(|b| net.lanes[b].junction == net.lanes[lane].junction);
+            if enters && !same && !self.held.iter().any(|h| h.lane == lane) {
+                return Some(Line { gap_m: start - self.half_length_m(), entry: lane, position });
+            }
+            before = Some(lane);
+        }
+        None
+    }
+}
+
+impl Reservations {
+    pub(crate) fn new(lanes: usize) -> Self {
+        Self { holders: vec![Vec::new(); lanes] }
+    }
+
+    /// Reserves a lane for a vehicle without asking.
+    pub(crate) fn hold(&mut self, vehicle: &mut Vehicle, me: usize, lane: usize, start_m: f64) {
+        if !vehicle.held.iter().any(|h| h.lane == lane) {
+            vehicle.held.push(Held { lane, start_m });
+            self.holders[lane].push(me);
+        }
+    }
+
+    /// Ends the reservations of lanes that a vehicle's rear has left.
+    pub(crate) fn release(&mut self, net: &Net, vehicle: &mut Vehicle, me: usize) {
+        let rear = vehicle.odometer_m - vehicle.half_length_m();
+        let holders = &mut self.holders;
+        vehicle.held.retain(|held| {
+            let keep = rear <= held.start_m + net.lanes[held.lane].way.length_m + 0.3;
+            if !keep {
+                holders[held.lane].retain(|&v| v != me);
+            }
+            keep
+        });
+    }
+
+    /// Ends the reservations of lanes that a vehicle's front has not reached.
+    fn give_back(&mut self, vehicle: &mut Vehicle, me: usize) {
+        let front = vehicle.odometer_m + vehicle.half_length_m();
+        let holders = &mut self.holders;
+        vehicle.held.retain(|held| {
+            let keep = held.start_m <= front;
+            if !keep {
+                holders[held.lane].retain(|&v| v != me);
+            }
+            keep
+        });
+    }
+
+    /// Reserves the lane that a driver who asks nobody is on.
+    pub(crate) fn intrude(&mut self, net: &Net, vehicle: &mut Vehicle, me: usize) {
+        let lane = vehicle.route[0];
+        if net.lanes[lane].junction.is_some() {
+            let start = vehicle.odometer_m - vehicle.along_m;
+            self.hold(vehicle, me, lane, start);
+        }
+    }
+
+    /// The lanes through the junction, and on through the next one where the stretch between is too short to wait on.
+    fn movement(net: &Net, vehicle: &Vehicle, line: &Line) -> Vec<(usize, f64)> {
+        let need = vehicle.model.size_m[0] + EXIT_MARGIN_M;
+        let mut through: Vec<(usize, f64)> = Vec::new();
+        let mut outside = 0.0;
+        for (lane, start) in vehicle.lanes_ahead(net).skip(line.position) {
+            if net.lanes[lane].junction.is_some() {
+                through.push((lane, start));
+                outside = 0.0;
+            } else {
+                outside += net.lanes[lane].way.length_m;
+            }
+            if outside >= need || through.len() >= 16 {
+                break;
+            }
+        }
+        through
+    }
+
+    /// Whether a lane can be reserved beside what is reserved already.
+    fn is_free(&self, net: &Net, vehicles: &[Vehicle], me: usize, lane: usize) -> bool {
+        net.lanes[lane].conflicts.iter().all(|conflict| {
+            self.holders[conflict.other].iter().all(|&rival| {
+                let rival_vehicle = &vehicles[rival];
+                let held = rival_vehicle.held.iter().find(|h| h.lane == conflict.other);
+                let passed = |start_m: f64| {
+                    let rear = rival_vehicle.odometer_m - start_m - rival_vehicle.half_length_m();
+                    !rival_vehicle.crashed && rear > conflict.other_end_m + 1.0
+                };
+                let together = swept_half_width(&vehicles[me], &net.lanes[lane])
+                    + swept_half_width(rival_vehicle, &net.lanes[conflict.other])
+                    + 0.4;
+                let beside = conflict.apart_m >= together.max(CONFLICT_M);
+                rival == me || beside || held.is_none_or(|h| passed(h.start_m))
+            })
+        })
+    }
+
+    /// Whether there is room for the vehicle behind its last junction lane, those on their way there counted.
+    fn has_exit(
+        &self,
+        net: &Net,
+        occupancy: &Occupancy,
+        vehicles: &[Vehicle],
+        me: usize,
+        movement: &[(usize, f64)],
+    ) -> bool {
+        let vehicle = &vehicles[me];
+        let Some(&(last, last_start)) = movement.last() else { return true };
+        let exit_at = last_start + net.lanes[last].way.length_m;
+        let mut need = vehicle.model.size_m[0] + EXIT_MARGIN_M;
+        let mut first_exit = None;
+        for (lane, start) in vehicle.lanes_ahead(net) {
+            if start + 1e-6 < exit_at || net.lanes[lane].junction.is_some() {
+                continue;
+            }
+            if first_exit.is_none() {
+                first_exit = Some(lane);
+                for &before in &net.lanes[lane].previous {
+                    for &other in self.holders[before].iter().filter(|&&other| other != me) {
+                        need += vehicles[other].model.size_m[0] + EXIT_MARGIN_M;
+                    }
+                }
+            }
+            if start > exit_at + need {
+                break;
+            }
+            let blocked = occupancy.vehicles[lane].iter().any(|spot| {
+                let rear = start + spot.along_m - spot.half_length_m - exit_at;
+                spot.vehicle != me && spot.speed_mps < EXIT_SLOW_MPS && rear < need
+            });
+            if blocked {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Tries to reserve the whole way through the junction behind a line.
+    fn request(
+        &mut self,
+        net: &Net,
+        occupancy: &Occupancy,
+        vehicles: &mut [Vehicle],
+        me: usize,
+        line: &Line,
+    ) -> bool {
+        let movement = Self::movement(net, &vehicles[me], line);
+        let free = movement.iter().all(|&(lane, _)| self.is_free(net, vehicles, me, lane));
+        if !free || !self.has_exit(net, occupancy, vehicles, me, &movement) {
+            return false;
+        }
+        let odometer = vehicles[me].odometer_m;
+        for (lane, start) in movement {
+            self.hold(&mut vehicles[me], me, lane, odometer + start);
+        }
+        true
+    }
+
+    /// Serves all who wait or come near a line, and tells each vehicle what to make of it.
+    pub(crate) fn serve(
+        &mut self,
+        net: &Net,
+        signals: &Signals,
+        occupancy: &Occupancy,
+        vehicles: &mut [Vehicle],
+        step: u32,
+        time_s: f64,
+    ) -> Vec<Approach> {
+        let mut approaches = vec![Approach { stop_gap_m: None, cap_mps: f64::INFINITY }; vehicles.len()];
+        let mut requests: Vec<(u32, usize, Line)> = Vec::new();
+        for me in 0..vehicles.len() {
+            self.release(net, &mut vehicles[me], me);
+            if vehicles[me].crashed || vehicles[me].driver.reckless {
+                let vehicle = &mut vehicles[me];
+                self.intrude(net, vehicle, me);
+                continue;
+            }
+            // A light may change between leave and line.
+            if let Some((entry, gap)) = vehicles[me].next_entry(net)
+                && !vehicles[me].driver.distracted
+                && forbids(signals.strictest(&net.lanes[entry].signals, time_s), vehicles[me].speed_mps, gap)
+            {
+                self.give_back(&mut vehicles[me], me);
+            }
+            let Some(line) = vehicles[me].next_line(net) else {
+                vehicles[me].waiting_since = None;
+                continue;
+            };
+            let entry = &net.lanes[line.entry];
+            let light = signals.strictest(&entry.signals, time_s);
+            let blind = vehicles[me].driver.distracted;
+            let speed = vehicles[me].speed_mps;
+            let approach = &mut approaches[me];
+            approach.stop_gap_m = Some(line.gap_m - entry.line_gap_m);
+            if !blind {
+                approach.cap_mps = slow_down(
+                    &vehicles[me],
+                    net,
+                    entry.signals.is_empty(),
+                    entry.stop_sign || entry.yield_sign,
+                    line.gap_m,
+                );
+            }
+            let near = line.gap_m <= 8.0 + speed * 1.0 + speed * speed / (2.0 * 1.5);
+            let forbidden = forbids(light, speed, line.gap_m);
+            // Only the first in the queue asks.
+            let second = occupancy.leader(net, vehicles, me).is_some_and(|(gap, _)| gap < line.gap_m - 0.5);
+            let vehicle = &mut vehicles[me];
+            let must_stand = entry.stop_sign && entry.signals.is_empty() && !blind;
+            if must_stand && speed < 0.1 && line.gap_m < entry.line_gap_m + 2.5 && !second {
+                vehicle.stood_steps += 1;
+            }
+            if !near || second {
+                vehicle.waiting_since = None;
+                continue;
+            }
+            let since = *vehicle.waiting_since.get_or_insert(step);
+            let stood = !must_stand || vehicle.stood_steps >= STOP_STEPS;
+            if (!forbidden || blind) && stood {
+                requests.push((since, me, line));
+            }
+        }
+        requests.sort_by_key(|(since, me, _)| (*since, *me));
+        for (_, me, line) in requests {
+            if self.request(net, occupancy, vehicles, me, &line) {
+                approaches[me].stop_gap_m = None;
+                vehicles[me].waiting_since = None;
+                vehicles[me].stood_steps = 0;
+            }
+        }
+        approaches
+    }
+}
+
+/// Half the width of the strip that a vehicle sweeps on a lane, metres: long ones swing out and cut corners.
+fn swept_half_width(vehicle: &Vehicle, lane: &Lane) -> f64 {
+    let [length, width, _] = vehicle.model.size_m;
+    let swing = if lane.radius_m > STRAIGHT_M {
+        0.0
+    } else if length > LONG_M {
+        0.15 * length
+    } else {
+        0.2
+    };
+    0.5 * width + swing
+}
+
+/// Whether a light keeps a driver before its line: not where the line is passed or stopping is impossible.
+fn forbids(light: Light, speed_mps: f64, gap_m: f64) -> bool {
+    let braking = braking_to_stop(speed_mps, gap_m);
+    let can_stop = match light {
+        Light::Red => braking < RED_BRAKING || speed_mps < 1.0,
+        Light::Yellow => braking < YELLOW_BRAKING || speed_mps < 1.0,
+        Light::Green | Light::Off => false,
+    };
+    can_stop && gap_m > -0.2
+}
+
+/// Drivers slow down towards lights of any colour and towards stop and yield signs; and never so fast that neither
+/// stopping nor passing within the yellow time is possible.
+fn slow_down(vehicle: &Vehicle, net: &Net, unsignalised: bool, signed: bool, gap_m: f64) -> f64 {
+    if unsignalised && !signed {
+        return f64::INFINITY;
+    }
+    let low = if unsignalised { SIGN_MPS } else { LIGHT_MPS };
+    let target = vehicle.wished_speed(net);
+    let from_m = SLOWDOWN_S * target;
+    let gap_m = gap_m.max(0.0);
+    let slope =
+        if gap_m < from_m { low.min(target) + (target - low).max(0.0) * gap_m / from_m } else { target };
+    slope.min(envelope(low, gap_m, PLANNED_BRAKING))
+}

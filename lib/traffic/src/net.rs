@@ -1,0 +1,338 @@
+//! The driving lanes as a graph with everything drivers ask about, computed once per scene.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use nalgebra::Point3;
+use opendrive::{LaneId, Map};
+
+use crate::driver::envelope;
+use crate::ways::{Way, heading};
+
+/// Speed limit where the map states none, m/s.
+const DEFAULT_LIMIT_MPS: f64 = 50.0 / 3.6;
+/// Sideways acceleration that drivers accept in curves, m/s2.
+const CURVE_ACCELERATION: f64 = 3.0;
+/// Braking before curves and lower limits, m/s2.
+pub(crate) const PLANNED_BRAKING: f64 = 2.0;
+/// Centre lines nearer than this cannot be driven at the same time by any two vehicles, metres.
+pub(crate) const CONFLICT_M: f64 = 3.0;
+/// Centre lines nearer than this cannot be driven at the same time by the longest vehicles, metres.
+const WIDE_CONFLICT_M: f64 = 6.5;
+/// Lanes farther above each other than this do not meet, metres.
+const DECK_M: f64 = 3.0;
+/// Drivers stop this far before a line, metres.
+const LINE_GAP_M: f64 = 2.5;
+/// They stop this far before it where a tight turn ends beside it: long vehicles swing out there, metres.
+const SWING_GAP_M: f64 = 5.5;
+/// A turn ends beside a line within this distance, metres.
+const BESIDE_LINE_M: f64 = 6.5;
+/// Bends tighter than this, outside junctions, are shared like junctions: long vehicles there need their neighbours'
+/// lanes, too. Metres.
+const TIGHT_BEND_M: f64 = 22.0;
+/// Longest lane that is shared like a junction for a bend, metres.
+const LONGEST_BEND_M: f64 = 60.0;
+/// Lanes that end nowhere are driven as long as they are this wide, metres.
+const USABLE_WIDTH_M: f64 = 2.6;
+/// Cell of the grid of lane samples, metres.
+const CELL_M: f64 = 4.0;
+/// A way through a junction that turns by more than this is a turn, radians.
+const TURN_RAD: f64 = 0.6;
+
+/// A lane of the same junction that must not be driven at the same time, at least not by long vehicles.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Conflict {
+    pub(crate) other: usize,
+    /// Where on the other lane the conflict ends, metres along it.
+    pub(crate) other_end_m: f64,
+    /// Smallest distance between the two centre lines, metres.
+    pub(crate) apart_m: f64,
+}
+
+/// A driving lane.
+#[derive(Clone, Debug)]
+pub(crate) struct Lane {
+    pub(crate) way: Way,
+    /// Metres of it that are wide enough for a vehicle: less than its length where it tapers off into nothing.
+    pub(crate) usable_m: f64,
+    pub(crate) limit_mps: f64,
+    /// The junction it is part of; tight bends count as junctions, numbered after those of the map.
+    pub(crate) junction: Option<usize>,
+    pub(crate) next: Vec<usize>,
+    pub(crate) previous: Vec<usize>,
+    /// Per sample: highest speed from which all curves ahead on this lane are taken comfortably, m/s.
+    pub(crate) curve_mps: Vec<f64>,
+    /// Lanes that begin where this one does, with how far the two overlap, metres.
+    pub(crate) diverging: Vec<(usize, f64)>,
+    /// Lanes outside junctions that end where this one does, with how far before the end the two overlap, metres.
+    pub(crate) merging: Vec<(usize, f64)>,
+    pub(crate) conflicts: Vec<Conflict>,
+    /// Smallest radius, metres.
+    pub(crate) radius_m: f64,
+    /// How far before it drivers stop who must not enter it, metres: farther where others turn out beside the line.
+    pub(crate) line_gap_m: f64,
+    /// Dynamic signals that control it (indices of the map).
+    pub(crate) signals: Vec<usize>,
+    pub(crate) stop_sign: bool,
+    pub(crate) yield_sign: bool,
+    /// +1 a left turn, -1 a right turn, 0 neither.
+    pub(crate) turn: i8,
+}
+
+/// All driving lanes of a map.
+#[derive(Debug)]
+pub(crate) struct Net {
+    pub(crate) lanes: Vec<Lane>,
+    index: BTreeMap<LaneId, usize>,
+    grid: BTreeMap<(i32, i32), Vec<(u32, u32)>>,
+}
+
+impl Net {
+    pub(crate) fn new(map: &Map) -> Self {
+        let mut lanes = Vec::new();
+        let mut index = BTreeMap::new();
+        for info in map.lanes().iter().filter(|l| l.lane_type.is_drivable()) {
+            let Some(way) = Way::new(map, info) else { continue };
+            let limit_mps = info.speed_limit_mps.unwrap_or(DEFAULT_LIMIT_MPS);
+            index.insert(info.id, lanes.len());
+            let signs = map.signals_of_lane(info.id).iter().filter_map(|&i| Some((i, map.signals().get(i)?)));
+            let (mut signals, mut stop_sign, mut yield_sign) = (Vec::new(), false, false);
+            for (i, signal) in signs {
+                if signal.dynamic {
+                    signals.push(i);
+                }
+                // The German catalogue, which OpenDRIVE files use by custom: 205 yield, 206 stop.
+                stop_sign |= signal.kind == "206";
+                yield_sign |= signal.kind == "205";
+            }
+            let curve_mps = curve_speeds(&way);
+            let turn = way_turn(&way);
+            let radius_m = tightest_radius(&way);
+            let bend = way.length_m < LONGEST_BEND_M && radius_m < TIGHT_BEND_M;
+            let usable = way.samples.iter().take_while(|s| s.width_m >= USABLE_WIDTH_M).last();
+            let usable_m = usable.map_or(0.0, |s| s.along_m);
+            lanes.push(Lane {
+                way,
+                usable_m,
+                limit_mps,
+                junction: info
+                    .junction
+                    .or_else(|| bend.then_some(map.junctions().len() + info.id.road as usize)),
+                next: Vec::new(),
+                previous: Vec::new(),
+                curve_mps,
+                diverging: Vec::new(),
+                merging: Vec::new(),
+                conflicts: Vec::new(),
+                radius_m,
+                line_gap_m: LINE_GAP_M,
+                signals,
+                stop_sign,
+                yield_sign,
+                turn: if info.junction.is_some() { turn } else { 0 },
+            });
+        }
+        let mut net = Self { lanes, index, grid: BTreeMap::new() };
+        net.link(map);
+        net.find_overlaps();
+        net.fill_grid();
+        net
+    }
+
+    /// The index of a lane.
+    pub(crate) fn find(&self, id: LaneId) -> Option<usize> {
+        self.index.get(&id).copied()
+    }
+
+    /// Joins lanes; a link to a lane without extent leads on to the lanes behind it.
+    fn link(&mut self, map: &Map) {
+        for i in 0..self.lanes.len() {
+            let mut open: Vec<(LaneId, u8)> =
+                map.successors(self.lanes[i].way.lane).iter().rev().map(|l| (*l, 0)).collect();
+            while let Some((id, depth)) = open.pop() {
+                match self.find(id) {
+                    Some(j) if !self.lanes[i].next.contains(&j) => {
+                        self.lanes[i].next.push(j);
+                        self.lanes[j].previous.push(i);
+                    }
+                    None if depth < 3 => {
+                        open.extend(map.successors(id).iter().rev().map(|l| (*l, depth + 1)))
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+
+    fn find_overlaps(&mut self) {
+        let mut by_junction: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (i, lane) in self.lanes.iter().enumerate() {
+            if let Some(junction) = lane.junction {
+                by_junction.entry(junction).or_default().push(i);
+            }
+        }
+        let mut diverging: BTreeSet<(usize, usize)> = BTreeSet::new();
+        let mut merging: BTreeSet<(usize, usize)> = BTreeSet::new();
+        for lane in &self.lanes {
+            pairs(&lane.next, &mut diverging);
+            pairs(&lane.previous, &mut merging);
+        }
+        for &(a, b) in &diverging {
+            let zone = overlap(&self.lanes[a].way, &self.lanes[b].way, CONFLICT_M).map_or(0.0, |z| z.1);
+            self.lanes[a].diverging.push((b, zone));
+        }
+        for &(a, b) in &merging {
+            let (la, lb) = (&self.lanes[a], &self.lanes[b]);
+            if la.junction.is_some() && la.junction == lb.junction {
+                continue;
+            }
+            let start = overlap(&la.way, &lb.way, CONFLICT_M).map_or(lb.way.length_m, |z| z.0);
+            let zone = lb.way.length_m - start;
+            self.lanes[a].merging.push((b, zone));
+        }
+        for members in by_junction.values() {
+            let turns: Vec<usize> =
+                members.iter().copied().filter(|&m| self.lanes[m].radius_m < TIGHT_BEND_M).collect();
+            for &a in members {
+                let line = self.lanes[a].way.samples[0].point;
+                let beside = |&t: &usize| {
+                    t != a
+                        && self.lanes[t]
+                            .way
+                            .samples
+                            .last()
+                            .is_some_and(|s| (s.point - line).norm() < BESIDE_LINE_M)
+                };
+                if turns.iter().any(beside) {
+                    self.lanes[a].line_gap_m = SWING_GAP_M;
+                }
+                for &b in members {
+                    if a == b || diverging.contains(&(a, b)) {
+                        continue;
+                    }
+                    let zone = overlap(&self.lanes[a].way, &self.lanes[b].way, WIDE_CONFLICT_M);
+                    if let Some((_, other_end_m, apart_m)) = zone {
+                        self.lanes[a].conflicts.push(Conflict { other: b, other_end_m, apart_m });
+                    }
+                }
+            }
+        }
+    }
+
+    fn fill_grid(&mut self) {
+        for (i, lane) in self.lanes.iter().enumerate() {
+            for (k, sample) in lane.way.samples.iter().enumerate() {
+                self.grid.entry(cell(&sample.point)).or_default().push((i as u32, k as u32));
+            }
+        }
+    }
+
+    /// Lanes whose surface, widened by `margin_m` on both sides, is under a point: lane and metres along it.
+    pub(crate) fn lanes_at(&self, point: &Point3<f64>, margin_m: f64) -> Vec<(usize, f64)> {
+        let mut nearest: BTreeMap<u32, (f64, f64)> = BTreeMap::new();
+        let (x, y) = cell(point);
+        for (dx, dy) in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy))) {
+            for &(lane, k) in self.grid.get(&(x + dx, y + dy)).into_iter().flatten() {
+                let sample = &self.lanes[lane as usize].way.samples[k as usize];
+                let away = point - sample.point;
+                let ahead = away.dot(&sample.tangent);
+                let left = sample.tangent.x * away.y - sample.tangent.y * away.x;
+                if away.z.abs() > DECK_M || left.abs() > 0.5 * sample.width_m + margin_m || ahead.abs() > 2.5
+                {
+                    continue;
+                }
+                let entry = nearest.entry(lane).or_insert((f64::INFINITY, 0.0));
+                if ahead.abs() < entry.0 {
+                    *entry = (ahead.abs(), sample.along_m + ahead);
+                }
+            }
+        }
+        nearest.into_iter().map(|(lane, (_, along))| (lane as usize, along)).collect()
+    }
+
+    /// Highest speed at a place from which the curves of its lane are taken comfortably, m/s.
+    pub(crate) fn curve_speed(&self, lane: usize, along_m: f64) -> f64 {
+        let lane = &self.lanes[lane];
+        let i = lane.way.index(along_m.clamp(0.0, lane.way.length_m));
+        let after = lane.way.samples[i + 1].along_m - along_m;
+        // The envelope of the next sample, carried back; the sample before holds where it is lower.
+        lane.curve_mps[i].max(lane.curve_mps[i + 1]).min(envelope(
+            lane.curve_mps[i + 1],
+            after,
+            PLANNED_BRAKING,
+        ))
+    }
+}
+
+/// Adds all ordered pairs of different members.
+fn pairs(members: &[usize], found: &mut BTreeSet<(usize, usize)>) {
+    for &a in members {
+        found.extend(members.iter().filter(|&&b| b != a).map(|&b| (a, b)));
+    }
+}
+
+fn cell(point: &Point3<f64>) -> (i32, i32) {
+    ((point.x / CELL_M).floor() as i32, (point.y / CELL_M).floor() as i32)
+}
+
+/// The first and last place on `b` (metres along it) nearer than `within_m` to `a`, and the smallest distance.
+fn overlap(a: &Way, b: &Way, within_m: f64) -> Option<(f64, f64, f64)> {
+    let mut range: Option<(f64, f64, f64)> = None;
+    for sample in &b.samples {
+        let mut nearest = f64::INFINITY;
+        for pair in a.samples.windows(2) {
+            let (chord, away) = (pair[1].point - pair[0].point, sample.point - pair[0].point);
+            let part = (away.dot(&chord) / chord.norm_squared()).clamp(0.0, 1.0);
+            let off = away - chord * part;
+            if off.z.abs() < DECK_M {
+                nearest = nearest.min((off.x * off.x + off.y * off.y).sqrt());
+            }
+        }
+        if nearest < within_m {
+            let (first, apart) = range.map_or((sample.along_m, nearest), |r| (r.0, nearest.min(r.2)));
+            range = Some((first, sample.along_m, apart));
+        }
+    }
+    range
+}
+
+/// Speed envelope of a way's curves, per sample.
+fn curve_speeds(way: &Way) -> Vec<f64> {
+    let samples = &way.samples;
+    let mut speeds: Vec<f64> = (0..samples.len())
+        .map(|i| {
+            let (a, b) = (&samples[i.saturating_sub(1)], &samples[(i + 1).min(samples.len() - 1)]);
+            let turn = frames::wrap_pi(heading(&b.tangent) - heading(&a.tangent)).abs();
+            let curvature = turn / (b.along_m - a.along_m);
+            (CURVE_ACCELERATION / curvature.max(1e-4)).sqrt().max(1.5)
+        })
+        .collect();
+    for i in (0..samples.len() - 1).rev() {
+        let step = samples[i + 1].along_m - samples[i].along_m;
+        speeds[i] = speeds[i].min(envelope(speeds[i + 1], step, PLANNED_BRAKING));
+    }
+    speeds
+}
+
+/// The smallest radius over any two steps of a way, metres.
+fn tightest_radius(way: &Way) -> f64 {
+    let radius = |w: &[crate::ways::Sample]| {
+        let turn = frames::wrap_pi(heading(&w[2].tangent) - heading(&w[0].tangent)).abs();
+        (w[2].along_m - w[0].along_m) / turn.max(1e-9)
+    };
+    way.samples.windows(3).map(radius).fold(f64::INFINITY, f64::min)
+}
+
+fn way_turn(way: &Way) -> i8 {
+    let turn: f64 = way
+        .samples
+        .windows(2)
+        .map(|p| frames::wrap_pi(heading(&p[1].tangent) - heading(&p[0].tangent)))
+        .sum();
+    if turn > TURN_RAD {
+        1
+    } else if turn < -TURN_RAD {
+        -1
+    } else {
+        0
+    }
+}

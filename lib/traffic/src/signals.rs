@@ -1,0 +1,133 @@
+//! Traffic lights: controllers of a junction take turns.
+
+use std::collections::BTreeSet;
+
+use opendrive::Map;
+use random::Stream;
+use schema::settings::TrafficSettings;
+
+/// What a traffic light shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Light {
+    Red,
+    Yellow,
+    Green,
+    Off,
+}
+
+impl Light {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Red => "Red",
+            Self::Yellow => "Yellow",
+            Self::Green => "Green",
+            Self::Off => "Off",
+        }
+    }
+}
+
+/// When a signal is green within its junction's cycle.
+#[derive(Clone, Copy, Debug)]
+struct Phase {
+    cycle_s: f64,
+    start_s: f64,
+    green_s: f64,
+}
+
+/// The programs of all dynamic signals of a map.
+#[derive(Debug)]
+pub(crate) struct Signals {
+    phases: Vec<Option<Phase>>,
+    yellow_s: f64,
+}
+
+impl Signals {
+    /// Each controller shows green for its own drawn time, then yellow, then all show red, then the next controller
+    /// follows. All cycles begin with the simulation. Dynamic signals of a junction that no controller names form one
+    /// more controller each.
+    pub(crate) fn new(map: &Map, settings: &TrafficSettings, seed: u64, scene: u64) -> Self {
+        let mut programs: Vec<Vec<Vec<usize>>> = Vec::new();
+        let mut named: BTreeSet<usize> = BTreeSet::new();
+        let mut program_of_junction = vec![None; map.junctions().len()];
+        for group in map.signal_groups() {
+            let turns: Vec<Vec<usize>> = group
+                .controllers
+                .iter()
+                .map(|c| {
+                    c.signals
+                        .iter()
+                        .copied()
+                        .filter(|&i| map.signals()[i].dynamic && named.insert(i))
+                        .collect()
+                })
+                .filter(|turn: &Vec<usize>| !turn.is_empty())
+                .collect();
+            if !turns.is_empty() {
+                program_of_junction[group.junction] = Some(programs.len());
+                programs.push(turns);
+            }
+        }
+        for (i, signal) in map.signals().iter().enumerate() {
+            if !signal.dynamic || named.contains(&i) {
+                continue;
+            }
+            match signal.junction.and_then(|j| program_of_junction[j]) {
+                Some(program) => programs[program].push(vec![i]),
+                None => {
+                    if let Some(j) = signal.junction {
+                        program_of_junction[j] = Some(programs.len());
+                    }
+                    programs.push(vec![vec![i]]);
+                }
+            }
+        }
+        let (yellow_s, all_red_s) = (settings.yellow_time_s.max(0.0), settings.all_red_time_s.max(0.0));
+        let mut phases = vec![None; map.signals().len()];
+        for turns in &programs {
+            let greens: Vec<f64> = turns
+                .iter()
+                .map(|turn| {
+                    let drawn = Stream::new(seed, scene, "traffic/green", turn[0] as u64).uniform(4.0, 28.0);
+                    settings.green_time_s.unwrap_or(drawn).max(0.0)
+                })
+                .collect();
+            let cycle_s = greens.iter().map(|g| g + yellow_s + all_red_s).sum();
+            let mut start_s = 0.0;
+            for (turn, &green_s) in turns.iter().zip(&greens) {
+                for &signal in turn {
+                    phases[signal] = Some(Phase { cycle_s, start_s, green_s });
+                }
+                start_s += green_s + yellow_s + all_red_s;
+            }
+        }
+        Self { phases, yellow_s }
+    }
+
+    /// What a signal shows at a time since the start of the simulation.
+    pub(crate) fn state(&self, signal: usize, time_s: f64) -> Light {
+        let Some(Some(phase)) = self.phases.get(signal) else { return Light::Off };
+        if phase.cycle_s <= 0.0 {
+            return Light::Off;
+        }
+        let turns = (time_s / phase.cycle_s).floor();
+        let since = time_s - turns * phase.cycle_s - phase.start_s;
+        if (0.0..phase.green_s).contains(&since) {
+            Light::Green
+        } else if (0.0..phase.green_s + self.yellow_s).contains(&since) {
+            Light::Yellow
+        } else {
+            Light::Red
+        }
+    }
+
+    /// The most restrictive of several signals; Off without any.
+    pub(crate) fn strictest(&self, signals: &[usize], time_s: f64) -> Light {
+        let rank = |light: &Light| match light {
+            Light::Red => 3,
+            Light::Yellow => 2,
+            Light::Green => 1,
+            Light::Off => 0,
+        };
+        signals.iter().map(|&i| self.state(i, time_s)).max_by_key(rank).unwrap_or(Light::Off)
+    }
+}

@@ -1,0 +1,426 @@
+//! The loop: signals, drivers, walkers, bodies, log.
+
+use std::collections::VecDeque;
+use std::ops::ControlFlow;
+
+use frames::LocalOrigin;
+use nalgebra::Point3;
+use opendrive::Map;
+use random::Stream;
+use schema::models;
+use schema::tables::{FrameRow, SignalRow, StateRow, Weather};
+use schema::{FRAME_PERIOD_S, ObjectId};
+
+use crate::bodies::Bodies;
+use crate::driver::{COMFORT_BRAKING, MAX_BRAKING};
+use crate::junction::Reservations;
+use crate::log::{Snapshot, rsu_actor, vehicle_actor, vehicle_lamps, walker_actor, weather_lamps};
+use crate::net::Net;
+use crate::signals::Signals;
+use crate::spawn::{Start, ids, vehicle_starts};
+use crate::vehicles::{Occupancy, Vehicle, wished_acceleration};
+use crate::walkers::{Paths, Walker, crowding};
+use crate::{SceneInput, SceneLog, TrafficError};
+
+/// Longest warm-up, seconds.
+const MAX_WARMUP_S: f64 = 3600.0;
+/// Owner numbers of bodies: vehicles from 0, walkers from here, fixed things from twice this.
+const WALKERS: u32 = 1 << 20;
+/// Clothes of walkers (sRGB).
+const CLOTHES: [[u8; 3]; 8] = [
+    [40, 44, 52],
+    [120, 30, 34],
+    [32, 60, 110],
+    [66, 92, 60],
+    [170, 160, 140],
+    [200, 120, 40],
+    [90, 70, 110],
+    [225, 225, 220],
+];
+
+/// Simulates a scene. `on_step` hears of steps done and in all, and may stop the simulation.
+///
+/// # Errors
+/// When the plan or the map cannot be followed, ids run out, or `on_step` breaks.
+pub fn simulate(
+    input: &SceneInput<'_>,
+    on_step: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
+) -> Result<SceneLog, TrafficError> {
+    let scene = input.scene;
+    let warmup = scene.warmup_s;
+    if !(0.0..=MAX_WARMUP_S).contains(&warmup) {
+        return Err(TrafficError::BadPlan {
+            scene: scene.scene,
+            field: "warmup_s",
+            value: warmup.to_string(),
+        });
+    }
+    let mut simulation = Simulation::new(input)?;
+    // Frame -1 is the state one step before frame 0, so at least one step comes first.
+    let lead = ((warmup / FRAME_PERIOD_S).round() as usize).max(1);
+    let total = lead + (scene.frames as usize).saturating_sub(1);
+    for done in 0..=total {
+        if done > 0 {
+            simulation.step(done as u32 - 1);
+        }
+        if done + 1 >= lead {
+            simulation.record(done as i32 - lead as i32, done);
+        }
+        if on_step(done, total).is_break() {
+            return Err(TrafficError::Interrupted { scene: scene.scene });
+        }
+    }
+    Ok(simulation.log)
+}
+
+struct Simulation<'a> {
+    input: &'a SceneInput<'a>,
+    net: Net,
+    signals: Signals,
+    paths: Paths,
+    vehicles: Vec<Vehicle>,
+    starts: Vec<Start>,
+    walkers: Vec<Walker>,
+    vehicle_ids: Vec<ObjectId>,
+    walker_ids: Vec<ObjectId>,
+    /// Traffic lights of the scene: object id, signal of the map.
+    lamps: Vec<(ObjectId, usize)>,
+    occupancy: Occupancy,
+    reservations: Reservations,
+    bodies: Bodies,
+    /// Poses one step ago, for velocities: position and roll, pitch, yaw.
+    before: Vec<([f64; 3], f64)>,
+    log: SceneLog,
+}
+
+impl<'a> Simulation<'a> {
+    fn new(input: &'a SceneInput<'a>) -> Result<Self, TrafficError> {
+        let (map, scene) = (input.map, input.scene);
+        let number = u64::from(scene.scene);
+        let net = Net::new(map);
+        if net.lanes.is_empty() {
+            return Err(TrafficError::NoDrivingLanes { scene: scene.scene, map: scene.map.clone() });
+        }
+        let signals = Signals::new(map, &input.settings.traffic, scene.seed, number);
+        let paths = Paths::new(map, &net);
+        let starts = vehicle_starts(input, &net)?;
+        let agents = starts.iter().filter(|s| s.role != "background").map(|s| s.point).collect::<Vec<_>>();
+        let middle = agents.first().map_or([0.0; 3], |p| (*p).into());
+        let mut bodies = Bodies::new(LocalOrigin::near(middle));
+
+        let rsus: Vec<_> = input.agents.iter().filter(|a| a.agent.starts_with("rsu")).collect();
+        let places = paths.draw_starts(scene.walkers, &agents, scene.spawn_radius_m, &|i| {
+            Stream::new(scene.seed, number, "traffic/walker/place", i)
+        });
+        let all = ids(scene.scene, input.first_id, starts.len() + rsus.len() + places.len())?;
+        let (agent_ids, rest) = all.split_at(agents.len());
+        let (rsu_ids, rest) = rest.split_at(rsus.len());
+        let (background_ids, walker_ids) = rest.split_at(starts.len() - agents.len());
+
+        let mut log = SceneLog::default();
+        let vehicle_ids = [agent_ids, background_ids].concat();
+        for (id, start) in agent_ids.iter().zip(&starts) {
+            log.actors.push(vehicle_actor(*id, start));
+        }
+        for (id, agent) in rsu_ids.iter().zip(&rsus) {
+            log.actors.push(rsu_actor(*id, agent));
+        }
+        for (id, start) in background_ids.iter().zip(&starts[agents.len()..]) {
+            log.actors.push(vehicle_actor(*id, start));
+            log.n_vehicles += 1;
+            log.n_reckless += u32::from(start.driver.reckless);
+            log.n_distracted += u32::from(start.driver.distracted);
+        }
+        let mut reservations = Reservations::new(net.lanes.len());
+        let vehicles = place_vehicles(&net, &starts, input, &mut bodies, &mut reservations);
+        let walkers = place_walkers(input, &paths, &places, &mut bodies);
+        for ((walker, anywhere), id) in walkers.iter().zip(walker_ids) {
+            log.actors.push(walker_actor(*id, walker, *anywhere));
+            log.n_walkers += 1;
+        }
+        add_fixed(input, &net, &mut bodies);
+        let mut simulation = Self {
+            lamps: lamps(map, input),
+            occupancy: Occupancy::new(net.lanes.len()),
+            before: Vec::new(),
+            input,
+            net,
+            signals,
+            paths,
+            vehicles,
+            starts,
+            walkers: walkers.into_iter().map(|(walker, _)| walker).collect(),
+            vehicle_ids,
+            walker_ids: walker_ids.to_vec(),
+            reservations,
+            bodies,
+            log,
+        };
+        simulation.remember();
+        Ok(simulation)
+    }
+
+    /// One step of time, from `step` to `step + 1`.
+    fn step(&mut self, step: u32) {
+        self.remember();
+        let time_s = f64::from(step) * FRAME_PERIOD_S;
+        self.occupancy.fill(&self.net, &self.vehicles);
+        for walker in &self.walkers {
+            walker.mark(&self.net, &mut self.occupancy);
+        }
+        let approaches = self.reservations.serve(
+            &self.net,
+            &self.signals,
+            &self.occupancy,
+            &mut self.vehicles,
+            step,
+            time_s,
+        );
+        let mut wishes = Vec::with_capacity(self.vehicles.len());
+        for (me, approach) in approaches.iter().enumerate() {
+            let wish = if self.vehicles[me].crashed {
+                0.0
+            } else {
+                let cap = approach.cap_mps;
+                wished_acceleration(&self.net, &self.occupancy, &self.vehicles, me, approach.stop_gap_m, cap)
+            };
+            wishes.push(wish.clamp(-MAX_BRAKING, COMFORT_BRAKING));
+        }
+        for (vehicle, wish) in self.vehicles.iter_mut().zip(&wishes) {
+            if vehicle.crashed {
+                self.bodies.skid(vehicle.body);
+            } else {
+                vehicle.advance(&self.net, *wish);
+                self.bodies.drive(
+                    vehicle.body,
+                    &vehicle.place.point,
+                    vehicle.yaw_rad,
+                    0.5 * vehicle.model.size_m[2],
+                );
+            }
+        }
+        let slowed = crowding(&self.walkers);
+        for (walker, slowed) in self.walkers.iter_mut().zip(slowed) {
+            let was_on_road = walker.is_on_road();
+            walker.step(&self.paths, &self.net, &self.occupancy, &self.vehicles, time_s, slowed);
+            if walker.is_on_road() != was_on_road {
+                self.bodies.set_on_road(walker.body, walker.is_on_road());
+            }
+            if walker.is_struck() {
+                self.bodies.skid(walker.body);
+            } else {
+                self.bodies.drive(walker.body, &walker.point, walker.yaw_rad, 0.5 * walker.model.size_m[2]);
+            }
+        }
+        self.bodies.step();
+        self.take_hits();
+    }
+
+    /// Ends the drive of whoever touched something, and follows bodies that nobody steers.
+    fn take_hits(&mut self) {
+        for (a, b) in self.bodies.hits() {
+            for owner in [a, b] {
+                if let Some(vehicle) = self.vehicles.get_mut(owner as usize) {
+                    vehicle.crashed = true;
+                } else if let Some(walker) =
+                    owner.checked_sub(WALKERS).and_then(|w| self.walkers.get_mut(w as usize))
+                {
+                    walker.strike();
+                }
+            }
+        }
+        for vehicle in self.vehicles.iter_mut().filter(|v| v.crashed) {
+            let Some(motion) = self.bodies.motion(vehicle.body) else { continue };
+            vehicle.slide_to(motion.x_m, motion.y_m);
+            vehicle.yaw_rad = motion.yaw_rad;
+            let [x, y] = motion.velocity_mps;
+            vehicle.speed_mps = (x * x + y * y).sqrt();
+            vehicle.acceleration_mps2 = -COMFORT_BRAKING;
+        }
+        for walker in self.walkers.iter_mut().filter(|w| w.is_struck()) {
+            let Some(motion) = self.bodies.motion(walker.body) else { continue };
+            (walker.point.x, walker.point.y, walker.yaw_rad) = (motion.x_m, motion.y_m, motion.yaw_rad);
+        }
+    }
+
+    /// Keeps the poses of this moment for the next one's velocities.
+    fn remember(&mut self) {
+        self.before.clear();
+        self.before.extend(self.vehicles.iter().map(|v| (v.place.point.into(), v.yaw_rad)));
+        self.before.extend(self.walkers.iter().map(|w| (w.point.into(), w.yaw_rad)));
+    }
+
+    fn record(&mut self, frame: i32, step: usize) {
+        let scene = self.input.scene;
+        let (initial, last) =
+            (Weather::from_array(scene.initial_weather), Weather::from_array(scene.final_weather));
+        // Frame 0 has moved one part already; the last frame has the final weather.
+        let share = (f64::from(frame) + 1.0) / f64::from(scene.frames.max(1));
+        let weather = if scene.dynamic_weather { initial.mix(&last, share) } else { initial };
+        if frame >= 0 {
+            let lights = &self.input.settings.lights;
+            let night = weather.is_night();
+            let row = FrameRow::new(
+                frame as u32,
+                &weather,
+                night && !lights.street_lamps_off,
+                night && !lights.buildings_off,
+            );
+            self.log.frames.push(row);
+        }
+        let lamps = weather_lamps(&weather);
+        let rate = |now: f64, before: f64| (now - before) / FRAME_PERIOD_S;
+        let mut rows: Vec<StateRow> = Vec::with_capacity(self.before.len());
+        for (i, vehicle) in self.vehicles.iter().enumerate() {
+            let (before, yaw_before) = self.before[i];
+            let at: [f64; 3] = vehicle.place.point.into();
+            let emergency = self.starts[i].emergency;
+            let snapshot = Snapshot {
+                id: self.vehicle_ids[i],
+                xyz_m: at,
+                rpy_rad: tilted(vehicle),
+                velocity_mps: std::array::from_fn(|k| rate(at[k], before[k])),
+                yaw_rate_radps: frames::wrap_pi(vehicle.yaw_rad - yaw_before) / FRAME_PERIOD_S,
+                steer_rad: vehicle.steer_rad,
+                phase_rad: vehicle.odometer_m / vehicle.model.wheel_radius_m.max(0.05),
+                lights: vehicle_lamps(&self.net, vehicle, lamps, emergency),
+            };
+            rows.push(snapshot.row(frame));
+        }
+        for (i, walker) in self.walkers.iter().enumerate() {
+            let (before, yaw_before) = self.before[self.vehicles.len() + i];
+            let at: [f64; 3] = walker.point.into();
+            let snapshot = Snapshot {
+                id: self.walker_ids[i],
+                xyz_m: at,
+                rpy_rad: [0.0, 0.0, walker.yaw_rad],
+                velocity_mps: std::array::from_fn(|k| rate(at[k], before[k])),
+                yaw_rate_radps: frames::wrap_pi(walker.yaw_rad - yaw_before) / FRAME_PERIOD_S,
+                steer_rad: 0.0,
+                phase_rad: walker.gait_phase_rad(),
+                lights: 0,
+            };
+            rows.push(snapshot.row(frame));
+        }
+        if frame == 0 {
+            // Actor rows give the pose at frame 0.
+            for actor in self.log.actors.iter_mut().filter(|a| !a.fixed) {
+                if let Ok(i) = rows.binary_search_by_key(&actor.id, |r| r.id) {
+                    (actor.xyz_m, actor.quaternion) = (rows[i].xyz_m, rows[i].quaternion);
+                }
+            }
+        }
+        self.log.states.extend(rows);
+        let time_s = step as f64 * FRAME_PERIOD_S;
+        let map_signals = self.input.map.signals();
+        self.log.signals.extend(self.lamps.iter().map(|&(id, signal)| SignalRow {
+            frame,
+            id,
+            state: self.signals.state(signal, time_s).name().into(),
+            opendrive_id: map_signals[signal].id.clone(),
+        }));
+    }
+}
+
+/// Roll, pitch and yaw of a vehicle on the slope under it: the slope is given along the road, the body may be askew.
+fn tilted(vehicle: &Vehicle) -> [f64; 3] {
+    let place = &vehicle.place;
+    let (sin, cos) = frames::math::sin_cos(vehicle.yaw_rad - place.heading_rad);
+    let pitch = place.pitch_rad * cos - place.roll_rad * sin;
+    let roll = place.roll_rad * cos + place.pitch_rad * sin;
+    [roll, pitch, vehicle.yaw_rad]
+}
+
+fn place_vehicles(
+    net: &Net,
+    starts: &[Start],
+    input: &SceneInput<'_>,
+    bodies: &mut Bodies,
+    reservations: &mut Reservations,
+) -> Vec<Vehicle> {
+    let scene = input.scene;
+    let mut vehicles = Vec::with_capacity(starts.len());
+    for (i, start) in starts.iter().enumerate() {
+        let mut vehicle = Vehicle {
+            model: start.model,
+            driver: start.driver,
+            stream: Stream::new(scene.seed, u64::from(scene.scene), "traffic/route", i as u64),
+            route: VecDeque::from([start.lane]),
+            along_m: start.along_m,
+            odometer_m: 0.0,
+            speed_mps: 0.0,
+            acceleration_mps2: 0.0,
+            yaw_rad: start.yaw_rad,
+            place: net.lanes[start.lane].way.place(start.along_m),
+            steer_rad: 0.0,
+            crashed: false,
+            held: Vec::new(),
+            waiting_since: None,
+            stood_steps: 0,
+            body: bodies.vehicle(&start.point, start.yaw_rad, start.model.size_m, i as u32),
+        };
+        vehicle.extend_route(net);
+        // Where the rear hangs back into a junction, the lanes under it are taken.
+        if start.along_m < vehicle.half_length_m() {
+            for &before in net.lanes[start.lane].previous.iter().filter(|&&l| net.lanes[l].junction.is_some())
+            {
+                reservations.hold(&mut vehicle, i, before, -start.along_m - net.lanes[before].way.length_m);
+            }
+        }
+        reservations.intrude(net, &mut vehicle, i);
+        vehicles.push(vehicle);
+    }
+    vehicles
+}
+
+/// The walkers, each with whether it crosses roads anywhere.
+fn place_walkers(
+    input: &SceneInput<'_>,
+    paths: &Paths,
+    places: &[(usize, usize, f64)],
+    bodies: &mut Bodies,
+) -> Vec<(Walker, bool)> {
+    let scene = input.scene;
+    let catalogue: Vec<&'static models::Model> = models::walkers().collect();
+    let mut walkers = Vec::with_capacity(places.len());
+    for (i, &(number, way, along)) in places.iter().enumerate() {
+        let mut draw = Stream::new(scene.seed, u64::from(scene.scene), "traffic/walker", number as u64);
+        let (Some(&model), Some(&color)) = (draw.choose(&catalogue), draw.choose(&CLOTHES)) else { break };
+        let speed = draw.log_normal(0.16, 0.64).max(input.settings.walkers.min_speed_mps).max(0.1);
+        let anywhere = draw.chance(scene.walker_cross_factor);
+        let owner = WALKERS + i as u32;
+        let make_body = |at: &Point3<f64>| bodies.walker(at, model.size_m, owner);
+        walkers.push((
+            Walker::new(model, color, draw, paths, (way, along), speed, anywhere, make_body),
+            anywhere,
+        ));
+    }
+    walkers
+}
+
+/// Parked vehicles as obstacles, unless they stand so near a lane that careful drivers would touch them.
+fn add_fixed(input: &SceneInput<'_>, net: &Net, bodies: &mut Bodies) {
+    for (i, actor) in input.fixed.iter().enumerate().filter(|(_, a)| a.kind == "parked") {
+        let at = Point3::from(actor.xyz_m);
+        if net.lanes_at(&at, 1.5).is_empty() {
+            let pose =
+                frames::Pose::<frames::World, frames::Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
+            let size = [actor.length_m, actor.width_m, actor.height_m].map(|v| v.max(0.1));
+            bodies.fixed(&at, pose.yaw(), size, 2 * WALKERS + i as u32);
+        }
+    }
+}
+
+/// The scene's traffic lights with the signals of the map that they show, by object id.
+fn lamps(map: &Map, input: &SceneInput<'_>) -> Vec<(ObjectId, usize)> {
+    let lights = input.fixed.iter().filter(|a| a.kind == "traffic_light");
+    let mut found: Vec<(ObjectId, usize)> = lights
+        .filter_map(|actor| {
+            let wanted = actor.opendrive_id.as_deref()?;
+            let signal = map.signals().iter().position(|s| s.dynamic && s.id == wanted)?;
+            Some((actor.id, signal))
+        })
+        .collect();
+    found.sort_unstable();
+    found
+}

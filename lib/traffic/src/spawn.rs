@@ -1,0 +1,268 @@
+//! Who starts where.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use frames::math::sin_cos;
+use nalgebra::Point3;
+use opendrive::Map;
+use random::Stream;
+use schema::ObjectId;
+use schema::models::{self, BaseType, Model};
+
+use crate::net::Net;
+use crate::vehicles::Driver;
+use crate::{SceneInput, TrafficError};
+
+/// Spawn points have no junction this far ahead, metres.
+const CLEAR_AHEAD_M: f64 = 4.0;
+/// Lanes narrower than this carry no vehicle, metres.
+const MIN_WIDTH_M: f64 = 2.6;
+/// Free space around a vehicle at the start, metres.
+const CLEARANCE_M: f64 = 0.8;
+/// Vehicles farther above each other than this are on different decks, metres.
+const DECK_M: f64 = 3.0;
+/// Chance that an emergency vehicle's lights flash.
+const EMERGENCY_LIGHTS: f64 = 0.5;
+
+/// Body colours of background vehicles (sRGB).
+const PAINTS: [[u8; 3]; 14] = [
+    [240, 240, 238],
+    [22, 22, 24],
+    [120, 124, 128],
+    [176, 180, 184],
+    [70, 74, 80],
+    [132, 16, 20],
+    [196, 28, 30],
+    [20, 44, 96],
+    [44, 92, 160],
+    [20, 66, 46],
+    [206, 190, 156],
+    [96, 62, 40],
+    [232, 176, 32],
+    [216, 96, 28],
+];
+
+/// A vehicle about to be placed.
+#[derive(Debug)]
+pub(crate) struct Start {
+    pub(crate) model: &'static Model,
+    pub(crate) color: Vec<u8>,
+    /// `vehicle_0` or `background`.
+    pub(crate) role: String,
+    pub(crate) driver: Driver,
+    pub(crate) emergency: bool,
+    pub(crate) lane: usize,
+    pub(crate) along_m: f64,
+    pub(crate) point: Point3<f64>,
+    pub(crate) yaw_rad: f64,
+}
+
+/// Rectangles that are taken, in square cells.
+#[derive(Default)]
+struct Taken(BTreeMap<(i32, i32), Vec<Footprint>>);
+
+/// Middle, yaw and size.
+type Footprint = (Point3<f64>, f64, [f64; 3]);
+
+impl Taken {
+    const CELL_M: f64 = 16.0;
+
+    fn cell(point: &Point3<f64>) -> (i32, i32) {
+        ((point.x / Self::CELL_M).floor() as i32, (point.y / Self::CELL_M).floor() as i32)
+    }
+
+    fn is_free(&self, at: &Point3<f64>, yaw: f64, size: [f64; 3]) -> bool {
+        let (x, y) = Self::cell(at);
+        let near = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (x + dx, y + dy)));
+        near.filter_map(|c| self.0.get(&c)).flatten().all(|(other, other_yaw, other_size)| {
+            let away = other - at;
+            let (sin, cos) = sin_cos(yaw);
+            let (ahead, left) = (away.x * cos + away.y * sin, away.y * cos - away.x * sin);
+            let (sin_d, cos_d) = sin_cos(other_yaw - yaw);
+            let half = |own: f64, along: f64, across: f64| 0.5 * (own + along + across) + CLEARANCE_M;
+            away.z.abs() > DECK_M
+                || ahead.abs() > half(size[0], other_size[0] * cos_d.abs(), other_size[1] * sin_d.abs())
+                || left.abs() > half(size[1], other_size[0] * sin_d.abs(), other_size[1] * cos_d.abs())
+        })
+    }
+
+    fn insert(&mut self, at: Point3<f64>, yaw: f64, size: [f64; 3]) {
+        self.0.entry(Self::cell(&at)).or_default().push((at, yaw, size));
+    }
+}
+
+/// All vehicles of a scene: agents in order, then background vehicles.
+pub(crate) fn vehicle_starts(input: &SceneInput<'_>, net: &Net) -> Result<Vec<Start>, TrafficError> {
+    let scene = input.scene;
+    let mut taken = Taken::default();
+    let mut starts = Vec::new();
+    for agent in input.agents.iter().filter(|a| a.signal.is_none() && a.agent.starts_with("vehicle")) {
+        let model = models::find(&agent.model).filter(|m| m.wheelbase_m > 0.0).ok_or_else(|| {
+            TrafficError::UnknownModel {
+                scene: scene.scene,
+                agent: agent.agent.clone(),
+                model: agent.model.clone(),
+            }
+        })?;
+        let (lane, along_m) = nearest_place(input.map, net, agent.xyz_m.into(), agent.rpy_rad[2])
+            .ok_or_else(|| TrafficError::NoDrivingLanes { scene: scene.scene, map: scene.map.clone() })?;
+        let along_m = clear_of_junctions(net, lane, along_m, model.size_m[0]);
+        let place = net.lanes[lane].way.place(along_m);
+        taken.insert(place.point, place.heading_rad, model.size_m);
+        let driver = Driver::new(
+            model,
+            agent.reckless,
+            agent.distracted,
+            agent.speed_difference,
+            agent.standstill_gap_m,
+        );
+        starts.push(Start {
+            model,
+            color: agent.color.clone(),
+            role: agent.agent.clone(),
+            driver,
+            emergency: false,
+            lane,
+            along_m,
+            point: place.point,
+            yaw_rad: place.heading_rad,
+        });
+    }
+    background(input, net, &mut taken, &mut starts);
+    Ok(starts)
+}
+
+/// Background vehicles on free spawn points near the agents.
+fn background(input: &SceneInput<'_>, net: &Net, taken: &mut Taken, starts: &mut Vec<Start>) {
+    let (scene, traffic) = (input.scene, &input.settings.traffic);
+    let stream = |topic, entity| Stream::new(scene.seed, u64::from(scene.scene), topic, entity);
+    let agents: Vec<Point3<f64>> = starts.iter().map(|s| s.point).collect();
+    let mut points = spawn_points(net, input.settings.agents.spawn_separation_m);
+    points.retain(|&(lane, along)| {
+        let at = net.lanes[lane].way.place(along).point;
+        agents.iter().any(|a| (a - at).norm() < scene.spawn_radius_m)
+    });
+    let drawn = stream("traffic/count", 0).int_inclusive(0, (points.len() as i64 - 3).max(0));
+    let wanted = scene.background_vehicles.map_or(drawn, i64::from).max(0) as usize;
+    let catalogue: Vec<&'static Model> = models::vehicles().collect();
+    let order = stream("traffic/order", 0).sample_indices(points.len(), wanted);
+    for (i, &(lane, along)) in order.into_iter().map(|k| &points[k]).enumerate() {
+        let mut draw = stream("traffic/vehicle", i as u64);
+        let (Some(&model), Some(paint)) = (draw.choose(&catalogue), draw.choose(&PAINTS)) else { return };
+        let reckless = draw.chance(traffic.reckless_background);
+        let distracted = draw.chance(traffic.distracted_background) && !reckless;
+        let difference = draw.uniform(-0.4, 0.2);
+        let gap = draw.normal(4.2, 1.0).max(0.0);
+        let emergency = draw.chance(EMERGENCY_LIGHTS) && model.special == "emergency";
+        let driver = Driver::new(
+            model,
+            reckless,
+            distracted,
+            traffic.speed_difference.unwrap_or(difference),
+            traffic.standstill_gap_m.unwrap_or(gap),
+        );
+        let along_m = clear_of_junctions(net, lane, along, model.size_m[0]);
+        let place = net.lanes[lane].way.place(along_m);
+        let fits = clear_of_junctions(net, lane, along_m, model.size_m[0]) == along_m
+            && !overhangs(net, lane, along_m, model.size_m[0]);
+        if !fits || !taken.is_free(&place.point, place.heading_rad, model.size_m) {
+            continue;
+        }
+        taken.insert(place.point, place.heading_rad, model.size_m);
+        starts.push(Start {
+            model,
+            color: paint.to_vec(),
+            role: "background".into(),
+            driver,
+            emergency,
+            lane,
+            along_m,
+            point: place.point,
+            yaw_rad: place.heading_rad,
+        });
+    }
+}
+
+/// Lanes outside junctions, each `separation_m`, with road but no junction just ahead.
+fn spawn_points(net: &Net, separation_m: f64) -> Vec<(usize, f64)> {
+    let separation_m = separation_m.max(1.0);
+    let mut points = Vec::new();
+    for (i, lane) in net.lanes.iter().enumerate().filter(|(_, l)| l.junction.is_none()) {
+        let length = lane.way.length_m;
+        let mut along = 0.0;
+        while along <= length {
+            let after = length - along;
+            let open = after > CLEAR_AHEAD_M
+                || (!lane.next.is_empty() && lane.next.iter().all(|&n| net.lanes[n].junction.is_none()));
+            if open && lane.way.place(along).width_m >= MIN_WIDTH_M {
+                points.push((i, along));
+            }
+            along += separation_m;
+        }
+    }
+    points
+}
+
+/// Moves a start along its lane so that the vehicle neither hangs back into a junction nor stands in the next one,
+/// as far as the lane is long enough.
+fn clear_of_junctions(net: &Net, lane: usize, along_m: f64, length_m: f64) -> f64 {
+    let half = 0.5 * length_m + 0.6;
+    let facts = &net.lanes[lane];
+    let in_junction = |&i: &usize| net.lanes[i].junction.is_some();
+    let low = if facts.previous.iter().any(in_junction) { half } else { 0.0 };
+    let high = facts.way.length_m - if facts.next.iter().any(in_junction) { half } else { 0.0 };
+    along_m.max(low).min(high.max(0.0))
+}
+
+/// Whether a vehicle there would reach into a junction, over lanes of any length.
+fn overhangs(net: &Net, lane: usize, along_m: f64, length_m: f64) -> bool {
+    let reach = |forward: bool| {
+        let from = if forward { net.lanes[lane].way.length_m - along_m } else { along_m };
+        let mut open = VecDeque::from([(lane, 0.5 * length_m - from)]);
+        while let Some((at, left)) = open.pop_front() {
+            let onward = if forward { &net.lanes[at].next } else { &net.lanes[at].previous };
+            for &i in onward {
+                if left > 0.0 && net.lanes[i].junction.is_some() {
+                    return true;
+                }
+                if left > net.lanes[i].way.length_m && open.len() < 64 {
+                    open.push_back((i, left - net.lanes[i].way.length_m));
+                }
+            }
+        }
+        false
+    };
+    reach(true) || reach(false)
+}
+
+/// The place of a planned pose: on the nearest lane outside junctions that runs its way.
+fn nearest_place(map: &Map, net: &Net, at: Point3<f64>, yaw_rad: f64) -> Option<(usize, f64)> {
+    let usable = |lane: &opendrive::LaneInfo| lane.junction.is_none() && net.find(lane.id).is_some();
+    let hits = map.lanes_within(at, 2.0, usable);
+    let runs_along = |hit: &&opendrive::LaneHit| {
+        let way = net.find(hit.lane).map(|i| &net.lanes[i].way);
+        way.is_some_and(|w| frames::wrap_pi(w.place(w.project(at).0).heading_rad - yaw_rad).abs() < 1.0)
+    };
+    let lane = match hits.iter().find(runs_along) {
+        Some(hit) => hit.lane,
+        None => {
+            map.nearest_lane(at, usable).or_else(|| map.nearest_lane(at, |l| net.find(l.id).is_some()))?.lane
+        }
+    };
+    let index = net.find(lane)?;
+    Some((index, net.lanes[index].way.project(at).0))
+}
+
+/// Ids for a number of actors.
+pub(crate) fn ids(scene: u32, first: ObjectId, wanted: usize) -> Result<Vec<ObjectId>, TrafficError> {
+    let last = usize::from(first) + wanted;
+    if first == 0 || last > usize::from(ObjectId::MAX) + 1 {
+        return Err(TrafficError::TooManyObjects { scene, wanted, first });
+    }
+    Ok((usize::from(first)..last).map(|id| id as ObjectId).collect())
+}
+
+/// Tags of a model's parts.
+pub(crate) fn tags(base: BaseType) -> Vec<u8> {
+    base.tags().iter().map(|&t| t as u8).collect()
+}

@@ -1,0 +1,385 @@
+//! Vehicles on their routes: who is ahead, how fast to go, where the next step leads.
+
+use std::collections::VecDeque;
+
+use nalgebra::Point3;
+use random::Stream;
+use schema::FRAME_PERIOD_S;
+use schema::models::{BaseType, Model};
+
+use crate::bodies::Body;
+use crate::driver::{Idm, envelope};
+use crate::junction::Held;
+use crate::net::{Net, PLANNED_BRAKING};
+use crate::ways::Place;
+
+/// Bicycles go no faster, m/s.
+const BICYCLE_MPS: f64 = 8.0;
+/// Lookahead at rest, metres.
+const NEAR_M: f64 = 40.0;
+/// Other lanes' traffic is looked at this far before a merge, metres.
+const MERGE_VIEW_M: f64 = 40.0;
+/// Gap to a walker on the road, metres.
+const WALKER_GAP_M: f64 = 2.0;
+/// Gap to the place before a line where drivers come to rest, metres.
+const LINE_GAP_M: f64 = 0.2;
+/// Half the length of road that a walker needs, metres.
+const WALKER_HALF_M: f64 = 0.6;
+/// Vehicles longer than this steer their rear wheels a little, too, or they would not get round town corners, metres.
+const LONG_M: f64 = 7.0;
+/// The point of such a vehicle that never slides sideways is this far behind its middle, metres.
+const STEERED_HITCH_M: f64 = 1.6;
+/// Largest steering angle, radians.
+const MAX_STEER_RAD: f64 = 0.7;
+
+/// Who drives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Driver {
+    pub(crate) reckless: bool,
+    pub(crate) distracted: bool,
+    /// Speed below the limit as a share of it.
+    pub(crate) speed_difference: f64,
+    pub(crate) idm: Idm,
+}
+
+impl Driver {
+    pub(crate) fn new(
+        model: &Model,
+        reckless: bool,
+        distracted: bool,
+        speed_difference: f64,
+        standstill_gap_m: f64,
+    ) -> Self {
+        let acceleration = match model.base {
+            BaseType::Truck | BaseType::Bus => 1.3,
+            BaseType::Bicycle => 1.2,
+            _ => 2.0,
+        };
+        let idm =
+            Idm { acceleration, braking: 2.5, headway_s: 1.2, standstill_gap_m: standstill_gap_m.max(1.0) };
+        Self { reckless, distracted, speed_difference, idm }
+    }
+}
+
+/// A vehicle. The followed point is the middle of its footprint, which moves along the route.
+#[derive(Debug)]
+pub(crate) struct Vehicle {
+    pub(crate) model: &'static Model,
+    pub(crate) driver: Driver,
+    /// Branches are drawn from it.
+    pub(crate) stream: Stream,
+    /// Lanes from the one it is on.
+    pub(crate) route: VecDeque<usize>,
+    /// Way on the first lane, metres.
+    pub(crate) along_m: f64,
+    /// Way since the start, metres.
+    pub(crate) odometer_m: f64,
+    pub(crate) speed_mps: f64,
+    pub(crate) acceleration_mps2: f64,
+    pub(crate) yaw_rad: f64,
+    pub(crate) place: Place,
+    pub(crate) steer_rad: f64,
+    /// It hit or was hit: nobody drives it any more.
+    pub(crate) crashed: bool,
+    /// Junction lanes that are kept free for it.
+    pub(crate) held: Vec<Held>,
+    /// Step at which it came to the line that it waits at.
+    pub(crate) waiting_since: Option<u32>,
+    /// Steps it has stood still at a stop sign.
+    pub(crate) stood_steps: u32,
+    pub(crate) body: Body,
+}
+
+impl Vehicle {
+    pub(crate) fn half_length_m(&self) -> f64 {
+        0.5 * self.model.size_m[0]
+    }
+
+    /// How far ahead it looks, metres.
+    pub(crate) fn view_m(&self) -> f64 {
+        NEAR_M + 2.0 * self.speed_mps + self.speed_mps * self.speed_mps / (2.0 * PLANNED_BRAKING)
+    }
+
+    /// The wished speed on a lane without traffic and curves, m/s.
+    fn lane_speed(&self, net: &Net, lane: usize) -> f64 {
+        let speed = net.lanes[lane].limit_mps * (1.0 - self.driver.speed_difference);
+        if self.model.base == BaseType::Bicycle { speed.min(BICYCLE_MPS) } else { speed }
+    }
+
+    /// Draws branches until the route reaches beyond the view.
+    pub(crate) fn extend_route(&mut self, net: &Net) {
+        let mut ahead: f64 =
+            self.route.iter().map(|&l| net.lanes[l].way.length_m).sum::<f64>() - self.along_m;
+        let reach = self.view_m() + 60.0;
+        while ahead < reach {
+            let Some(&last) = self.route.back() else { return };
+            let Some(&next) = self.stream.choose(&net.lanes[last].next) else { return };
+            self.route.push_back(next);
+            ahead += net.lanes[next].way.length_m;
+        }
+    }
+
+    /// The lanes of the route with the way from the vehicle's middle to their beginnings (negative for the first).
+    pub(crate) fn lanes_ahead<'a>(&'a self, net: &'a Net) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let mut to = -self.along_m;
+        self.route.iter().map(move |&lane| {
+            let start = to;
+            to += net.lanes[lane].way.length_m;
+            (lane, start)
+        })
+    }
+
+    /// The wished speed here: limits and curves, ahead too, and the end of the road.
+    pub(crate) fn wished_speed(&self, net: &Net) -> f64 {
+        let mut wished = f64::INFINITY;
+        let view = self.view_m();
+        let mut end = 0.0;
+        for (lane, start) in self.lanes_ahead(net) {
+            if start > view {
+                return wished.max(0.1);
+            }
+            let (limit, curve) = if start <= 0.0 {
+                (self.lane_speed(net, lane), net.curve_speed(lane, self.along_m))
+            } else {
+                let before = start - self.half_length_m();
+                (
+                    envelope(self.lane_speed(net, lane), before, PLANNED_BRAKING),
+                    envelope(net.lanes[lane].curve_mps[0], before, PLANNED_BRAKING),
+                )
+            };
+            wished = wished.min(limit).min(curve);
+            end = start + net.lanes[lane].usable_m;
+        }
+        // The route ends within view: the road is a dead end.
+        wished.min(envelope(0.0, end - self.half_length_m() - 1.0, PLANNED_BRAKING)).max(0.1)
+    }
+}
+
+/// Something on a lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spot {
+    pub(crate) along_m: f64,
+    pub(crate) half_length_m: f64,
+    pub(crate) speed_mps: f64,
+    /// Index of the vehicle.
+    pub(crate) vehicle: usize,
+}
+
+/// What is on each lane in this step.
+#[derive(Debug, Default)]
+pub(crate) struct Occupancy {
+    pub(crate) vehicles: Vec<Vec<Spot>>,
+    /// Metres along the lane at which walkers are about to cross it.
+    pub(crate) walkers: Vec<Vec<f64>>,
+    touched: Vec<usize>,
+}
+
+impl Occupancy {
+    pub(crate) fn new(lanes: usize) -> Self {
+        Self { vehicles: vec![Vec::new(); lanes], walkers: vec![Vec::new(); lanes], touched: Vec::new() }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        for lane in self.touched.drain(..) {
+            self.vehicles[lane].clear();
+            self.walkers[lane].clear();
+        }
+    }
+
+    pub(crate) fn add_vehicle(&mut self, lane: usize, spot: Spot) {
+        self.touched.push(lane);
+        self.vehicles[lane].push(spot);
+    }
+
+    pub(crate) fn add_walker(&mut self, lane: usize, along_m: f64) {
+        self.touched.push(lane);
+        self.walkers[lane].push(along_m);
+    }
+
+    /// Rebuilds the vehicles' places. Crashed ones block every lane that their footprint touches.
+    pub(crate) fn fill(&mut self, net: &Net, vehicles: &[Vehicle]) {
+        self.clear();
+        for (i, vehicle) in vehicles.iter().enumerate() {
+            let half_length_m = vehicle.half_length_m();
+            if !vehicle.crashed {
+                let spot = Spot {
+                    along_m: vehicle.along_m,
+                    half_length_m,
+                    speed_mps: vehicle.speed_mps,
+                    vehicle: i,
+                };
+                self.add_vehicle(vehicle.route[0], spot);
+                continue;
+            }
+            let (sin, cos) = frames::math::sin_cos(vehicle.yaw_rad);
+            let half_width = 0.5 * vehicle.model.size_m[1];
+            for part in [-1.0, -0.5, 0.0, 0.5, 1.0] {
+                let off = part * half_length_m;
+                let at = vehicle.place.point + nalgebra::Vector3::new(cos * off, sin * off, 0.0);
+                for (lane, along_m) in net.lanes_at(&at, half_width - 0.4) {
+                    let spot = Spot {
+                        along_m,
+                        half_length_m: half_width.max(0.25 * half_length_m),
+                        speed_mps: 0.0,
+                        vehicle: i,
+                    };
+                    self.add_vehicle(lane, spot);
+                }
+            }
+        }
+    }
+
+    /// The nearest vehicle ahead of `me` on its route: gap between bumpers, and speed. Vehicles that branch off or merge
+    /// count while they overlap.
+    pub(crate) fn leader(&self, net: &Net, vehicles: &[Vehicle], me: usize) -> Option<(f64, f64)> {
+        let vehicle = &vehicles[me];
+        let (own_half, view) = (vehicle.half_length_m(), vehicle.view_m());
+        let mut best: Option<(f64, f64)> = None;
+        let mut consider = |to_m: f64, spot: &Spot| {
+            let gap = to_m - own_half - spot.half_length_m;
+            if spot.vehicle != me && to_m > 0.0 && best.is_none_or(|b| gap < b.0) {
+                best = Some((gap, spot.speed_mps));
+            }
+        };
+        let mut found_on_lane = false;
+        for (k, (lane, start)) in vehicle.lanes_ahead(net).enumerate() {
+            if start > view || found_on_lane {
+                break;
+            }
+            for spot in &self.vehicles[lane] {
+                let to = start + spot.along_m;
+                // Two at the very same place: the one with the lower number goes first.
+                let to = if to == 0.0 && spot.vehicle < me { 1e-6 } else { to };
+                found_on_lane |= spot.vehicle != me && to > 0.0;
+                consider(to, spot);
+            }
+            for &(sibling, zone) in &net.lanes[lane].diverging {
+                for spot in &self.vehicles[sibling] {
+                    if spot.along_m - spot.half_length_m < zone {
+                        consider(start + spot.along_m, spot);
+                    }
+                }
+            }
+            let length = net.lanes[lane].way.length_m;
+            let own_to_end = start + length;
+            if own_to_end > MERGE_VIEW_M + 20.0 {
+                continue;
+            }
+            for &(sibling, zone) in &net.lanes[lane].merging {
+                let sibling_length = net.lanes[sibling].way.length_m;
+                for spot in &self.vehicles[sibling] {
+                    let to_end = sibling_length - spot.along_m;
+                    let first = to_end < own_to_end || (to_end == own_to_end && spot.vehicle < me);
+                    let near = to_end < zone + MERGE_VIEW_M && k < 2;
+                    if first && near {
+                        consider((own_to_end - to_end).max(1e-6), spot);
+                    }
+                }
+            }
+        }
+        best
+    }
+
+    /// The gap to the nearest place ahead where a walker is about to cross.
+    pub(crate) fn walker_gap(&self, net: &Net, vehicle: &Vehicle) -> Option<f64> {
+        let mut best: Option<f64> = None;
+        for (lane, start) in vehicle.lanes_ahead(net) {
+            if start > vehicle.view_m() {
+                break;
+            }
+            for along in &self.walkers[lane] {
+                let gap = start + along - vehicle.half_length_m() - WALKER_HALF_M;
+                // One who is beside or behind the front is not run over by going on.
+                if gap > -0.3 && best.is_none_or(|b| gap < b) {
+                    best = Some(gap);
+                }
+            }
+        }
+        best
+    }
+}
+
+/// The acceleration a driver wishes for, given the gap to the line it must stop at.
+pub(crate) fn wished_acceleration(
+    net: &Net,
+    occupancy: &Occupancy,
+    vehicles: &[Vehicle],
+    me: usize,
+    line_m: Option<f64>,
+    speed_cap_mps: f64,
+) -> f64 {
+    let vehicle = &vehicles[me];
+    let idm = vehicle.driver.idm;
+    let speed = vehicle.speed_mps;
+    let wished = vehicle.wished_speed(net).min(speed_cap_mps).max(0.1);
+    let mut acceleration = idm.free(speed, wished);
+    if vehicle.driver.reckless {
+        return acceleration;
+    }
+    if let Some((gap, ahead)) = occupancy.leader(net, vehicles, me) {
+        acceleration = acceleration.min(idm.following(speed, wished, gap, ahead));
+    }
+    if let Some(gap) = occupancy.walker_gap(net, vehicle) {
+        let idm = Idm { standstill_gap_m: WALKER_GAP_M, ..idm };
+        acceleration = acceleration.min(idm.following(speed, wished, gap, 0.0));
+    }
+    if let Some(gap) = line_m {
+        let idm = Idm { standstill_gap_m: LINE_GAP_M, headway_s: 0.6, ..idm };
+        acceleration = acceleration.min(idm.following(speed, wished, gap, 0.0));
+    }
+    acceleration
+}
+
+impl Vehicle {
+    /// Moves the followed point one step along the route, and turns the body after it: the rear axle never slides
+    /// sideways (the kinematic bicycle with its reference in the middle between the axles).
+    pub(crate) fn advance(&mut self, net: &Net, acceleration_mps2: f64) {
+        let dt = FRAME_PERIOD_S;
+        let mut speed = (self.speed_mps + acceleration_mps2 * dt).max(0.0);
+        if speed < 0.02 && acceleration_mps2 < 0.1 {
+            speed = 0.0;
+        }
+        let mut step = 0.5 * (self.speed_mps + speed) * dt;
+        let remaining: f64 =
+            self.route.iter().map(|&l| net.lanes[l].way.length_m).sum::<f64>() - self.along_m;
+        if step >= remaining {
+            step = remaining.max(0.0);
+            speed = 0.0;
+        }
+        self.acceleration_mps2 = (speed - self.speed_mps) / dt;
+        self.speed_mps = speed;
+        if step > 0.0 {
+            self.along_m += step;
+            self.odometer_m += step;
+            while self.route.len() > 1 && self.along_m >= net.lanes[self.route[0]].way.length_m {
+                self.along_m -= net.lanes[self.route[0]].way.length_m;
+                self.route.pop_front();
+            }
+            self.extend_route(net);
+            self.place = net.lanes[self.route[0]].way.place(self.along_m);
+            // A wheel dragged along a line: tan(slip / 2) decays with the way over the distance from the rear axle.
+            let half_base = 0.5 * self.model.wheelbase_m.max(0.5);
+            let hitch =
+                if self.model.size_m[0] > LONG_M { half_base.min(STEERED_HITCH_M) } else { half_base };
+            let slip = frames::wrap_pi(self.place.heading_rad - self.yaw_rad).clamp(-1.5, 1.5);
+            let half = frames::math::tan(0.5 * slip) * frames::math::exp(-step / hitch);
+            let slip = 2.0 * frames::math::atan(half);
+            self.yaw_rad = frames::wrap_pi(self.place.heading_rad - slip);
+            // Bicycle model: the front axle turns about the same point as the middle does.
+            let front = (hitch + half_base) / hitch;
+            self.steer_rad =
+                frames::math::atan(front * frames::math::tan(slip)).clamp(-MAX_STEER_RAD, MAX_STEER_RAD);
+        }
+    }
+
+    /// Ground point under a crashed vehicle: the plane of the last place on the route.
+    pub(crate) fn slide_to(&mut self, x_m: f64, y_m: f64) {
+        let place = &mut self.place;
+        let (sin, cos) = frames::math::sin_cos(place.heading_rad);
+        let (dx, dy) = (x_m - place.point.x, y_m - place.point.y);
+        let (ahead, left) = (dx * cos + dy * sin, dy * cos - dx * sin);
+        let z = place.point.z - ahead * frames::math::tan(place.pitch_rad)
+            + left * frames::math::tan(place.roll_rad);
+        place.point = Point3::new(x_m, y_m, z);
+    }
+}

@@ -1,0 +1,274 @@
+//! Small networks, plans and checks for the tests.
+#![allow(dead_code)] // Each test binary uses its part.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use frames::math::sin_cos;
+use opendrive::{
+    Connection, ContactPoint, Controller, Cubic, Geometry, Junction, JunctionController, Lane, LaneLink,
+    LaneSection, LaneType, LaneValidity, Map, Network, Road, RoadLink, RoadType, Signal, Speed, SpeedUnit,
+    read_bytes,
+};
+use schema::settings::{
+    AgentSettings, AnnotationSettings, BevSettings, DatasetSettings, LightSettings, OccupancySettings, Rig,
+    TimingSettings, TrafficSettings, WalkerSettings, WeatherSettings, WorldSettings,
+};
+use schema::tables::{ActorRow, PlanAgentRow, PlanSceneRow, StateRow, Weather};
+use traffic::{SceneInput, SceneLog, simulate};
+
+pub(crate) fn settings() -> DatasetSettings {
+    DatasetSettings {
+        name: "test".into(),
+        seed: 27,
+        scenes: Vec::new(),
+        agents: AgentSettings::default(),
+        timing: TimingSettings::default(),
+        traffic: TrafficSettings {
+            reckless_background: 0.0,
+            distracted_background: 0.0,
+            ..TrafficSettings::default()
+        },
+        walkers: WalkerSettings::default(),
+        weather: WeatherSettings::default(),
+        lights: LightSettings::default(),
+        world: WorldSettings::default(),
+        vehicle_rig: Rig::vehicle(),
+        rsu_rig: Rig::rsu(),
+        annotation: AnnotationSettings::default(),
+        bev: BevSettings::default(),
+        vehicle_occupancy: OccupancySettings::default(),
+        rsu_occupancy: OccupancySettings::default(),
+    }
+}
+
+pub(crate) fn scene(duration_s: f64) -> PlanSceneRow {
+    PlanSceneRow {
+        scene: 1,
+        split: "train".into(),
+        map: "test".into(),
+        map_hash: String::new(),
+        seed: 28,
+        duration_s,
+        frames: (duration_s * 20.0).round() as u32,
+        warmup_s: 2.0,
+        spawn_mode: "chained".into(),
+        dynamic_weather: true,
+        initial_weather: Weather::default().to_array(),
+        final_weather: Weather { sun_altitude_deg: -20.0, ..Weather::default() }.to_array(),
+        spawn_radius_m: 500.0,
+        background_vehicles: Some(0),
+        walkers: 0,
+        walker_cross_factor: 0.5,
+    }
+}
+
+pub(crate) fn agent(index: usize, xyz_m: [f64; 3], yaw_rad: f64) -> PlanAgentRow {
+    PlanAgentRow {
+        scene: 1,
+        agent: format!("vehicle_{index}"),
+        model: "car.sedan".into(),
+        color: vec![0, 0, 0],
+        xyz_m,
+        rpy_rad: [0.0, 0.0, yaw_rad],
+        reckless: false,
+        distracted: false,
+        speed_difference: 0.0,
+        standstill_gap_m: 4.0,
+        signal: None,
+    }
+}
+
+fn lane(id: i16, lane_type: LaneType, width_m: f64) -> Lane {
+    Lane { id, lane_type, widths: vec![Cubic::constant(width_m)], ..Lane::default() }
+}
+
+fn town_road(id: &str, x_m: f64, y_m: f64, hdg_rad: f64, length_m: f64, section: LaneSection) -> Road {
+    Road {
+        id: id.into(),
+        length_m,
+        types: vec![RoadType {
+            s: 0.0,
+            kind: "town".into(),
+            speed: Some(Speed { max: 50.0, unit: SpeedUnit::KilometresPerHour }),
+        }],
+        plan_view: vec![Geometry { x_m, y_m, hdg_rad, length_m, ..Geometry::default() }],
+        sections: vec![section],
+        ..Road::default()
+    }
+}
+
+/// A straight road to the east: a lane and a sidewalk each way.
+pub(crate) fn straight(length_m: f64) -> Map {
+    let side = |sign: i16| vec![lane(sign, LaneType::Driving, 3.5), lane(2 * sign, LaneType::Sidewalk, 3.0)];
+    let section = LaneSection { left: side(1), right: side(-1), ..LaneSection::default() };
+    Map::new(Network { roads: vec![town_road("1", 0.0, 0.0, 0.0, length_m, section)], ..Network::default() })
+}
+
+/// Four arms of 200 m; straight ways through the middle. With signals: two controllers in turn.
+pub(crate) fn crossing(signals: bool) -> Map {
+    let arms = [0.0, 0.5, 1.0, 1.5].map(|half_turns| half_turns * std::f64::consts::PI);
+    let mut network = Network::default();
+    for (i, &angle) in arms.iter().enumerate() {
+        let (sin, cos) = sin_cos(angle);
+        let driving = |id: i16| vec![lane(id, LaneType::Driving, 3.5)];
+        let section = LaneSection { left: driving(1), right: driving(-1), ..LaneSection::default() };
+        let mut road = town_road(&i.to_string(), 10.0 * cos, 10.0 * sin, angle, 200.0, section);
+        road.predecessor = Some(RoadLink::Junction { id: "j".into() });
+        network.roads.push(road);
+    }
+    let mut junction = Junction { id: "j".into(), ..Junction::default() };
+    for (i, &angle) in arms.iter().enumerate() {
+        let (sin, cos) = sin_cos(angle);
+        let mut through = lane(-1, LaneType::Driving, 3.5);
+        (through.predecessors, through.successors) = (vec![1], vec![-1]);
+        let section = LaneSection { right: vec![through], ..LaneSection::default() };
+        let heading = angle + std::f64::consts::PI;
+        let id = (10 + i).to_string();
+        let mut road = town_road(&id, 10.0 * cos, 10.0 * sin, heading, 20.0, section);
+        road.junction = Some("j".into());
+        road.predecessor = Some(RoadLink::Road { id: i.to_string(), contact: ContactPoint::Start });
+        road.successor = Some(RoadLink::Road { id: ((i + 2) % 4).to_string(), contact: ContactPoint::Start });
+        if signals {
+            road.signals.push(Signal {
+                id: format!("s{i}"),
+                dynamic: true,
+                t: -5.0,
+                validity: vec![LaneValidity { from: -1, to: -1 }],
+                ..Signal::default()
+            });
+        }
+        junction.connections.push(Connection {
+            id: i.to_string(),
+            incoming_road: i.to_string(),
+            connecting_road: id,
+            contact: ContactPoint::Start,
+            lane_links: vec![LaneLink { from: 1, to: -1 }],
+        });
+        network.roads.push(road);
+    }
+    if signals {
+        for (id, members) in [("a", ["s0", "s2"]), ("b", ["s1", "s3"])] {
+            let signals = members.map(String::from).to_vec();
+            network.controllers.push(Controller { id: id.into(), signals, ..Controller::default() });
+            junction.controllers.push(JunctionController { id: id.into(), ..JunctionController::default() });
+        }
+    }
+    network.junctions.push(junction);
+    Map::new(network)
+}
+
+/// A real map, or None (with a line that says so) where the maps are not at hand.
+#[allow(clippy::print_stdout)] // Says why a test passes without testing.
+pub(crate) fn carla(name: &str) -> Option<Map> {
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/maps/carla")).join(name);
+    match std::fs::read(&path) {
+        Ok(bytes) => Some(Map::new(read_bytes(&bytes).expect("a readable map"))),
+        Err(_) => {
+            println!("skipped: {} is absent", path.display());
+            None
+        }
+    }
+}
+
+/// A traffic light of the scenery for every dynamic signal, ids from 1.
+pub(crate) fn lights(map: &Map) -> Vec<ActorRow> {
+    let dynamic = map.signals().iter().filter(|s| s.dynamic);
+    dynamic
+        .enumerate()
+        .map(|(i, signal)| ActorRow {
+            id: i as u16 + 1,
+            kind: "traffic_light".into(),
+            model: "light".into(),
+            role: "scenery".into(),
+            semantic_tags: vec![7],
+            length_m: 0.3,
+            width_m: 0.3,
+            height_m: 4.0,
+            color: vec![0, 0, 0],
+            fixed: true,
+            xyz_m: signal.on_surface.into(),
+            quaternion: signal.pose.wxyz(),
+            variant: 0,
+            parent: None,
+            opendrive_id: Some(signal.id.clone()),
+            attributes: "{}".into(),
+        })
+        .collect()
+}
+
+pub(crate) fn run(
+    map: &Map,
+    scene: &PlanSceneRow,
+    agents: &[PlanAgentRow],
+    settings: &DatasetSettings,
+) -> SceneLog {
+    let fixed = lights(map);
+    let input = SceneInput { map, scene, agents, settings, fixed: &fixed, first_id: fixed.len() as u16 + 1 };
+    simulate(&input, &mut |_, _| ControlFlow::Continue(())).expect("a log")
+}
+
+/// Agents on spawn points of a map: every `stride`-th driving lane outside junctions that is long enough.
+pub(crate) fn agents_on(map: &Map, count: usize, stride: usize) -> Vec<PlanAgentRow> {
+    let lanes = map
+        .lanes()
+        .iter()
+        .filter(|l| l.lane_type.is_drivable() && l.junction.is_none() && l.s_length() > 30.0);
+    let rows = lanes.step_by(stride).take(count).enumerate().map(|(i, l)| {
+        let at = map.lane_point(l.id, 0.5 * (l.s_start + l.s_end), 0.0).expect("a lane");
+        agent(i, at.position.into(), at.heading_rad)
+    });
+    rows.collect()
+}
+
+/// States of each object, in frame order.
+pub(crate) fn tracks(log: &SceneLog) -> BTreeMap<u16, Vec<&StateRow>> {
+    let mut tracks: BTreeMap<u16, Vec<&StateRow>> = BTreeMap::new();
+    for state in &log.states {
+        tracks.entry(state.id).or_default().push(state);
+    }
+    tracks
+}
+
+pub(crate) fn yaw(q: [f64; 4]) -> f64 {
+    let [w, x, y, z] = q;
+    frames::math::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+}
+
+/// Whether two footprints overlap (separating axes in the plane), decks apart.
+pub(crate) fn touch(a: &StateRow, a_size: [f64; 2], b: &StateRow, b_size: [f64; 2]) -> bool {
+    if (a.xyz_m[2] - b.xyz_m[2]).abs() > 3.0 {
+        return false;
+    }
+    let (ya, yb) = (yaw(a.quaternion), yaw(b.quaternion));
+    let away = [b.xyz_m[0] - a.xyz_m[0], b.xyz_m[1] - a.xyz_m[1]];
+    [ya, ya + std::f64::consts::FRAC_PI_2, yb, yb + std::f64::consts::FRAC_PI_2].iter().all(|&axis| {
+        let reach = |yaw: f64, size: [f64; 2]| {
+            let (sin, cos) = sin_cos(yaw - axis);
+            0.5 * (size[0] * cos.abs() + size[1] * sin.abs())
+        };
+        let (sin, cos) = sin_cos(axis);
+        (away[0] * cos + away[1] * sin).abs() < reach(ya, a_size) + reach(yb, b_size)
+    })
+}
+
+/// Pairs of a kind of actors that overlap in any frame.
+pub(crate) fn collisions(log: &SceneLog, with_walkers: bool) -> Vec<(i32, u16, u16)> {
+    let size: BTreeMap<u16, ([f64; 2], bool)> =
+        log.actors.iter().map(|a| (a.id, ([a.length_m, a.width_m], a.kind == "walker"))).collect();
+    let mut found = Vec::new();
+    for frame in log.states.chunk_by(|a, b| a.frame == b.frame) {
+        for (i, a) in frame.iter().enumerate() {
+            for b in &frame[i + 1..] {
+                let (sa, sb) = (size[&a.id], size[&b.id]);
+                let wanted = if with_walkers { !sa.1 && sb.1 } else { !sa.1 && !sb.1 };
+                let near = (a.xyz_m[0] - b.xyz_m[0]).abs() < 14.0 && (a.xyz_m[1] - b.xyz_m[1]).abs() < 14.0;
+                if wanted && near && touch(a, sa.0, b, sb.0) {
+                    found.push((a.frame, a.id, b.id));
+                }
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,253 @@
+//! Scenes on hand-made networks and, where they are at hand, on real maps.
+
+mod common;
+
+use common::{agent, agents_on, carla, collisions, crossing, run, scene, settings, straight, tracks, yaw};
+use nalgebra::Point3;
+use opendrive::Map;
+use schema::tables::Weather;
+use traffic::{Idm, SceneLog, equilibrium_gap_m};
+
+fn assert_sound(log: &SceneLog, frames: u32) {
+    let moving = log.actors.iter().filter(|a| !a.fixed).count();
+    assert_eq!(log.states.len(), moving * (frames as usize + 1));
+    assert!(log.states.windows(2).all(|p| (p[0].frame, p[0].id) < (p[1].frame, p[1].id)));
+    assert_eq!((log.states[0].frame, log.states[log.states.len() - 1].frame), (-1, frames as i32 - 1));
+    assert_eq!(log.frames.len(), frames as usize);
+    for s in &log.states {
+        let numbers = s.xyz_m.iter().chain(&s.quaternion).all(|v| v.is_finite());
+        assert!(
+            numbers
+                && s.velocity_mps.iter().all(|v| v.is_finite())
+                && s.phase_rad.is_finite()
+                && s.steer_rad.is_finite()
+        );
+    }
+}
+
+/// Largest distance of a vehicle from the middle of a driving lane.
+fn worst_offset(map: &Map, log: &SceneLog) -> f64 {
+    let vehicles: Vec<u16> = log.actors.iter().filter(|a| a.kind == "vehicle").map(|a| a.id).collect();
+    let sampled = log.states.iter().filter(|s| s.frame % 10 == 0 && vehicles.binary_search(&s.id).is_ok());
+    sampled
+        .map(|s| map.nearest_driving_lane(Point3::from(s.xyz_m)).map_or(f64::INFINITY, |h| h.distance_m))
+        .fold(0.0, f64::max)
+}
+
+/// Vehicles whose front passed a stop line while the light behind it was red: (frame, id).
+fn red_runs(map: &Map, log: &SceneLog, lights: &[schema::tables::ActorRow]) -> Vec<(i32, u16)> {
+    let mut runs = Vec::new();
+    let tracks = tracks(log);
+    for (index, signal) in map.signals().iter().enumerate().filter(|(_, s)| s.dynamic) {
+        let Some(light) = lights.iter().find(|l| l.opendrive_id.as_ref() == Some(&signal.id)) else {
+            continue;
+        };
+        let states: Vec<&str> =
+            log.signals.iter().filter(|r| r.id == light.id).map(|r| r.state.as_str()).collect();
+        for stop in map.stop_points(index) {
+            let Some(line) = map.point_at(stop) else { continue };
+            let (sin, cos) = frames::math::sin_cos(line.heading_rad);
+            for actor in log.actors.iter().filter(|a| a.kind == "vehicle") {
+                let past = |i: usize| {
+                    let s = tracks[&actor.id][i];
+                    let (dx, dy) = (s.xyz_m[0] - line.position.x, s.xyz_m[1] - line.position.y);
+                    let (ahead, aside) = (dx * cos + dy * sin, dy * cos - dx * sin);
+                    let along = frames::wrap_pi(yaw(s.quaternion) - line.heading_rad).abs() < 0.5;
+                    (
+                        ahead + 0.5 * actor.length_m,
+                        aside.abs() < 1.0 && along && (s.xyz_m[2] - line.position.z).abs() < 2.0,
+                    )
+                };
+                for (i, state) in states.iter().enumerate().skip(1) {
+                    let ((before, on), (after, _)) = (past(i - 1), past(i));
+                    // All ways from this line that the light controls: a red one among several is enough to stop.
+                    if on && before <= 0.0 && after > 0.0 && *state == "Red" {
+                        runs.push((i as i32 - 1, actor.id));
+                    }
+                }
+            }
+        }
+    }
+    runs
+}
+
+#[test]
+fn a_follower_keeps_its_gap() {
+    let map = straight(1200.0);
+    let mut agents = vec![agent(0, [60.0, -1.75, 0.0], 0.0), agent(1, [20.0, -1.75, 0.0], 0.0)];
+    agents[0].speed_difference = 0.5;
+    let log = run(&map, &scene(40.0), &agents, &settings());
+    assert_sound(&log, 800);
+    let tracks = tracks(&log);
+    let [leader, follower] = [&tracks[&1], &tracks[&2]].map(|t| t[t.len() - 1]);
+    let gap = leader.xyz_m[0] - follower.xyz_m[0] - 4.7;
+    let idm = Idm { acceleration: 2.0, braking: 2.5, headway_s: 1.2, standstill_gap_m: 4.0 };
+    let expected = equilibrium_gap_m(&idm, 0.5 * 50.0 / 3.6, 50.0 / 3.6);
+    assert!((gap - expected).abs() < 0.3, "{gap} instead of {expected}");
+    assert!((f64::from(follower.velocity_mps[0]) - 25.0 / 3.6).abs() < 0.1);
+    // Wheels turn with the way.
+    let way = follower.xyz_m[0] - 20.0;
+    assert!(
+        (f64::from(follower.phase_rad) - way / 0.33).abs() < 0.1,
+        "{} {}",
+        follower.phase_rad,
+        way / 0.33
+    );
+    assert!(collisions(&log, false).is_empty());
+}
+
+#[test]
+fn a_reckless_driver_runs_into_a_slow_one() {
+    let map = straight(600.0);
+    let mut agents = vec![agent(0, [60.0, -1.75, 0.0], 0.0), agent(1, [20.0, -1.75, 0.0], 0.0)];
+    agents[0].speed_difference = 0.9;
+    agents[1].reckless = true;
+    let log = run(&map, &scene(20.0), &agents, &settings());
+    assert_sound(&log, 400);
+    let tracks = tracks(&log);
+    let speed = |id: u16, i: usize| tracks[&id][i].velocity_mps[0];
+    // Both come to rest, the one hit having been pushed to a higher speed than it ever wished for.
+    let pushed = (0..401).map(|i| speed(1, i)).fold(0.0, f32::max);
+    assert!(pushed > 2.0, "{pushed}");
+    assert!(speed(1, 400).abs() < 0.01 && speed(2, 400).abs() < 0.01);
+    // The solver keeps them apart but for a little penetration.
+    let gap =
+        (0..401).map(|i| tracks[&1][i].xyz_m[0] - tracks[&2][i].xyz_m[0] - 4.7).fold(f64::INFINITY, f64::min);
+    assert!((-0.6..0.3).contains(&gap), "{gap}");
+}
+
+#[test]
+fn signals_are_obeyed_at_a_crossing() {
+    let map = crossing(true);
+    let mut agents = Vec::new();
+    for (arm, (sin, cos)) in
+        [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)].into_iter().map(|(c, s)| (s, c)).enumerate()
+    {
+        for k in 0..3 {
+            // On the right of the way in, which is on the left of the arm's outward direction.
+            let d = 50.0 + 25.0 * f64::from(k);
+            let at = [d * cos - 1.75 * sin, d * sin + 1.75 * cos, 0.0];
+            agents.push(agent(3 * arm + k as usize, at, frames::math::atan2(-sin, -cos)));
+        }
+    }
+    let mut settings = settings();
+    settings.traffic.green_time_s = Some(6.0);
+    let log = run(&map, &scene(40.0), &agents, &settings);
+    assert_sound(&log, 800);
+    assert_eq!(red_runs(&map, &log, &common::lights(&map)), []);
+    assert!(collisions(&log, false).is_empty());
+    // Both directions get through in the end.
+    let tracks = tracks(&log);
+    let through = agents.iter().enumerate().filter(|(i, a)| {
+        let last = tracks[&(*i as u16 + 5)].last().expect("states");
+        last.xyz_m[0] * a.xyz_m[0] + last.xyz_m[1] * a.xyz_m[1] < 0.0
+    });
+    assert_eq!(through.count(), agents.len());
+    // Opposite lights agree, crossing ones are never both open.
+    for frame in log.signals.chunk_by(|a, b| a.frame == b.frame) {
+        assert!(frame[0].state == frame[2].state && frame[1].state == frame[3].state);
+        assert!(frame[0].state == "Red" || frame[1].state == "Red");
+    }
+}
+
+#[test]
+fn an_unsignalised_crossing_is_shared_without_touching() {
+    let map = crossing(false);
+    let mut agents = Vec::new();
+    for (arm, (cos, sin)) in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)].into_iter().enumerate() {
+        for k in 0..4 {
+            let d = 40.0 + 20.0 * f64::from(k);
+            let at = [d * cos - 1.75 * sin, d * sin + 1.75 * cos, 0.0];
+            agents.push(agent(4 * arm + k as usize, at, frames::math::atan2(-sin, -cos)));
+        }
+    }
+    let log = run(&map, &scene(40.0), &agents, &settings());
+    assert!(collisions(&log, false).is_empty());
+    let tracks = tracks(&log);
+    let through = agents.iter().enumerate().filter(|(i, a)| {
+        let last = tracks[&(*i as u16 + 1)].last().expect("states");
+        last.xyz_m[0] * a.xyz_m[0] + last.xyz_m[1] * a.xyz_m[1] < 0.0
+    });
+    assert_eq!(through.count(), agents.len());
+}
+
+#[test]
+fn frames_carry_the_weather_and_lamps() {
+    let map = straight(300.0);
+    let log = run(&map, &scene(4.0), &[agent(0, [20.0, -1.75, 0.0], 0.0)], &settings());
+    let first = Weather::default().sun_altitude_deg;
+    let last = &log.frames[79];
+    assert!((last.sun_altitude_deg + 20.0).abs() < 1e-9 && last.street_lamps);
+    assert!(
+        (log.frames[0].sun_altitude_deg - (first - (first + 20.0) / 80.0)).abs() < 1e-9
+            && !log.frames[0].street_lamps
+    );
+    assert_eq!(log.states[80].lights & schema::lights::LOW_BEAM, schema::lights::LOW_BEAM);
+    assert_eq!(log.states[1].lights & schema::lights::POSITION, 0);
+}
+
+#[test]
+fn walkers_stay_on_sidewalks_or_cross() {
+    let map = straight(400.0);
+    let mut scene = scene(30.0);
+    scene.walkers = 60;
+    scene.background_vehicles = Some(12);
+    let log = run(&map, &scene, &[agent(0, [20.0, -1.75, 0.0], 0.0)], &settings());
+    assert_sound(&log, 600);
+    assert_eq!(log.n_walkers, 60);
+    let tracks = tracks(&log);
+    let mut crossed = 0;
+    for actor in log.actors.iter().filter(|a| a.kind == "walker") {
+        let anywhere = actor.attributes.contains("\"true\"");
+        let track = &tracks[&actor.id];
+        let on_road = track.iter().filter(|s| s.xyz_m[1].abs() < 3.5).count();
+        crossed += usize::from(on_road > 0);
+        assert!(anywhere || on_road == 0);
+        assert!(track.iter().all(|s| s.xyz_m[1].abs() < 6.5 && (0.0..=400.0).contains(&s.xyz_m[0])));
+        let steps = track.windows(2).map(|p| (Point3::from(p[1].xyz_m) - Point3::from(p[0].xyz_m)).norm());
+        assert!(steps.fold(0.0, f64::max) < 0.05 * 12.0);
+    }
+    assert!(crossed > 5, "{crossed}");
+    assert!(collisions(&log, true).is_empty());
+}
+
+#[test]
+fn towns_run_without_collisions_or_red_light_running() {
+    for (name, vehicles, walkers) in
+        [("Town10HD.xodr", 60, 80), ("Town03.xodr", 120, 80), ("Town02.xodr", 50, 40)]
+    {
+        let Some(map) = carla(name) else { continue };
+        for seed in 0..3 {
+            let mut scene = scene(16.0);
+            scene.seed = 100 + seed;
+            scene.background_vehicles = Some(vehicles);
+            scene.walkers = walkers;
+            let agents = agents_on(&map, 4, 7);
+            let log = run(&map, &scene, &agents, &settings());
+            assert_sound(&log, 320);
+            assert!(log.n_vehicles as i32 > vehicles / 2, "{name}: {}", log.n_vehicles);
+            assert_eq!(collisions(&log, false), [], "{name} {seed}");
+            assert_eq!(collisions(&log, true), [], "{name} {seed}");
+            assert_eq!(red_runs(&map, &log, &common::lights(&map)), [], "{name} {seed}");
+            let worst = worst_offset(&map, &log);
+            assert!(worst < 0.5, "{name}: {worst}");
+            let moved = tracks(&log)
+                .values()
+                .filter(|t| (Point3::from(t[0].xyz_m) - Point3::from(t[320].xyz_m)).norm() > 20.0)
+                .count();
+            assert!(moved > vehicles as usize / 2, "{name}: {moved} moved");
+        }
+    }
+}
+
+#[test]
+fn a_rerun_gives_the_same_log() {
+    let map = crossing(true);
+    let mut scene = scene(10.0);
+    scene.background_vehicles = Some(12);
+    let agents = [agent(0, [50.0, 1.75, 0.0], std::f64::consts::PI)];
+    let first = run(&map, &scene, &agents, &settings());
+    assert_eq!(first, run(&map, &scene, &agents, &settings()));
+    scene.seed += 1;
+    assert_ne!(first.states, run(&map, &scene, &agents, &settings()).states);
+}
