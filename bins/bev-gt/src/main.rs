@@ -1,1 +1,5 @@
-fn main() {}
+//! Draws bird's-eye-view masks from the log.
+
+fn main() -> std::process::ExitCode {
+    pipeline::run_stage(bev_gt::STAGE)
+}

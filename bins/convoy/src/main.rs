@@ -1,1 +1,5 @@
-fn main() {}
+//! Runs all stages in order, shows their state, verifies a store.
+
+fn main() -> std::process::ExitCode {
+    pipeline::drive()
+}

@@ -1,1 +1,5 @@
-fn main() {}
+//! Makes voxel grids from the log.
+
+fn main() -> std::process::ExitCode {
+    pipeline::run_stage(occupancy_gt::STAGE)
+}

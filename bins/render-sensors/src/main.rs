@@ -1,1 +1,5 @@
-fn main() {}
+//! Renders cameras, lidar, radar, GNSS and IMU from the log.
+
+fn main() -> std::process::ExitCode {
+    pipeline::run_stage(render_sensors::STAGE)
+}

@@ -1,0 +1,80 @@
+//! The BEV stage: 14 classes around every agent at every frame.
+
+use formats::{DEFAULT_LEVEL, NpzWriter, Scalar, encode_member, frame_member};
+use pipeline::{Job, Pulse, Stage, StageError};
+use replay::{Replay, Spare, in_frame_order};
+use schema::BevClass;
+use store::{Finished, Unit, keys};
+use truth::bev::{Areas, BevRasterizer};
+use truth::counts::Counts;
+
+/// The stage.
+pub const STAGE: Stage = Stage { name: "bev-gt", run };
+
+fn run(job: &mut Job<'_>) -> Result<(), StageError> {
+    let (settings, scene) = (job.settings().bev.clone(), job.scene());
+    if !settings.enabled {
+        return Ok(());
+    }
+    let replay = Replay::open(job)?;
+    let crosswalks: Vec<_> = replay.map.crosswalks().iter().map(|c| c.polygon.clone()).collect();
+    let agents = replay.log.agent_ids().to_vec();
+    let frames = replay.log.frame_count();
+    job.pulse().set_total(u64::from(frames) * agents.len() as u64);
+
+    for (position, agent) in agents.iter().enumerate() {
+        let name = agent.to_string();
+        let Some((mut unit, pulse)) = job.unit_and_pulse(&name)? else { continue };
+        let work = Work { replay: &replay, position, settings: &settings, crosswalks: &crosswalks };
+        let (shard, counts) = work.masks(&unit, &keys::bev(scene, *agent), &name, pulse)?;
+        unit.add(shard);
+        unit.rows(&keys::partial_stats(scene, &format!("{}.{name}", STAGE.name)), &counts.rows())?;
+        unit.finish()?;
+    }
+    Ok(())
+}
+
+struct Work<'a> {
+    replay: &'a Replay,
+    position: usize,
+    settings: &'a schema::settings::BevSettings,
+    crosswalks: &'a [Vec<nalgebra::Point3<f64>>],
+}
+
+impl Work<'_> {
+    /// One member per frame, `[14, rows, columns]` booleans.
+    fn masks(
+        &self,
+        unit: &Unit<'_>,
+        key: &str,
+        name: &str,
+        pulse: Pulse<'_>,
+    ) -> Result<(Finished, Counts), StageError> {
+        let frames = self.replay.log.frame_count();
+        let cells = self.settings.cells as usize;
+        // Half the diagonal, and the size of the largest object.
+        let radius_m = self.settings.half_extent_m() * std::f64::consts::SQRT_2 + 10.0;
+        let spare = Spare::default();
+        let one = |frame: u32| {
+            let pose = self.replay.log.world_from_agent(self.position, frame);
+            let snapshot = self.replay.snapshot(frame, pose.xyz(), radius_m);
+            let mut rasterizer =
+                spare.take(|| BevRasterizer::new(self.settings).map_err(|e| StageError::failed(&e)))?;
+            let areas = Areas { crosswalks: self.crosswalks, hazards: &[] };
+            let mask = rasterizer.rasterize(&snapshot, &pose, areas);
+            spare.give(rasterizer);
+            let shape = [BevClass::COUNT, cells, cells];
+            let member = encode_member(&frame_member(frame), Scalar::Bool, &shape, &mask.to_bytes(), DEFAULT_LEVEL)
+                .map_err(|e| StageError::failed(&e))?;
+            Ok((member, mask))
+        };
+        let mut counts = Counts::new();
+        let mut writer = NpzWriter::new(unit.file(key)?);
+        in_frame_order(frames, pulse, one, |_, (member, mask)| {
+            counts.add_bev(name, &mask);
+            writer.append(member).map_err(|e| StageError::failed(&e))
+        })?;
+        let file = writer.finish().map_err(|e| StageError::failed(&e))?;
+        Ok((file.finish(frames.into())?, counts))
+    }
+}

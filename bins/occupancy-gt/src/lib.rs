@@ -1,0 +1,89 @@
+//! The occupancy stage: a voxel grid around every agent at every frame.
+
+use formats::{DEFAULT_LEVEL, NpzWriter, Scalar, encode_member, frame_member};
+use pipeline::{Job, Pulse, Stage, StageError};
+use replay::{Replay, Spare, in_frame_order};
+use schema::settings::OccupancySettings;
+use schema::{AgentKind, ObjectId};
+use store::{Finished, Unit, keys};
+use truth::counts::{Counts, Filling};
+use truth::voxels::{VoxelGrid, Voxelizer};
+
+/// The stage.
+pub const STAGE: Stage = Stage { name: "occupancy-gt", run };
+
+fn run(job: &mut Job<'_>) -> Result<(), StageError> {
+    let (settings, scene) = (job.settings().clone(), job.scene());
+    let replay = Replay::open(job)?;
+    let agents = replay.log.agent_ids().to_vec();
+    let frames = replay.log.frame_count();
+    job.pulse().set_total(u64::from(frames) * agents.len() as u64);
+
+    for (position, agent) in agents.iter().enumerate() {
+        let settings = match agent.kind {
+            AgentKind::Vehicle => &settings.vehicle_occupancy,
+            AgentKind::Rsu => &settings.rsu_occupancy,
+        };
+        if !settings.enabled {
+            continue;
+        }
+        let name = agent.to_string();
+        let Some((mut unit, pulse)) = job.unit_and_pulse(&name)? else { continue };
+        let work = Work { replay: &replay, position, settings };
+        let (shard, counts) = work.grids(&unit, &keys::occupancy(scene, *agent), &name, pulse)?;
+        unit.add(shard);
+        unit.rows(&keys::partial_stats(scene, &format!("{}.{name}", STAGE.name)), &counts.rows())?;
+        unit.finish()?;
+    }
+    Ok(())
+}
+
+struct Work<'a> {
+    replay: &'a Replay,
+    position: usize,
+    settings: &'a OccupancySettings,
+}
+
+impl Work<'_> {
+    /// One member per frame, `[x, y, z]` tags.
+    fn grids(
+        &self,
+        unit: &Unit<'_>,
+        key: &str,
+        name: &str,
+        pulse: Pulse<'_>,
+    ) -> Result<(Finished, Counts), StageError> {
+        let frames = self.replay.log.frame_count();
+        let spare = Spare::default();
+        let one = |frame: u32| {
+            let (mut voxelizer, mut grid) = spare.take(|| {
+                Voxelizer::new(self.settings).map(|v| (v, VoxelGrid::default())).map_err(|e| StageError::failed(&e))
+            })?;
+            self.voxelize(frame, &mut voxelizer, &mut grid);
+            let mut counts = Counts::new();
+            counts.add_voxels(name, &grid, Filling::Hollow);
+            let member = encode_member(&frame_member(frame), Scalar::U8, &grid.shape, &grid.data, DEFAULT_LEVEL)
+                .map_err(|e| StageError::failed(&e))?;
+            spare.give((voxelizer, grid));
+            Ok((member, counts))
+        };
+        let mut counts = Counts::new();
+        let mut writer = NpzWriter::new(unit.file(key)?);
+        in_frame_order(frames, pulse, one, |_, (member, of_frame)| {
+            counts.merge(of_frame);
+            writer.append(member).map_err(|e| StageError::failed(&e))
+        })?;
+        let file = writer.finish().map_err(|e| StageError::failed(&e))?;
+        Ok((file.finish(frames.into())?, counts))
+    }
+
+    fn voxelize(&self, frame: u32, voxelizer: &mut Voxelizer, grid: &mut VoxelGrid) {
+        let log = &self.replay.log;
+        let pose = log.world_from_agent(self.position, frame);
+        let own: Option<ObjectId> = self.settings.ignore_self.then(|| log.agent(self.position, frame).id);
+        let height_m = self.settings.upper_m.abs().max(self.settings.lower_m.abs());
+        let radius_m = self.settings.range_m * std::f64::consts::SQRT_2 + height_m;
+        let snapshot = self.replay.snapshot(frame, pose.xyz(), radius_m);
+        voxelizer.voxelize(&snapshot, &pose, own, grid);
+    }
+}

@@ -1,0 +1,133 @@
+//! The post-processing stage: points per box, valid flag, difficulty; filled voxel grids.
+
+mod clouds;
+mod filling;
+
+use std::collections::BTreeMap;
+
+use pipeline::{Job, Stage, StageError};
+use replay::SIMULATE;
+use schema::scene_info::SceneInfo;
+use schema::settings::{DatasetSettings, OccupancySettings, Rig};
+use schema::tables::{AgentRow, BoxRow, ValidBoxRow, VisibleRow};
+use schema::{AgentId, AgentKind, ObjectId};
+use store::{StoreError, keys};
+use truth::validity::Evidence;
+
+use crate::clouds::Clouds;
+
+/// The stage.
+pub const STAGE: Stage = Stage { name: "postprocess-valid", run };
+
+pub(crate) const RENDER: &str = "render-sensors";
+pub(crate) const OCCUPANCY: &str = "occupancy-gt";
+
+fn run(job: &mut Job<'_>) -> Result<(), StageError> {
+    let (settings, scene) = (job.settings().clone(), job.scene());
+    let agents = agents_of(job)?;
+    let occupied: Vec<&AgentId> = agents.iter().filter(|a| occupancy_of(&settings, a.kind).enabled).collect();
+    let frames = frames_of(job)?;
+    job.pulse().set_total(u64::from(frames) * (agents.len() + occupied.len()) as u64);
+
+    for agent in &occupied {
+        filling::fill_agent(job, **agent, occupancy_of(&settings, agent.kind))?;
+    }
+    let boxes: Vec<BoxRow> =
+        job.store().read_rows(job.input(SIMULATE)?, &keys::scene(scene, "boxes.parquet"))?;
+    let valid = validate_all(job, &settings, &agents, &boxes)?;
+    if let Some(mut unit) = job.unit("boxes")? {
+        unit.rows(&keys::scene(scene, "boxes_valid.parquet"), &valid)?;
+        unit.finish()?;
+    }
+    Ok(())
+}
+
+fn scene_info(job: &Job<'_>) -> Result<SceneInfo, StageError> {
+    let key = keys::scene(job.scene(), "log/scene.json");
+    let missing = || StoreError::Missing { path: job.store().location(&key) };
+    Ok(job.store().read_json(&key)?.ok_or_else(missing)?)
+}
+
+fn agents_of(job: &Job<'_>) -> Result<Vec<AgentId>, StageError> {
+    let parse = |a: &schema::scene_info::AgentInfo| a.agent.parse().map_err(|e| StageError::failed(&e));
+    scene_info(job)?.agents.iter().map(parse).collect()
+}
+
+fn frames_of(job: &Job<'_>) -> Result<u32, StageError> {
+    Ok(scene_info(job)?.frames)
+}
+
+fn occupancy_of(settings: &DatasetSettings, kind: AgentKind) -> &OccupancySettings {
+    match kind {
+        AgentKind::Vehicle => &settings.vehicle_occupancy,
+        AgentKind::Rsu => &settings.rsu_occupancy,
+    }
+}
+
+fn rig_of(settings: &DatasetSettings, kind: AgentKind) -> &Rig {
+    match kind {
+        AgentKind::Vehicle => &settings.vehicle_rig,
+        AgentKind::Rsu => &settings.rsu_rig,
+    }
+}
+
+/// One row per row of `boxes`, in the same order.
+fn validate_all(
+    job: &Job<'_>,
+    settings: &DatasetSettings,
+    agents: &[AgentId],
+    boxes: &[BoxRow],
+) -> Result<Vec<ValidBoxRow>, StageError> {
+    let scene = job.scene();
+    let agent_rows: Vec<AgentRow> =
+        job.store().read_rows(job.input(SIMULATE)?, &keys::scene(scene, "agents.parquet"))?;
+    let mut valid: Vec<Option<ValidBoxRow>> = vec![None; boxes.len()];
+    for agent in agents {
+        let name = agent.to_string();
+        let rig = rig_of(settings, agent.kind);
+        let mut by_frame: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+        for (row, _) in boxes.iter().enumerate().filter(|(_, b)| b.agent == name) {
+            by_frame.entry(boxes[row].frame).or_default().push(row);
+        }
+        let pixels = visible_of(job, *agent, rig)?;
+        let none = BTreeMap::new();
+        let mut clouds = Clouds::open(job, *agent, rig)?;
+        for pose in agent_rows.iter().filter(|a| a.agent == name) {
+            let readings = clouds.next_frame(pose.frame)?;
+            let rows = by_frame.get(&pose.frame).map_or(&[][..], Vec::as_slice);
+            let of_frame: Vec<BoxRow> = rows.iter().map(|&r| boxes[r].clone()).collect();
+            let world_from_agent = frames::Pose::from_xyz_wxyz(pose.xyz_m, pose.quaternion);
+            let (lidars, radars) = readings.in_world(&world_from_agent);
+            let evidence = Evidence {
+                lidars: &lidars,
+                radars: &radars,
+                num_pixels: pixels.get(&pose.frame).unwrap_or(&none),
+                valid_by_image: settings.annotation.valid_by_image,
+            };
+            for (&row, judged) in rows.iter().zip(truth::validity::validate(&of_frame, &evidence)) {
+                valid[row] = Some(judged);
+            }
+            job.pulse().beat(1)?;
+        }
+    }
+    let path = job.store().location(&keys::scene(scene, "boxes.parquet"));
+    let judged: Option<Vec<ValidBoxRow>> = valid.into_iter().collect();
+    judged.ok_or_else(|| StageError::Failed(format!("{path}: has boxes of an agent or frame that does not exist")))
+}
+
+/// Pixels per object by frame.
+fn visible_of(
+    job: &Job<'_>,
+    agent: AgentId,
+    rig: &Rig,
+) -> Result<BTreeMap<u32, BTreeMap<ObjectId, u32>>, StageError> {
+    let mut visible: BTreeMap<u32, BTreeMap<ObjectId, u32>> = BTreeMap::new();
+    if rig.camera.instance {
+        let key = keys::sensor(job.scene(), agent, "visible");
+        let rows: Vec<VisibleRow> = job.store().read_rows(job.input(RENDER)?, &key)?;
+        for row in rows {
+            visible.entry(row.frame).or_default().insert(row.id, row.pixels);
+        }
+    }
+    Ok(visible)
+}

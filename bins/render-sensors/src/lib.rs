@@ -1,0 +1,59 @@
+//! The sensor stage: what every agent's cameras, lidars, radars, GNSS and IMU gave at every frame.
+
+mod frame;
+mod shards;
+
+use pipeline::{Job, Stage, StageError};
+use replay::{Replay, in_frame_order};
+use schema::AgentKind;
+use sensors::GeoOrigin;
+use store::keys;
+use visibility::Meshes;
+
+use crate::frame::Station;
+use crate::shards::Shards;
+
+/// The stage.
+pub const STAGE: Stage = Stage { name: "render-sensors", run };
+
+fn run(job: &mut Job<'_>) -> Result<(), StageError> {
+    let (settings, scene) = (job.settings().clone(), job.scene());
+    let replay = Replay::open(job)?;
+    let meshes = Meshes::build(&replay.meshes());
+    let agents = replay.log.agent_ids().to_vec();
+    let frames = replay.log.frame_count();
+    let geo_origin = geo_origin(&replay);
+    job.pulse().set_total(u64::from(frames) * agents.len() as u64);
+
+    for (position, agent) in agents.iter().enumerate() {
+        let rig = match agent.kind {
+            AgentKind::Vehicle => &settings.vehicle_rig,
+            AgentKind::Rsu => &settings.rsu_rig,
+        };
+        let Some((mut unit, pulse)) = job.unit_and_pulse(&agent.to_string())? else { continue };
+        let station = Station::new(&replay, &meshes, position, rig, settings.seed, geo_origin)?;
+        let mut shards = Shards::create(&unit, scene, *agent, rig)?;
+        in_frame_order(frames, pulse, |frame| station.sense(frame), |_, readings| shards.push(readings))?;
+        let (finished, counts) = shards.finish()?;
+        for shard in finished {
+            unit.add(shard);
+        }
+        unit.rows(&keys::partial_stats(scene, &format!("{}.{agent}", STAGE.name)), &counts)?;
+        unit.finish()?;
+    }
+    Ok(())
+}
+
+/// Where the map's origin is on the globe, as far as its projection text says (`+lat_0`, `+lon_0`).
+fn geo_origin(replay: &Replay) -> GeoOrigin {
+    let number = |name: &str| {
+        let text = &replay.log.info.geo_reference;
+        text.split_whitespace()
+            .find_map(|word| word.strip_prefix(name))
+            .and_then(|value| value.parse::<f64>().ok())
+            .filter(|value| value.is_finite())
+    };
+    let latitude_deg = number("+lat_0=").filter(|lat| lat.abs() < 85.0).unwrap_or(0.0);
+    let longitude_deg = number("+lon_0=").filter(|lon| lon.abs() <= 180.0).unwrap_or(0.0);
+    GeoOrigin { latitude_deg, longitude_deg, altitude_m: 0.0 }
+}

@@ -1,0 +1,65 @@
+//! `log/scene.json`.
+
+use std::collections::BTreeMap;
+
+use opendrive::Map;
+use pipeline::StageError;
+use schema::scene_info::{AgentInfo, SceneInfo};
+use schema::settings::DatasetSettings;
+use schema::tables::{PlanAgentRow, PlanSceneRow, Weather};
+use traffic::SceneLog;
+
+/// Facts about a simulated scene.
+///
+/// # Errors
+/// An agent of the plan was not simulated.
+pub(crate) fn scene_info(
+    plan: &PlanSceneRow,
+    agents: &[PlanAgentRow],
+    log: &SceneLog,
+    map: &Map,
+    settings: &DatasetSettings,
+) -> Result<SceneInfo, StageError> {
+    let agents = agents
+        .iter()
+        .map(|agent| {
+            let actor = log.actors.iter().find(|a| a.role == agent.agent).ok_or_else(|| {
+                StageError::Failed(format!("scene {}: {} was not simulated", plan.scene, agent.agent))
+            })?;
+            Ok(AgentInfo {
+                agent: agent.agent.clone(),
+                id: actor.id,
+                model: actor.model.clone(),
+                reckless: agent.reckless,
+                distracted: agent.distracted,
+            })
+        })
+        .collect::<Result<_, StageError>>()?;
+    Ok(SceneInfo {
+        scene: plan.scene,
+        split: plan.split.clone(),
+        map: plan.map.clone(),
+        map_hash: plan.map_hash.clone(),
+        geo_reference: map.network().header.geo_reference.clone().unwrap_or_default(),
+        seed: plan.seed,
+        duration_s: plan.duration_s,
+        frames: plan.frames,
+        spawn_mode: plan.spawn_mode.clone(),
+        dynamic_weather: plan.dynamic_weather,
+        initial_weather: by_name(plan.initial_weather),
+        final_weather: by_name(plan.final_weather),
+        agents,
+        n_vehicles: log.n_vehicles,
+        n_walkers: log.n_walkers,
+        n_reckless_vehicles: log.n_reckless,
+        n_distracted_vehicles: log.n_distracted,
+        walker_cross_factor: plan.walker_cross_factor,
+        speed_difference: settings.traffic.speed_difference,
+        standstill_gap_m: settings.traffic.standstill_gap_m,
+        green_time_s: settings.traffic.green_time_s,
+    })
+}
+
+fn by_name(values: [f64; Weather::COUNT]) -> BTreeMap<String, f64> {
+    Weather::NAMES.iter().map(|n| (*n).to_owned()).zip(values).collect()
+}

@@ -1,0 +1,101 @@
+//! The simulation stage: from a scene's plan to its log, the raw boxes and the HD-map records.
+
+mod info;
+mod labels;
+
+use std::collections::BTreeSet;
+use std::ops::ControlFlow;
+
+use pipeline::{Job, Stage, StageError};
+use schema::ObjectId;
+use schema::tables::ActorRow;
+use store::keys;
+use traffic::{SceneInput, SceneLog};
+use world::World;
+
+use crate::labels::Labels;
+
+/// The stage.
+pub const STAGE: Stage = Stage { name: "simulate-and-log", run };
+
+fn run(job: &mut Job<'_>) -> Result<(), StageError> {
+    let (plan, agents) = replay::read_plan(job)?;
+    let map = replay::read_map(job, &plan.map, &plan.map_hash)?;
+    let settings = job.settings().clone();
+    let scene = job.scene();
+
+    let Some((mut unit, pulse)) = job.unit_and_pulse("scene")? else { return Ok(()) };
+    let centres: Vec<[f64; 3]> = agents.iter().map(|a| a.xyz_m).collect();
+    let fixed = world::place(&map, &settings.world, plan.seed, &centres, 1).map_err(|e| StageError::failed(&e))?;
+    let first_id = fixed.last().map_or(1, |a| a.id.saturating_add(1));
+    let mut log = simulate(
+        &SceneInput { map: &map, scene: &plan, agents: &agents, settings: &settings, fixed: &fixed, first_id },
+        pulse,
+    )?;
+    let mut actors = fixed;
+    actors.extend(log.actors.iter().cloned());
+    check_ids(&actors.iter().map(|a| a.id).collect::<Vec<_>>())?;
+    let world = World::new(&map, &actors).map_err(|e| StageError::failed(&e))?;
+    stand_on_ground(&world, &mut actors, &mut log);
+
+    let info = info::scene_info(&plan, &agents, &log, &map, &settings)?;
+    let labels = Labels::collect(&map, &actors, &log, &info, settings.annotation.box_radius_m)?;
+    let json = serde_json::to_vec_pretty(&info).map_err(|e| StageError::failed(&e))?;
+    let key = |name: &str| keys::scene(scene, name);
+    unit.bytes(&key("log/scene.json"), &json, 1)?;
+    unit.rows(&key("log/actors.parquet"), &actors)?;
+    unit.rows(&key("log/states.parquet"), &log.states)?;
+    unit.rows(&key("log/frames.parquet"), &log.frames)?;
+    unit.rows(&key("log/signals.parquet"), &log.signals)?;
+    unit.rows(&key("agents.parquet"), &labels.agents)?;
+    unit.rows(&key("boxes.parquet"), &labels.boxes)?;
+    unit.rows(&key("hd_map.parquet"), &labels.hd_map)?;
+    unit.rows(&keys::partial_stats(scene, STAGE.name), &labels.counts)?;
+    unit.finish()?;
+    Ok(())
+}
+
+fn simulate(input: &SceneInput<'_>, pulse: pipeline::Pulse<'_>) -> Result<SceneLog, StageError> {
+    let mut stopped = None;
+    let mut told = 0;
+    let outcome = traffic::simulate(input, &mut |done, total| {
+        pulse.set_total(total as u64);
+        let step = done.saturating_sub(told) as u64;
+        told = done;
+        match pulse.beat(step) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(e) => {
+                stopped = Some(e);
+                ControlFlow::Break(())
+            }
+        }
+    });
+    match (stopped, outcome) {
+        (Some(stop), _) => Err(stop),
+        (None, outcome) => outcome.map_err(|e| StageError::failed(&e)),
+    }
+}
+
+/// Puts walkers on the surface that is drawn under them: maps often leave out how high a sidewalk's kerb is, and
+/// the world then builds one of its own.
+fn stand_on_ground(world: &World, actors: &mut [ActorRow], log: &mut SceneLog) {
+    let mut walkers = BTreeSet::new();
+    for actor in actors.iter_mut().filter(|a| a.kind == "walker") {
+        walkers.insert(actor.id);
+        actor.xyz_m[2] = world.ground_height(actor.xyz_m[0], actor.xyz_m[1], actor.xyz_m[2]);
+    }
+    for state in log.states.iter_mut().filter(|s| walkers.contains(&s.id)) {
+        state.xyz_m[2] = world.ground_height(state.xyz_m[0], state.xyz_m[1], state.xyz_m[2]);
+    }
+}
+
+/// Ids must be 1, 2, 3, ...: one number per object, never reused.
+fn check_ids(ids: &[ObjectId]) -> Result<(), StageError> {
+    match ids.iter().enumerate().find(|(i, id)| usize::from(**id) != i + 1) {
+        Some((i, id)) => Err(StageError::Failed(format!(
+            "object number {} has id {id}: a scene can hold at most 65535 objects (lower world.radius_m)",
+            i + 1
+        ))),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,17 @@
+//! A scene's log as a replayable world: what the stages after `simulate-and-log` look at.
+//!
+//! [`SceneLog`] is the log's tables, indexed by frame. [`Replay`] adds the map and the meshes and gives the
+//! [`schema::geometry::Snapshot`] of any frame. [`in_frame_order`] computes frames in parallel and hands them over
+//! in order.
+
+mod log;
+mod map;
+mod order;
+mod replay;
+mod spare;
+
+pub use log::{SIMULATE, SceneLog};
+pub use map::{compress_map, read_map, read_plan};
+pub use order::in_frame_order;
+pub use replay::Replay;
+pub use spare::Spare;

@@ -1,0 +1,59 @@
+//! Maps and plans in the store.
+
+use std::io::Read;
+
+use opendrive::Map;
+use pipeline::{Job, StageError};
+use schema::tables::{PlanAgentRow, PlanSceneRow};
+use store::keys;
+
+const PLANNER: &str = "spawn-planner";
+
+/// Largest map text that is believed, bytes.
+const MAX_MAP_BYTES: u64 = 1 << 30;
+
+/// A map's text as the store keeps it.
+///
+/// # Errors
+/// The compressor fails.
+pub fn compress_map(text: &[u8]) -> Result<Vec<u8>, StageError> {
+    zstd::bulk::compress(text, 9).map_err(|e| StageError::Failed(format!("cannot compress a map: {e}")))
+}
+
+/// Reads a map of the store by its name.
+///
+/// # Errors
+/// It is missing, changed, or no OpenDRIVE file.
+pub fn read_map(job: &Job<'_>, name: &str, hash: &str) -> Result<Map, StageError> {
+    let (store, key) = (job.store(), keys::map(name));
+    let path = store.location(&key);
+    let Some(packed) = store.read(&key)? else {
+        return Err(StageError::Failed(format!("{path}: missing (run {PLANNER} with --force)")));
+    };
+    let mut text = Vec::new();
+    zstd::Decoder::new(packed.as_slice())
+        .and_then(|decoder| decoder.take(MAX_MAP_BYTES).read_to_end(&mut text))
+        .map_err(|e| StageError::Failed(format!("{path}: cannot decompress: {e} (run {PLANNER} with --force)")))?;
+    if store::hash_bytes(&text) != hash {
+        return Err(StageError::Failed(format!("{path}: is not the map of the plan (run {PLANNER} with --force)")));
+    }
+    let network =
+        opendrive::read_bytes(&text).map_err(|e| StageError::Failed(format!("{path}: {e}")))?;
+    Ok(Map::new(network))
+}
+
+/// The plan of a job's scene.
+///
+/// # Errors
+/// The plan is missing or broken.
+pub fn read_plan(job: &Job<'_>) -> Result<(PlanSceneRow, Vec<PlanAgentRow>), StageError> {
+    let (store, manifest, scene) = (job.store(), job.input(PLANNER)?, job.scene());
+    let rows: Vec<PlanSceneRow> = store.read_rows(manifest, keys::PLAN_SCENES)?;
+    let Some(row) = rows.into_iter().find(|r| r.scene == scene) else {
+        let path = store.location(keys::PLAN_SCENES);
+        return Err(StageError::Failed(format!("{path}: has no scene {scene}")));
+    };
+    let mut agents: Vec<PlanAgentRow> = store.read_rows(manifest, keys::PLAN_AGENTS)?;
+    agents.retain(|a| a.scene == scene);
+    Ok((row, agents))
+}

@@ -1,0 +1,33 @@
+//! Working memory that frames computed in parallel hand on to one another.
+
+use std::sync::Mutex;
+
+/// Some values of a kind; there are never more than threads that use them at once.
+#[derive(Debug)]
+pub struct Spare<T> {
+    free: Mutex<Vec<T>>,
+}
+
+impl<T> Default for Spare<T> {
+    fn default() -> Self {
+        Self { free: Mutex::new(Vec::new()) }
+    }
+}
+
+impl<T> Spare<T> {
+    /// Takes a free value or makes one.
+    ///
+    /// # Errors
+    /// It could not be made.
+    pub fn take<E>(&self, make: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
+        let free = self.free.lock().ok().and_then(|mut free| free.pop());
+        free.map_or_else(make, Ok)
+    }
+
+    /// Gives a value back.
+    pub fn give(&self, value: T) {
+        if let Ok(mut free) = self.free.lock() {
+            free.push(value);
+        }
+    }
+}

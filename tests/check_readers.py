@@ -1,0 +1,102 @@
+"""Opens every table of a store in pyarrow and every array in numpy, and checks what a reader relies on.
+
+Usage: python3 check_readers.py STORE. Exit code 77 when pyarrow or numpy is missing.
+"""
+
+import json
+import pathlib
+import sys
+
+try:
+    import numpy as np
+    import pyarrow.parquet as pq
+except ImportError as missing:
+    print(f"skipped: {missing}")
+    sys.exit(77)
+
+
+def png_size(data):
+    assert data[:8] == b"\x89PNG\r\n\x1a\n", "no PNG"
+    return int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")
+
+
+def jpeg_size(data):
+    assert data[:2] == b"\xff\xd8", "no JPEG"
+    at = 2
+    while True:
+        marker, length = data[at + 1], int.from_bytes(data[at + 2 : at + 4], "big")
+        if 0xC0 <= marker <= 0xC3:
+            return int.from_bytes(data[at + 7 : at + 9], "big"), int.from_bytes(data[at + 5 : at + 7], "big")
+        at += 2 + length
+
+
+def check_sensor(path, file, frames):
+    about = json.loads(file.metadata.metadata[b"sensor"])
+    assert len(about["agent_from_sensor"]["quaternion"]) == 4
+    table = file.read()
+    assert table.num_rows == frames, f"{table.num_rows} rows, {frames} frames"
+    assert table["frame"].to_pylist() == list(range(frames))
+    kind = path.stem.split("-")[0]
+    if path.stem in ("LIDAR", "SEG-LIDAR") or kind.startswith("RAD"):
+        for row in table.to_pylist():
+            lengths = {len(v) for v in row.values() if isinstance(v, list)}
+            assert len(lengths) == 1, f"columns of {lengths} lengths"
+            assert lengths.pop() > 0, "nothing was hit"
+    elif kind in ("RGB", "SEG", "IST", "DPT"):
+        assert file.num_row_groups == frames, "one frame must be readable alone"
+        size = jpeg_size if kind == "RGB" else png_size
+        for image in table["image"].to_pylist():
+            assert size(image) == (about["width"], about["height"])
+    elif kind == "FLW":
+        for frame in range(frames):
+            row = file.read_row_group(frame).to_pylist()[0]
+            assert len(row["dx"]) == len(row["dy"]) == row["width"] * row["height"]
+
+
+def check_store(root):
+    tables = arrays = 0
+    for scene in sorted((root / "scenes").iterdir()):
+        info = json.loads((scene / "log/scene.json").read_text())
+        frames, agents = info["frames"], [a["agent"] for a in info["agents"]]
+        for path in sorted(scene.rglob("*.parquet")):
+            file = pq.ParquetFile(path)
+            try:
+                if path.parent.parent.name == "sensors" and path.stem != "visible":
+                    check_sensor(path, file, frames)
+                else:
+                    file.read()
+            except AssertionError as fault:
+                raise SystemExit(f"{path}: {fault}")
+            tables += 1
+        boxes = pq.read_table(scene / "boxes.parquet").to_pydict()
+        valid = pq.read_table(scene / "boxes_valid.parquet").to_pydict()
+        assert [boxes[c] for c in ("frame", "agent", "id")] == [valid[c] for c in ("frame", "agent", "id")]
+        corners = np.array(boxes["corners_m"]).reshape(-1, 8, 3)
+        edges = np.linalg.norm(corners[:, [4, 2, 1]] - corners[:, [0]], axis=2)
+        assert np.allclose(edges, np.array(boxes["size_m"]), atol=1e-6), "corner order and sizes disagree"
+        assert np.allclose(corners.mean(axis=1), np.array(boxes["center_m"]), atol=1e-6)
+        poses = pq.read_table(scene / "agents.parquet")
+        assert poses.num_rows == frames * len(agents)
+        for path in sorted(scene.rglob("*.npz")):
+            with np.load(path) as archive:
+                assert archive.files == [f"{k:04}" for k in range(frames)], path
+                for name in archive.files:
+                    array = archive[name]
+                    kind = path.parent.name
+                    want = (np.bool_, 3) if kind == "bev" else (np.uint8, 3)
+                    assert (array.dtype.type, array.ndim) == want, f"{path} {name}: {array.dtype} {array.shape}"
+                    assert array.any(), f"{path} {name} is empty"
+                    arrays += 1
+            if path.parent.name == "occupancy_filled":
+                with np.load(path) as full, np.load(scene / "occupancy" / path.name) as hollow:
+                    for name in full.files:
+                        same = full[name][hollow[name] != 0] == hollow[name][hollow[name] != 0]
+                        assert same.all(), f"{path} {name}: filling changed an occupied voxel"
+    for path in sorted([*(root / "plan").glob("*.parquet"), *(root / "stats").glob("*.parquet")]):
+        pq.read_table(path)
+        tables += 1
+    print(f"{tables} tables and {arrays} arrays read")
+
+
+if __name__ == "__main__":
+    check_store(pathlib.Path(sys.argv[1]))
