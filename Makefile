@@ -16,7 +16,7 @@ SCENES_ARG  = $(if $(SCENES),--scenes $(SCENES))
 FORCE_ARG   = $(if $(FORCE),--force)
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset stage stats status verify build test lint bench docs clean-store help
+.PHONY: dataset stage stats status verify build test lint bench bench-kernels docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
@@ -58,8 +58,13 @@ lint:
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	tests/check_layers.sh
 
+# Seconds per agent-frame and each part beside its budget. bench-kernels: every crate's own benchmarks.
 bench:
-	$(CARGO) bench --locked --workspace --benches
+	$(CARGO) bench --locked -p convoy-tests --bench agent_frame
+
+bench-kernels:
+	$(CARGO) bench --locked -p convoy-opendrive -p convoy-world -p convoy-traffic -p convoy-visibility \
+		-p convoy-sensors -p convoy-truth -p convoy-formats --benches
 
 docs:
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps

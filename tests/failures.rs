@@ -46,10 +46,10 @@ fn a_broken_map_is_named_with_its_line() {
     let folder = maps.to_str().expect("is UTF-8").to_owned();
     let write = |text: &str| std::fs::write(maps.join("Broken.xodr"), text).expect("writes");
     for (text, place) in [
-        ("<OpenDRIVE>\n<road id=\"1\"\n", ":2"),
-        ("<OpenDRIVE><header/>\n\n<road id=\"1\" length=\"nan\"/></OpenDRIVE>\n", "3"),
-        ("", "Broken"),
-        ("<OpenDRIVE><header revMajor=\"1\" revMinor=\"7\"/></OpenDRIVE>\n", "Broken"),
+        ("<OpenDRIVE>\n<road id=\"1\"\n", "Broken.xodr: line 2"),
+        ("<OpenDRIVE><header/>\n\n<road id=\"1\" length=\"nan\"/></OpenDRIVE>\n", "Broken.xodr: line 3"),
+        ("", "Broken.xodr: line 1"),
+        ("<OpenDRIVE><header revMajor=\"1\" revMinor=\"7\"/></OpenDRIVE>\n", "no driving lanes"),
     ] {
         write(text);
         let outcome = bench.run("spawn-planner", &["--maps", &folder]);

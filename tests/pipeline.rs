@@ -97,7 +97,10 @@ fn stale_exactly_where_it_should_be(bench: &Bench) {
     std::fs::write(&shard, &bytes[..bytes.len() / 2]).expect("truncates");
     let verify = bench.run("convoy", &["verify"]);
     assert_eq!(verify.code, 1);
-    assert!(verify.stdout.contains("scenes/0000/boxes.parquet") && verify.stdout.contains("truncated"), "{verify:?}");
+    assert!(
+        verify.stdout.contains("scenes/0000/boxes.parquet") && verify.stdout.contains("truncated"),
+        "{verify:?}"
+    );
     let blocked = bench.run("merge-tracks", &[]);
     assert_eq!(blocked.code, 1);
     assert!(blocked.stderr.contains("simulate-and-log is stale"), "{blocked:?}");
@@ -115,7 +118,8 @@ fn readers_agree(bench: &Bench) {
             eprintln!("skipped: {}", String::from_utf8_lossy(&output.stdout).trim());
         }
         Ok(output) => {
-            let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+            let (out, err) =
+                (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
             assert!(output.status.success(), "{out}{err}");
         }
         Err(e) => eprintln!("skipped: {python}: {e}"),

@@ -151,11 +151,16 @@ impl<'a> Agentframe<'a> {
     }
 
     fn measure(&self, rows: &mut Vec<Row>) {
-        let mut push = |part: &str, seconds: f64, budget: f64| rows.push(Row { part: part.into(), seconds, budget });
-        push("snapshot and top-level tree", best(5, || {
-            let snapshot = self.snapshot(1000.0);
-            black_box(Scene::new(&self.meshes, &snapshot));
-        }), 0.01);
+        let mut push =
+            |part: &str, seconds: f64, budget: f64| rows.push(Row { part: part.into(), seconds, budget });
+        push(
+            "snapshot and top-level tree",
+            best(5, || {
+                let snapshot = self.snapshot(1000.0);
+                black_box(Scene::new(&self.meshes, &snapshot));
+            }),
+            0.01,
+        );
         let snapshot = self.snapshot(1000.0);
         let scene = Scene::new(&self.meshes, &snapshot);
         let [raster, shade, encode] = self.cameras(&scene);
@@ -211,8 +216,11 @@ impl<'a> Agentframe<'a> {
             black_box(lidar.sweep(scene, at, &stream, 0));
             for radar in &rig.radars {
                 let at = origin.local_from_body(&(self.pose * radar.mount.agent_from_sensor()));
-                let motion =
-                    RadarMotion { local_from_sensor: at, previous_local_from_sensor: at, own: Some(self.own) };
+                let motion = RadarMotion {
+                    local_from_sensor: at,
+                    previous_local_from_sensor: at,
+                    own: Some(self.own),
+                };
                 black_box(sensors::radar(scene, radar, &motion, &stream, 0));
             }
         })
@@ -276,7 +284,8 @@ impl<'a> Agentframe<'a> {
         best(5, || {
             let boxes: Vec<BoxRow> = truth::boxes::collect(0, &[observer], &objects, 200.0);
             assert!(boxes.iter().any(|b| b.class == DetectionClass::Car.name()));
-            let evidence = Evidence { lidars: &[cloud], radars: &[], num_pixels: &pixels, valid_by_image: false };
+            let evidence =
+                Evidence { lidars: &[cloud], radars: &[], num_pixels: &pixels, valid_by_image: false };
             truth::validity::validate(&boxes, &evidence)
         })
     }
@@ -287,7 +296,13 @@ fn print(rows: &[Row], triangles: usize) {
     println!("\nconvoy/demo, {triangles} triangles in sight, {} threads", rayon::current_num_threads());
     println!("| part | seconds | budget | ratio |\n|---|---|---|---|");
     for row in rows {
-        println!("| {} | {:.4} | {:.4} | {:.2} |", row.part, row.seconds, row.budget, row.seconds / row.budget);
+        println!(
+            "| {} | {:.4} | {:.4} | {:.2} |",
+            row.part,
+            row.seconds,
+            row.budget,
+            row.seconds / row.budget
+        );
     }
     let frame = |skip: usize| rows.iter().skip(skip).map(|r| r.seconds).sum::<f64>();
     // The second voxel grid is encoded too; the simulation is shared by all agents of a scene.

@@ -64,8 +64,9 @@ impl Work<'_> {
             let mask = rasterizer.rasterize(&snapshot, &pose, areas);
             spare.give(rasterizer);
             let shape = [BevClass::COUNT, cells, cells];
-            let member = encode_member(&frame_member(frame), Scalar::Bool, &shape, &mask.to_bytes(), DEFAULT_LEVEL)
-                .map_err(|e| StageError::failed(&e))?;
+            let member =
+                encode_member(&frame_member(frame), Scalar::Bool, &shape, &mask.to_bytes(), DEFAULT_LEVEL)
+                    .map_err(|e| StageError::failed(&e))?;
             Ok((member, mask))
         };
         let mut counts = Counts::new();

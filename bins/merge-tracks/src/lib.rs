@@ -14,7 +14,8 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     let (scene, store) = (job.scene(), job.store().clone());
     let key = |name: &str| keys::scene(scene, name);
     let boxes: Vec<BoxRow> = store.read_rows(job.input(SIMULATE)?, &key("boxes.parquet"))?;
-    let valid: Vec<ValidBoxRow> = store.read_rows(job.input("postprocess-valid")?, &key("boxes_valid.parquet"))?;
+    let valid: Vec<ValidBoxRow> =
+        store.read_rows(job.input("postprocess-valid")?, &key("boxes_valid.parquet"))?;
     let info_key = key("log/scene.json");
     let info: SceneInfo =
         store.read_json(&info_key)?.ok_or_else(|| StoreError::Missing { path: store.location(&info_key) })?;

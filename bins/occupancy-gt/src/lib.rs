@@ -57,13 +57,16 @@ impl Work<'_> {
         let spare = Spare::default();
         let one = |frame: u32| {
             let (mut voxelizer, mut grid) = spare.take(|| {
-                Voxelizer::new(self.settings).map(|v| (v, VoxelGrid::default())).map_err(|e| StageError::failed(&e))
+                Voxelizer::new(self.settings)
+                    .map(|v| (v, VoxelGrid::default()))
+                    .map_err(|e| StageError::failed(&e))
             })?;
             self.voxelize(frame, &mut voxelizer, &mut grid);
             let mut counts = Counts::new();
             counts.add_voxels(name, &grid, Filling::Hollow);
-            let member = encode_member(&frame_member(frame), Scalar::U8, &grid.shape, &grid.data, DEFAULT_LEVEL)
-                .map_err(|e| StageError::failed(&e))?;
+            let member =
+                encode_member(&frame_member(frame), Scalar::U8, &grid.shape, &grid.data, DEFAULT_LEVEL)
+                    .map_err(|e| StageError::failed(&e))?;
             spare.give((voxelizer, grid));
             Ok((member, counts))
         };

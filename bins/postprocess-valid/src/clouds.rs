@@ -36,7 +36,9 @@ impl<R: schema::table::Row> Rows<R> {
             }
             match self.groups.next() {
                 Some(group) => self.ready = group?.into_iter(),
-                None => return Err(StageError::Failed(format!("{}: ends before frame {frame}", self.location))),
+                None => {
+                    return Err(StageError::Failed(format!("{}: ends before frame {frame}", self.location)));
+                }
             }
         }
     }
@@ -48,14 +50,20 @@ impl Clouds {
     /// # Errors
     /// One is missing or broken.
     pub(crate) fn open(job: &Job<'_>, agent: AgentId, rig: &Rig) -> Result<Self, StageError> {
-        fn rows<R: schema::table::Row>(job: &Job<'_>, agent: AgentId, name: &str) -> Result<Rows<R>, StageError> {
+        fn rows<R: schema::table::Row>(
+            job: &Job<'_>,
+            agent: AgentId,
+            name: &str,
+        ) -> Result<Rows<R>, StageError> {
             let key = keys::sensor(job.scene(), agent, name);
             let groups = job.store().row_groups(job.input(RENDER)?, &key)?;
             Ok(Rows { location: job.store().location(&key), groups, ready: Vec::new().into_iter() })
         }
         let plain = rig.lidars.iter().filter(|l| !l.semantic);
         Ok(Self {
-            lidars: plain.map(|l| Ok((l.mount, rows(job, agent, &l.name)?))).collect::<Result<_, StageError>>()?,
+            lidars: plain
+                .map(|l| Ok((l.mount, rows(job, agent, &l.name)?)))
+                .collect::<Result<_, StageError>>()?,
             radars: rig
                 .radars
                 .iter()
@@ -92,7 +100,10 @@ impl Clouds {
 
 impl Readings {
     /// Lidar and radar points with their sensors' poses.
-    pub(crate) fn in_world(&self, world_from_agent: &Pose<World, Agent>) -> (Vec<PointCloud<'_>>, Vec<PointCloud<'_>>) {
+    pub(crate) fn in_world(
+        &self,
+        world_from_agent: &Pose<World, Agent>,
+    ) -> (Vec<PointCloud<'_>>, Vec<PointCloud<'_>>) {
         (clouds_of(&self.lidars, world_from_agent), clouds_of(&self.radars, world_from_agent))
     }
 }

@@ -16,7 +16,11 @@ use crate::{OCCUPANCY, STAGE};
 ///
 /// # Errors
 /// The grids are missing or broken, or the store cannot be written.
-pub(crate) fn fill_agent(job: &mut Job<'_>, agent: AgentId, settings: &OccupancySettings) -> Result<(), StageError> {
+pub(crate) fn fill_agent(
+    job: &mut Job<'_>,
+    agent: AgentId,
+    settings: &OccupancySettings,
+) -> Result<(), StageError> {
     let (scene, name) = (job.scene(), agent.to_string());
     let key = keys::occupancy(scene, agent);
     let (store, manifest) = (job.store().clone(), job.input(OCCUPANCY)?.clone());
@@ -31,8 +35,7 @@ pub(crate) fn fill_agent(job: &mut Job<'_>, agent: AgentId, settings: &Occupancy
     let Some((mut unit, pulse)) = job.unit_and_pulse(&format!("occupancy.{name}"))? else { return Ok(()) };
     let spare = Spare::default();
     let one = |frame: u32| {
-        let (mut reader, mut filler) =
-            spare.take(|| Ok::<_, StageError>((open()?, Filler::default())))?;
+        let (mut reader, mut filler) = spare.take(|| Ok::<_, StageError>((open()?, Filler::default())))?;
         let member = frame_member(frame);
         let array = reader.read(&member).map_err(|e| broken(&e))?;
         let mut grid = grid_of(array).ok_or_else(|| {

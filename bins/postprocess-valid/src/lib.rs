@@ -112,7 +112,9 @@ fn validate_all(
     }
     let path = job.store().location(&keys::scene(scene, "boxes.parquet"));
     let judged: Option<Vec<ValidBoxRow>> = valid.into_iter().collect();
-    judged.ok_or_else(|| StageError::Failed(format!("{path}: has boxes of an agent or frame that does not exist")))
+    judged.ok_or_else(|| {
+        StageError::Failed(format!("{path}: has boxes of an agent or frame that does not exist"))
+    })
 }
 
 /// Pixels per object by frame.

@@ -152,7 +152,10 @@ impl<'a> Station<'a> {
                 sensors::render_camera(scene, &view, lighting.as_ref()).map_err(|e| {
                     let info = &self.replay.log.info;
                     let agent = self.replay.log.agent_ids()[self.position];
-                    StageError::Failed(format!("scene {} frame {frame} {agent} {}: {e}", info.scene, camera.name))
+                    StageError::Failed(format!(
+                        "scene {} frame {frame} {agent} {}: {e}",
+                        info.scene, camera.name
+                    ))
                 })
             })
             .collect()

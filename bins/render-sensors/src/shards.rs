@@ -82,8 +82,12 @@ impl Shards {
             let options = TableOptions::frames(of_mount(&spec.name, &spec.mount));
             radars.push((spec.name.clone(), unit.table(&key(&spec.name), options)?));
         }
-        let whole = |name: &str, mount: &Mount| TableOptions { metadata: of_mount(name, mount), ..TableOptions::default() };
-        let gnss = rig.gnss.as_ref().map(|s| unit.table(&key("GNSS"), whole("GNSS", &s.mount))).transpose()?;
+        let whole = |name: &str, mount: &Mount| TableOptions {
+            metadata: of_mount(name, mount),
+            ..TableOptions::default()
+        };
+        let gnss =
+            rig.gnss.as_ref().map(|s| unit.table(&key("GNSS"), whole("GNSS", &s.mount))).transpose()?;
         let imu = rig.imu.as_ref().map(|s| unit.table(&key("IMU"), whole("IMU", &s.mount))).transpose()?;
         let visible =
             settings.instance.then(|| unit.table(&key("visible"), TableOptions::default())).transpose()?;
@@ -122,7 +126,11 @@ impl Shards {
                     table.push(&[row])?;
                     points
                 }
-                _ => return Err(StageError::Failed(format!("{name}: reading and table are of different kinds"))),
+                _ => {
+                    return Err(StageError::Failed(format!(
+                        "{name}: reading and table are of different kinds"
+                    )));
+                }
             };
             self.counts.add(&self.agent, measures::LIDAR_POINTS, name, 0, points as u64);
         }

@@ -38,7 +38,8 @@ impl Labels {
             .map(|a| a.agent.parse().map(|id| (id, a.id)))
             .collect::<Result<_, _>>()
             .map_err(|e| StageError::failed(&e))?;
-        let mut labels = Self { agents: Vec::new(), boxes: Vec::new(), hd_map: Vec::new(), counts: Vec::new() };
+        let mut labels =
+            Self { agents: Vec::new(), boxes: Vec::new(), hd_map: Vec::new(), counts: Vec::new() };
         let (mut states, mut signals) = (log.states.as_slice(), log.signals.as_slice());
         take_frame(&mut states, |s| s.frame, -1);
         take_frame(&mut signals, |s| s.frame, -1);
@@ -58,9 +59,13 @@ impl Labels {
                 let object = &objects[usize::from(id) - 1];
                 let world_from_agent = Pose::from_isometry(*object.world_from_object.isometry());
                 labels.agents.push(agent_row(frame, agent, object));
-                let record = truth::hd_map::record(map, frame, agent, &world_from_agent).ok_or_else(|| {
-                    StageError::Failed(format!("scene {} frame {frame} {agent}: no driving lane", info.scene))
-                })?;
+                let record =
+                    truth::hd_map::record(map, frame, agent, &world_from_agent).ok_or_else(|| {
+                        StageError::Failed(format!(
+                            "scene {} frame {frame} {agent}: no driving lane",
+                            info.scene
+                        ))
+                    })?;
                 labels.hd_map.push(record);
                 observers.push(Observer { agent, id, world_from_agent });
             }

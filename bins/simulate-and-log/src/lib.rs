@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 use pipeline::{Job, Stage, StageError};
+use random::Stream;
 use schema::ObjectId;
 use schema::tables::ActorRow;
 use store::keys;
@@ -18,6 +19,9 @@ use crate::labels::Labels;
 /// The stage.
 pub const STAGE: Stage = Stage { name: "simulate-and-log", run };
 
+/// Looks that moving actors of one model share among them (clothes, skin, hair): each is a mesh of its own.
+const VARIANTS: u32 = 64;
+
 fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     let (plan, agents) = replay::read_plan(job)?;
     let map = replay::read_map(job, &plan.map, &plan.map_hash)?;
@@ -26,12 +30,24 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
 
     let Some((mut unit, pulse)) = job.unit_and_pulse("scene")? else { return Ok(()) };
     let centres: Vec<[f64; 3]> = agents.iter().map(|a| a.xyz_m).collect();
-    let fixed = world::place(&map, &settings.world, plan.seed, &centres, 1).map_err(|e| StageError::failed(&e))?;
+    let fixed =
+        world::place(&map, &settings.world, plan.seed, &centres, 1).map_err(|e| StageError::failed(&e))?;
     let first_id = fixed.last().map_or(1, |a| a.id.saturating_add(1));
     let mut log = simulate(
-        &SceneInput { map: &map, scene: &plan, agents: &agents, settings: &settings, fixed: &fixed, first_id },
+        &SceneInput {
+            map: &map,
+            scene: &plan,
+            agents: &agents,
+            settings: &settings,
+            fixed: &fixed,
+            first_id,
+        },
         pulse,
     )?;
+    for actor in &mut log.actors {
+        let mut draw = Stream::new(settings.seed, scene.into(), "simulate/variant", actor.id.into());
+        actor.variant = draw.next_u32() % VARIANTS;
+    }
     let mut actors = fixed;
     actors.extend(log.actors.iter().cloned());
     check_ids(&actors.iter().map(|a| a.id).collect::<Vec<_>>())?;

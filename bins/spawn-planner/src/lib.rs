@@ -28,8 +28,9 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     let settings = job.settings().clone();
     let texts = map_texts(&settings, job.maps_folder())?;
     let mut maps = BTreeMap::new();
-    for (name, text) in &texts {
-        maps.insert(name.clone(), PlanMap { map: parse_map(name, text)?, hash: store::hash_bytes(text) });
+    for (name, source) in &texts {
+        let hash = store::hash_bytes(&source.text);
+        maps.insert(name.clone(), PlanMap { map: parse_map(source)?, hash });
     }
     let plan = plan::plan(&settings, &maps).map_err(|e| StageError::failed(&e))?;
     for warning in &plan.warnings {
@@ -46,8 +47,8 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
         };
         let json = serde_json::to_vec_pretty(&record).map_err(|e| StageError::failed(&e))?;
         unit.bytes(keys::DATASET, &json, 1)?;
-        for (name, text) in &texts {
-            unit.bytes(&keys::map(name), &replay::compress_map(text)?, 1)?;
+        for (name, source) in &texts {
+            unit.bytes(&keys::map(name), &replay::compress_map(&source.text)?, 1)?;
         }
         unit.rows(keys::PLAN_SCENES, &plan.scenes)?;
         unit.rows(keys::PLAN_AGENTS, &plan.agents)?;
@@ -56,26 +57,35 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     Ok(())
 }
 
+/// A map's OpenDRIVE text and where it comes from, for messages.
+struct MapSource {
+    text: Vec<u8>,
+    origin: String,
+}
+
 /// The OpenDRIVE text of every map the settings name: our own towns are generated, others read from the folder.
-fn map_texts(settings: &DatasetSettings, folder: Option<&Path>) -> Result<BTreeMap<String, Vec<u8>>, StageError> {
+fn map_texts(
+    settings: &DatasetSettings,
+    folder: Option<&Path>,
+) -> Result<BTreeMap<String, MapSource>, StageError> {
     let mut texts = BTreeMap::new();
     for name in settings.scenes.iter().filter(|s| s.count > 0).map(|s| &s.map) {
         if texts.contains_key(name) {
             continue;
         }
-        let text = match town::named(name) {
+        let source = match town::named(name) {
             Some(parameters) => {
                 let network = town::generate(&parameters).map_err(|e| StageError::failed(&e))?;
-                opendrive::write(&network).into_bytes()
+                MapSource { text: opendrive::write(&network).into_bytes(), origin: name.clone() }
             }
             None => read_map_file(name, folder)?,
         };
-        texts.insert(name.clone(), text);
+        texts.insert(name.clone(), source);
     }
     Ok(texts)
 }
 
-fn read_map_file(name: &str, folder: Option<&Path>) -> Result<Vec<u8>, StageError> {
+fn read_map_file(name: &str, folder: Option<&Path>) -> Result<MapSource, StageError> {
     let own = town::names().join(", ");
     let Some(folder) = folder else {
         return Err(StageError::Usage(format!(
@@ -85,7 +95,10 @@ fn read_map_file(name: &str, folder: Option<&Path>) -> Result<Vec<u8>, StageErro
     for ending in ["xodr", "xodr.gz"] {
         let path = folder.join(format!("{name}.{ending}"));
         match std::fs::read(&path) {
-            Ok(bytes) => return unpack(bytes, &path),
+            Ok(bytes) => {
+                let text = unpack(bytes, &path)?;
+                return Ok(MapSource { text, origin: path.display().to_string() });
+            }
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => {}
             Err(e) => return Err(StageError::Usage(format!("{}: cannot read the map: {e}", path.display()))),
         }
@@ -108,13 +121,15 @@ fn unpack(bytes: Vec<u8>, path: &Path) -> Result<Vec<u8>, StageError> {
     Ok(text)
 }
 
-fn parse_map(name: &str, text: &[u8]) -> Result<Map, StageError> {
+fn parse_map(source: &MapSource) -> Result<Map, StageError> {
+    let origin = &source.origin;
     let network =
-        opendrive::read_bytes(text).map_err(|e| StageError::Failed(format!("map {name}: {e}")))?;
+        opendrive::read_bytes(&source.text).map_err(|e| StageError::Failed(format!("{origin}: {e}")))?;
     if !network.warnings.is_empty() {
-        tracing::info!("map {name}: {} peculiarities in the file (CONVOY_LOG=debug lists them)", network.warnings.len());
+        let count = network.warnings.len();
+        tracing::info!("{origin}: {count} peculiarities in the file (CONVOY_LOG=debug lists them)");
         for warning in &network.warnings {
-            tracing::debug!("map {name}: {warning}");
+            tracing::debug!("{origin}: {warning}");
         }
     }
     Ok(Map::new(network))

@@ -49,7 +49,10 @@ impl<T> ByFrame<T> {
     }
 
     fn at(&self, frame: i64) -> &[T] {
-        usize::try_from(frame + 1).ok().and_then(|i| self.ranges.get(i)).map_or(&[], |r| &self.rows[r.clone()])
+        usize::try_from(frame + 1)
+            .ok()
+            .and_then(|i| self.ranges.get(i))
+            .map_or(&[], |r| &self.rows[r.clone()])
     }
 }
 
@@ -87,10 +90,16 @@ impl SceneLog {
             frames: store.read_rows(manifest, &key("log/frames.parquet"))?,
             agent_rows,
             agents,
-            states: ByFrame::new(store.read_rows(manifest, &key("log/states.parquet"))?, frames, |r: &StateRow| r.frame),
-            signals: ByFrame::new(store.read_rows(manifest, &key("log/signals.parquet"))?, frames, |r: &SignalRow| {
-                r.frame
-            }),
+            states: ByFrame::new(
+                store.read_rows(manifest, &key("log/states.parquet"))?,
+                frames,
+                |r: &StateRow| r.frame,
+            ),
+            signals: ByFrame::new(
+                store.read_rows(manifest, &key("log/signals.parquet"))?,
+                frames,
+                |r: &SignalRow| r.frame,
+            ),
         })
     }
 
@@ -132,10 +141,10 @@ impl SceneLog {
             return self.world_from_agent(position, frame - 1);
         }
         let now = self.agent(position, frame);
-        self.states_at(-1)
-            .iter()
-            .find(|s| s.id == now.id)
-            .map_or_else(|| self.world_from_agent(position, frame), |s| Pose::from_xyz_wxyz(s.xyz_m, s.quaternion))
+        self.states_at(-1).iter().find(|s| s.id == now.id).map_or_else(
+            || self.world_from_agent(position, frame),
+            |s| Pose::from_xyz_wxyz(s.xyz_m, s.quaternion),
+        )
     }
 
     /// States of the moving objects at a frame, from -1, by id.

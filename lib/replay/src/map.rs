@@ -33,12 +33,15 @@ pub fn read_map(job: &Job<'_>, name: &str, hash: &str) -> Result<Map, StageError
     let mut text = Vec::new();
     zstd::Decoder::new(packed.as_slice())
         .and_then(|decoder| decoder.take(MAX_MAP_BYTES).read_to_end(&mut text))
-        .map_err(|e| StageError::Failed(format!("{path}: cannot decompress: {e} (run {PLANNER} with --force)")))?;
+        .map_err(|e| {
+            StageError::Failed(format!("{path}: cannot decompress: {e} (run {PLANNER} with --force)"))
+        })?;
     if store::hash_bytes(&text) != hash {
-        return Err(StageError::Failed(format!("{path}: is not the map of the plan (run {PLANNER} with --force)")));
+        return Err(StageError::Failed(format!(
+            "{path}: is not the map of the plan (run {PLANNER} with --force)"
+        )));
     }
-    let network =
-        opendrive::read_bytes(&text).map_err(|e| StageError::Failed(format!("{path}: {e}")))?;
+    let network = opendrive::read_bytes(&text).map_err(|e| StageError::Failed(format!("{path}: {e}")))?;
     Ok(Map::new(network))
 }
 

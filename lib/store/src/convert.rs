@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
+use arrow_array::types::{ArrowPrimitiveType, Float32Type, UInt8Type, UInt16Type};
 use arrow_array::{
     Array, ArrayRef, BinaryArray, BooleanArray, FixedSizeListArray, Float32Array, Float64Array,
     GenericListArray, Int32Array, Int64Array, ListArray, PrimitiveArray, StringArray, UInt8Array,
     UInt16Array, UInt32Array, UInt64Array,
 };
 use arrow_buffer::OffsetBuffer;
-use arrow_array::types::{ArrowPrimitiveType, Float32Type, UInt8Type, UInt16Type};
 use arrow_schema::{DataType, Field, Schema};
 use schema::table::{Column, ColumnError, Row};
 

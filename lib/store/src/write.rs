@@ -247,11 +247,13 @@ pub(crate) fn write_columns(file: FileWriter, columns: Vec<(&str, Column)>) -> R
 }
 
 fn properties(schema: &Schema, options: &TableOptions) -> WriterProperties {
-    // Level 3 is zstd's own default; images are compressed already.
+    // Level 3 is zstd's own default; what comes frame by frame is large and must be fast; images are compressed
+    // already.
+    let level = if options.rows_per_group == 1 { 1 } else { 3 };
     let compression = if options.compressed {
         Compression::UNCOMPRESSED
     } else {
-        ZstdLevel::try_new(3).map_or(Compression::UNCOMPRESSED, Compression::ZSTD)
+        ZstdLevel::try_new(level).map_or(Compression::UNCOMPRESSED, Compression::ZSTD)
     };
     let mut builder = WriterProperties::builder()
         .set_writer_version(WriterVersion::PARQUET_1_0)

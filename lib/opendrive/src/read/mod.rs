@@ -84,10 +84,7 @@ impl Network {
     /// Where the text is not XML, its root is not `OpenDRIVE`, or an element lacks a number without which
     /// it has no place or meaning.
     pub fn parse(xml: &str) -> Result<Self, ReadError> {
-        let document = Document::parse(xml).map_err(|e| {
-            let at = e.pos();
-            ReadError::Xml { line: at.row, column: at.col, message: e.to_string() }
-        })?;
+        let document = Document::parse(xml).map_err(|e| xml_error(&e, xml))?;
         let mut context = Context::new(xml);
         let root = document.root_element();
         if root.tag_name().name() != "OpenDRIVE" {
@@ -116,6 +113,19 @@ impl Network {
         network.warnings = context.into_warnings();
         Ok(network)
     }
+}
+
+/// Where the XML parser gave up. It knows no place for a text that ends too early: that is the end.
+fn xml_error(error: &roxmltree::Error, xml: &str) -> ReadError {
+    let (line, column) = match error {
+        roxmltree::Error::UnexpectedEndOfStream | roxmltree::Error::UnclosedRootNode => {
+            let last = xml.lines().last().unwrap_or_default();
+            (xml.lines().count().max(1), last.chars().count() + 1)
+        }
+        _ => (error.pos().row as usize, error.pos().col as usize),
+    };
+    let (line, column) = (u32::try_from(line).unwrap_or(u32::MAX), u32::try_from(column).unwrap_or(u32::MAX));
+    ReadError::Xml { line, column, message: error.to_string() }
 }
 
 /// Reads an OpenDRIVE file from its bytes, plain or gzip.
