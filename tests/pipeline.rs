@@ -110,6 +110,7 @@ fn stale_exactly_where_it_should_be(bench: &Bench) {
 }
 
 /// Stock pyarrow and numpy read everything.
+#[expect(clippy::print_stderr, reason = "a skipped check says so")]
 fn readers_agree(bench: &Bench) {
     let python = std::env::var("CONVOY_PYTHON").unwrap_or_else(|_| "python3".into());
     let script = workspace().join("tests/check_readers.py");

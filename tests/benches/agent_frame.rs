@@ -195,10 +195,8 @@ impl<'a> Agentframe<'a> {
             let pictures = views.iter().zip(&buffers);
             pictures.map(|(view, buffer)| Picture::new(scene, view, buffer, &lighting)).collect::<Vec<_>>()
         });
-        let lighting = light();
         let all = best(3, || {
-            let lighting = black_box(light());
-            black_box(lighting);
+            let lighting = light();
             let frames = views.iter().zip(&buffers);
             frames.map(|(v, b)| CameraFrame::from_buffer(scene, v, b, Some(&lighting))).collect::<Vec<_>>()
         });
