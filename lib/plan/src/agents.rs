@@ -18,8 +18,9 @@ use crate::pool::{SpawnPoint, SpawnPool};
 pub const RSU_MODEL: &str = "rsu.pole";
 /// Colour of an RSU's body (sRGB).
 const RSU_COLOR: [u8; 3] = [190, 190, 190];
-/// An RSU stands this far from its pole, towards the junction, metres.
-const RSU_STEP_M: f64 = 0.2;
+/// How far an RSU stands from the foot of its signal's pole, towards the junction, metres. The published value is
+/// 0.2 m; the housing of a roadside light reaches further, and the lidar at 3.2 m would sit inside it.
+const RSU_STEP_M: f64 = 0.6;
 /// Free space between the footprints of two vehicles at the start, metres.
 const CLEARANCE_M: f64 = 0.5;
 /// Vehicles farther above each other than this are on different decks, metres.

@@ -257,7 +257,7 @@ fn rsus_stand_by_the_lights_of_near_junctions() {
         let junction = &map.junctions()[signal.junction.expect("a junction")];
         assert!(signal.dynamic);
         let (foot, at) = (signal.on_surface, Point3::from(rsu.xyz_m));
-        assert!(((at - foot).norm() - 0.2).abs() < 1e-9);
+        assert!(((at - foot).norm() - 0.6).abs() < 1e-9);
         let flat = |p: Point3<f64>| p.xy();
         assert!((flat(junction.centre) - flat(at)).norm() < (flat(junction.centre) - flat(foot)).norm());
         let (sin, cos) = frames::math::sin_cos(rsu.rpy_rad[2]);
