@@ -351,6 +351,7 @@ impl Run<'_> {
     /// Runs one scope. `false`: there was nothing to do.
     fn one(&self, scope: Scope) -> Result<bool, StageError> {
         if !self.force && state_of(&self.store, self.settings, self.spec, scope)? == State::Done {
+            Attempt::tidy(&self.store, scope, self.stage.name)?;
             return Ok(false);
         }
         let ready = inputs(&self.store, self.settings, self.spec, scope)?.map_err(StageError::Failed)?;

@@ -43,7 +43,7 @@ impl Attempt {
     /// The store cannot be read or written.
     pub fn start(store: &Store, identity: Identity, force: bool) -> Result<Self, StoreError> {
         let (scope, stage) = (identity.scope, identity.stage.as_str());
-        store.backend().sweep(&scope.folder(), stage)?;
+        store.backend().sweep(&scope.swept_folder(), stage)?;
         let old = store.manifest(scope, stage)?;
         let old_stands = old.is_some();
         let redo = match old {
@@ -55,6 +55,20 @@ impl Attempt {
         };
         let (outputs, sections) = (Vec::new(), BTreeMap::new());
         Ok(Self { store: store.clone(), identity, redo, old_stands, outputs, sections })
+    }
+
+    /// Removes what a try left that was killed after its manifest stood: leftovers, records of units and of redoing.
+    ///
+    /// # Errors
+    /// The store cannot be listed or changed.
+    pub fn tidy(store: &Store, scope: Scope, stage: &str) -> Result<(), StoreError> {
+        let backend = store.backend();
+        backend.sweep(&scope.swept_folder(), stage)?;
+        for key in backend.list(&scope.parts(stage))? {
+            backend.remove(&key)?;
+        }
+        backend.remove(&scope.redo(stage))?;
+        backend.remove(&scope.failure(stage))
     }
 
     /// Takes the old manifest away: from here on its shards are replaced one by one.
@@ -106,11 +120,7 @@ impl Attempt {
             backend.remove(key)?;
         }
         self.store.write_json(&scope.manifest(stage), stage, &manifest)?;
-        for key in backend.list(&scope.parts(stage))? {
-            backend.remove(&key)?;
-        }
-        backend.remove(&scope.redo(stage))?;
-        backend.remove(&scope.failure(stage))?;
+        Self::tidy(&self.store, scope, stage)?;
         Ok(manifest)
     }
 

@@ -24,6 +24,15 @@ impl Scope {
         }
     }
 
+    /// The folder in which a stage's leftovers may lie: the plan's shards are spread over the store.
+    #[must_use]
+    pub fn swept_folder(self) -> String {
+        match self {
+            Self::Plan => String::new(),
+            Self::Scene(_) | Self::Stats => self.folder(),
+        }
+    }
+
     /// The manifest of a stage.
     #[must_use]
     pub fn manifest(self, stage: &str) -> String {

@@ -130,6 +130,30 @@ fn a_killed_try_keeps_its_finished_units() {
 }
 
 #[test]
+fn a_try_killed_after_its_manifest_is_tidied() {
+    let dir = tempfile::tempdir().expect("temp dir");
+    let store = Store::on_disk(dir.path());
+    run(&store, "c", false, &["vehicle_0"]).expect("runs");
+    let clean = tree(dir.path());
+    store.write_json(&Scope::Scene(7).part(STAGE, "vehicle_0"), STAGE, &1).expect("writes");
+    store.write_json(&Scope::Scene(7).redo(STAGE), STAGE, &1).expect("writes");
+    Attempt::tidy(&store, Scope::Scene(7), STAGE).expect("tidies");
+    assert_eq!(clean, tree(dir.path()));
+}
+
+#[test]
+fn leftovers_of_the_plan_are_found_all_over_the_store() {
+    let dir = tempfile::tempdir().expect("temp dir");
+    let store = Store::on_disk(dir.path());
+    for key in [keys::DATASET, "maps/convoy/demo.xodr.zst", keys::PLAN_SCENES] {
+        std::mem::forget(store.backend().create(key, "spawn-planner").expect("creates"));
+    }
+    assert_eq!(tree(dir.path()).len(), 3);
+    Attempt::tidy(&store, Scope::Plan, "spawn-planner").expect("tidies");
+    assert_eq!(tree(dir.path()).len(), 0);
+}
+
+#[test]
 fn a_finished_unit_of_another_config_is_not_kept() {
     let dir = tempfile::tempdir().expect("temp dir");
     let store = Store::on_disk(dir.path());
