@@ -172,6 +172,29 @@ fn flow_is_the_difference_of_two_projections() {
 }
 
 #[test]
+fn what_stands_still_has_no_flow() {
+    // A turned camera high above the street, so that no coordinate is a round number.
+    let snapshot = street(false);
+    let view = standing_view([0.0, -5.0, 5.7], [0.01, 0.33, 0.7], &settings(320, 180));
+    let meshes = Meshes::build(&snapshot.meshes);
+    let scene = Scene::new(&meshes, &snapshot);
+    let buffer = rasterize(&scene, &view.pinhole().expect("is a camera"));
+    let view = CameraView { settings: CameraSettings { rgb: false, ..view.settings.clone() }, ..view };
+    let frame = CameraFrame::from_buffer(&scene, &view, &buffer, None).expect("needs no light");
+    let flow = frame.flow.as_ref().expect("was asked for");
+    let still = snapshot.instances.iter().map(|i| i.local_from_object == i.previous_local_from_object);
+    let still: Vec<bool> = still.collect();
+    let mut checked = 0;
+    for (i, (dx, dy)) in flow.dx.iter().zip(&flow.dy).enumerate() {
+        if still.get(buffer.instance[i] as usize).copied().unwrap_or(true) {
+            assert_eq!((dx.to_bits(), dy.to_bits()), (0, 0), "pixel {i}");
+            checked += 1;
+        }
+    }
+    assert!(checked > 10_000);
+}
+
+#[test]
 fn bytes_do_not_depend_on_threads() {
     let snapshot = street(true);
     let weather =

@@ -26,9 +26,9 @@ table! {
         width: u32,
         /// Image height, pixels.
         height: u32,
-        /// Motion to the right since the last frame, row by row; the image is 2 units wide.
+        /// Motion to the right since the last frame, row by row; the image is 2 units wide. A multiple of 2^-17.
         dx: Vec<f32>,
-        /// Motion up since the last frame, row by row; the image is 2 units high.
+        /// Motion up since the last frame, row by row; the image is 2 units high. A multiple of 2^-17.
         dy: Vec<f32>,
     }
 }

@@ -8,12 +8,16 @@ use super::{CameraView, Flow};
 
 /// Largest flow: the whole picture.
 const LIMIT: f32 = 2.0;
+/// Flow is a multiple of this, 0.006 pixels of a picture 1600 wide: about the accuracy of the positions it is made of,
+/// and the digits beyond would not compress.
+const STEP: f32 = 1.0 / 131_072.0;
 
 /// Current minus previous position on the screen of the surface at each pixel, x right, y up, the picture being
 /// 2 units wide and high.
 ///
 /// The sky is infinitely far: it moves with the camera's rotation alone. Each component is limited to +-2, which a
-/// surface that was beside or behind the camera a frame ago exceeds.
+/// surface that was beside or behind the camera a frame ago exceeds, and rounded to a multiple of 2^-17. What stands
+/// still before a camera that stands still has flow 0 exactly.
 pub(super) fn flow(scene: &Scene<'_>, view: &CameraView, buffer: &VisibilityBuffer) -> Flow {
     let camera = &buffer.camera;
     let width = buffer.width as usize;
@@ -23,6 +27,11 @@ pub(super) fn flow(scene: &Scene<'_>, view: &CameraView, buffer: &VisibilityBuff
     // Per instance: from its frame to the previous optical frame.
     let before: Vec<Affine3A> =
         instances.iter().map(|i| optical_before * i.previous_local_from_object).collect();
+    let camera_stands = view.previous_local_from_optical == camera.local_from_optical;
+    let stands = |i: u32| {
+        let instance = &instances[i as usize];
+        camera_stands && instance.previous_local_from_object == instance.local_from_object
+    };
     let pixels = buffer.instance.len();
     let mut flow = Flow { dx: vec![0.0; pixels], dy: vec![0.0; pixels] };
     let rows = flow.dx.par_chunks_mut(width).zip(flow.dy.par_chunks_mut(width));
@@ -30,6 +39,8 @@ pub(super) fn flow(scene: &Scene<'_>, view: &CameraView, buffer: &VisibilityBuff
         let y = y as u32;
         surfaces.for_each_in_row(y, |x, point| {
             let was = match point {
+                Some(p) if stands(p.instance) => return,
+                None if camera_stands => return,
                 Some(p) => before[p.instance as usize].transform_point3(p.position_object),
                 None => {
                     let direction = camera.direction_optical(x as f32 + 0.5, y as f32 + 0.5);
@@ -38,11 +49,17 @@ pub(super) fn flow(scene: &Scene<'_>, view: &CameraView, buffer: &VisibilityBuff
             };
             let now = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
             let moved = now - project(camera, was);
-            dx[x as usize] = (2.0 * moved.x / camera.width as f32).clamp(-LIMIT, LIMIT);
-            dy[x as usize] = (-2.0 * moved.y / camera.height as f32).clamp(-LIMIT, LIMIT);
+            dx[x as usize] = rounded(2.0 * moved.x / camera.width as f32);
+            dy[x as usize] = rounded(-2.0 * moved.y / camera.height as f32);
         });
     });
     flow
+}
+
+/// Limited and rounded; without negative zeros, which would only cost bytes.
+fn rounded(flow: f32) -> f32 {
+    // A product with a power of 2 is exact. Adding 0 turns -0 into 0.
+    (flow.clamp(-LIMIT, LIMIT) / STEP).round_ties_even() * STEP + 0.0
 }
 
 /// Position in the picture of a point in the optical frame, pixels; what is nearer than the near plane (or behind)
