@@ -91,11 +91,6 @@ impl Ground {
         Self { side, cell_m, cells: vec![Cell::EMPTY; side * side], triangles: Vec::new() }
     }
 
-    /// Rows and columns.
-    pub(super) fn side(&self) -> usize {
-        self.side
-    }
-
     pub(super) fn clear(&mut self) {
         self.cells.fill(Cell::EMPTY);
         self.triangles.clear();

@@ -66,8 +66,17 @@ pub struct BevRasterizer {
     cells: usize,
     cell_m: f64,
     meshes: MeshCache,
+    sorted: Sorted,
+}
+
+/// The triangles over the grid.
+#[derive(Debug)]
+struct Sorted {
+    cells: usize,
     ground: Ground,
     objects: Vec<ObjectTriangle>,
+    /// Corners of the mesh in hand, in the grid.
+    corners: Vec<Vec3A>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -124,8 +133,12 @@ impl BevRasterizer {
             cells,
             cell_m,
             meshes: MeshCache::default(),
-            ground: Ground::new(cells, cell_m as f32),
-            objects: Vec::new(),
+            sorted: Sorted {
+                cells,
+                ground: Ground::new(cells, cell_m as f32),
+                objects: Vec::new(),
+                corners: Vec::new(),
+            },
         })
     }
 
@@ -138,12 +151,12 @@ impl BevRasterizer {
     ) -> BevMask {
         let grid = GridFrame::new(self.cells, self.cell_m, world_from_agent);
         let bases = self.collect(snapshot, &grid);
-        let mut bits = self.ground.settle();
+        let mut bits = self.sorted.ground.settle();
 
         for polygon in areas.hazards {
             let corners: Vec<Vec3> = polygon.iter().map(|&p| grid.of_world_point(p)).collect();
             polygon::fill(&corners, self.cells, |cell, z| {
-                if self.ground.is_near(cell, z) {
+                if self.sorted.ground.is_near(cell, z) {
                     bits[cell] |= 1 << BevClass::Hazard as u16;
                 }
             });
@@ -152,7 +165,7 @@ impl BevRasterizer {
             let corners: Vec<Vec3> = polygon.iter().map(|&p| grid.of_world_point(p)).collect();
             polygon::fill(&corners, self.cells, |cell, z| {
                 let road = bits[cell] >> BevClass::Road as u16 & 1;
-                if self.ground.is_near(cell, z) {
+                if self.sorted.ground.is_near(cell, z) {
                     bits[cell] |= road << BevClass::Crosswalk as u16;
                 }
             });
@@ -168,8 +181,8 @@ impl BevRasterizer {
         let facts = self.meshes.facts(&snapshot.meshes);
         let grid_from_local = grid.grid_from_local(snapshot);
         let size = self.cells as f32;
-        self.ground.clear();
-        self.objects.clear();
+        self.sorted.ground.clear();
+        self.sorted.objects.clear();
         let mut bases = BTreeMap::new();
         for instance in &snapshot.instances {
             let facts = &facts[instance.mesh as usize];
@@ -184,8 +197,7 @@ impl BevRasterizer {
             if facts.tags & object_tags != 0 {
                 bases.entry(instance.object).or_insert_with(Base::default).offer(facts, &to_grid);
             }
-            let mesh = snapshot.mesh(instance);
-            sort_triangles(mesh, instance.object, &to_grid, &mut self.ground, &mut self.objects);
+            self.sorted.add(snapshot.mesh(instance), instance.object, &to_grid);
         }
         bases
     }
@@ -194,14 +206,14 @@ impl BevRasterizer {
         // Objects that stand on what is shown, by id.
         let shown: Vec<ObjectId> =
             bases.iter().filter(|(_, base)| self.stands(base)).map(|(&object, _)| object).collect();
-        for ObjectTriangle { object, class, triangle } in &self.objects {
+        for ObjectTriangle { object, class, triangle } in &self.sorted.objects {
             if shown.binary_search(object).is_err() {
                 continue;
             }
             let z = triangle.z_range();
             let bit = 1 << *class as u16;
             let mut draw = |cell: usize| {
-                let level = self.ground.level(cell);
+                let level = self.sorted.ground.level(cell);
                 if z[1] >= level - BELOW_M && z[0] <= level + ABOVE_M {
                     bits[cell] |= bit;
                 }
@@ -221,36 +233,31 @@ impl BevRasterizer {
         // Beyond the edge the ground is not known: what is known is at the edge.
         let beyond = (base.place.x - u - 0.5).abs().max((base.place.y - v - 0.5).abs()) - 0.5;
         let slack_m = EDGE_SLOPE * beyond.max(0.0) * self.cell_m as f32;
-        let above = base.place.z - self.ground.level(v as usize * self.cells + u as usize);
+        let above = base.place.z - self.sorted.ground.level(v as usize * self.cells + u as usize);
         above >= -BELOW_M - slack_m && above <= ABOVE_M + slack_m
     }
 }
 
-/// Sorts a mesh's triangles over the grid into ground (drawn at once) and objects (kept).
-fn sort_triangles(
-    mesh: &TriMesh,
-    object: ObjectId,
-    to_grid: &Affine3A,
-    ground: &mut Ground,
-    objects: &mut Vec<ObjectTriangle>,
-) {
-    let corners: Vec<Vec3A> =
-        mesh.positions.iter().map(|&p| to_grid.transform_point3a(Vec3A::from(p))).collect();
-    for (vertices, &part) in mesh.triangles.iter().zip(&mesh.triangle_part) {
-        let tag = mesh.parts[usize::from(part)].tag;
-        let class = object_class(tag);
-        if class.is_none() && !is_ground(tag) {
-            continue;
-        }
-        let Some(triangle) = Triangle::new(vertices.map(|v| corners[v as usize]), ground.side()) else {
-            continue;
-        };
-        match class {
-            Some(class) if is_small(class) || triangle.may_cover_a_centre() => {
-                objects.push(ObjectTriangle { object, class, triangle });
+impl Sorted {
+    /// Sorts a mesh's triangles over the grid into ground (drawn at once) and objects (kept).
+    fn add(&mut self, mesh: &TriMesh, object: ObjectId, to_grid: &Affine3A) {
+        self.corners.clear();
+        self.corners.extend(mesh.positions.iter().map(|&p| to_grid.transform_point3a(Vec3A::from(p))));
+        for (&[a, b, c], &part) in mesh.triangles.iter().zip(&mesh.triangle_part) {
+            let tag = mesh.parts[usize::from(part)].tag;
+            let class = object_class(tag);
+            if class.is_none() && !is_ground(tag) {
+                continue;
             }
-            Some(_) => {}
-            None => ground.add(&triangle, tag),
+            let corners = [a, b, c].map(|v| self.corners[v as usize]);
+            let Some(triangle) = Triangle::new(corners, self.cells) else { continue };
+            match class {
+                Some(class) if is_small(class) || triangle.may_cover_a_centre() => {
+                    self.objects.push(ObjectTriangle { object, class, triangle });
+                }
+                Some(_) => {}
+                None => self.ground.add(&triangle, tag),
+            }
         }
     }
 }

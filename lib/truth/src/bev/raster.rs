@@ -11,6 +11,8 @@ const SEAM: f32 = 1e-4;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Triangle {
     corners: [Vec3A; 3],
+    low: Vec3A,
+    high: Vec3A,
 }
 
 /// Height over the grid, never outside the triangle's own.
@@ -34,25 +36,25 @@ impl Height {
 impl Triangle {
     /// None where its bounding box misses the grid or a corner is no number.
     pub(super) fn new(corners: [Vec3A; 3], cells: usize) -> Option<Self> {
-        let low = corners[0].min(corners[1]).min(corners[2]);
-        let high = corners[0].max(corners[1]).max(corners[2]);
+        let [a, b, c] = corners;
+        let low = a.min(b).min(c);
+        let high = a.max(b).max(c);
         let size = cells as f32;
         let over = high.x >= 0.0 && high.y >= 0.0 && low.x <= size && low.y <= size;
-        (over && corners.iter().all(|c| c.is_finite())).then_some(Self { corners })
+        // A sum is finite only if all its terms are.
+        (over && (a + b + c).is_finite()).then_some(Self { corners, low, high })
     }
 
     /// Whether its bounding box holds a cell's centre: small triangles mostly don't.
     pub(super) fn may_cover_a_centre(&self) -> bool {
-        let [a, b, c] = self.corners;
-        let low = (a.min(b).min(c) - (0.5 + SEAM)).ceil();
-        let high = (a.max(b).max(c) - (0.5 - SEAM)).floor();
-        low.x <= high.x && low.y <= high.y
+        // By the scalar functions, which are one instruction each.
+        let holds = |low: f32, high: f32| (low - 0.5 - SEAM).ceil() <= (high - 0.5 + SEAM).floor();
+        holds(self.low.x, self.high.x) && holds(self.low.y, self.high.y)
     }
 
     /// Lowest and highest z.
     pub(super) fn z_range(&self) -> [f32; 2] {
-        let [a, b, c] = self.corners.map(|p| p.z);
-        [a.min(b).min(c), a.max(b).max(c)]
+        [self.low.z, self.high.z]
     }
 
     pub(super) fn height(&self) -> Height {
@@ -73,14 +75,12 @@ impl Triangle {
         [Edge::new(a, b), Edge::new(b, c), Edge::new(c, a)]
     }
 
-    fn rows(&self) -> [f32; 2] {
-        let [a, b, c] = self.corners.map(|p| p.y);
-        [a.min(b).min(c), a.max(b).max(c)]
-    }
-
     /// Calls with the run of cells of each row whose centres it covers.
     pub(super) fn centres(&self, cells: usize, mut run: impl FnMut(usize, RangeInclusive<usize>)) {
-        let [low, high] = self.rows();
+        if !self.may_cover_a_centre() {
+            return;
+        }
+        let (low, high) = (self.low.y, self.high.y);
         let Some(rows) = indices((low - 0.5).ceil(), high - 0.5, cells) else { return };
         let edges = self.edges();
         for row in rows {
@@ -97,8 +97,15 @@ impl Triangle {
 
     /// Calls with the run of cells of each row that it has a point in.
     pub(super) fn touched(&self, cells: usize, mut run: impl FnMut(usize, RangeInclusive<usize>)) {
-        let [low, high] = self.rows();
+        let (low, high) = (self.low.y, self.high.y);
         let Some(rows) = indices(low.floor(), high, cells) else { return };
+        if low.floor() == high.floor() {
+            // All of it in one row, as most are.
+            if let Some(columns) = indices(self.low.x.floor(), self.high.x, cells) {
+                run(*rows.start(), columns);
+            }
+            return;
+        }
         let edges = self.edges();
         for row in rows {
             let (near, far) = (row as f32, (row + 1) as f32);
