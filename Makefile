@@ -8,6 +8,7 @@ SCENES ?=
 STAGE  ?=
 FORCE  ?=
 
+PYTHON ?= $(or $(CONVOY_PYTHON),python3)
 CARGO ?= cargo
 BIN    = target/release
 MAPS_ARG    = $(if $(MAPS),--maps $(MAPS))
@@ -52,6 +53,9 @@ test:
 	$(CARGO) build --locked --workspace --bins
 	$(CARGO) nextest run --locked --workspace || { $(CARGO) nextest --version >/dev/null 2>&1 && exit 1; $(CARGO) test --locked --workspace --all-targets; }
 	$(CARGO) test --locked --workspace --doc
+	@$(PYTHON) -c 'import numpy, pyarrow' 2>/dev/null \
+		|| echo "note: skipped the check that stock readers open a store: it needs numpy and pyarrow for $(PYTHON)"
+	@test -d ../shared/maps || echo "note: skipped the tests on real maps: there is no ../shared/maps"
 
 lint:
 	$(CARGO) fmt --all --check

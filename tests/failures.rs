@@ -25,6 +25,27 @@ fn three_mistakes_give_three_messages() {
     assert!(!bench.store().exists());
 }
 
+/// The whole run and the stage it is at stop when it is told to.
+#[test]
+fn a_signal_to_the_driver_reaches_its_stage() {
+    let bench = Bench::new(&TINY.replace("columns = 256", "columns = 4096"));
+    let mut driver = bench.start("convoy", &["run"]);
+    let parts = bench.store().join("scenes/0000/log");
+    // Somewhere in the middle: the log stands, the sensors take a while.
+    let start = std::time::Instant::now();
+    while !parts.exists() && start.elapsed().as_secs() < 120 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let told = std::process::Command::new("kill").arg(driver.id().to_string()).status().expect("kill runs");
+    assert!(told.success());
+    let status = driver.wait().expect("the driver ends");
+    assert_eq!(status.code(), Some(75), "{status}");
+    // Nobody writes any more.
+    let before = bench.digests();
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    assert_eq!(before, bench.digests());
+}
+
 #[test]
 fn a_missing_map_says_where_it_was_looked_for() {
     let bench = Bench::new(&TINY.replace("convoy/demo", "Nowhere"));

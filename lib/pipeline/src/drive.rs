@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::{Parser, Subcommand};
 use store::{Scope, Store};
@@ -11,7 +11,10 @@ use crate::args::{ProgressMode, SceneList};
 use crate::graph::{Graph, UnitKind};
 use crate::runner::{init_logging, settings_or_faults};
 use crate::status::{State, planned_scenes, state_of};
-use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE};
+use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, interrupt};
+
+/// How often a running stage is looked at.
+const LOOK_EVERY: Duration = Duration::from_millis(20);
 
 /// Makes V2X cooperative-perception datasets.
 #[derive(Debug, Parser)]
@@ -114,6 +117,7 @@ fn run(common: &[String], scenes: Option<&str>, store: &std::path::Path) -> u8 {
             return EXIT_SOME_FAILED;
         }
     };
+    interrupt::listen();
     let mut worst = EXIT_DONE;
     let mut times = Vec::new();
     for stage in &Graph::get().stages {
@@ -124,10 +128,8 @@ fn run(common: &[String], scenes: Option<&str>, store: &std::path::Path) -> u8 {
             command.args(["--scenes", scenes]);
         }
         let start = Instant::now();
-        let code = match command.status() {
-            Ok(status) => {
-                status.code().map_or(EXIT_TRY_AGAIN, |c| u8::try_from(c).unwrap_or(EXIT_SOME_FAILED))
-            }
+        let code = match run_program(&mut command) {
+            Ok(code) => code,
             Err(e) => {
                 tracing::error!("{}: cannot start: {e} (build the workspace first)", program.display());
                 return EXIT_USAGE;
@@ -153,9 +155,33 @@ fn run(common: &[String], scenes: Option<&str>, store: &std::path::Path) -> u8 {
     }
     let total: f64 = times.iter().map(|(_, secs, _)| secs).sum();
     say(&format!("{:<20} {total:>9.1}", "total"));
-    let root = store.display();
-    say(&format!("dataset: {root} (scenes in {root}/scenes, report in {root}/stats/report.html)"));
+    if worst != EXIT_USAGE {
+        let root = store.display();
+        say(&format!("dataset: {root} (scenes in {root}/scenes, report in {root}/stats/report.html)"));
+    }
     worst
+}
+
+/// Runs a stage program to its end and returns its exit code. A signal that ends this program ends the stage first.
+fn run_program(command: &mut Command) -> std::io::Result<u8> {
+    let mut child = command.spawn()?;
+    let mut told = false;
+    loop {
+        if let Some(status) = child.try_wait()? {
+            let code = status.code().map_or(EXIT_TRY_AGAIN, |c| u8::try_from(c).unwrap_or(EXIT_SOME_FAILED));
+            // A stage may end in time by itself; the next one is not started.
+            return Ok(if interrupt::stopped() { EXIT_TRY_AGAIN } else { code });
+        }
+        if interrupt::stopped() && !told {
+            told = true;
+            // If it is gone already, the next look sees it.
+            let _ = rustix::process::kill_process(
+                rustix::process::Pid::from_child(&child),
+                rustix::process::Signal::TERM,
+            );
+        }
+        std::thread::sleep(LOOK_EVERY);
+    }
 }
 
 fn status(config: &std::path::Path, store: &std::path::Path, only: Option<&SceneList>) -> u8 {

@@ -354,7 +354,8 @@ impl Run<'_> {
             Attempt::tidy(&self.store, scope, self.stage.name)?;
             return Ok(false);
         }
-        let ready = inputs(&self.store, self.settings, self.spec, scope)?.map_err(StageError::Failed)?;
+        let ready = inputs(&self.store, self.settings, self.spec, scope)?
+            .map_err(|why| StageError::Failed(format!("{why}: run that first")))?;
         let identity = Identity {
             stage: self.stage.name.into(),
             scope,

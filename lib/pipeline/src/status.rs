@@ -45,10 +45,24 @@ pub(crate) struct Inputs {
     pub(crate) manifests: BTreeMap<String, Manifest>,
 }
 
-/// Scenes of the plan, or `None` when there is no plan.
+/// A stage's manifest, or `Stale` when it is damaged: the stage can be run again as if something had changed.
+fn manifest_or_stale(
+    store: &Store,
+    scope: Scope,
+    stage: &str,
+) -> Result<Result<Option<Manifest>, State>, StoreError> {
+    match store.manifest(scope, stage) {
+        Err(StoreError::Corrupt { path, problem }) => {
+            Ok(Err(State::Stale(format!("{path} is damaged ({problem})"))))
+        }
+        other => other.map(Ok),
+    }
+}
+
+/// Scenes of the plan, or `None` when there is no plan (or its manifest is damaged).
 pub(crate) fn planned_scenes(store: &Store) -> Result<Option<Vec<u32>>, StoreError> {
     let Some(planner) = Graph::get().stages.first() else { return Ok(None) };
-    let manifest = store.manifest(Scope::Plan, &planner.name)?;
+    let manifest = manifest_or_stale(store, Scope::Plan, &planner.name)?.unwrap_or_default();
     Ok(manifest.map(|m| {
         m.sections
             .keys()
@@ -69,8 +83,10 @@ pub(crate) fn inputs(
         let Some(read) = Graph::get().stage(name) else { continue };
         match (spec.unit, read.unit) {
             (UnitKind::Scene, UnitKind::Plan) => {
-                let Some(plan) = store.manifest(Scope::Plan, name)? else {
-                    return Ok(Err(format!("{name} is missing: run it first")));
+                let plan = match manifest_or_stale(store, Scope::Plan, name)? {
+                    Ok(Some(plan)) => plan,
+                    Ok(None) => return Ok(Err(format!("{name} is missing"))),
+                    Err(state) => return Ok(Err(format!("{name} is {state}"))),
                 };
                 let Scope::Scene(scene) = scope else { continue };
                 let Some(digest) = plan.sections.get(&plan_section(scene)) else {
@@ -91,12 +107,12 @@ pub(crate) fn inputs(
             }
             _ => {
                 let state = state_of(store, settings, read, scope)?;
-                match (state, store.manifest(scope, name)?) {
-                    (State::Done, Some(manifest)) => {
-                        inputs.digests.insert(name.clone(), manifest.digest());
-                        inputs.manifests.insert(name.clone(), manifest);
-                    }
-                    (state, _) => return Ok(Err(format!("{name} is {state}: run it first"))),
+                if state != State::Done {
+                    return Ok(Err(format!("{name} is {state}")));
+                }
+                if let Some(manifest) = store.manifest(scope, name)? {
+                    inputs.digests.insert(name.clone(), manifest.digest());
+                    inputs.manifests.insert(name.clone(), manifest);
                 }
             }
         }
@@ -114,9 +130,16 @@ pub fn state_of(
     spec: &StageSpec,
     scope: Scope,
 ) -> Result<State, StoreError> {
-    let Some(manifest) = store.manifest(scope, &spec.name)? else {
-        let failure: Option<store::Failure> = store.read_json(&scope.failure(&spec.name))?;
-        return Ok(failure.map_or(State::Missing, |f| State::Failed(f.reason)));
+    let manifest = match manifest_or_stale(store, scope, &spec.name)? {
+        Ok(Some(manifest)) => manifest,
+        Ok(None) => {
+            let failure: Option<store::Failure> = match store.read_json(&scope.failure(&spec.name)) {
+                Err(StoreError::Corrupt { .. }) => None,
+                other => other?,
+            };
+            return Ok(failure.map_or(State::Missing, |f| State::Failed(f.reason)));
+        }
+        Err(stale) => return Ok(stale),
     };
     if manifest.config_hash != config_hash(spec, settings) {
         return Ok(State::Stale("the configuration changed".into()));

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use schema::table::{Column, Row};
 
+use crate::error::sound;
 use crate::manifest::{Manifest, Output, Redo};
 use crate::write::{FileWriter, Finished, TableOptions, TableWriter, write_columns};
 use crate::{Scope, Store, StoreError};
@@ -36,7 +37,7 @@ pub struct Attempt {
 
 impl Attempt {
     /// Starts (or takes up) a try and sweeps leftovers. An old manifest stands until the first shard is ready
-    /// to take an old one's place. With `force` the new manifest differs from the old one even if everything
+    /// to take an old one's place; a damaged one is replaced like any other. With `force` the new manifest differs from the old one even if everything
     /// else is equal, so that dependants become stale; units that a killed forced try finished are kept.
     ///
     /// # Errors
@@ -44,14 +45,14 @@ impl Attempt {
     pub fn start(store: &Store, identity: Identity, force: bool) -> Result<Self, StoreError> {
         let (scope, stage) = (identity.scope, identity.stage.as_str());
         store.backend().sweep(&scope.swept_folder(), stage)?;
-        let old = store.manifest(scope, stage)?;
-        let old_stands = old.is_some();
+        let old = sound(store.manifest(scope, stage))?;
+        let old_stands = store.backend().size(&scope.manifest(stage))?.is_some();
         let redo = match old {
             Some(old) => Redo {
                 generation: old.generation + u32::from(force),
                 replaces: old.outputs.into_iter().map(|o| o.key).collect(),
             },
-            None => store.read_json(&scope.redo(stage))?.unwrap_or_default(),
+            None => sound(store.read_json(&scope.redo(stage)))?.unwrap_or_default(),
         };
         let (outputs, sections) = (Vec::new(), BTreeMap::new());
         Ok(Self { store: store.clone(), identity, redo, old_stands, outputs, sections })
@@ -88,7 +89,7 @@ impl Attempt {
     /// The store cannot be read.
     pub fn unit(&mut self, name: &str) -> Result<Option<Unit<'_>>, StoreError> {
         let key = self.identity.scope.part(&self.identity.stage, name);
-        if let Some(part) = self.store.read_json::<Manifest>(&key)? {
+        if let Some(part) = sound(self.store.read_json::<Manifest>(&key))? {
             let same = Manifest { outputs: part.outputs.clone(), ..self.manifest_of(Vec::new()) };
             if part == same && self.store.outputs_present(&part)? {
                 self.outputs.extend(part.outputs);
@@ -203,9 +204,13 @@ impl Unit<'_> {
     /// Makes the unit's shards visible and ends it: from here on a killed run keeps it.
     ///
     /// # Errors
-    /// The store cannot be written.
+    /// The store cannot be written, or two shards of the try have the same key.
     pub fn finish(self) -> Result<(), StoreError> {
         let Self { attempt, name, shards } = self;
+        let mut keys: BTreeSet<&str> = attempt.outputs.iter().map(|o| o.key.as_str()).collect();
+        if let Some(shard) = shards.iter().find(|shard| !keys.insert(&shard.output().key)) {
+            return Err(StoreError::Twice { path: attempt.store.location(&shard.output().key) });
+        }
         attempt.set_old_aside()?;
         let mut outputs = Vec::with_capacity(shards.len());
         for shard in shards {

@@ -4,12 +4,14 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use crate::backend::{Backend, Shard, Sink};
 use crate::error::StoreError;
 
 const UNFINISHED: &str = ".tmp";
+/// What another host left unfinished is believed dead after this long without a write.
+const FOREIGN_DEAD: Duration = Duration::from_secs(24 * 3600);
 
 /// A folder.
 #[derive(Debug)]
@@ -25,7 +27,7 @@ impl Disk {
     pub fn new(root: &Path) -> Self {
         // The attempt's name only has to differ from other processes'; it never reaches a committed byte.
         let nanos = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_nanos());
-        let attempt = format!("{}-{nanos:x}", std::process::id());
+        let attempt = format!("{}~{}~{nanos:x}", host(), std::process::id());
         Self { root: root.to_owned(), attempt, next: AtomicU64::new(0) }
     }
 
@@ -156,7 +158,7 @@ impl Backend for Disk {
         let mut swept = 0;
         for path in self.walk(folder)? {
             let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-            if name.starts_with(&prefix) && name.ends_with(UNFINISHED) {
+            if name.starts_with(&prefix) && name.ends_with(UNFINISHED) && is_abandoned(&path, &name) {
                 fs::remove_file(&path)
                     .map_err(|e| StoreError::io(path.display().to_string(), "remove the leftover", e))?;
                 swept += 1;
@@ -188,6 +190,33 @@ impl Disk {
         }
         Ok(files)
     }
+}
+
+/// Name of this machine, without what separates the parts of an unfinished file's name.
+fn host() -> String {
+    let name = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    name.trim().replace(['~', '/'], "-")
+}
+
+/// Whether the process that was writing an unfinished file (`.owner~name~host~pid~...`) is gone. Another process at work
+/// on the same shard is let be: both write the same bytes, and the later rename wins.
+fn is_abandoned(path: &Path, name: &str) -> bool {
+    let mut parts = name.rsplit('~').skip(1);
+    let (pid, written_on) = (parts.next().and_then(|p| p.parse::<u32>().ok()), parts.next());
+    let (Some(pid), Some(written_on)) = (pid, written_on) else { return true };
+    if written_on == host() {
+        return pid == std::process::id() || !is_running(pid);
+    }
+    let age = fs::metadata(path).and_then(|m| m.modified()).map(|t| t.elapsed().unwrap_or_default());
+    age.is_ok_and(|age| age > FOREIGN_DEAD)
+}
+
+/// Whether a process of this machine still does anything. Where `/proc` does not tell, it counts as gone.
+fn is_running(pid: u32) -> bool {
+    let Ok(stat) = fs::read_to_string(format!("/proc/{pid}/stat")) else { return false };
+    // `pid (name) state ...`; a name may hold brackets.
+    let state = stat.rsplit(") ").next().and_then(|rest| rest.chars().next());
+    !matches!(state, None | Some('Z' | 'X'))
 }
 
 fn is_absent(error: &io::Error) -> bool {

@@ -52,6 +52,12 @@ pub enum StoreError {
         /// What is wrong.
         problem: String,
     },
+    /// A stage writes the same shard twice in one try.
+    #[error("{path}: two outputs of one stage have this name (give sensors and agents different names)")]
+    Twice {
+        /// The file.
+        path: String,
+    },
     /// A store of another layout version.
     #[error("{path}: store format {found}, this program reads and writes {expected} (use a fresh store)")]
     Format {
@@ -62,6 +68,17 @@ pub enum StoreError {
         /// Version of this program.
         expected: u32,
     },
+}
+
+/// A damaged record counts as one that is not there: what it said is done again.
+///
+/// # Errors
+/// All others.
+pub(crate) fn sound<T>(record: Result<Option<T>, StoreError>) -> Result<Option<T>, StoreError> {
+    match record {
+        Err(StoreError::Corrupt { .. }) => Ok(None),
+        other => other,
+    }
 }
 
 impl StoreError {

@@ -221,6 +221,70 @@ fn broken_shards_are_named() {
     assert_eq!(problems, [(first.as_str(), Problem::Changed), (second.as_str(), Problem::Missing)]);
 }
 
+#[test]
+fn damaged_records_are_done_again() {
+    let dir = tempfile::tempdir().expect("temp dir");
+    let store = Store::on_disk(dir.path());
+    run(&store, "c", false, &["vehicle_0", "vehicle_1"]).expect("runs");
+    let whole = tree(dir.path());
+    let scope = Scope::Scene(7);
+    let manifest = dir.path().join(scope.manifest(STAGE));
+    for kept in [0, 40] {
+        let bytes = fs::read(&manifest).expect("reads");
+        fs::write(&manifest, &bytes[..kept]).expect("truncates");
+        assert!(matches!(store.manifest(scope, STAGE), Err(StoreError::Corrupt { .. })));
+        run(&store, "c", false, &["vehicle_0", "vehicle_1"]).expect("runs again");
+        assert_eq!(whole, tree(dir.path()));
+    }
+    // The same for the records of a try that was killed after its first unit.
+    let mut attempt = Attempt::start(&store, identity("d"), true).expect("starts");
+    let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is to do");
+    unit.rows(&key("vehicle_0"), &gnss(40)).expect("writes");
+    unit.finish().expect("finishes");
+    drop(attempt);
+    for record in [scope.part(STAGE, "vehicle_0"), scope.redo(STAGE)] {
+        fs::write(dir.path().join(record), "{").expect("is there");
+    }
+    let manifest = run(&store, "d", false, &["vehicle_0", "vehicle_1"]).expect("runs");
+    assert_eq!(manifest.outputs.len(), 2);
+    assert!(verify(&store, |_| {}).expect("verifies").findings.is_empty());
+}
+
+#[test]
+fn two_outputs_of_one_name_are_refused() {
+    let dir = tempfile::tempdir().expect("temp dir");
+    let store = Store::on_disk(dir.path());
+    let mut attempt = Attempt::start(&store, identity("c"), false).expect("starts");
+    let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is to do");
+    unit.rows(&key("vehicle_0"), &gnss(40)).expect("writes");
+    unit.rows(&key("vehicle_0"), &gnss(20)).expect("writes");
+    let error = unit.finish().expect_err("is refused");
+    assert!(error.to_string().contains("vehicle_0/GNSS.parquet"), "{error}");
+}
+
+#[test]
+fn what_a_living_process_writes_is_not_swept() {
+    let dir = tempfile::tempdir().expect("temp dir");
+    let disk = Disk::new(dir.path());
+    let sink = disk.create("a/table.parquet", STAGE).expect("creates");
+    let ours = walkdir::WalkDir::new(dir.path()).into_iter().filter_map(Result::ok);
+    let ours = ours.map(|e| e.into_path()).find(|p| p.is_file()).expect("is being written");
+    // The same leftover, had another process made it.
+    let mut other = std::process::Command::new("sleep").arg("600").spawn().expect("sleep runs");
+    let name = ours.file_name().expect("has a name").to_string_lossy().into_owned();
+    let own_id = format!("~{}~", std::process::id());
+    assert!(name.contains(&own_id), "{name}");
+    let theirs = ours.with_file_name(name.replace(&own_id, &format!("~{}~", other.id())));
+    fs::write(&theirs, "half").expect("writes");
+    drop(sink);
+    assert_eq!(disk.sweep("", STAGE).expect("sweeps"), 0);
+    other.kill().expect("is killed");
+    other.wait().expect("is reaped");
+    assert_eq!(disk.sweep("", "bev-gt").expect("sweeps"), 0, "not its owner");
+    assert_eq!(disk.sweep("", STAGE).expect("sweeps"), 1);
+    assert!(!theirs.exists());
+}
+
 /// A disk that is full after some bytes.
 struct FullDisk {
     disk: Disk,

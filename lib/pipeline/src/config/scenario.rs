@@ -35,8 +35,20 @@ pub(crate) fn scenes(root: &Section<'_>) -> Vec<SceneCount> {
 pub(crate) fn agents(s: &Section<'_>) -> AgentSettings {
     let d = AgentSettings::default();
     let settings = AgentSettings {
-        min_vehicles: count(s, "min_vehicles", d.min_vehicles, "fewest data-collection vehicles in a scene"),
-        max_vehicles: count(s, "max_vehicles", d.max_vehicles, "most data-collection vehicles in a scene"),
+        min_vehicles: s.integer(
+            "min_vehicles",
+            d.min_vehicles.into(),
+            1,
+            1000,
+            "fewest data-collection vehicles in a scene",
+        ) as u32,
+        max_vehicles: s.integer(
+            "max_vehicles",
+            d.max_vehicles.into(),
+            1,
+            1000,
+            "most data-collection vehicles in a scene: the first one decides where a scene takes place",
+        ) as u32,
         spawn_mode: s.choice(
             "spawn_mode",
             &[
