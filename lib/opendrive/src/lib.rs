@@ -22,7 +22,7 @@ pub use model::{
     Junction, JunctionController, JunctionKind, Lane, LaneChange, LaneHeight, LaneLink, LaneSection,
     LaneSpeed, LaneType, LaneValidity, MarkChange, MarkColour, MarkLine, MarkType, Network, Object,
     Orientation, Outline, Repeat, Road, RoadLink, RoadMark, RoadType, Shape, Signal, SignalReference, Speed,
-    SpeedUnit, TrafficRule, TravelDirection,
+    SpeedUnit, TrafficRule, TravelDirection, Tunnel, TunnelType,
 };
 pub use read::{ReadError, Warning, read_bytes};
 pub use write::write;

@@ -1,6 +1,6 @@
 //! Signals, objects, bridges, junctions and controllers, as the file states them.
 
-use super::{ContactPoint, JunctionKind, Orientation, SpeedUnit};
+use super::{ContactPoint, JunctionKind, Orientation, SpeedUnit, TunnelType};
 
 /// A traffic light or sign.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -192,6 +192,29 @@ pub struct Bridge {
     pub s: f64,
     /// Length, metres.
     pub length_m: f64,
+    /// Lanes that it carries; none stated means all.
+    pub validity: Vec<LaneValidity>,
+}
+
+/// A stretch of road that is a tunnel.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tunnel {
+    /// Id as written.
+    pub id: String,
+    /// Name.
+    pub name: String,
+    /// Closed all round, or open to daylight at its sides.
+    pub kind: TunnelType,
+    /// Start, metres along the road.
+    pub s: f64,
+    /// Length, metres.
+    pub length_m: f64,
+    /// Degree of artificial light from 0 to 1, if stated.
+    pub lighting: Option<f64>,
+    /// Degree of daylight that comes in from 0 to 1, if stated.
+    pub daylight: Option<f64>,
+    /// Lanes that it holds; none stated means all.
+    pub validity: Vec<LaneValidity>,
 }
 
 /// Where roads meet.

@@ -5,11 +5,11 @@ mod words;
 
 pub use furniture::{
     Bridge, Connection, Controller, Corner, Junction, JunctionController, LaneLink, LaneValidity, Object,
-    Outline, Repeat, Signal, SignalReference,
+    Outline, Repeat, Signal, SignalReference, Tunnel,
 };
 pub use words::{
     ContactPoint, JunctionKind, LaneChange, LaneType, MarkChange, MarkColour, MarkType, Orientation,
-    SpeedUnit, TrafficRule, TravelDirection,
+    SpeedUnit, TrafficRule, TravelDirection, TunnelType,
 };
 
 use crate::read::Warning;
@@ -102,6 +102,8 @@ pub struct Road {
     pub signal_references: Vec<SignalReference>,
     /// Bridges.
     pub bridges: Vec<Bridge>,
+    /// Tunnels.
+    pub tunnels: Vec<Tunnel>,
 }
 
 /// What touches an end of a road.

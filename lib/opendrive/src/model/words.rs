@@ -316,6 +316,17 @@ words!(
 );
 
 words!(
+    /// The kind of a tunnel.
+    TunnelType {
+        /// Closed all round.
+        #[default]
+        Standard = "standard", "standard";
+        /// Under another road; daylight comes in.
+        Underpass = "underpass", "underpass";
+    }
+);
+
+words!(
     /// Unit of a speed.
     SpeedUnit {
         /// Metres a second (also when no unit is written).

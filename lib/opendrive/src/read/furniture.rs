@@ -7,6 +7,7 @@ use super::context::{Context, text_or_empty};
 use crate::model::{
     Bridge, Connection, ContactPoint, Controller, Corner, Junction, JunctionController, JunctionKind,
     LaneLink, LaneValidity, Object, Orientation, Outline, Repeat, Road, Signal, SignalReference, SpeedUnit,
+    Tunnel, TunnelType,
 };
 
 pub(super) fn signals(context: &mut Context, node: Node<'_, '_>, road: &mut Road) -> Result<(), ReadError> {
@@ -70,6 +71,17 @@ pub(super) fn objects(context: &mut Context, node: Node<'_, '_>, road: &mut Road
                 kind: text_or_empty(child, "type"),
                 s: context.number(child, "s")?,
                 length_m: context.number(child, "length")?,
+                validity: validity(context, child)?,
+            }),
+            "tunnel" => road.tunnels.push(Tunnel {
+                id: text_or_empty(child, "id"),
+                name: text_or_empty(child, "name"),
+                kind: context.word(child, "type", TunnelType::from_xml),
+                s: context.number(child, "s")?,
+                length_m: context.number(child, "length")?,
+                lighting: context.maybe_number(child, "lighting"),
+                daylight: context.maybe_number(child, "daylight"),
+                validity: validity(context, child)?,
             }),
             "userData" => {}
             _ => context.unknown(child),

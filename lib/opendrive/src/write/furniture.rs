@@ -78,22 +78,33 @@ fn reference(xml: &mut Xml, reference: &SignalReference) {
 }
 
 pub(super) fn objects(xml: &mut Xml, road: &Road) {
-    if road.objects.is_empty() && road.bridges.is_empty() {
+    if road.objects.is_empty() && road.bridges.is_empty() && road.tunnels.is_empty() {
         return;
     }
     xml.open("objects", &[]);
     road.objects.iter().for_each(|o| object(xml, o));
+    for tunnel in &road.tunnels {
+        let kind = tunnel.kind.xml();
+        let mut attributes: Attributes<'_> = vec![
+            ("id", &tunnel.id),
+            ("name", &tunnel.name),
+            ("type", &kind),
+            ("s", &tunnel.s),
+            ("length", &tunnel.length_m),
+        ];
+        maybe(&mut attributes, "lighting", &tunnel.lighting);
+        maybe(&mut attributes, "daylight", &tunnel.daylight);
+        with_validity(xml, "tunnel", &attributes, &tunnel.validity);
+    }
     for bridge in &road.bridges {
-        xml.leaf(
-            "bridge",
-            &[
-                ("id", &bridge.id),
-                ("name", &bridge.name),
-                ("type", &bridge.kind),
-                ("s", &bridge.s),
-                ("length", &bridge.length_m),
-            ],
-        );
+        let attributes: Attributes<'_> = vec![
+            ("id", &bridge.id),
+            ("name", &bridge.name),
+            ("type", &bridge.kind),
+            ("s", &bridge.s),
+            ("length", &bridge.length_m),
+        ];
+        with_validity(xml, "bridge", &attributes, &bridge.validity);
     }
     xml.close();
 }

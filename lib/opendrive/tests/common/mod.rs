@@ -96,7 +96,18 @@ pub(crate) fn network() -> Network {
             kind: "concrete".to_owned(),
             s: 10.0,
             length_m: 5.0,
+            validity: vec![LaneValidity { from: -2, to: 1 }],
             ..Bridge::default()
+        }],
+        tunnels: vec![Tunnel {
+            id: "t".to_owned(),
+            name: "Under the hill".to_owned(),
+            kind: TunnelType::Underpass,
+            s: 20.0,
+            length_m: 7.5,
+            lighting: Some(0.8),
+            daylight: Some(0.2),
+            validity: vec![LaneValidity { from: -1, to: -1 }],
         }],
         ..Road::default()
     };
