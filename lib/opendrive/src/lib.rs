@@ -18,11 +18,17 @@ pub use map::{
     LanePos, Map, Marking, ObjectInfo, OutlineInfo, SignalGroup, SignalInfo, Stripe, StripeStrip,
 };
 pub use model::{
-    Bridge, Connection, ContactPoint, Controller, Corner, Cubic, Curve, Geometry, Header, HeaderOffset,
-    Junction, JunctionController, JunctionKind, Lane, LaneChange, LaneHeight, LaneLink, LaneSection,
-    LaneSpeed, LaneType, LaneValidity, MarkChange, MarkColour, MarkLine, MarkType, Network, Object,
-    Orientation, Outline, Repeat, Road, RoadLink, RoadMark, RoadType, Shape, Signal, SignalReference, Speed,
-    SpeedUnit, TrafficRule, TravelDirection, Tunnel, TunnelType,
+    AccessRule, BoundarySegment, BoxSide, Bridge, Connection, ConnectionKind, ContactPoint, Controller,
+    Corner, CornerReference, CrossPath, CrossPathEnd, Crossfall, CrossingStretch, Cubic, Curve, Element,
+    ElementReference, ElevationGrid, Geometry, GridRow, Header, HeaderOffset, Junction, JunctionController,
+    JunctionGroup, JunctionKind, Lane, LaneAccess, LaneAdvisory, LaneChange, LaneHeight, LaneLink,
+    LaneMaterial, LaneRule, LaneSection, LaneSpeed, LaneType, LaneValidity, LineRule, MarkChange, MarkColour,
+    MarkLine, MarkStroke, MarkType, Neighbour, NeighbourDirection, Network, Object, ObjectBorder,
+    ObjectMarking, ObjectMaterial, ObjectReference, Orientation, Outline, ParkingSpace, Platform,
+    PlatformSegment, Priority, Repeat, Road, RoadLink, RoadMark, RoadSide, RoadType, SegmentEnd, Shape,
+    Signal, SignalDependency, SignalPosition, SignalReference, SkeletonLine, SkeletonVertex, Speed,
+    SpeedUnit, Station, Switch, SwitchPosition, SwitchTrack, TrackDirection, TrafficRule, TravelDirection,
+    Tunnel, TunnelType, UnknownElement, VirtualStretch,
 };
 pub use read::{ReadError, Warning, read_bytes};
 pub use write::write;

@@ -48,9 +48,9 @@ fn errors_name_line_and_road() {
 fn lesser_faults_become_warnings() {
     let cases = [
         ("type=\"driving\"", "type=\"flying\"", "line 5, road 7: <lane> type=\"flying\" is unknown"),
-        ("<line/>", "<helix/>", "line 3, road 7, s 0.000: geometry of unknown kind"),
+        ("<line/>", "", "line 3, road 7, s 0.000: geometry of unknown kind"),
         ("length=\"10\"><line/>", "length=\"9\"><line/>", "geometry adds up to 9.000 m"),
-        ("<lanes>", "<railroad/><lanes>", "1 <railroad> elements are not used"),
+        ("<lanes>", "<helix/><lanes>", "1 <road/helix> elements are not understood"),
         (
             "<planView>",
             "<link><successor elementType=\"road\" elementId=\"8\" contactPoint=\"end\"/></link><planView>",

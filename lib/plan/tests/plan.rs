@@ -49,6 +49,7 @@ fn straight(length_m: f64, lane_type: LaneType) -> Map {
             s: 0.0,
             kind: "town".into(),
             speed: Some(Speed { max: 50.0, unit: SpeedUnit::KilometresPerHour }),
+            ..RoadType::default()
         }],
         plan_view: vec![Geometry { length_m, ..Geometry::default() }],
         sections: vec![LaneSection { left: vec![lane(1)], right: vec![lane(-1)], ..LaneSection::default() }],

@@ -185,7 +185,13 @@ fn controllers(ids: &mut Ids, arms: &[Arm], at_arms: &[(Option<Signal>, Option<O
         }
         let id = ids.next();
         let sequence = u32::try_from(controllers.len()).ok();
-        controllers.push(Controller { name: format!("ctrl{id}"), id, sequence, signals });
+        controllers.push(Controller {
+            name: format!("ctrl{id}"),
+            id,
+            sequence,
+            signals,
+            ..Controller::default()
+        });
     }
     controllers
 }

@@ -78,9 +78,16 @@ pub(crate) fn junction(ids: &mut Ids, name: &str, arms: &[Arm], z_m: f64, kerb_r
             lane_links: road.sections[0]
                 .right
                 .iter()
-                .flat_map(|lane| lane.predecessors.iter().map(|from| LaneLink { from: *from, to: lane.id }))
+                .flat_map(|lane| {
+                    lane.predecessors.iter().map(|from| LaneLink {
+                        from: *from,
+                        to: lane.id,
+                        ..LaneLink::default()
+                    })
+                })
                 .filter(|link| link.from.signum() == sign)
                 .collect(),
+            ..Connection::default()
         });
         built.roads.push(road);
     }

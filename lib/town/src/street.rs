@@ -59,7 +59,7 @@ pub(crate) fn street(ids: &mut Ids, name: &str, path: Path, z_m: [f64; 2], shape
 /// The type record of a street or connecting road.
 pub(crate) fn road_type(speed_limit_kmh: f64) -> RoadType {
     let speed = Speed { max: speed_limit_kmh, unit: SpeedUnit::KilometresPerHour };
-    RoadType { s: 0.0, kind: "town".into(), speed: Some(speed) }
+    RoadType { s: 0.0, kind: "town".into(), speed: Some(speed), ..RoadType::default() }
 }
 
 /// The cubic from one value to another over `length`, level at both ends.
@@ -205,5 +205,6 @@ pub(crate) fn rectangle(half_u: f64, half_v: f64) -> Outline {
     Outline {
         closed: true,
         corners: vec![corner(1.0, 1.0), corner(-1.0, 1.0), corner(-1.0, -1.0), corner(1.0, -1.0)],
+        ..Outline::default()
     }
 }

@@ -1,16 +1,37 @@
 //! A road network as the file states it: plain data, nothing derived.
 
-mod furniture;
+mod element;
+mod junctions;
+mod lanes;
+mod objects;
+mod signals;
+mod structures;
 mod words;
 
-pub use furniture::{
-    Bridge, Connection, Controller, Corner, Junction, JunctionController, LaneLink, LaneValidity, Object,
-    Outline, Repeat, Signal, SignalReference, Tunnel,
+pub use element::{Element, UnknownElement};
+pub use junctions::{
+    BoundarySegment, Connection, CrossPath, CrossPathEnd, CrossingStretch, ElevationGrid, GridRow, Junction,
+    JunctionController, JunctionGroup, LaneLink, Priority, SegmentEnd, VirtualStretch,
 };
+pub use lanes::{
+    Lane, LaneAccess, LaneHeight, LaneMaterial, LaneRule, LaneSection, LaneSpeed, MarkLine, MarkStroke,
+    RoadMark,
+};
+pub use objects::{
+    Corner, CornerReference, Object, ObjectBorder, ObjectMarking, ObjectMaterial, ObjectReference, Outline,
+    ParkingSpace, Repeat, SkeletonLine, SkeletonVertex,
+};
+pub use signals::{
+    Controller, ElementReference, LaneValidity, Signal, SignalDependency, SignalPosition, SignalReference,
+};
+pub use structures::{Bridge, Platform, PlatformSegment, Station, Switch, SwitchTrack, Tunnel};
 pub use words::{
-    ContactPoint, JunctionKind, LaneChange, LaneType, MarkChange, MarkColour, MarkType, Orientation,
-    SpeedUnit, TrafficRule, TravelDirection, TunnelType,
+    AccessRule, BoxSide, ConnectionKind, ContactPoint, JunctionKind, LaneAdvisory, LaneChange, LaneType,
+    LineRule, MarkChange, MarkColour, MarkType, NeighbourDirection, Orientation, RoadSide, SpeedUnit,
+    SwitchPosition, TrackDirection, TrafficRule, TravelDirection, TunnelType,
 };
+
+use std::collections::BTreeMap;
 
 use crate::read::Warning;
 
@@ -25,6 +46,15 @@ pub struct Network {
     pub junctions: Vec<Junction>,
     /// Signal controllers in file order.
     pub controllers: Vec<Controller>,
+    /// Junctions that make one node together, such as a roundabout.
+    pub junction_groups: Vec<JunctionGroup>,
+    /// Railway stations and bus stops.
+    pub stations: Vec<Station>,
+    /// Other elements beside the roads, kept as they are.
+    pub kept: Vec<Element>,
+    /// What the reader does not understand: how often each element occurs, by its path below the root, such as
+    /// `road/lanes/laneSection/left/lane/foo` (empty for a network built in memory).
+    pub unknown_elements: BTreeMap<String, UnknownElement>,
     /// What the reader found wrong and put up with (empty for a network built in memory).
     pub warnings: Vec<Warning>,
 }
@@ -48,6 +78,8 @@ pub struct Header {
     pub geo_reference: Option<String>,
     /// Moves and turns the whole network.
     pub offset: HeaderOffset,
+    /// Other elements of it (licence, default regulations, ...), kept as they are.
+    pub kept: Vec<Element>,
 }
 
 /// Shift of the whole network: first translated, then turned about the inertial z axis.
@@ -80,6 +112,8 @@ pub struct Road {
     pub predecessor: Option<RoadLink>,
     /// What touches the road's end.
     pub successor: Option<RoadLink>,
+    /// Roads that run beside it (revision 1.4 and older).
+    pub neighbours: Vec<Neighbour>,
     /// Road types and speed limits, by s.
     pub types: Vec<RoadType>,
     /// The reference line in plan, by s.
@@ -88,8 +122,12 @@ pub struct Road {
     pub elevation: Vec<Cubic>,
     /// Roll about the reference line, radians, by s; positive: the left side is higher.
     pub superelevation: Vec<Cubic>,
+    /// Inclination to the outside on either side, by s (revision 1.3 and older).
+    pub crossfall: Vec<Crossfall>,
     /// Height over the superelevated surface, by s, then t.
     pub shape: Vec<Shape>,
+    /// The surface in strips (revision 1.8), kept as it is: no query looks at it.
+    pub cross_section_surface: Vec<Element>,
     /// Lateral shift of the centre lane, metres, by s.
     pub lane_offset: Vec<Cubic>,
     /// Lane sections, by s.
@@ -104,10 +142,16 @@ pub struct Road {
     pub bridges: Vec<Bridge>,
     /// Tunnels.
     pub tunnels: Vec<Tunnel>,
+    /// Objects of other roads that matter here, too.
+    pub object_references: Vec<ObjectReference>,
+    /// Railway switches.
+    pub switches: Vec<Switch>,
+    /// Other elements of it (CRG surfaces, ...), kept as they are.
+    pub kept: Vec<Element>,
 }
 
 /// What touches an end of a road.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum RoadLink {
     /// Another road.
     Road {
@@ -121,6 +165,26 @@ pub enum RoadLink {
         /// Its id.
         id: String,
     },
+    /// A place along another road, which goes on there (in virtual junctions).
+    Along {
+        /// Its id.
+        id: String,
+        /// The place, metres along it.
+        s: f64,
+        /// Direction, relative to its s, in which the joined traffic travels on it.
+        direction: TrackDirection,
+    },
+}
+
+/// A road that runs beside another.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Neighbour {
+    /// Which side it is on.
+    pub side: RoadSide,
+    /// Its id.
+    pub id: String,
+    /// Whether it runs the same way.
+    pub direction: NeighbourDirection,
 }
 
 /// Type of a road from a given s on.
@@ -132,6 +196,8 @@ pub struct RoadType {
     pub kind: String,
     /// Speed limit, if one is stated.
     pub speed: Option<Speed>,
+    /// Country whose rules hold, as written.
+    pub country: String,
 }
 
 /// A stated speed limit.
@@ -172,6 +238,16 @@ impl Cubic {
     pub fn constant(a: f64) -> Self {
         Self { a, ..Self::default() }
     }
+}
+
+/// Inclination of the surface to the outside, as an angle from the t axis: positive where the surface falls from
+/// the reference line outwards.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Crossfall {
+    /// Where it applies.
+    pub side: RoadSide,
+    /// Radians, by s.
+    pub angle_rad: Cubic,
 }
 
 /// Height profile across the road: a cubic of t from `t` on.
@@ -232,119 +308,4 @@ pub enum Curve {
         /// Whether p runs to 1 instead of to the piece's length.
         normalised: bool,
     },
-}
-
-/// A stretch of road with a fixed set of lanes.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LaneSection {
-    /// Start, metres along the road.
-    pub s: f64,
-    /// Lanes left of the centre, from the inside out: ids 1, 2, 3, ...
-    pub left: Vec<Lane>,
-    /// The centre lane, id 0, without width; only its markings matter.
-    pub centre: Lane,
-    /// Lanes right of the centre, from the inside out: ids -1, -2, -3, ...
-    pub right: Vec<Lane>,
-}
-
-impl LaneSection {
-    /// All lanes but the centre, by ascending id (from the right edge to the left edge).
-    pub fn lanes(&self) -> impl Iterator<Item = &Lane> {
-        self.right.iter().rev().chain(&self.left)
-    }
-
-    /// The lane with an id (0 is the centre lane).
-    #[must_use]
-    pub fn lane(&self, id: i16) -> Option<&Lane> {
-        match id {
-            0 => Some(&self.centre),
-            1.. => self.left.iter().find(|l| l.id == id),
-            _ => self.right.iter().find(|l| l.id == id),
-        }
-    }
-}
-
-/// One lane of a section.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Lane {
-    /// Positive left of the centre, negative right, counted outwards.
-    pub id: i16,
-    /// What it is for.
-    pub lane_type: LaneType,
-    /// Whether it stays level where the road is superelevated.
-    pub level: bool,
-    /// Direction of travel (revision 1.8).
-    pub direction: TravelDirection,
-    /// Width in metres, by offset from the section's start.
-    pub widths: Vec<Cubic>,
-    /// Outer border in metres from the centre lane, used where there are no widths.
-    pub borders: Vec<Cubic>,
-    /// Markings on the outer border (centre lane: on itself), by offset.
-    pub marks: Vec<RoadMark>,
-    /// Speed limits, by offset.
-    pub speeds: Vec<LaneSpeed>,
-    /// Height over the road surface, by offset (kerbs).
-    pub heights: Vec<LaneHeight>,
-    /// Ids of the lanes that touch it at the section's start (in the section or road before).
-    pub predecessors: Vec<i16>,
-    /// Ids of the lanes that touch it at the section's end.
-    pub successors: Vec<i16>,
-}
-
-/// A lane's own speed limit.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LaneSpeed {
-    /// Metres after the section's start.
-    pub s_offset: f64,
-    /// The limit.
-    pub speed: Speed,
-}
-
-/// How far a lane is raised over the road surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LaneHeight {
-    /// Metres after the section's start.
-    pub s_offset: f64,
-    /// At the border near the centre, metres.
-    pub inner_m: f64,
-    /// At the other border, metres.
-    pub outer_m: f64,
-}
-
-/// A marking along a lane's outer border.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct RoadMark {
-    /// Metres after the section's start.
-    pub s_offset: f64,
-    /// Its kind.
-    pub mark_type: MarkType,
-    /// Its colour.
-    pub colour: MarkColour,
-    /// Bold instead of ordinary weight.
-    pub bold: bool,
-    /// Width of a line, metres, if stated.
-    pub width_m: Option<f64>,
-    /// Height over the road, metres, if stated.
-    pub height_m: Option<f64>,
-    /// Lane changes across it, if stated.
-    pub lane_change: Option<MarkChange>,
-    /// Lines it consists of, if stated.
-    pub lines: Vec<MarkLine>,
-}
-
-/// One line of a detailed marking.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct MarkLine {
-    /// Visible stretch, metres.
-    pub length_m: f64,
-    /// Gap between two stretches, metres; 0 is continuous.
-    pub space_m: f64,
-    /// Shift to the left from the border, metres.
-    pub t_offset_m: f64,
-    /// Start after the marking's start, metres.
-    pub s_offset: f64,
-    /// Width, metres, if stated.
-    pub width_m: Option<f64>,
-    /// Colour, if stated.
-    pub colour: Option<MarkColour>,
 }

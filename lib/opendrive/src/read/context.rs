@@ -4,32 +4,39 @@ use std::collections::BTreeMap;
 
 use roxmltree::Node;
 
+use super::check::is_absurd;
 use super::{ReadError, Warning};
+use crate::model::{Element, UnknownElement};
 
 /// Beyond this many, warnings are only counted: a broken file must not fill the memory.
 const MAX_WARNINGS: usize = 2000;
+/// Beyond this many different paths, unknown elements are only counted together.
+const MAX_UNKNOWN: usize = 1000;
+/// Where they are counted then.
+const FURTHER: &str = "...";
 
 /// State of one reading.
 pub(super) struct Context {
     /// Byte offsets of the line ends, ascending.
-    line_ends: Vec<usize>,
+    line_ends: Vec<u32>,
     warnings: Vec<Warning>,
     left_out: usize,
-    unknown: BTreeMap<String, (usize, u32)>,
+    unknown: BTreeMap<String, UnknownElement>,
     /// Id of the road being read.
     pub(super) road: Option<String>,
 }
 
 impl Context {
     pub(super) fn new(xml: &str) -> Self {
-        let line_ends = xml.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i).collect();
+        // Longer texts are refused before they come here.
+        let line_ends = xml.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i as u32).collect();
         Self { line_ends, warnings: Vec::new(), left_out: 0, unknown: BTreeMap::new(), road: None }
     }
 
     /// Line of a node, from 1.
     pub(super) fn line(&self, node: Node<'_, '_>) -> u32 {
         let at = node.range().start;
-        u32::try_from(self.line_ends.partition_point(|&end| end < at) + 1).unwrap_or(u32::MAX)
+        self.line_ends.partition_point(|&end| (end as usize) < at) as u32 + 1
     }
 
     /// Notes something that was put up with.
@@ -47,18 +54,45 @@ impl Context {
         }
     }
 
-    /// Counts an element this reader does not use.
+    /// Counts an element that this reader does not understand, and skips it.
     pub(super) fn unknown(&mut self, node: Node<'_, '_>) {
-        if !node.is_element() {
+        if !node.is_element() || node.tag_name().name() == "userData" {
             return;
         }
-        let name = node.tag_name().name();
-        if let Some(seen) = self.unknown.get_mut(name) {
-            seen.0 += 1;
-        } else {
-            let line = self.line(node);
-            self.unknown.insert(name.to_owned(), (1, line));
+        let mut names: Vec<&str> = node.ancestors().map(|n| n.tag_name().name()).collect();
+        // The ancestors end with the root element and the document.
+        names.truncate(names.len().saturating_sub(2));
+        names.reverse();
+        let mut path = names.join("/");
+        if self.unknown.len() >= MAX_UNKNOWN && !self.unknown.contains_key(&path) {
+            path = FURTHER.to_owned();
         }
+        let line = self.line(node);
+        self.unknown.entry(path).or_insert(UnknownElement { count: 0, line }).count += 1;
+    }
+
+    /// Keeps an element as it is. It is counted as unknown unless its name is among those that the
+    /// standard has here.
+    pub(super) fn kept(&mut self, node: Node<'_, '_>, standard: &[&str]) -> Option<Element> {
+        let name = node.tag_name().name();
+        if !node.is_element() || name == "userData" {
+            return None;
+        }
+        if !standard.contains(&name) {
+            self.unknown(node);
+        }
+        Some(element(node))
+    }
+
+    /// Whether no number of something is beyond all measure; else it is to be left out, which is noted.
+    pub(super) fn sane(&mut self, node: Node<'_, '_>, numbers: &[f64]) -> bool {
+        let absurd = numbers.iter().find(|n| is_absurd(**n));
+        if let Some(number) = absurd {
+            let message =
+                format!("{number:e} is beyond all measure: the {} is left out", node.tag_name().name());
+            self.warn(node, None, message);
+        }
+        absurd.is_none()
     }
 
     /// An error at a node.
@@ -66,17 +100,17 @@ impl Context {
         ReadError::Content { line: self.line(node), road: self.road.clone(), message: message.into() }
     }
 
-    /// All warnings, those about unused elements last.
-    pub(super) fn into_warnings(mut self) -> Vec<Warning> {
-        for (name, (count, line)) in self.unknown {
-            let message = format!("{count} <{name}> elements are not used (first one here)");
-            self.warnings.push(Warning { line, road: None, s: None, message });
+    /// All warnings, those about unknown elements last, and the counts of those.
+    pub(super) fn finish(mut self) -> (Vec<Warning>, BTreeMap<String, UnknownElement>) {
+        for (path, seen) in &self.unknown {
+            let message = format!("{} <{path}> elements are not understood (first one here)", seen.count);
+            self.warnings.push(Warning { line: seen.line, road: None, s: None, message });
         }
         if self.left_out > 0 {
             let message = format!("{} further warnings were left out", self.left_out);
             self.warnings.push(Warning { message, ..Warning::default() });
         }
-        self.warnings
+        (self.warnings, self.unknown)
     }
 
     /// A number that must be there.
@@ -135,7 +169,7 @@ impl Context {
         self.error(node, format!("<{}> has no {name}", node.tag_name().name()))
     }
 
-    /// Warns where records are not in order of s, and puts them in order.
+    /// Warns where records are not in order of s, and puts them in order; warns where two begin at one place.
     pub(super) fn sort_by_s<T>(
         &mut self,
         node: Node<'_, '_>,
@@ -148,11 +182,57 @@ impl Context {
             records.sort_by(|a, b| s_of(a).total_cmp(&s_of(b)));
         }
     }
+
+    /// Warns where two records of a list begin at one place: only the later one has any effect.
+    pub(super) fn doubled<T>(&mut self, node: Node<'_, '_>, what: &str, records: &[T], s_of: fn(&T) -> f64) {
+        let mut pairs = records.windows(2).filter(|pair| s_of(&pair[0]) == s_of(&pair[1]));
+        if let Some(first) = pairs.next() {
+            let (s, count) = (s_of(&first[0]), pairs.count() + 1);
+            self.warn(node, Some(s), format!("{count} {what} records begin where the one before does"));
+        }
+    }
+}
+
+/// The elements in a node.
+pub(super) fn elements<'a, 'input>(node: Node<'a, 'input>) -> impl Iterator<Item = Node<'a, 'input>> {
+    node.children().filter(Node::is_element)
+}
+
+/// The elements of one name in a node.
+pub(super) fn named<'a, 'input>(
+    node: Node<'a, 'input>,
+    name: &'static str,
+) -> impl Iterator<Item = Node<'a, 'input>> {
+    node.children().filter(move |n| n.tag_name().name() == name)
+}
+
+/// An element and all in it; how deep it can be is limited before reading.
+fn element(node: Node<'_, '_>) -> Element {
+    let mut attributes: Vec<(String, String)> = Vec::new();
+    for attribute in node.attributes() {
+        // Without their prefixes two names may be one, and a name may be that of a namespace declaration.
+        let name = attribute.name();
+        if name != "xmlns" && attributes.iter().all(|(seen, _)| seen != name) {
+            attributes.push((name.to_owned(), attribute.value().to_owned()));
+        }
+    }
+    let text: String = node.children().filter(|n| n.is_text()).filter_map(|n| n.text()).collect();
+    Element {
+        name: node.tag_name().name().to_owned(),
+        attributes,
+        text: text.trim().to_owned(),
+        children: elements(node).filter(|n| n.tag_name().name() != "userData").map(element).collect(),
+    }
 }
 
 /// Attribute text, or nothing.
 pub(super) fn text_or_empty(node: Node<'_, '_>, name: &str) -> String {
     node.attribute(name).unwrap_or_default().to_owned()
+}
+
+/// Whether an attribute says yes.
+pub(super) fn flag(node: Node<'_, '_>, name: &str) -> bool {
+    matches!(node.attribute(name).map(str::trim), Some("true" | "yes" | "1"))
 }
 
 /// A finite number; also in the old Fortran spelling without exponent letter, `1.5-3`.

@@ -2,20 +2,23 @@
 
 mod check;
 mod context;
-mod furniture;
+mod header;
+mod junctions;
 mod lanes;
+mod limits;
+mod objects;
 mod road;
+mod signals;
+mod structures;
 
 use std::fmt;
 use std::io::Read;
 
-use roxmltree::{Document, Node};
+use roxmltree::Document;
 
-use crate::model::{Header, HeaderOffset, Network};
-use context::{Context, text_or_empty};
-
-/// Files that unpack to more than this are refused.
-const MAX_TEXT_BYTES: u64 = 1 << 31;
+use crate::model::Network;
+use check::Lines;
+use context::{Context, elements};
 
 /// Why a file cannot be used at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -30,7 +33,7 @@ pub enum ReadError {
         /// What the XML parser says.
         message: String,
     },
-    /// Bytes that are neither UTF-8 text nor gzip of it.
+    /// Bytes that are neither UTF-8 text nor gzip of it, or too many of them.
     #[error("not text: {message}")]
     Bytes {
         /// What is wrong.
@@ -77,13 +80,15 @@ impl fmt::Display for Warning {
 impl Network {
     /// Reads an OpenDRIVE file (revisions 1.1 to 1.8; any XML namespace).
     ///
-    /// Faults that leave the rest usable become [`Network::warnings`]; elements that are not understood
-    /// are skipped and counted there.
+    /// Faults that leave the rest usable become [`Network::warnings`]. Elements that are not understood are counted
+    /// in [`Network::unknown_elements`] and, where the model has a place for them, kept; `userData` is passed over.
     ///
     /// # Errors
-    /// Where the text is not XML, its root is not `OpenDRIVE`, or an element lacks a number without which
-    /// it has no place or meaning.
+    /// Where the text is not XML, its root is not `OpenDRIVE`, an element lacks a number without which it has no
+    /// place or meaning, or there is more of something than any real file has (1 GiB of text, 16 million elements,
+    /// nesting 100 deep).
     pub fn parse(xml: &str) -> Result<Self, ReadError> {
+        limits::check(xml)?;
         let document = Document::parse(xml).map_err(|e| xml_error(&e, xml))?;
         let mut context = Context::new(xml);
         let root = document.root_element();
@@ -93,24 +98,35 @@ impl Network {
             );
         }
         let mut network = Network::default();
-        for node in root.children() {
+        let mut lines = Lines::default();
+        for node in elements(root) {
             match node.tag_name().name() {
-                "header" => network.header = header(&mut context, node),
+                "header" => network.header = header::header(&mut context, node),
                 "road" => {
                     context.road = node.attribute("id").map(str::to_owned);
-                    if let Some(road) = road::road(&mut context, node)? {
+                    if let Some((road, road_lines)) = road::road(&mut context, node)? {
                         network.roads.push(road);
+                        lines.roads.push(road_lines);
                     }
                     context.road = None;
                 }
-                "junction" => network.junctions.push(furniture::junction(&mut context, node)?),
-                "controller" => network.controllers.push(furniture::controller(&mut context, node)?),
-                "userData" => {}
-                _ => context.unknown(node),
+                "junction" => {
+                    let (junction, junction_lines) = junctions::junction(&mut context, node)?;
+                    network.junctions.push(junction);
+                    lines.junctions.push(junction_lines);
+                }
+                "controller" => {
+                    network.controllers.push(signals::controller(&mut context, node)?);
+                    lines.controllers.push(context.line(node));
+                }
+                "junctionGroup" => network.junction_groups.push(junctions::group(&mut context, node)?),
+                "station" => network.stations.push(structures::station(&mut context, node)?),
+                _ => network.kept.extend(context.kept(node, &["signalGroup", "vmsGroup"])),
             }
         }
-        check::check(&mut context, &network);
-        network.warnings = context.into_warnings();
+        header::settle_revision(&mut context, &mut network.header);
+        check::check(&mut context, &network, &lines);
+        (network.warnings, network.unknown_elements) = context.finish();
         Ok(network)
     }
 }
@@ -131,54 +147,24 @@ fn xml_error(error: &roxmltree::Error, xml: &str) -> ReadError {
 /// Reads an OpenDRIVE file from its bytes, plain or gzip.
 ///
 /// # Errors
-/// As [`Network::parse`], and where the bytes are no text.
+/// As [`Network::parse`], and where the bytes are no text, or a small compressed file unpacks to a huge one.
 pub fn read_bytes(bytes: &[u8]) -> Result<Network, ReadError> {
     let not_text = |message: String| ReadError::Bytes { message };
     if bytes.starts_with(&[0x1f, 0x8b]) {
-        let mut text = String::new();
-        let mut unpacked = flate2::read::MultiGzDecoder::new(bytes).take(MAX_TEXT_BYTES + 1);
-        unpacked.read_to_string(&mut text).map_err(|e| not_text(e.to_string()))?;
-        if text.len() as u64 > MAX_TEXT_BYTES {
-            return Err(not_text(format!("unpacks to more than {MAX_TEXT_BYTES} bytes")));
+        let limit = limits::unpacked_limit(bytes.len());
+        let mut unpacked = Vec::new();
+        let mut reader = flate2::read::MultiGzDecoder::new(bytes).take(limit + 1);
+        reader.read_to_end(&mut unpacked).map_err(|e| not_text(e.to_string()))?;
+        if unpacked.len() as u64 > limit {
+            let message = format!("{} compressed bytes unpack to more than {limit}", bytes.len());
+            return Err(not_text(message));
         }
-        return Network::parse(text.trim_start_matches('\u{feff}'));
+        return parse_bytes(&unpacked);
     }
-    let text = std::str::from_utf8(bytes).map_err(|e| not_text(e.to_string()))?;
-    Network::parse(text.trim_start_matches('\u{feff}'))
+    parse_bytes(bytes)
 }
 
-fn header(context: &mut Context, node: Node<'_, '_>) -> Header {
-    let revision = |name| node.attribute(name).and_then(|t| t.trim().parse().ok()).unwrap_or(0);
-    let mut header = Header {
-        revision: (revision("revMajor"), revision("revMinor")),
-        name: text_or_empty(node, "name"),
-        version: text_or_empty(node, "version"),
-        date: text_or_empty(node, "date"),
-        vendor: text_or_empty(node, "vendor"),
-        ..Header::default()
-    };
-    let bounds = ["north", "south", "east", "west"].map(|name| context.maybe_number(node, name));
-    if let [Some(north), Some(south), Some(east), Some(west)] = bounds {
-        header.bounds_m = Some([north, south, east, west]);
-    }
-    for child in node.children() {
-        match child.tag_name().name() {
-            "geoReference" => {
-                // A CDATA section and plain text may stand side by side.
-                let text: String = child.children().filter_map(|n| n.text()).collect();
-                header.geo_reference = Some(text.trim().to_owned()).filter(|t| !t.is_empty());
-            }
-            "offset" => {
-                header.offset = HeaderOffset {
-                    x_m: context.number_or_zero(child, "x"),
-                    y_m: context.number_or_zero(child, "y"),
-                    z_m: context.number_or_zero(child, "z"),
-                    hdg_rad: context.number_or_zero(child, "hdg"),
-                };
-            }
-            "userData" => {}
-            _ => context.unknown(child),
-        }
-    }
-    header
+fn parse_bytes(bytes: &[u8]) -> Result<Network, ReadError> {
+    let text = std::str::from_utf8(bytes).map_err(|e| ReadError::Bytes { message: e.to_string() })?;
+    Network::parse(text.trim_start_matches('\u{feff}'))
 }

@@ -2,14 +2,19 @@
 
 use roxmltree::Node;
 
-use super::context::{Context, text_or_empty};
-use super::{ReadError, furniture, lanes};
+use super::check::RoadLines;
+use super::context::{Context, elements, named, text_or_empty};
+use super::{ReadError, lanes, objects, signals, structures};
 use crate::model::{
-    ContactPoint, Cubic, Curve, Geometry, Road, RoadLink, RoadType, Shape, Speed, SpeedUnit, TrafficRule,
+    ContactPoint, Crossfall, Cubic, Curve, Geometry, Neighbour, NeighbourDirection, Road, RoadLink, RoadSide,
+    RoadType, Shape, Speed, SpeedUnit, TrackDirection, TrafficRule,
 };
 
 /// A `road` element. None where it has no usable geometry, which is noted.
-pub(super) fn road(context: &mut Context, node: Node<'_, '_>) -> Result<Option<Road>, ReadError> {
+pub(super) fn road(
+    context: &mut Context,
+    node: Node<'_, '_>,
+) -> Result<Option<(Road, RoadLines)>, ReadError> {
     let mut road = Road {
         id: context.text(node, "id")?,
         name: text_or_empty(node, "name"),
@@ -18,81 +23,105 @@ pub(super) fn road(context: &mut Context, node: Node<'_, '_>) -> Result<Option<R
         rule: context.word(node, "rule", TrafficRule::from_xml),
         ..Road::default()
     };
-    for child in node.children() {
+    let mut lines = RoadLines { road: context.line(node), ..RoadLines::default() };
+    for child in elements(node) {
         match child.tag_name().name() {
             "link" => links(context, child, &mut road)?,
             "type" => {
-                let speed =
-                    child.children().find(|n| n.has_tag_name("speed") || n.tag_name().name() == "speed");
-                road.types.push(RoadType {
-                    s: context.number_or_zero(child, "s"),
-                    kind: text_or_empty(child, "type"),
-                    speed: speed.and_then(|n| self::speed(context, n)),
-                });
+                let kind = road_type(context, child);
+                road.types.push(kind);
             }
-            "planView" => {
-                for piece in child.children().filter(Node::is_element) {
-                    if piece.tag_name().name() == "geometry" {
-                        road.plan_view.extend(geometry(context, piece)?);
-                    } else {
-                        context.unknown(piece);
-                    }
-                }
-                context.sort_by_s(child, "geometry", &mut road.plan_view, |g| g.s);
-            }
+            "planView" => road.plan_view = plan_view(context, child, &mut lines.geometry)?,
             "elevationProfile" => {
                 road.elevation = cubics(context, child, "elevation", "s")?;
+                for other in elements(child).filter(|n| n.tag_name().name() != "elevation") {
+                    context.unknown(other);
+                }
             }
             "lateralProfile" => lateral(context, child, &mut road)?,
             "lanes" => {
                 road.lane_offset = cubics(context, child, "laneOffset", "s")?;
-                lanes::sections(context, child, &mut road)?;
+                lanes::sections(context, child, &mut road, &mut lines.sections)?;
             }
-            "objects" => furniture::objects(context, child, &mut road)?,
-            "signals" => furniture::signals(context, child, &mut road)?,
-            "userData" => {}
-            _ => context.unknown(child),
+            "objects" => objects::objects(context, child, &mut road, &mut lines.objects)?,
+            "signals" => signals::signals(context, child, &mut road, &mut lines.signals)?,
+            "railroad" => structures::railroad(context, child, &mut road)?,
+            _ => road.kept.extend(context.kept(child, &["surface"])),
         }
     }
     if road.plan_view.is_empty() || road.length_m <= 0.0 {
         context.warn(node, None, "road without geometry or length: left out");
         return Ok(None);
     }
+    if let Some((s, what)) = super::check::absurdity(&road) {
+        context.warn(node, Some(s), format!("{what} is beyond all measure here: the road is left out"));
+        return Ok(None);
+    }
     if road.sections.is_empty() {
         context.warn(node, None, "road without lane sections");
     }
     context.sort_by_s(node, "type", &mut road.types, |t| t.s);
-    Ok(Some(road))
+    Ok(Some((road, lines)))
+}
+
+fn road_type(context: &mut Context, node: Node<'_, '_>) -> RoadType {
+    let mut kind = RoadType {
+        s: context.number_or_zero(node, "s"),
+        kind: text_or_empty(node, "type"),
+        speed: None,
+        country: text_or_empty(node, "country"),
+    };
+    for child in elements(node) {
+        if child.tag_name().name() == "speed" {
+            kind.speed = kind.speed.or(speed(context, child));
+        } else {
+            context.unknown(child);
+        }
+    }
+    kind
 }
 
 fn links(context: &mut Context, node: Node<'_, '_>, road: &mut Road) -> Result<(), ReadError> {
-    for child in node.children().filter(Node::is_element) {
-        let end = child.tag_name().name();
-        if end != "predecessor" && end != "successor" {
-            context.unknown(child);
-            continue;
+    for child in elements(node) {
+        match child.tag_name().name() {
+            "predecessor" => road.predecessor = link(context, child),
+            "successor" => road.successor = link(context, child),
+            "neighbor" => road.neighbours.push(Neighbour {
+                side: context.word(child, "side", RoadSide::from_xml),
+                id: context.text(child, "elementId")?,
+                direction: context.word(child, "direction", NeighbourDirection::from_xml),
+            }),
+            _ => context.unknown(child),
         }
-        let Some(id) = child.attribute("elementId").map(str::to_owned) else {
-            context.warn(child, None, format!("<{end}> has no elementId: ignored"));
-            continue;
-        };
-        let link = match child.attribute("elementType") {
-            Some("junction") => RoadLink::Junction { id },
-            Some("road") | None => match child.attribute("contactPoint").and_then(ContactPoint::from_xml) {
-                Some(contact) => RoadLink::Road { id, contact },
-                None => {
-                    context.warn(child, None, format!("<{end}> has no contactPoint: ignored"));
-                    continue;
-                }
-            },
-            Some(other) => {
-                context.warn(child, None, format!("<{end}> elementType=\"{other}\" is unknown: ignored"));
-                continue;
-            }
-        };
-        if end == "predecessor" { road.predecessor = Some(link) } else { road.successor = Some(link) }
     }
     Ok(())
+}
+
+/// A `predecessor` or `successor` element; none where it does not say what it means, which is noted.
+pub(super) fn link(context: &mut Context, node: Node<'_, '_>) -> Option<RoadLink> {
+    let end = node.tag_name().name();
+    let Some(id) = node.attribute("elementId").map(str::to_owned) else {
+        context.warn(node, None, format!("<{end}> has no elementId: ignored"));
+        return None;
+    };
+    match node.attribute("elementType") {
+        Some("junction") => Some(RoadLink::Junction { id }),
+        Some("road") | None => {
+            if let Some(contact) = node.attribute("contactPoint").and_then(ContactPoint::from_xml) {
+                return Some(RoadLink::Road { id, contact });
+            }
+            if let Some(s) = context.maybe_number(node, "elementS") {
+                let direction = context.word(node, "elementDir", TrackDirection::from_xml);
+                return Some(RoadLink::Along { id, s, direction });
+            }
+            context.warn(node, None, format!("<{end}> has no contactPoint: ignored"));
+            None
+        }
+        Some(other) => {
+            context.warn(node, None, format!("<{end}> elementType=\"{other}\" is unknown: ignored"));
+            None
+        }
+    }
 }
 
 /// A `speed` element; none where it states no number.
@@ -109,14 +138,15 @@ pub(super) fn speed(context: &mut Context, node: Node<'_, '_>) -> Option<Speed> 
 pub(super) fn cubics(
     context: &mut Context,
     parent: Node<'_, '_>,
-    tag: &str,
+    tag: &'static str,
     start: &str,
 ) -> Result<Vec<Cubic>, ReadError> {
     let mut records = Vec::new();
-    for node in parent.children().filter(|n| n.tag_name().name() == tag) {
+    for node in named(parent, tag) {
         records.push(cubic(context, node, start)?);
     }
     context.sort_by_s(parent, tag, &mut records, |c| c.s);
+    context.doubled(parent, tag, &records, |c| c.s);
     Ok(records)
 }
 
@@ -128,18 +158,48 @@ pub(super) fn cubic(context: &Context, node: Node<'_, '_>, start: &str) -> Resul
 
 fn lateral(context: &mut Context, node: Node<'_, '_>, road: &mut Road) -> Result<(), ReadError> {
     road.superelevation = cubics(context, node, "superelevation", "s")?;
-    for child in node.children().filter(Node::is_element) {
+    for child in elements(node) {
         match child.tag_name().name() {
             "superelevation" => {}
+            "crossfall" => road.crossfall.push(Crossfall {
+                side: context.word(child, "side", RoadSide::from_xml),
+                angle_rad: cubic(context, child, "s")?,
+            }),
             "shape" => {
                 let s = context.number(child, "s")?;
                 road.shape.push(Shape { s, cubic_of_t: cubic(context, child, "t")? });
             }
+            "crossSectionSurface" => {
+                road.cross_section_surface.extend(context.kept(child, &["crossSectionSurface"]));
+            }
             _ => context.unknown(child),
         }
     }
+    context.sort_by_s(node, "crossfall", &mut road.crossfall, |c| c.angle_rad.s);
     road.shape.sort_by(|a, b| a.s.total_cmp(&b.s).then(a.cubic_of_t.s.total_cmp(&b.cubic_of_t.s)));
     Ok(())
+}
+
+/// The pieces of a `planView` element in order, with the line of each.
+pub(super) fn plan_view(
+    context: &mut Context,
+    node: Node<'_, '_>,
+    lines: &mut Vec<u32>,
+) -> Result<Vec<Geometry>, ReadError> {
+    let mut pieces = Vec::new();
+    for child in elements(node) {
+        if child.tag_name().name() == "geometry" {
+            if let Some(piece) = geometry(context, child)? {
+                pieces.push((piece, context.line(child)));
+            }
+        } else {
+            context.unknown(child);
+        }
+    }
+    context.sort_by_s(node, "geometry", &mut pieces, |(g, _)| g.s);
+    let (pieces, piece_lines) = pieces.into_iter().unzip();
+    *lines = piece_lines;
+    Ok(pieces)
 }
 
 /// A `geometry` element; none for a piece of negative length, which is noted.
@@ -156,17 +216,8 @@ fn geometry(context: &mut Context, node: Node<'_, '_>) -> Result<Option<Geometry
         context.warn(node, Some(piece.s), "geometry of negative length: left out");
         return Ok(None);
     }
-    let coefficients = |node: Node<'_, '_>, names: [&str; 4]| -> Result<[f64; 4], ReadError> {
-        let mut values = [0.0; 4];
-        for (value, name) in values.iter_mut().zip(names) {
-            if node.has_attribute(name) {
-                *value = context.number(node, name)?;
-            }
-        }
-        Ok(values)
-    };
     let mut found = false;
-    for child in node.children().filter(Node::is_element) {
+    for child in elements(node) {
         piece.curve = match child.tag_name().name() {
             "line" => Curve::Line,
             "arc" => Curve::Arc { curvature: context.number(child, "curvature")? },
@@ -174,25 +225,12 @@ fn geometry(context: &mut Context, node: Node<'_, '_>) -> Result<Option<Geometry
                 curvature_start: context.number(child, "curvStart")?,
                 curvature_end: context.number(child, "curvEnd")?,
             },
-            "poly3" => Curve::Poly3 { v: coefficients(child, ["a", "b", "c", "d"])? },
-            "paramPoly3" => {
-                let mut u = coefficients(child, ["aU", "bU", "cU", "dU"])?;
-                if !["aU", "bU", "cU", "dU"].iter().any(|name| child.has_attribute(*name)) {
-                    // Without coefficients nothing moves; a straight piece of the stated length is the only sense.
-                    u = [
-                        0.0,
-                        if child.attribute("pRange") == Some("arcLength") { 1.0 } else { piece.length_m },
-                        0.0,
-                        0.0,
-                    ];
-                }
-                Curve::ParamPoly3 {
-                    u,
-                    v: coefficients(child, ["aV", "bV", "cV", "dV"])?,
-                    normalised: child.attribute("pRange") != Some("arcLength"),
-                }
+            "poly3" => Curve::Poly3 { v: coefficients(context, child, ["a", "b", "c", "d"])? },
+            "paramPoly3" => parametric(context, child, piece.length_m)?,
+            _ => {
+                context.unknown(child);
+                continue;
             }
-            _ => continue,
         };
         found = true;
     }
@@ -200,4 +238,26 @@ fn geometry(context: &mut Context, node: Node<'_, '_>) -> Result<Option<Geometry
         context.warn(node, Some(piece.s), "geometry of unknown kind: taken as a line");
     }
     Ok(Some(piece))
+}
+
+fn parametric(context: &Context, node: Node<'_, '_>, length_m: f64) -> Result<Curve, ReadError> {
+    const U: [&str; 4] = ["aU", "bU", "cU", "dU"];
+    let normalised = node.attribute("pRange") != Some("arcLength");
+    let mut u = coefficients(context, node, U)?;
+    if !U.iter().any(|name| node.has_attribute(*name)) {
+        // Without coefficients nothing moves; a straight piece of the stated length is the only sense.
+        u = [0.0, if normalised { length_m } else { 1.0 }, 0.0, 0.0];
+    }
+    Ok(Curve::ParamPoly3 { u, v: coefficients(context, node, ["aV", "bV", "cV", "dV"])?, normalised })
+}
+
+/// Four numbers, 0 where absent.
+fn coefficients(context: &Context, node: Node<'_, '_>, names: [&str; 4]) -> Result<[f64; 4], ReadError> {
+    let mut values = [0.0; 4];
+    for (value, name) in values.iter_mut().zip(names) {
+        if node.has_attribute(name) {
+            *value = context.number(node, name)?;
+        }
+    }
+    Ok(values)
 }

@@ -1,20 +1,22 @@
-//! Writes a network as OpenDRIVE 1.7.
+//! Writes a network as an OpenDRIVE file.
 
-mod furniture;
+mod junctions;
 mod lanes;
+mod objects;
+mod signals;
+mod structures;
 mod xml;
 
 use std::fmt::Display;
 
-use crate::model::{
-    Cubic, Curve, Geometry, Header, HeaderOffset, Network, Road, RoadLink, Speed, TrafficRule,
-};
-use xml::Xml;
+use crate::model::{Cubic, Curve, Geometry, Header, HeaderOffset, Network, Road, RoadLink, Speed};
+use xml::{Attributes, Xml, unless_default, unless_empty};
 
 /// The network as the text of an OpenDRIVE file.
 ///
-/// Reading it back gives the same network, to the bit, but for its warnings and for what no file can say: the
-/// revision becomes 1.7 where it is older than 1.4 or not set, and control characters in texts are dropped.
+/// Reading it back gives the same network, to the bit: for every network that was read from a file, but for its
+/// warnings and counts of unknown elements. One built in memory may hold what no file can say: a revision of 0.0 becomes
+/// 1.7, control characters in texts are dropped, records come back in order of s, and so on.
 #[must_use]
 pub fn write(network: &Network) -> String {
     let mut xml = Xml::new();
@@ -24,17 +26,24 @@ pub fn write(network: &Network) -> String {
         road(&mut xml, item);
     }
     for item in &network.controllers {
-        furniture::controller(&mut xml, item);
+        signals::controller(&mut xml, item);
     }
     for item in &network.junctions {
-        furniture::junction(&mut xml, item);
+        junctions::junction(&mut xml, item);
     }
+    for item in &network.junction_groups {
+        junctions::group(&mut xml, item);
+    }
+    for item in &network.stations {
+        structures::station(&mut xml, item);
+    }
+    xml.kept(&network.kept);
     xml.finish()
 }
 
 fn header(xml: &mut Xml, header: &Header) {
-    let (major, minor) = if header.revision < (1, 4) { (1, 7) } else { header.revision };
-    let mut attributes: Vec<(&str, &dyn Display)> = vec![
+    let (major, minor) = if header.revision.0 == 0 { (1, 7) } else { header.revision };
+    let mut attributes: Attributes<'_> = vec![
         ("revMajor", &major),
         ("revMinor", &minor),
         ("name", &header.name),
@@ -58,37 +67,30 @@ fn header(xml: &mut Xml, header: &Header) {
     if *o != HeaderOffset::default() {
         xml.leaf("offset", &[("x", &o.x_m), ("y", &o.y_m), ("z", &o.z_m), ("hdg", &o.hdg_rad)]);
     }
+    xml.kept(&header.kept);
     xml.close();
 }
 
 fn road(xml: &mut Xml, road: &Road) {
-    let mut attributes: Vec<(&str, &dyn Display)> =
+    let mut attributes: Attributes<'_> =
         vec![("name", &road.name), ("length", &road.length_m), ("id", &road.id)];
     let junction = road.junction.as_deref().unwrap_or("-1");
     attributes.push(("junction", &junction));
     let rule = road.rule.xml();
-    if road.rule != TrafficRule::default() {
-        attributes.push(("rule", &rule));
-    }
+    unless_default(&mut attributes, "rule", &road.rule, &rule);
     xml.open("road", &attributes);
     xml.open("link", &[]);
-    for (name, link) in [("predecessor", &road.predecessor), ("successor", &road.successor)] {
-        match link {
-            Some(RoadLink::Road { id, contact }) => {
-                xml.leaf(
-                    name,
-                    &[("elementType", &"road"), ("elementId", id), ("contactPoint", &contact.xml())],
-                );
-            }
-            Some(RoadLink::Junction { id }) => {
-                xml.leaf(name, &[("elementType", &"junction"), ("elementId", id)])
-            }
-            None => {}
-        }
+    link(xml, "predecessor", &road.predecessor);
+    link(xml, "successor", &road.successor);
+    for neighbour in &road.neighbours {
+        let (side, direction) = (neighbour.side.xml(), neighbour.direction.xml());
+        xml.leaf("neighbor", &[("side", &side), ("elementId", &neighbour.id), ("direction", &direction)]);
     }
     xml.close();
     for kind in &road.types {
-        xml.open("type", &[("s", &kind.s), ("type", &kind.kind)]);
+        let mut attributes: Attributes<'_> = vec![("s", &kind.s), ("type", &kind.kind)];
+        unless_empty(&mut attributes, "country", &kind.country);
+        xml.open("type", &attributes);
         if let Some(limit) = &kind.speed {
             speed(xml, limit, None);
         }
@@ -104,6 +106,13 @@ fn road(xml: &mut Xml, road: &Road) {
     xml.close();
     xml.open("lateralProfile", &[]);
     cubics(xml, "superelevation", "s", &road.superelevation);
+    for crossfall in &road.crossfall {
+        let (side, c) = (crossfall.side.xml(), &crossfall.angle_rad);
+        xml.leaf(
+            "crossfall",
+            &[("side", &side), ("s", &c.s), ("a", &c.a), ("b", &c.b), ("c", &c.c), ("d", &c.d)],
+        );
+    }
     for shape in &road.shape {
         let c = &shape.cubic_of_t;
         xml.leaf(
@@ -111,18 +120,45 @@ fn road(xml: &mut Xml, road: &Road) {
             &[("s", &shape.s), ("t", &c.s), ("a", &c.a), ("b", &c.b), ("c", &c.c), ("d", &c.d)],
         );
     }
+    xml.kept(&road.cross_section_surface);
     xml.close();
     lanes::lanes(xml, road);
-    furniture::objects(xml, road);
-    furniture::signals(xml, road);
+    objects::objects(xml, road);
+    signals::signals(xml, road);
+    structures::railroad(xml, road);
+    xml.kept(&road.kept);
     xml.close();
+}
+
+/// A `predecessor` or `successor` of a road, if there is one.
+fn link(xml: &mut Xml, name: &'static str, link: &Option<RoadLink>) {
+    match link {
+        Some(RoadLink::Road { id, contact }) => {
+            let contact = contact.xml();
+            xml.leaf(name, &[("elementType", &"road"), ("elementId", id), ("contactPoint", &contact)]);
+        }
+        Some(RoadLink::Junction { id }) => {
+            xml.leaf(name, &[("elementType", &"junction"), ("elementId", id)]);
+        }
+        Some(RoadLink::Along { id, s, direction }) => {
+            let direction = direction.xml();
+            let attributes: Attributes<'_> = vec![
+                ("elementType", &"road"),
+                ("elementId", id),
+                ("elementS", s),
+                ("elementDir", &direction),
+            ];
+            xml.leaf(name, &attributes);
+        }
+        None => {}
+    }
 }
 
 /// A `speed` element, with an offset when it belongs to a lane.
 fn speed(xml: &mut Xml, speed: &Speed, s_offset: Option<f64>) {
     let max = if speed.max.is_finite() { speed.max.to_string() } else { "no limit".to_owned() };
     let unit = speed.unit.xml();
-    let mut attributes: Vec<(&str, &dyn Display)> = Vec::new();
+    let mut attributes: Attributes<'_> = Vec::new();
     if let Some(s_offset) = &s_offset {
         attributes.push(("sOffset", s_offset));
     }
@@ -130,14 +166,14 @@ fn speed(xml: &mut Xml, speed: &Speed, s_offset: Option<f64>) {
     xml.leaf("speed", &attributes);
 }
 
-fn cubics(xml: &mut Xml, name: &str, start: &str, records: &[Cubic]) {
+fn cubics(xml: &mut Xml, name: &str, start: &'static str, records: &[Cubic]) {
     for c in records {
         xml.leaf(name, &[(start, &c.s), ("a", &c.a), ("b", &c.b), ("c", &c.c), ("d", &c.d)]);
     }
 }
 
 fn geometry(xml: &mut Xml, g: &Geometry) {
-    let place: [(&str, &dyn Display); 5] =
+    let place: [(&'static str, &dyn Display); 5] =
         [("s", &g.s), ("x", &g.x_m), ("y", &g.y_m), ("hdg", &g.hdg_rad), ("length", &g.length_m)];
     xml.open("geometry", &place);
     match &g.curve {
@@ -149,7 +185,7 @@ fn geometry(xml: &mut Xml, g: &Geometry) {
         Curve::Poly3 { v: [a, b, c, d] } => xml.leaf("poly3", &[("a", a), ("b", b), ("c", c), ("d", d)]),
         Curve::ParamPoly3 { u, v, normalised } => {
             let range = if *normalised { "normalized" } else { "arcLength" };
-            let mut attributes: Vec<(&str, &dyn Display)> = vec![("pRange", &range)];
+            let mut attributes: Attributes<'_> = vec![("pRange", &range)];
             attributes.extend(["aU", "bU", "cU", "dU"].into_iter().zip(u.iter().map(|x| x as &dyn Display)));
             attributes.extend(["aV", "bV", "cV", "dV"].into_iter().zip(v.iter().map(|x| x as &dyn Display)));
             xml.leaf("paramPoly3", &attributes);

@@ -35,6 +35,7 @@ pub(crate) fn network() -> Network {
             left: vec![link(lane(1, LaneType::Driving, 3.5), 0)],
             centre: Lane { marks: vec![mark(MarkType::SolidBroken, MarkColour::Yellow)], ..Lane::default() },
             right: vec![link(lane(-1, LaneType::Driving, 3.5), 1), lane(-2, LaneType::Sidewalk, 2.0)],
+            ..LaneSection::default()
         }
     };
     let mut first = two_way([&[], &[]], [&[1], &[-1]]);
@@ -54,6 +55,7 @@ pub(crate) fn network() -> Network {
             s: 0.0,
             kind: "town".to_owned(),
             speed: Some(Speed { max: 30.0, unit: SpeedUnit::MilesPerHour }),
+            ..RoadType::default()
         }],
         plan_view: vec![line(0.0, 0.0, 0.0, 50.0)],
         elevation: vec![Cubic { s: 0.0, a: 2.0, b: 0.0, c: 0.0, d: 0.0 }],
@@ -71,6 +73,7 @@ pub(crate) fn network() -> Network {
                 corners: [(-4.0, -1.5), (4.0, -1.5), (4.0, 1.5), (-4.0, 1.5), (-4.0, -1.5)]
                     .map(|(u_m, v_m)| Corner::Local { u_m, v_m, z_m: 0.0, height_m: 0.0 })
                     .to_vec(),
+                ..Outline::default()
             }],
             repeats: Vec::new(),
             validity: vec![LaneValidity { from: -1, to: 1 }],
@@ -193,7 +196,8 @@ pub(crate) fn network() -> Network {
         incoming_road: from.0.to_owned(),
         connecting_road: to.0.to_owned(),
         contact: ContactPoint::Start,
-        lane_links: vec![LaneLink { from: from.1, to: to.1 }],
+        lane_links: vec![LaneLink { from: from.1, to: to.1, ..LaneLink::default() }],
+        ..Connection::default()
     };
     Network {
         header: Header {
@@ -218,14 +222,16 @@ pub(crate) fn network() -> Network {
                 kind: "0".to_owned(),
                 sequence: Some(3),
             }],
+            ..Junction::default()
         }],
         controllers: vec![Controller {
             id: "k".to_owned(),
             name: "main".to_owned(),
             sequence: None,
             signals: vec!["s1".to_owned()],
+            ..Controller::default()
         }],
-        warnings: Vec::new(),
+        ..Network::default()
     }
 }
 

@@ -92,6 +92,7 @@ fn town_road(id: &str, x_m: f64, y_m: f64, hdg_rad: f64, length_m: f64, section:
             s: 0.0,
             kind: "town".into(),
             speed: Some(Speed { max: 50.0, unit: SpeedUnit::KilometresPerHour }),
+            ..RoadType::default()
         }],
         plan_view: vec![Geometry { x_m, y_m, hdg_rad, length_m, ..Geometry::default() }],
         sections: vec![section],
@@ -144,7 +145,8 @@ pub(crate) fn crossing(signals: bool) -> Map {
             incoming_road: i.to_string(),
             connecting_road: id,
             contact: ContactPoint::Start,
-            lane_links: vec![LaneLink { from: 1, to: -1 }],
+            lane_links: vec![LaneLink { from: 1, to: -1, ..LaneLink::default() }],
+            ..Connection::default()
         });
         network.roads.push(road);
     }
