@@ -32,6 +32,11 @@ pub(crate) fn value_and_derivatives(records: &[Cubic], s: f64) -> (f64, f64, f64
 }
 
 impl Cubic {
+    /// Whether it is 0 everywhere.
+    pub(crate) fn is_zero(&self) -> bool {
+        self.a == 0.0 && self.b == 0.0 && self.c == 0.0 && self.d == 0.0
+    }
+
     /// Value, first and second derivative, `d` metres after the record's start.
     pub(crate) fn derivatives(&self, d: f64) -> (f64, f64, f64) {
         (

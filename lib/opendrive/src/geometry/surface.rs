@@ -1,12 +1,16 @@
-//! The road surface over the reference line: elevation, superelevation, lateral shape.
+//! The road surface over the reference line: elevation, superelevation, and what lies across.
 
 use frames::math::sin_cos;
 use frames::{Object as ObjectFrame, Pose, World};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
+use super::Plan;
 use super::cubic::{value_and_derivatives, value_and_slope};
-use super::{Plan, record_at};
-use crate::model::{Cubic, HeaderOffset, Road, Shape};
+use super::lateral::Lateral;
+use crate::model::{Cubic, HeaderOffset, Road};
+
+/// Half the step of numerical derivatives where the surface is no ruled one, metres.
+const STEP_M: f64 = 1e-4;
 
 /// The surface of one road: (s, t) to the world.
 #[derive(Debug)]
@@ -14,7 +18,7 @@ pub(crate) struct Surface {
     plan: Plan,
     elevation: Vec<Cubic>,
     superelevation: Vec<Cubic>,
-    shape: Vec<Shape>,
+    lateral: Lateral,
     z_m: f64,
     length_m: f64,
 }
@@ -32,32 +36,30 @@ pub(crate) struct RoadFrame {
     left_rate: Vector3<f64>,
 }
 
+/// How the surface lies at a point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Axes {
+    /// d point / ds at a constant t.
+    pub(crate) along: Vector3<f64>,
+    /// d point / dt.
+    pub(crate) across: Vector3<f64>,
+}
+
 impl RoadFrame {
     /// The point t metres to the left.
     pub(crate) fn point(&self, t: f64) -> Point3<f64> {
         self.origin + self.left * t
     }
 
-    /// d point / ds along a line whose t changes by `t_slope` per metre.
-    pub(crate) fn tangent(&self, t: f64, t_slope: f64) -> Vector3<f64> {
-        self.tangent + self.left_rate * t + self.left * t_slope
-    }
-
-    /// Unit normal of the surface at the reference line.
-    pub(crate) fn up(&self) -> Vector3<f64> {
+    /// Unit normal of the superelevated plane.
+    fn up(&self) -> Vector3<f64> {
         self.tangent.cross(&self.left).normalize()
     }
 
-    /// The pose at (t, h): x along s, y left, z normal to the surface.
-    pub(crate) fn pose(&self, t: f64, h: f64) -> Pose<World, ObjectFrame> {
-        let up = self.up();
-        let forward = self.left.cross(&up);
-        let axes = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[forward, self.left, up]));
-        let at = self.point(t) + up * h;
-        Pose::from_isometry(Isometry3::from_parts(
-            Translation3::from(at.coords),
-            UnitQuaternion::from_rotation_matrix(&axes),
-        ))
+    /// Unit vector to the left, horizontal.
+    fn side(&self) -> Vector3<f64> {
+        // The tangent's horizontal part is of length 1.
+        Vector3::new(-self.tangent.y, self.tangent.x, 0.0)
     }
 }
 
@@ -75,14 +77,12 @@ impl Surface {
             (cos * x - sin * y, sin * x + cos * y, hdg + offset.hdg_rad)
         });
         // "Record present" does not mean "banked": all-zero records are common.
-        let is_zero = |c: &Cubic| c.a == 0.0 && c.b == 0.0 && c.c == 0.0 && c.d == 0.0;
-        let banked = !road.superelevation.iter().all(is_zero);
-        let shaped = !road.shape.iter().all(|s| is_zero(&s.cubic_of_t));
+        let banked = !road.superelevation.iter().all(Cubic::is_zero);
         Self {
             plan,
             elevation: road.elevation.clone(),
             superelevation: if banked { road.superelevation.clone() } else { Vec::new() },
-            shape: if shaped { road.shape.clone() } else { Vec::new() },
+            lateral: Lateral::new(road, banked),
             z_m: offset.z_m,
             length_m: road.length_m,
         }
@@ -97,7 +97,7 @@ impl Surface {
     pub(crate) fn breaks(&self) -> impl Iterator<Item = f64> {
         let elevation = self.elevation.iter().map(|c| c.s);
         let superelevation = self.superelevation.iter().map(|c| c.s);
-        self.plan.starts().chain(elevation).chain(superelevation).chain(self.shape.iter().map(|c| c.s))
+        self.plan.starts().chain(elevation).chain(superelevation).chain(self.lateral.breaks())
     }
 
     /// The frame at `s`, which is clamped to the road.
@@ -127,34 +127,6 @@ impl Surface {
         RoadFrame { origin, tangent, left: side * cos + up * sin, left_rate }
     }
 
-    /// Height of the lateral shape over the superelevated surface, metres along its normal.
-    pub(crate) fn shape_height(&self, s: f64, t: f64) -> f64 {
-        if self.shape.is_empty() {
-            return 0.0;
-        }
-        let profile = |station: f64| {
-            let from = self.shape.partition_point(|r| r.s < station);
-            let to = self.shape.partition_point(|r| r.s <= station);
-            let records = &self.shape[from..to];
-            // Left of the first record there is no profile; its own start value continues.
-            match record_at(records, t, |r| r.cubic_of_t.s).or(records.first()) {
-                Some(r) => r.cubic_of_t.derivatives((t - r.cubic_of_t.s).max(0.0)).0,
-                None => 0.0,
-            }
-        };
-        let after = self.shape.partition_point(|r| r.s <= s);
-        let before = after.checked_sub(1).map(|i| self.shape[i].s);
-        match (before, self.shape.get(after).map(|r| r.s)) {
-            (Some(a), Some(b)) => {
-                let part = (s - a) / (b - a);
-                profile(a) * (1.0 - part) + profile(b) * part
-            }
-            (Some(a), None) => profile(a),
-            (None, Some(b)) => profile(b),
-            (None, None) => 0.0,
-        }
-    }
-
     /// The surface point at (s, t).
     pub(crate) fn point(&self, s: f64, t: f64) -> Point3<f64> {
         self.point_in(&self.frame(s), s, t)
@@ -162,17 +134,54 @@ impl Surface {
 
     /// The surface point at (s, t), with the frame at s at hand.
     pub(crate) fn point_in(&self, frame: &RoadFrame, s: f64, t: f64) -> Point3<f64> {
-        if self.shape.is_empty() {
+        if self.lateral.is_flat() {
             return frame.point(t);
         }
-        frame.point(t) + frame.up() * self.shape_height(s, t)
+        let shaped = |t: f64| frame.point(t) + frame.up() * self.lateral.height(s, t);
+        match self.lateral.level_from(s, t) {
+            // Level lanes go on horizontally from the border of the last lane that is not level.
+            Some(border) => shaped(border) + frame.side() * (t - border),
+            None => shaped(t),
+        }
+    }
+
+    /// How the surface lies at (s, t), with the frame at s at hand.
+    pub(crate) fn axes(&self, frame: &RoadFrame, s: f64, t: f64) -> Axes {
+        if self.lateral.is_flat() {
+            return Axes { along: frame.tangent + frame.left_rate * t, across: frame.left };
+        }
+        let [low, high] = [s - STEP_M, s + STEP_M].map(|s| s.clamp(0.0, self.length_m));
+        let along = if high > low {
+            (self.point(high, t) - self.point(low, t)) / (high - low)
+        } else {
+            frame.tangent
+        };
+        let [right, left] = [t - STEP_M, t + STEP_M].map(|t| self.point_in(frame, s, t));
+        Axes { along, across: (left - right) / (2.0 * STEP_M) }
+    }
+
+    /// The pose at (s, t), `h` metres above the surface: x along s, y left, z normal to the surface.
+    pub(crate) fn pose(&self, s: f64, t: f64, h: f64) -> Pose<World, ObjectFrame> {
+        let s = s.clamp(0.0, self.length_m);
+        let frame = self.frame(s);
+        let axes = self.axes(&frame, s, t);
+        // Where the road turns its roll, lines beside the reference line turn off it a little: x follows the road.
+        let along = if self.lateral.is_flat() { frame.tangent } else { axes.along };
+        let left = axes.across.normalize();
+        let up = along.cross(&left).normalize();
+        let axes = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[left.cross(&up), left, up]));
+        let at = self.point_in(&frame, s, t) + up * h;
+        Pose::from_isometry(Isometry3::from_parts(
+            Translation3::from(at.coords),
+            UnitQuaternion::from_rotation_matrix(&axes),
+        ))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Curve, Geometry};
+    use crate::model::{Crossfall, Curve, Geometry, Lane, LaneSection, RoadSide, Shape};
     use proptest::prelude::*;
 
     fn banked(roll: f64, slope: f64) -> Surface {
@@ -226,6 +235,80 @@ mod tests {
         assert!((surface.point(5.0, -3.0).z - 0.5).abs() < 1e-12);
     }
 
+    fn crossfall(side: RoadSide, s: f64, angle: f64) -> Crossfall {
+        Crossfall { side, angle_rad: Cubic { s, a: angle, ..Cubic::default() } }
+    }
+
+    #[test]
+    fn crossfall_falls_to_the_outside_of_its_side() {
+        let road = Road {
+            length_m: 30.0,
+            plan_view: vec![Geometry { length_m: 30.0, ..Geometry::default() }],
+            superelevation: vec![Cubic { s: 20.0, a: 0.05, ..Cubic::default() }],
+            crossfall: vec![crossfall(RoadSide::Both, 0.0, 0.02), crossfall(RoadSide::Left, 10.0, -0.03)],
+            ..Road::default()
+        };
+        let surface = Surface::new(&road, &HeaderOffset::default());
+        let fall = |angle: f64| 5.0 * frames::math::tan(angle);
+        let cases = [
+            (5.0, 5.0, -fall(0.02)),
+            (5.0, -5.0, -fall(0.02)),
+            (15.0, 5.0, fall(0.03)),
+            (15.0, -5.0, -fall(0.02)),
+        ];
+        for (s, t, z) in cases {
+            assert!((surface.point(s, t) - Point3::new(s, t, z)).norm() < 1e-12, "{s} {t}");
+        }
+        // Over a superelevated road the fall counts from the tilted t axis, along its normal.
+        let (sin, cos) = sin_cos(0.05);
+        let at = surface.point(25.0, -5.0);
+        let want = Point3::new(25.0, -5.0 * cos + fall(0.02) * sin, -5.0 * sin - fall(0.02) * cos);
+        assert!((at - want).norm() < 1e-12, "{at} {want}");
+    }
+
+    #[test]
+    fn level_lanes_go_on_horizontally() {
+        let lane = |id: i16, width: f64, level: bool| Lane {
+            id,
+            level,
+            widths: vec![Cubic { s: 0.0, a: width, b: 0.01, ..Cubic::default() }],
+            ..Lane::default()
+        };
+        let section = LaneSection {
+            left: vec![lane(1, 4.0, false)],
+            right: vec![lane(-1, 4.0, false), lane(-2, 2.0, true), lane(-3, 1.0, true)],
+            ..LaneSection::default()
+        };
+        let road = Road {
+            length_m: 30.0,
+            plan_view: vec![Geometry { length_m: 30.0, ..Geometry::default() }],
+            superelevation: vec![Cubic::constant(0.1)],
+            lane_offset: vec![Cubic::constant(0.5)],
+            sections: vec![section],
+            ..Road::default()
+        };
+        let surface = Surface::new(&road, &HeaderOffset::default());
+        let (sin, cos) = sin_cos(0.1);
+        // At s = 10 the lanes are 4.1, 2.1 and 1.1 m wide: lane -2 begins at t = -3.6.
+        for (t, y, z) in [
+            (4.6, 4.6 * cos, 4.6 * sin),
+            (-3.6, -3.6 * cos, -3.6 * sin),
+            (-5.7, -3.6 * cos - 2.1, -3.6 * sin),
+            (-6.8, -3.6 * cos - 3.2, -3.6 * sin),
+        ] {
+            let at = surface.point(10.0, t);
+            assert!((at - Point3::new(10.0, y, z)).norm() < 1e-12, "{t}: {at}");
+        }
+        let axes = surface.axes(&surface.frame(10.0), 10.0, -5.0);
+        assert!((axes.across - Vector3::y()).norm() < 1e-9, "{}", axes.across);
+        // The border moves out by 0.01 a metre, and falls by that much of the slope.
+        assert!(
+            (axes.along - Vector3::new(1.0, 0.01 * (1.0 - cos), -0.01 * sin)).norm() < 1e-6,
+            "{}",
+            axes.along
+        );
+    }
+
     proptest! {
         #[test]
         fn tangents_agree_with_differences(roll in -0.6..0.6f64, slope in -0.3..0.3f64, s in 1.0..99.0f64,
@@ -234,14 +317,15 @@ mod tests {
             let h = 1e-5;
             let at = |d: f64| surface.point(s + d, t + t_slope * d);
             let difference = (at(h) - at(-h)) / (2.0 * h);
-            prop_assert!((surface.frame(s).tangent(t, t_slope) - difference).norm() < 1e-7);
+            let axes = surface.axes(&surface.frame(s), s, t);
+            prop_assert!((axes.along + axes.across * t_slope - difference).norm() < 1e-7);
         }
 
         #[test]
         fn poses_are_rotations_with_left_in_the_surface(roll in -0.6..0.6f64, slope in -0.3..0.3f64, s in 0.0..100.0f64) {
             let surface = banked(roll, slope);
             let frame = surface.frame(s);
-            let pose = frame.pose(1.5, 0.25);
+            let pose = surface.pose(s, 1.5, 0.25);
             prop_assert!((pose.rotate(Vector3::y()) - frame.left).norm() < 1e-12);
             prop_assert!((pose.forward() - frame.tangent.normalize()).norm() < 1e-12);
             prop_assert!((pose * Point3::new(0.0, 0.0, -0.25) - frame.point(1.5)).norm() < 1e-12);

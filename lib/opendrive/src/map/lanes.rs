@@ -4,7 +4,7 @@ use frames::math::atan2;
 use nalgebra::Point3;
 
 use super::{LaneBounds, LaneId, LaneInfo, LanePoint, LanePos, Map, SectionSpan};
-use crate::geometry::{RoadFrame, record_at, value_and_slope};
+use crate::geometry::{RoadFrame, lane_width, record_at, value_and_slope};
 use crate::model::{Lane, LaneSection, LaneType, Road, TrafficRule, TravelDirection};
 
 /// The two borders of a lane at some s: t of each, and its change per metre of s.
@@ -22,23 +22,6 @@ impl Profile {
     pub(super) fn centre(&self) -> (f64, f64) {
         (0.5 * (self.inner.0 + self.outer.0), 0.5 * (self.inner.1 + self.outer.1))
     }
-}
-
-/// Width of a lane and its slope, `ds` metres after the section's start; `inside` is the distance and slope of its
-/// inner border from the centre lane.
-fn lane_width(lane: &Lane, ds: f64, inside: (f64, f64)) -> (f64, f64) {
-    let (width, slope) = if let Some(first) = lane.widths.first() {
-        if ds < first.s { (first.a, 0.0) } else { value_and_slope(&lane.widths, ds) }
-    } else if let Some(first) = lane.borders.first() {
-        let (border, slope) = if ds < first.s { (first.a, 0.0) } else { value_and_slope(&lane.borders, ds) };
-        // Some writers give the border's t, some its distance.
-        let sign = if border < 0.0 { -1.0 } else { 1.0 };
-        (sign * border - inside.0, sign * slope - inside.1)
-    } else {
-        (0.0, 0.0)
-    };
-    // A negative width would turn the lane inside out.
-    if width > 0.0 { (width, slope) } else { (0.0, 0.0) }
 }
 
 /// t and slope of every border of a section at s, from the rightmost to the leftmost, into `borders`.
@@ -169,9 +152,10 @@ impl Map {
         let frame = surface.frame(s);
         let (centre, slope) = profile.centre();
         let t = centre + offset_m * info.direction;
-        let forward = frame.tangent(centre, slope);
+        let axes = surface.axes(&frame, s, centre);
+        let forward = axes.along + axes.across * slope;
         let travel = forward * info.direction;
-        let left = frame.left * info.direction;
+        let left = axes.across * info.direction;
         let flat = (travel.x * travel.x + travel.y * travel.y).sqrt();
         Some(LanePoint {
             position: surface.point_in(&frame, s, t),
@@ -244,9 +228,12 @@ impl Map {
     ) -> Option<(Point3<f64>, nalgebra::Vector3<f64>, RoadFrame, f64)> {
         let profile = self.profile(id, s)?;
         let surface = &self.surfaces[id.road as usize];
-        let frame = surface.frame(s);
+        let mut frame = surface.frame(s);
         let (t, slope) = profile.centre();
-        Some((surface.point_in(&frame, s, t), frame.tangent(t, slope), frame, profile.width()))
+        let axes = surface.axes(&frame, s, t);
+        let point = surface.point_in(&frame, s, t);
+        frame.left = axes.across.normalize();
+        Some((point, axes.along + axes.across * slope, frame, profile.width()))
     }
 }
 

@@ -143,7 +143,7 @@ impl Map {
     #[must_use]
     pub fn road_pose(&self, road: u32, s: f64, t_m: f64, h_m: f64) -> Option<Pose<World, ObjectFrame>> {
         let surface = self.surfaces.get(road as usize)?;
-        Some(surface.frame(s).pose(t_m, h_m + surface.shape_height(s, t_m)))
+        Some(surface.pose(s, t_m, h_m))
     }
 
     /// The point of a road's (endlessly wide) surface at (s, t), raised vertically by `up_m` metres.
