@@ -51,6 +51,11 @@ impl RoadFrame {
         self.origin + self.left * t
     }
 
+    /// d point / ds along a line in the superelevated plane whose t changes by `t_slope` per metre.
+    pub(crate) fn tangent(&self, t: f64, t_slope: f64) -> Vector3<f64> {
+        self.tangent + self.left_rate * t + self.left * t_slope
+    }
+
     /// Unit normal of the superelevated plane.
     fn up(&self) -> Vector3<f64> {
         self.tangent.cross(&self.left).normalize()
@@ -63,18 +68,26 @@ impl RoadFrame {
     }
 }
 
+impl HeaderOffset {
+    /// A point of the file's inertial frame in the world: translated, then turned about the new origin.
+    pub(crate) fn apply(&self, xyz_m: [f64; 3]) -> Point3<f64> {
+        let (sin, cos) = sin_cos(self.hdg_rad);
+        let (x, y) = (xyz_m[0] + self.x_m, xyz_m[1] + self.y_m);
+        Point3::new(cos * x - sin * y, sin * x + cos * y, xyz_m[2] + self.z_m)
+    }
+}
+
 impl Surface {
     /// The road, moved by the header's offset: first translated, then turned about the new origin.
     pub(crate) fn new(road: &Road, offset: &HeaderOffset) -> Self {
-        let (sin, cos) = sin_cos(offset.hdg_rad);
         let moved = *offset != HeaderOffset::default();
         let plan = Plan::new(&road.plan_view, |x, y, hdg| {
             // Untouched coordinates keep their bits.
             if !moved {
                 return (x, y, hdg);
             }
-            let (x, y) = (x + offset.x_m, y + offset.y_m);
-            (cos * x - sin * y, sin * x + cos * y, hdg + offset.hdg_rad)
+            let at = offset.apply([x, y, 0.0]);
+            (at.x, at.y, hdg + offset.hdg_rad)
         });
         // "Record present" does not mean "banked": all-zero records are common.
         let banked = !road.superelevation.iter().all(Cubic::is_zero);
@@ -148,7 +161,7 @@ impl Surface {
     /// How the surface lies at (s, t), with the frame at s at hand.
     pub(crate) fn axes(&self, frame: &RoadFrame, s: f64, t: f64) -> Axes {
         if self.lateral.is_flat() {
-            return Axes { along: frame.tangent + frame.left_rate * t, across: frame.left };
+            return Axes { along: frame.tangent(t, 0.0), across: frame.left };
         }
         let [low, high] = [s - STEP_M, s + STEP_M].map(|s| s.clamp(0.0, self.length_m));
         let along = if high > low {

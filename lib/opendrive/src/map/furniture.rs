@@ -1,14 +1,14 @@
 //! Objects and crosswalks in the world.
 
 use frames::{Object as ObjectFrame, Pose, World};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::{Crosswalk, Map, ObjectInfo, OutlineInfo};
 use crate::geometry::Surface;
 use crate::model::{Corner, Object, Outline, Repeat};
 
-/// Most copies that one row is written out to.
-const MAX_COPIES: f64 = 10_000.0;
+/// Most objects of a map: rows beyond are left out.
+const MAX_OBJECTS: usize = 1_000_000;
 /// Sampling step of a continuous row, metres.
 const ROW_STEP_M: f64 = 2.0;
 /// Painted corners take the height of lane surfaces that end nearer than this, metres.
@@ -46,6 +46,9 @@ impl Map {
                     ));
                 }
                 for repeat in &object.repeats {
+                    if self.objects.len() >= MAX_OBJECTS {
+                        break;
+                    }
                     row(surface, r as u32, index, object, repeat, &mut self.objects);
                 }
                 for (i, info) in self.objects.iter().enumerate().skip(first) {
@@ -92,6 +95,11 @@ fn crosswalk(index: usize, info: &ObjectInfo, object: &Object) -> Option<Crosswa
     Some(Crosswalk { object: index, id: info.id.clone(), road: info.road, s: info.s, polygon })
 }
 
+/// A pose at another place.
+fn moved(pose: &Pose<World, ObjectFrame>, to: Point3<f64>) -> Pose<World, ObjectFrame> {
+    Pose::from_isometry(Isometry3::from_parts(to.coords.into(), pose.isometry().rotation))
+}
+
 fn placed(
     surface: &Surface,
     road: u32,
@@ -103,9 +111,14 @@ fn placed(
 ) -> ObjectInfo {
     let mut at = surface.point(s, t);
     at.z += up_m;
-    let tangent = surface.frame(s).tangent;
-    let heading = frames::math::atan2(tangent.y, tangent.x) + object.hdg_rad;
-    let pose = Pose::from_xyz_rpy(at.coords.into(), [object.roll_rad, object.pitch_rad, heading]);
+    let pose = if object.perpendicular {
+        let turned = Pose::<ObjectFrame, ObjectFrame>::from_xyz_rpy([0.0; 3], [0.0, 0.0, object.hdg_rad]);
+        moved(&surface.pose(s, t, 0.0), at) * turned
+    } else {
+        let tangent = surface.frame(s).tangent;
+        let heading = frames::math::atan2(tangent.y, tangent.x) + object.hdg_rad;
+        Pose::from_xyz_rpy(at.coords.into(), [object.roll_rad, object.pitch_rad, heading])
+    };
     let round = object.radius_m.map(|r| 2.0 * r);
     let or_zero = |value: Option<f64>| value.unwrap_or(0.0).max(0.0);
     ObjectInfo {
@@ -162,38 +175,55 @@ fn row(
     repeat: &Repeat,
     found: &mut Vec<ObjectInfo>,
 ) {
-    let mix = |pair: [f64; 2], part: f64| pair[0] + (pair[1] - pair[0]) * part;
-    let continuous = repeat.distance_m <= 0.0;
-    let step = if continuous { ROW_STEP_M } else { repeat.distance_m };
     let length = repeat.length_m.max(0.0);
-    let count = (length / step).floor().clamp(0.0, MAX_COPIES) as usize;
-    let mut offsets: Vec<f64> = (0..=count).map(|i| i as f64 * step).collect();
-    if continuous && length > count as f64 * step {
-        offsets.push(length);
-    }
-    let mut chain = OutlineInfo::default();
-    for d in offsets {
-        let part = if length > 0.0 { (d / length).min(1.0) } else { 0.0 };
-        let (s, t, up) = (repeat.s + d, mix(repeat.t_m, part), mix(repeat.z_offset_m, part));
-        let height = repeat.height_m.map_or(object.height_m.unwrap_or(0.0), |h| mix(h, part));
-        if continuous {
-            let mut point = surface.point(s, t);
-            point.z += up;
-            chain.base.push(point);
-            chain.height_m.push(height);
-        } else {
-            let mut copy = placed(surface, road, index, object, s, t, up);
-            copy.size_m.z = height;
-            copy.size_m.y = repeat.width_m.map_or(copy.size_m.y, |w| mix(w, part));
+    // A detached row runs straight between its two ends.
+    let straight =
+        repeat.detached.then(|| [0.0, length].map(|d| surface.point(repeat.s + d, repeat.t_at(d))));
+    let place = |d: f64| {
+        let mut at = match straight {
+            Some([from, to]) if length > 0.0 => from + (to - from) * (d / length),
+            _ => surface.point(repeat.s + d, repeat.t_at(d)),
+        };
+        at.z += repeat.z_offset_at(d);
+        at
+    };
+    let size = |d: f64, info: &mut ObjectInfo| {
+        let round = repeat.size_at(repeat.radius_m, d).map(|r| 2.0 * r);
+        let sizes = [
+            round.or(repeat.size_at(repeat.object_length_m, d)),
+            round.or(repeat.size_at(repeat.width_m, d)),
+            repeat.size_at(repeat.height_m, d),
+        ];
+        for (size, own) in sizes.into_iter().zip(info.size_m.iter_mut()) {
+            *own = size.unwrap_or(*own).max(0.0);
+        }
+    };
+    if repeat.distance_m > 0.0 {
+        let count = repeat.room().min(Repeat::MAX_COPIES as f64) as usize;
+        for d in (0..count).map(|i| i as f64 * repeat.distance_m) {
+            let mut copy =
+                placed(surface, road, index, object, repeat.s + d, repeat.t_at(d), repeat.z_offset_at(d));
+            if straight.is_some() {
+                copy.pose = moved(&copy.pose, place(d));
+            }
+            size(d, &mut copy);
             found.push(copy);
         }
+        return;
     }
-    if continuous {
-        let mut whole = placed(surface, road, index, object, repeat.s, repeat.t_m[0], repeat.z_offset_m[0]);
-        whole.size_m.z = repeat.height_m.map_or(whole.size_m.z, |h| h[0].max(h[1]));
-        whole.size_m.y = repeat.width_m.map_or(whole.size_m.y, |w| w[0].max(w[1]));
-        whole.size_m.x = length;
-        whole.outlines = vec![chain];
-        found.push(whole);
+    let steps = (length / ROW_STEP_M).ceil().clamp(1.0, Repeat::MAX_COPIES as f64 - 1.0);
+    let mut chain = OutlineInfo::default();
+    for i in 0..=steps as usize {
+        let d = length * (i as f64 / steps);
+        chain.base.push(place(d));
+        let height = repeat.size_at(repeat.height_m, d).or(object.height_m);
+        chain.height_m.push(height.unwrap_or(0.0).max(0.0));
     }
+    let mut whole = placed(surface, road, index, object, repeat.s, repeat.t_m[0], repeat.z_offset_m[0]);
+    let largest = |pair: Option<[f64; 2]>, own: f64| pair.map_or(own, |[a, b]| a.max(b));
+    whole.size_m.z = largest(repeat.height_m, whole.size_m.z);
+    whole.size_m.y = largest(repeat.width_m, whole.size_m.y);
+    whole.size_m.x = length;
+    whole.outlines = vec![chain];
+    found.push(whole);
 }

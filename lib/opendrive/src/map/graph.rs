@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::sections::sections_at;
 use super::{LaneId, LaneInfo, LanePos, Map};
-use crate::model::{Connection, ContactPoint, Network, RoadLink};
+use crate::model::{Connection, ContactPoint, RoadLink, TrackDirection};
 
 /// Most places that one step ahead or behind answers with.
 const MAX_BRANCHES: usize = 1024;
@@ -83,17 +84,15 @@ impl Graph {
                 }
             }
             for (link, end) in [(&road.predecessor, 0), (&road.successor, 1)] {
-                let Some(RoadLink::Road { id, contact }) = link else { continue };
-                let Some(&other) = road_of.get(id.as_str()) else { continue };
+                let Some(place) = link.as_ref().and_then(|link| touched(map, &road_of, link, end)) else {
+                    continue;
+                };
                 let section = if end == 0 { road.sections.first() } else { road.sections.last() };
                 for lane in section.iter().flat_map(|s| s.lanes()) {
                     for to in if end == 0 { &lane.predecessors } else { &lane.successors } {
-                        let (a, b) = (
-                            lane_at_end(map, i, end, lane.id),
-                            lane_at_end(map, other, end_index(*contact), *to),
-                        );
+                        let (a, b) = (lane_at_end(map, i, end, lane.id), place.lane(map, *to));
                         if let (Some(a), Some(b)) = (a, b) {
-                            touches.join((a, end), (b, end_index(*contact)));
+                            touches.join((a, end), (b, place.end));
                         }
                     }
                 }
@@ -146,29 +145,75 @@ fn join_connection(
         return;
     };
     let contact = end_index(connection.contact);
-    let end = incoming_end(&map.network, incoming, connecting, contact, junction);
+    let place = incoming_place(map, road_of, incoming, connecting, contact, junction);
     for link in &connection.lane_links {
-        let from = lane_at_end(map, incoming, end, link.from);
+        let from = place.lane(map, link.from);
         let to = lane_at_end(map, connecting, contact, link.to);
         if let (Some(from), Some(to)) = (from, to) {
-            touches.join((from, end), (to, contact));
+            touches.join((from, place.end), (to, contact));
         }
     }
 }
 
-/// The end of the incoming road that touches a connecting road: as the connecting road's own link says, else the
-/// end that is linked to the junction.
-fn incoming_end(network: &Network, incoming: u32, connecting: u32, contact: usize, junction: &str) -> usize {
-    let (incoming, connecting) = (&network.roads[incoming as usize], &network.roads[connecting as usize]);
-    let link = if contact == 0 { &connecting.predecessor } else { &connecting.successor };
-    if let Some(RoadLink::Road { id, contact }) = link
-        && *id == incoming.id
+/// An end (0 start, 1 end) of a lane section.
+#[derive(Clone, Copy, Debug)]
+struct SectionEnd {
+    road: u32,
+    section: usize,
+    end: usize,
+}
+
+impl SectionEnd {
+    fn of_road(map: &Map, road: u32, end: usize) -> Self {
+        let last = map.section_count(road).saturating_sub(1);
+        Self { road, section: if end == 0 { 0 } else { last }, end }
+    }
+
+    fn lane(self, map: &Map, lane: i16) -> Option<usize> {
+        map.lane_index(LaneId { road: self.road, section: self.section as u16, lane })
+    }
+}
+
+/// What a link of an end (0 start, 1 end) of a road touches, if it is a road.
+fn touched(map: &Map, road_of: &BTreeMap<&str, u32>, link: &RoadLink, end: usize) -> Option<SectionEnd> {
+    match link {
+        RoadLink::Road { id, contact } => {
+            Some(SectionEnd::of_road(map, *road_of.get(id.as_str())?, end_index(*contact)))
+        }
+        RoadLink::Along { id, s, direction } => {
+            let road = *road_of.get(id.as_str())?;
+            let [begins, ends] = sections_at(map.road(road), *s);
+            // Traffic that joins here drives on in the direction stated; traffic that left here came in it.
+            let joins_section_that_begins = (*direction == TrackDirection::Along) == (end == 1);
+            let (section, end) = if joins_section_that_begins { (begins?, 0) } else { (ends?, 1) };
+            Some(SectionEnd { road, section, end })
+        }
+        RoadLink::Junction { .. } => None,
+    }
+}
+
+/// Where the incoming road touches a connecting road: as the connecting road's own link says, else at the end that is
+/// linked to the junction.
+fn incoming_place(
+    map: &Map,
+    road_of: &BTreeMap<&str, u32>,
+    incoming: u32,
+    connecting: u32,
+    contact: usize,
+    junction: &str,
+) -> SectionEnd {
+    let (road, other) = (map.road(incoming), map.road(connecting));
+    let link = if contact == 0 { &other.predecessor } else { &other.successor };
+    if let Some(RoadLink::Road { id, .. } | RoadLink::Along { id, .. }) = link
+        && *id == road.id
+        && let Some(place) = link.as_ref().and_then(|link| touched(map, road_of, link, contact))
     {
-        return end_index(*contact);
+        return SectionEnd { road: incoming, ..place };
     }
     let names_it =
         |link: &Option<RoadLink>| matches!(link, Some(RoadLink::Junction { id }) if id == junction);
-    usize::from(names_it(&incoming.successor) || !names_it(&incoming.predecessor))
+    let end = usize::from(names_it(&road.successor) || !names_it(&road.predecessor));
+    SectionEnd::of_road(map, incoming, end)
 }
 
 impl Map {

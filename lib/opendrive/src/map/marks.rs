@@ -183,7 +183,21 @@ fn lines_of(mark: &RoadMark, base: &Stripe, dash: [f64; 2], lane: &Lane, found: 
         }
         return;
     }
-    if !mark.lines.is_empty() {
+    if !mark.lines.is_empty() || !mark.strokes.is_empty() {
+        for stroke in &mark.strokes {
+            let s_start = (base.s_start + stroke.s_offset.max(0.0)).min(base.s_end);
+            let s_end = (s_start + stroke.length_m.max(0.0)).min(base.s_end);
+            if s_end <= s_start {
+                continue;
+            }
+            found.push(Stripe {
+                s_start,
+                s_end,
+                width_m: stroke.width_m.filter(|w| *w > 0.0).unwrap_or(base.width_m),
+                t_offset_m: stroke.t_offset_m,
+                ..*base
+            });
+        }
         for line in &mark.lines {
             found.push(Stripe {
                 s_start: (base.s_start + line.s_offset.max(0.0)).min(base.s_end),

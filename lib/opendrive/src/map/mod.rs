@@ -7,6 +7,7 @@ mod lanes;
 mod marks;
 mod nearest;
 mod sampling;
+mod sections;
 mod signals;
 mod types;
 
@@ -62,8 +63,13 @@ struct SectionSpan {
 
 impl Map {
     /// Prepares a network: surfaces, lane list, graph, spatial index, markings, signals.
+    ///
+    /// Lane sections that the network leaves implicit become explicit first: one-sided ones
+    /// ([`LaneSection::single_side`](crate::LaneSection::single_side)) get their other side, and a road that goes on
+    /// through a virtual junction gets a section boundary where other roads join it.
     #[must_use]
-    pub fn new(network: Network) -> Self {
+    pub fn new(mut network: Network) -> Self {
+        sections::settle(&mut network);
         let surfaces = network.roads.iter().map(|road| Surface::new(road, &network.header.offset)).collect();
         let mut map = Self {
             network,
@@ -96,7 +102,7 @@ impl Map {
         map
     }
 
-    /// The network as the file states it.
+    /// The network as the file states it, but for lane sections made explicit (see [`Map::new`]).
     #[must_use]
     pub fn network(&self) -> &Network {
         &self.network

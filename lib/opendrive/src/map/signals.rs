@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use frames::Pose;
 use frames::math::atan2;
+use nalgebra::Point3;
 
 use super::{GroupController, LaneId, LanePos, Map, SignalGroup, SignalInfo};
-use crate::geometry::record_at;
-use crate::model::{LaneType, LaneValidity, Orientation};
+use crate::geometry::{Surface, record_at};
+use crate::model::{LaneType, LaneValidity, Orientation, Signal, SignalPosition};
 
 /// Most lanes looked at on the way back from a controlled lane to its stop point.
 const MAX_STEPS_BACK: usize = 1000;
@@ -21,12 +22,12 @@ impl Map {
             let surface = &self.surfaces[r];
             for (index, signal) in road.signals.iter().enumerate() {
                 by_id.entry(&signal.id).or_insert(found.len());
-                let on_surface = surface.point(signal.s, signal.t);
+                let (on_surface, up_m) = self.stand(surface, signal);
                 let tangent = surface.frame(signal.s).tangent;
                 let turned =
                     if signal.orientation == Orientation::Against { std::f64::consts::PI } else { 0.0 };
                 let heading = atan2(tangent.y, tangent.x) + turned + signal.h_offset_rad;
-                let origin = [on_surface.x, on_surface.y, on_surface.z + signal.z_offset_m];
+                let origin = [on_surface.x, on_surface.y, on_surface.z + up_m];
                 found.push(SignalInfo {
                     id: signal.id.clone(),
                     name: signal.name.clone(),
@@ -115,6 +116,25 @@ impl Map {
             travelled && meant
         });
         lanes.map(|lane| lane.id).collect()
+    }
+
+    /// The point of a road's surface that a signal stands over, and how far. A physical position that the file gives
+    /// apart counts; the heading does not change with it, as the traffic that the signal is for does not, either.
+    fn stand(&self, surface: &Surface, signal: &Signal) -> (Point3<f64>, f64) {
+        let at = surface.point(signal.s, signal.t);
+        match &signal.position {
+            None => (at, signal.z_offset_m),
+            Some(SignalPosition::Inertial { xyz_m, .. }) => {
+                let place = self.network.header.offset.apply(*xyz_m);
+                (Point3::new(place.x, place.y, at.z), place.z - at.z)
+            }
+            Some(SignalPosition::Road { road, s, t, z_offset_m, .. }) => {
+                match self.network.roads.iter().position(|r| r.id == *road) {
+                    Some(r) => (self.surfaces[r].point(*s, *t), *z_offset_m),
+                    None => (at, signal.z_offset_m),
+                }
+            }
+        }
     }
 
     fn groups(&self, by_id: &BTreeMap<&str, usize>) -> Vec<SignalGroup> {

@@ -243,3 +243,42 @@ pub struct Repeat {
     /// Whether the row runs straight from its start to its end, whatever the road does.
     pub detached: bool,
 }
+
+impl Repeat {
+    /// Most copies that a row is written out to; also most points of a stretched object.
+    pub const MAX_COPIES: usize = 10_000;
+
+    /// How many copies there are room for.
+    pub(crate) fn room(&self) -> f64 {
+        if self.distance_m > 0.0 { (self.length_m.max(0.0) / self.distance_m).floor() + 1.0 } else { 1.0 }
+    }
+
+    /// Lateral position `d` metres after the start, metres to the left.
+    #[must_use]
+    pub fn t_at(&self, d: f64) -> f64 {
+        match self.t_cubic {
+            Some([b, c, cubic]) => self.t_m[0] + d * (b + d * (c + d * cubic)),
+            None => mix(self.t_m, self.part(d)),
+        }
+    }
+
+    /// Height above the road `d` metres after the start, metres.
+    #[must_use]
+    pub fn z_offset_at(&self, d: f64) -> f64 {
+        mix(self.z_offset_m, self.part(d))
+    }
+
+    /// A size given at start and end, `d` metres after the start.
+    #[must_use]
+    pub(crate) fn size_at(&self, pair: Option<[f64; 2]>, d: f64) -> Option<f64> {
+        pair.map(|pair| mix(pair, self.part(d)))
+    }
+
+    fn part(&self, d: f64) -> f64 {
+        if self.length_m > 0.0 { (d / self.length_m).clamp(0.0, 1.0) } else { 0.0 }
+    }
+}
+
+fn mix(pair: [f64; 2], part: f64) -> f64 {
+    pair[0] + (pair[1] - pair[0]) * part
+}

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::road::outside;
 use super::{Lines, line_of, note};
-use crate::model::{Network, Road};
+use crate::model::{Network, Repeat, Road};
 use crate::read::context::Context;
 
 pub(super) fn check(context: &mut Context, network: &Network, lines: &Lines) {
@@ -27,6 +27,15 @@ pub(super) fn check(context: &mut Context, network: &Network, lines: &Lines) {
                 beyond(context, road, "object", &object.id, object.s, line);
             }
             for repeat in &object.repeats {
+                if repeat.room() > Repeat::MAX_COPIES as f64 {
+                    let message = format!(
+                        "a row of object {} has room for {:e} copies: only the first {} are placed",
+                        object.id,
+                        repeat.room(),
+                        Repeat::MAX_COPIES
+                    );
+                    note(context, line, Some(road), Some(repeat.s), message);
+                }
                 beyond(context, road, "row of object", &object.id, repeat.s, line);
                 beyond(context, road, "row of object", &object.id, repeat.s + repeat.length_m, line);
             }

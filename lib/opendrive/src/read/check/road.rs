@@ -87,18 +87,24 @@ pub(super) fn sections(context: &mut Context, road: &Road, lines: &RoadLines) {
     for (i, pair) in road.sections.windows(2).enumerate() {
         let (before, after) = (&pair[0], &pair[1]);
         for lane in before.lanes() {
-            for id in lane.successors.iter().filter(|id| !has_lane(after, **id)) {
+            for id in lane.successors.iter().filter(|id| !goes_on(after, **id)) {
                 let message = format!("lane {} leads to lane {id}, which does not exist", lane.id);
                 note(context, line_of(&lines.sections, i), Some(road), Some(after.s), message);
             }
         }
         for lane in after.lanes() {
-            for id in lane.predecessors.iter().filter(|id| !has_lane(before, **id)) {
+            for id in lane.predecessors.iter().filter(|id| !goes_on(before, **id)) {
                 let message = format!("lane {} follows lane {id}, which does not exist", lane.id);
                 note(context, line_of(&lines.sections, i + 1), Some(road), Some(after.s), message);
             }
         }
     }
+}
+
+/// Whether a lane is there in a section, or goes on beside one that speaks of the other side only.
+fn goes_on(section: &LaneSection, id: i16) -> bool {
+    let side = if id > 0 { &section.left } else { &section.right };
+    has_lane(section, id) || (section.single_side && side.is_empty() && id != 0)
 }
 
 /// Whether a section has a lane that one can be on.
