@@ -12,6 +12,18 @@ pub(crate) fn record_at<T>(records: &[T], s: f64, s_of: impl Fn(&T) -> f64) -> O
     records.get(after.wrapping_sub(1))
 }
 
+/// Starts of the records, in order of s, that begin between two places.
+pub(crate) fn between<'a, T>(
+    records: &'a [T],
+    from: f64,
+    to: f64,
+    s_of: impl Fn(&T) -> f64 + 'a,
+) -> impl Iterator<Item = f64> + 'a {
+    let first = records.partition_point(|r| s_of(r) <= from);
+    let last = records.partition_point(|r| s_of(r) < to);
+    records.get(first..last).unwrap_or_default().iter().map(s_of)
+}
+
 /// Value and first derivative at `s`; zero where no record holds.
 pub(crate) fn value_and_slope(records: &[Cubic], s: f64) -> (f64, f64) {
     let (value, slope, _) = value_and_derivatives(records, s);

@@ -3,7 +3,7 @@
 use frames::math::tan;
 
 use super::widths::outer_border;
-use super::{record_at, value_and_slope};
+use super::{between, record_at, value_and_slope};
 use crate::model::{Cubic, Lane, Road, RoadSide, Shape};
 
 /// The cross-section of a road over its superelevated plane. Empty for nearly all roads.
@@ -55,10 +55,10 @@ impl Lateral {
         self.shape.is_empty() && self.crossfall.iter().all(Vec::is_empty) && self.level.is_empty()
     }
 
-    /// Every s at which some record begins.
-    pub(super) fn breaks(&self) -> impl Iterator<Item = f64> {
-        let crossfall = self.crossfall.iter().flatten().map(|c| c.s);
-        self.shape.iter().map(|r| r.s).chain(crossfall)
+    /// Every s between two places at which some record begins.
+    pub(super) fn breaks(&self, from: f64, to: f64) -> impl Iterator<Item = f64> {
+        let crossfall = self.crossfall.iter().flat_map(move |list| between(list, from, to, |c| c.s));
+        between(&self.shape, from, to, |r| r.s).chain(crossfall)
     }
 
     /// Height over the superelevated plane, metres along its normal, of the surface that level lanes leave.

@@ -6,7 +6,7 @@ mod plan;
 mod surface;
 mod widths;
 
-pub(crate) use cubic::{record_at, value_and_slope};
+pub(crate) use cubic::{between, record_at, value_and_slope};
 pub(crate) use plan::Plan;
 pub(crate) use surface::{RoadFrame, Surface};
 pub(crate) use widths::lane_width;

@@ -3,7 +3,7 @@
 use frames::math::{atan2, sin_cos};
 use nalgebra::Point2;
 
-use super::record_at;
+use super::{between, record_at};
 use crate::model::{Curve, Geometry};
 
 /// Nodes and weights of the 8-point Gauss-Legendre rule on [-1, 1] (symmetric half). Its error on a panel that
@@ -93,9 +93,9 @@ impl Plan {
         Self { pieces }
     }
 
-    /// Starts of the pieces.
-    pub(crate) fn starts(&self) -> impl Iterator<Item = f64> {
-        self.pieces.iter().map(|p| p.s)
+    /// Starts of the pieces between two places.
+    pub(crate) fn breaks(&self, from: f64, to: f64) -> impl Iterator<Item = f64> {
+        between(&self.pieces, from, to, |p| p.s)
     }
 
     /// The point at `s`; before the first piece, its start.

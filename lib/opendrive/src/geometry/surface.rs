@@ -5,7 +5,7 @@ use frames::{Object as ObjectFrame, Pose, World};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use super::Plan;
-use super::cubic::{value_and_derivatives, value_and_slope};
+use super::cubic::{between, value_and_derivatives, value_and_slope};
 use super::lateral::Lateral;
 use crate::model::{Cubic, HeaderOffset, Road};
 
@@ -106,11 +106,12 @@ impl Surface {
         self.length_m
     }
 
-    /// Every s at which some record of the surface begins.
-    pub(crate) fn breaks(&self) -> impl Iterator<Item = f64> {
-        let elevation = self.elevation.iter().map(|c| c.s);
-        let superelevation = self.superelevation.iter().map(|c| c.s);
-        self.plan.starts().chain(elevation).chain(superelevation).chain(self.lateral.breaks())
+    /// Every s between two places at which some record of the surface begins.
+    pub(crate) fn breaks(&self, from: f64, to: f64) -> impl Iterator<Item = f64> {
+        let elevation = between(&self.elevation, from, to, |c| c.s);
+        let superelevation = between(&self.superelevation, from, to, |c| c.s);
+        let across = self.lateral.breaks(from, to);
+        self.plan.breaks(from, to).chain(elevation).chain(superelevation).chain(across)
     }
 
     /// The frame at `s`, which is clamped to the road.

@@ -7,8 +7,9 @@ use super::{Crosswalk, Map, ObjectInfo, OutlineInfo};
 use crate::geometry::Surface;
 use crate::model::{Corner, Object, Outline, Repeat};
 
-/// Most objects of a map: rows beyond are left out.
-const MAX_OBJECTS: usize = 1_000_000;
+/// Most copies, corners of copies and points of stretched objects that the rows of a map are written out to; what
+/// goes beyond is left out.
+const MAX_PARTS: usize = 2_000_000;
 /// Sampling step of a continuous row, metres.
 const ROW_STEP_M: f64 = 2.0;
 /// Painted corners take the height of lane surfaces that end nearer than this, metres.
@@ -30,6 +31,7 @@ impl Map {
 
     /// Places all objects, and picks out the crosswalks.
     pub(super) fn build_objects(&mut self) {
+        let mut room = MAX_PARTS;
         for (r, road) in self.network.roads.iter().enumerate() {
             let surface = &self.surfaces[r];
             for (index, object) in road.objects.iter().enumerate() {
@@ -46,10 +48,7 @@ impl Map {
                     ));
                 }
                 for repeat in &object.repeats {
-                    if self.objects.len() >= MAX_OBJECTS {
-                        break;
-                    }
-                    row(surface, r as u32, index, object, repeat, &mut self.objects);
+                    row(surface, r as u32, index, object, repeat, &mut room, &mut self.objects);
                 }
                 for (i, info) in self.objects.iter().enumerate().skip(first) {
                     if let Some(mut crosswalk) = crosswalk(i, info, object) {
@@ -173,8 +172,14 @@ fn row(
     index: usize,
     object: &Object,
     repeat: &Repeat,
+    room: &mut usize,
     found: &mut Vec<ObjectInfo>,
 ) {
+    let most = |parts_each: usize, room: &mut usize, wanted: f64| {
+        let count = (wanted.min(Repeat::MAX_COPIES as f64) as usize).min(*room / parts_each);
+        *room -= count * parts_each;
+        count
+    };
     let length = repeat.length_m.max(0.0);
     // A detached row runs straight between its two ends.
     let straight =
@@ -199,7 +204,8 @@ fn row(
         }
     };
     if repeat.distance_m > 0.0 {
-        let count = repeat.room().min(Repeat::MAX_COPIES as f64) as usize;
+        let corners: usize = object.outlines.iter().map(|o| o.corners.len()).sum();
+        let count = most(1 + corners, room, repeat.room());
         for d in (0..count).map(|i| i as f64 * repeat.distance_m) {
             let mut copy =
                 placed(surface, road, index, object, repeat.s + d, repeat.t_at(d), repeat.z_offset_at(d));
@@ -211,10 +217,11 @@ fn row(
         }
         return;
     }
-    let steps = (length / ROW_STEP_M).ceil().clamp(1.0, Repeat::MAX_COPIES as f64 - 1.0);
+    let points = most(1, room, (length / ROW_STEP_M).ceil().max(1.0) + 1.0);
+    let Some(steps) = points.checked_sub(1).filter(|steps| *steps > 0) else { return };
     let mut chain = OutlineInfo::default();
-    for i in 0..=steps as usize {
-        let d = length * (i as f64 / steps);
+    for i in 0..points {
+        let d = length * (i as f64 / steps as f64);
         chain.base.push(place(d));
         let height = repeat.size_at(repeat.height_m, d).or(object.height_m);
         chain.height_m.push(height.unwrap_or(0.0).max(0.0));

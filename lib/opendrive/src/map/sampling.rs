@@ -3,11 +3,14 @@
 use nalgebra::Point3;
 
 use super::{LaneId, LanePolyline, Map};
+use crate::geometry::between;
 
 /// Finest tolerance that is honoured, metres.
 const MIN_TOLERANCE_M: f64 = 1e-4;
 /// Deepest halving of one stretch between two records.
 const MAX_DEPTH: u32 = 12;
+/// Stretches shorter than this are not halved, metres: no road bends that sharply.
+const MIN_STEP_M: f64 = 0.01;
 /// Two records closer than this make one vertex.
 const SLIVER_M: f64 = 1e-6;
 /// Borders that move by more than this within a sliver jump: both sides get a vertex.
@@ -25,8 +28,8 @@ impl Map {
         let tolerance = if tolerance_m > MIN_TOLERANCE_M { tolerance_m } else { MIN_TOLERANCE_M };
         let model = self.road(road);
         let lanes = &model.sections[usize::from(section)];
-        let mut breaks: Vec<f64> = self.surfaces[road as usize].breaks().collect();
-        breaks.extend(model.lane_offset.iter().map(|c| c.s));
+        let mut breaks: Vec<f64> = self.surfaces[road as usize].breaks(span.s_start, span.s_end).collect();
+        breaks.extend(between(&model.lane_offset, span.s_start, span.s_end, |c| c.s));
         for lane in lanes.lanes() {
             breaks.extend(lane.widths.iter().chain(&lane.borders).map(|c| lanes.s + c.s));
         }
@@ -115,7 +118,7 @@ impl Sampler<'_> {
 
     /// Adds the samples strictly between two cuts.
     fn refine(&mut self, a: &Cut, b: &Cut, depth: u32, samples: &mut Vec<f64>) {
-        if depth >= MAX_DEPTH {
+        if depth >= MAX_DEPTH || b.0 - a.0 < MIN_STEP_M {
             return;
         }
         let at = |part: f64| a.0 + (b.0 - a.0) * part;

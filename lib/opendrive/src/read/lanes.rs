@@ -12,7 +12,7 @@ use crate::model::{
 };
 
 /// Most lanes on one side of a section.
-const MAX_LANES: usize = 255;
+const MAX_LANES: usize = 127;
 
 /// The lane sections of a `lanes` element, with the line of each.
 pub(super) fn sections(

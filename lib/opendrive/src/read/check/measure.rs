@@ -4,6 +4,8 @@ use crate::model::{Cubic, Curve, Geometry, Lane, Road};
 
 /// Farther than this from the origin, or higher, or longer, is nothing on earth, metres (and whatever other unit).
 const ABSURD: f64 = 1e8;
+/// More turning than this along one reference line is nothing on earth, radians.
+const ABSURD_TURN_RAD: f64 = 1e5;
 /// How far from its first t a lateral shape is looked at, metres.
 const SHAPE_REACH_M: f64 = 100.0;
 
@@ -17,7 +19,11 @@ pub(in crate::read) fn absurdity(road: &Road) -> Option<(f64, &'static str)> {
     if is_absurd(road.length_m) {
         return Some((0.0, "the length"));
     }
-    let piece = road.plan_view.iter().find(|g| piece_is_absurd(g));
+    let mut turn = 0.0;
+    let piece = road.plan_view.iter().find(|g| {
+        turn += turn_rad(g);
+        piece_is_absurd(g) || turn > ABSURD_TURN_RAD
+    });
     let list = |records: &[Cubic]| absurd_cubic(records, road.length_m);
     piece
         .map(|g| (g.s, "the reference line"))
@@ -44,6 +50,17 @@ pub(in crate::read) fn absurdity(road: &Road) -> Option<(f64, &'static str)> {
                 Some((section.s + place, "a lane"))
             })
         })
+}
+
+/// At least as much as a piece of the reference line turns, radians; 0 for polynomials, which turn little.
+fn turn_rad(g: &Geometry) -> f64 {
+    match &g.curve {
+        Curve::Arc { curvature } => curvature.abs() * g.length_m,
+        Curve::Spiral { curvature_start, curvature_end } => {
+            curvature_start.abs().max(curvature_end.abs()) * g.length_m
+        }
+        Curve::Line | Curve::Poly3 { .. } | Curve::ParamPoly3 { .. } => 0.0,
+    }
 }
 
 fn piece_is_absurd(g: &Geometry) -> bool {
