@@ -77,10 +77,10 @@ struct OutlineIds {
 }
 
 impl OutlineIds {
-    /// The corner with an id: of one outline, or of the first that has it.
+    /// The corner with an id: of one outline, else of the first that has it.
     fn corner(&self, outline: Option<usize>, id: u32) -> Option<CornerReference> {
-        let mut all = self.outlines.iter().enumerate().filter(|(i, _)| outline.is_none_or(|o| o == *i));
-        all.find_map(|(outline, (_, corners))| {
+        (outline.into_iter().chain(0..self.outlines.len())).find_map(|outline| {
+            let (_, corners) = self.outlines.get(outline)?;
             let corner = corners.iter().position(|c| *c == id)?;
             Some(CornerReference { outline, corner })
         })

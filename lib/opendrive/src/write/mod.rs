@@ -9,7 +9,7 @@ mod xml;
 
 use std::fmt::Display;
 
-use crate::model::{Cubic, Curve, Geometry, Header, HeaderOffset, Network, Road, RoadLink, Speed};
+use crate::model::{Cubic, Curve, Geometry, Header, Network, Road, RoadLink, Speed};
 use xml::{Attributes, Xml, unless_default, unless_empty};
 
 /// The network as the text of an OpenDRIVE file.
@@ -64,7 +64,8 @@ fn header(xml: &mut Xml, header: &Header) {
         xml.text("geoReference", text);
     }
     let o = &header.offset;
-    if *o != HeaderOffset::default() {
+    // By bits: -0 is written, too.
+    if [o.x_m, o.y_m, o.z_m, o.hdg_rad].iter().any(|v| v.to_bits() != 0) {
         xml.leaf("offset", &[("x", &o.x_m), ("y", &o.y_m), ("z", &o.z_m), ("hdg", &o.hdg_rad)]);
     }
     xml.kept(&header.kept);
