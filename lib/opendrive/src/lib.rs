@@ -14,8 +14,9 @@ mod read;
 mod write;
 
 pub use map::{
-    Crosswalk, GroupController, JunctionInfo, LaneBounds, LaneHit, LaneId, LaneInfo, LanePoint, LanePolyline,
-    LanePos, Map, Marking, ObjectInfo, OutlineInfo, SignalGroup, SignalInfo, Stripe, StripeStrip,
+    Ahead, Area, Crosswalk, CrosswalkSpan, GroupController, JunctionInfo, LaneBounds, LaneHit, LaneId,
+    LaneInfo, LanePoint, LanePolyline, LanePos, Map, Marking, ObjectInfo, OutlineInfo, Sidewalk, SignalGroup,
+    SignalInfo, StopLine, StopLineSource, Stripe, StripeStrip,
 };
 pub use model::{
     AccessRule, BoundarySegment, BoxSide, Bridge, Connection, ConnectionKind, ContactPoint, Controller,

@@ -155,6 +155,10 @@ fn stripes_cover_their_lines() {
     assert_eq!(dashes.len(), 4); // 30 m in steps of 3 + 6
     near(dashes[1].left[0], [9.0, 0.5 - 3.5 + 0.075, 2.0]);
     near(dashes[1].right[1], [12.0, 0.5 - 3.5 - 0.075, 2.0]);
+    for dash in &dashes {
+        let area = Area { outline: dash.polygon(), holes: Vec::new() };
+        assert!((area.size_m2() - 3.0 * 0.15).abs() < 1e-9);
+    }
     let solid = map.stripe_strips(&stripes[1], 0.05);
     assert_eq!(solid.len(), 1);
     near(solid[0].left[0], [0.0, 0.5 + 0.15 + 0.075, 2.0]);
@@ -243,33 +247,6 @@ fn places_that_do_not_exist_answer_with_nothing() {
     }
     assert!(map.section_samples(99, 0, 0.1).is_empty());
     assert!(Map::new(Network::default()).nearest_driving_lane(Point3::origin()).is_none());
-}
-
-/// A road whose records all vary, for comparison against slow sums.
-fn winding(widths: &[[f64; 4]], curve: f64) -> Network {
-    let lanes = |sign: i16| {
-        let lane = |(i, w): (usize, &[f64; 4])| Lane {
-            id: sign * (i as i16 + 1),
-            lane_type: LaneType::Driving,
-            widths: vec![Cubic::constant(w[0]), Cubic { s: 20.0, a: w[0], b: w[1], c: w[2], d: w[3] }],
-            ..Lane::default()
-        };
-        widths.iter().enumerate().map(lane).collect::<Vec<_>>()
-    };
-    let piece = Curve::Spiral { curvature_start: -curve, curvature_end: curve };
-    Network {
-        roads: vec![Road {
-            id: "1".to_owned(),
-            length_m: 60.0,
-            plan_view: vec![Geometry { length_m: 60.0, curve: piece, ..Geometry::default() }],
-            elevation: vec![Cubic { s: 0.0, a: 1.0, b: 0.05, c: 1e-3, d: -1e-5 }],
-            superelevation: vec![Cubic { s: 10.0, a: 0.0, b: 1e-3, c: 0.0, d: 0.0 }],
-            lane_offset: vec![Cubic { s: 0.0, a: 0.3, b: -0.02, c: 0.0, d: 0.0 }],
-            sections: vec![LaneSection { left: lanes(1), right: lanes(-1), ..LaneSection::default() }],
-            ..Road::default()
-        }],
-        ..Network::default()
-    }
 }
 
 proptest! {

@@ -1,5 +1,7 @@
 //! The CARLA towns, where they are at hand: counts, graph, and the traps they hold.
 
+mod common;
+
 use std::path::PathBuf;
 
 use nalgebra::Point3;
@@ -146,5 +148,72 @@ fn the_nearest_lane_is_the_nearest_by_brute_force() {
         assert!(hit.distance_m <= best + 1e-9, "{point}: {} > {best}", hit.distance_m);
         // A sample lies within half a step (and the lane's shift) of the true place.
         assert!(best <= hit.distance_m + 0.06, "{point}: {} < {best}", hit.distance_m);
+    }
+}
+
+#[test]
+fn junction_areas_are_the_ground_of_their_lanes() {
+    for name in ["Town03.xodr", "Town04.xodr", "Town10HD.xodr"] {
+        let Some(map) = map(name) else { return };
+        let mut sums = [0, 0];
+        for junction in 0..map.junctions().len() {
+            let found = common::check_area(&map, junction, 0.05, 20);
+            sums = [sums[0] + found[0], sums[1] + found[1]];
+            for area in map.junction_area(junction) {
+                assert!(area.size_m2() > 0.0 && area.rings().all(|r| r.len() >= 3));
+            }
+        }
+        let lattice = 400 * map.junctions().len();
+        assert!(10 * sums[0] > 9 * lattice && 5 * sums[1] > lattice, "{name}: {sums:?} of {lattice}");
+    }
+}
+
+#[test]
+fn every_signal_has_a_line_before_every_lane_it_holds() {
+    for name in ["Town01.xodr", "Town03.xodr", "Town04.xodr", "Town06.xodr", "Town10HD.xodr"] {
+        let Some(map) = map(name) else { return };
+        let lines = map.stop_lines();
+        for (i, signal) in map.signals().iter().enumerate().filter(|(_, s)| s.dynamic || s.is_stop_sign()) {
+            for stop in map.stop_points(i) {
+                let at = map.point_at(stop).expect("place").position;
+                let own = lines.iter().filter(|l| l.signals.contains(&i));
+                // Its line is no farther than lines of the file are looked for, and across the way.
+                let found = own.filter(|l| {
+                    let middle = nalgebra::center(&l.ends[0], &l.ends[1]);
+                    (middle - at).norm() < 15.0 + 0.5 * (l.ends[1] - l.ends[0]).norm()
+                });
+                assert!(found.count() > 0, "{name}: signal {} has no line at {at}", signal.id);
+            }
+        }
+        for line in &lines {
+            assert!((0.5..40.0).contains(&(line.ends[1] - line.ends[0]).norm()));
+            for pos in &line.lanes {
+                let place = map.point_at(*pos).expect("place");
+                let middle = nalgebra::center(&line.ends[0], &line.ends[1]);
+                assert!((place.position - middle).norm() < 30.0 && (place.position.z - middle.z).abs() < 1.0);
+                // Left is left.
+                let (sin, cos) = frames::math::sin_cos(place.heading_rad);
+                let way = line.ends[1] - line.ends[0];
+                assert!(sin * way.x - cos * way.y > 0.0, "{name}: line at {middle} runs from right to left");
+            }
+        }
+    }
+}
+
+#[test]
+fn places_on_lanes_are_found_back() {
+    for name in ["Town03.xodr", "Town04.xodr"] {
+        let Some(map) = map(name) else { return };
+        for (i, lane) in map.lanes().iter().enumerate().filter(|(_, l)| l.s_length() > 0.5) {
+            let part = 0.05 + 0.9 * ((i * 37 % 100) as f64 / 100.0);
+            let s = lane.s_start + part * lane.s_length();
+            let width = map.lane_width(lane.id, s).expect("lane");
+            let offset = (part - 0.5) * 0.9 * width;
+            let place = map.lane_point(lane.id, s, offset).expect("lane").position;
+            // Where a tight curve folds its inner side over, a place has two coordinates; both must give it back.
+            let (s_found, offset_found) = map.lane_coordinates(lane.id, place).expect("its own place");
+            let again = map.lane_point(lane.id, s_found, offset_found).expect("lane").position;
+            assert!((again - place).norm() < 1e-6, "{name} {:?} {s} {offset}", lane.id);
+        }
     }
 }

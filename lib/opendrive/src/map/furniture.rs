@@ -19,7 +19,7 @@ const SAME_CORNER_M: f64 = 1e-3;
 
 impl Map {
     /// Gives a point the height of the lane surface at or beside it, if there is one near.
-    fn lay_down(&self, point: &mut Point3<f64>) {
+    pub(super) fn lay_down(&self, point: &mut Point3<f64>) {
         let Some(hit) = self.nearest_lane(*point, |_| true) else { return };
         if hit.t_m.abs() > 0.5 * hit.width_m + NEAR_M || hit.distance_m > hit.width_m + NEAR_M {
             return;

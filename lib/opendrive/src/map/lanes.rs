@@ -7,6 +7,9 @@ use super::{LaneBounds, LaneId, LaneInfo, LanePoint, LanePos, Map, SectionSpan};
 use crate::geometry::{RoadFrame, lane_width, record_at, value_and_slope};
 use crate::model::{Lane, LaneSection, LaneType, Road, TrafficRule, TravelDirection};
 
+/// Steps of s shorter than this end the search for a place's road coordinates, metres.
+const INVERSE_M: f64 = 1e-10;
+
 /// The two borders of a lane at some s: t of each, and its change per metre of s.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Profile {
@@ -54,6 +57,12 @@ fn direction(rule: TrafficRule, lane: &Lane) -> (f64, bool) {
         TravelDirection::Reversed => (-sign, false),
         TravelDirection::Both => (sign, true),
     }
+}
+
+/// Whether signals and crossings concern a lane of this type: those of motor traffic, of whatever kind.
+pub(super) fn carries_vehicles(lane_type: LaneType) -> bool {
+    lane_type.is_drivable()
+        || matches!(lane_type, LaneType::Bidirectional | LaneType::Bus | LaneType::Taxi | LaneType::Hov)
 }
 
 impl Map {
@@ -167,6 +176,38 @@ impl Map {
         })
     }
 
+    /// The road coordinate s and the offset from the lane's centre line (to the left in the direction of travel) of a place:
+    /// the inverse of [`Map::lane_point`], also for places above or under the surface (along its normal) and beside the lane.
+    ///
+    /// None where no cross-section of the lane's stretch of road goes through the place.
+    #[must_use]
+    pub fn lane_coordinates(&self, id: LaneId, point: Point3<f64>) -> Option<(f64, f64)> {
+        let info = self.lane(id)?;
+        let surface = self.surfaces.get(id.road as usize)?;
+        let mut s = self.project(id, point)?.s;
+        // The cross-section is normal to the tangent: Newton's method on what is left along it.
+        for _ in 0..50 {
+            let frame = surface.frame(s);
+            let offset = point - frame.origin;
+            let t = offset.dot(&frame.left);
+            let rate = frame.tangent.dot(&frame.tangent(t, 0.0));
+            if rate <= 0.0 {
+                return None;
+            }
+            let step = offset.dot(&frame.tangent) / rate;
+            let next = (s + step).clamp(info.s_start, info.s_end);
+            if step.abs() < INVERSE_M {
+                let centre = self.profile(id, s)?.centre().0;
+                return Some((s, (t - centre) * info.direction));
+            }
+            if next == s {
+                return None;
+            }
+            s = next;
+        }
+        None
+    }
+
     /// The place on the centre line of a lane.
     #[must_use]
     pub fn point_at(&self, pos: LanePos) -> Option<LanePoint> {
@@ -218,6 +259,14 @@ impl Map {
         let section = &road.sections[usize::from(id.section)];
         let stated = section.lane(id.lane).and_then(|lane| stated_limit(road, section, lane, s));
         stated.or(info.speed_limit_mps.filter(|_| info.junction.is_some()))
+    }
+
+    /// Speed limit at a place, m/s: that of the nearest lane for motor traffic there ([`Map::speed_limit`]), the deck that the place
+    /// is on being told by its height. None where the nearest lane has none.
+    #[must_use]
+    pub fn speed_limit_at(&self, point: Point3<f64>) -> Option<f64> {
+        let hit = self.nearest_driving_lane(point)?;
+        self.speed_limit(hit.lane, hit.s)
     }
 
     /// Point, tangent and left vector of a lane's centre line; for refinement, so `s` must lie in the lane.

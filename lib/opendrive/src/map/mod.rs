@@ -1,16 +1,25 @@
 //! A network made ready for questions.
 
+mod area;
+mod crossings;
 mod furniture;
 mod graph;
 mod junctions;
 mod lanes;
 mod marks;
 mod nearest;
+mod route;
 mod sampling;
 mod sections;
 mod signals;
+mod stop_lines;
 mod types;
+mod union;
 
+pub use area::{Area, Sidewalk};
+pub use crossings::CrosswalkSpan;
+pub use route::Ahead;
+pub use stop_lines::{StopLine, StopLineSource};
 pub use types::{
     Crosswalk, GroupController, JunctionInfo, LaneBounds, LaneHit, LaneId, LaneInfo, LanePoint, LanePolyline,
     LanePos, Marking, ObjectInfo, OutlineInfo, SignalGroup, SignalInfo, Stripe, StripeStrip,
@@ -112,6 +121,12 @@ impl Map {
     #[must_use]
     pub fn lanes(&self) -> &[LaneInfo] {
         &self.lanes
+    }
+
+    /// A lane's place in [`Map::lanes`].
+    #[must_use]
+    pub fn lane_number(&self, id: LaneId) -> Option<usize> {
+        self.lane_index(id)
     }
 
     /// One lane.

@@ -7,6 +7,8 @@ use crate::geometry::between;
 
 /// Finest tolerance that is honoured, metres.
 const MIN_TOLERANCE_M: f64 = 1e-4;
+/// Share of the tolerance that is used up at the places looked at; the rest is for what lies between them.
+const MARGIN: f64 = 0.9;
 /// Deepest halving of one stretch between two records.
 const MAX_DEPTH: u32 = 12;
 /// Stretches shorter than this are not halved, metres: no road bends that sharply.
@@ -20,22 +22,14 @@ impl Map {
     /// Values of s, ascending and both ends included, at which all lanes of a section should be sampled so that
     /// straight lines between the samples stay within `tolerance_m` of every lane border.
     ///
-    /// Neighbouring lanes share these samples and so their vertices. Where the file lets borders jump
+    /// That holds for roads as they are built (between two records, borders bend smoothly); where a width dips below zero,
+    /// which counts as zero, the kink may be cut. Neighbouring lanes share these samples and so their vertices. Where the file lets borders jump
     /// sideways, two samples a hair apart stand for the two sides.
     #[must_use]
     pub fn section_samples(&self, road: u32, section: u16, tolerance_m: f64) -> Vec<f64> {
         let Some(span) = self.section(road, section) else { return Vec::new() };
-        let tolerance = if tolerance_m > MIN_TOLERANCE_M { tolerance_m } else { MIN_TOLERANCE_M };
-        let model = self.road(road);
-        let lanes = &model.sections[usize::from(section)];
-        let mut breaks: Vec<f64> = self.surfaces[road as usize].breaks(span.s_start, span.s_end).collect();
-        breaks.extend(between(&model.lane_offset, span.s_start, span.s_end, |c| c.s));
-        for lane in lanes.lanes() {
-            breaks.extend(lane.widths.iter().chain(&lane.borders).map(|c| lanes.s + c.s));
-        }
-        breaks.retain(|s| *s > span.s_start && *s < span.s_end);
-        breaks.push(span.s_end);
-        breaks.sort_by(f64::total_cmp);
+        let tolerance = MARGIN * if tolerance_m > MIN_TOLERANCE_M { tolerance_m } else { MIN_TOLERANCE_M };
+        let breaks = self.breaks(road, section);
 
         let mut sampler = Sampler { map: self, road, section, borders: Vec::new(), tolerance };
         let mut samples = vec![span.s_start];
@@ -64,6 +58,43 @@ impl Map {
             }
         }
         samples
+    }
+
+    /// Every s strictly inside a section at which a record of the road's surface or of a lane's border begins, and
+    /// the section's end; ascending. Between two of them everything is smooth.
+    pub(super) fn breaks(&self, road: u32, section: u16) -> Vec<f64> {
+        let Some(span) = self.section(road, section) else { return Vec::new() };
+        let model = self.road(road);
+        let lanes = &model.sections[usize::from(section)];
+        let mut breaks: Vec<f64> = self.surfaces[road as usize].breaks(span.s_start, span.s_end).collect();
+        breaks.extend(between(&model.lane_offset, span.s_start, span.s_end, |c| c.s));
+        for lane in lanes.lanes() {
+            breaks.extend(lane.widths.iter().chain(&lane.borders).map(|c| lanes.s + c.s));
+        }
+        breaks.retain(|s| *s > span.s_start && *s < span.s_end);
+        breaks.push(span.s_end);
+        breaks.sort_by(f64::total_cmp);
+        breaks
+    }
+
+    /// The borders of a section's lanes, from the rightmost to the leftmost (one more than it has lanes), at given
+    /// values of s (of [`Map::section_samples`]); points run with s. The lanes' shared borders appear once.
+    #[must_use]
+    pub fn section_borders(&self, road: u32, section: u16, samples: &[f64]) -> Vec<Vec<Point3<f64>>> {
+        if self.section(road, section).is_none() {
+            return Vec::new();
+        }
+        let surface = &self.surfaces[road as usize];
+        let mut lines = vec![Vec::with_capacity(samples.len()); self.lanes_of(road, section).len() + 1];
+        let mut borders = Vec::new();
+        for &s in samples {
+            self.borders(road, section, s, &mut borders);
+            let frame = surface.frame(s);
+            for (line, (t, _)) in lines.iter_mut().zip(&borders) {
+                line.push(surface.point_in(&frame, s, *t));
+            }
+        }
+        lines
     }
 
     /// A lane sampled so that straight lines stay within `tolerance_m` of its borders; both ends included.

@@ -6,9 +6,10 @@ use frames::Pose;
 use frames::math::atan2;
 use nalgebra::Point3;
 
+use super::lanes::carries_vehicles;
 use super::{GroupController, LaneId, LanePos, Map, SignalGroup, SignalInfo};
 use crate::geometry::{Surface, record_at};
-use crate::model::{LaneType, LaneValidity, Orientation, Signal, SignalPosition};
+use crate::model::{LaneValidity, Orientation, Signal, SignalPosition};
 
 /// Most lanes looked at on the way back from a controlled lane to its stop point.
 const MAX_STEPS_BACK: usize = 1000;
@@ -99,11 +100,6 @@ impl Map {
             return Vec::new();
         };
         let lanes = self.lanes_of(road, section as u16).iter().filter(|lane| {
-            let travelled = lane.lane_type.is_drivable()
-                || matches!(
-                    lane.lane_type,
-                    LaneType::Bidirectional | LaneType::Bus | LaneType::Taxi | LaneType::Hov
-                );
             let meant = if ranges.is_empty() {
                 match orientation {
                     Orientation::Along => lane.direction > 0.0 || lane.both_ways,
@@ -113,7 +109,7 @@ impl Map {
             } else {
                 ranges.iter().any(|range| range.contains(lane.id.lane))
             };
-            travelled && meant
+            carries_vehicles(lane.lane_type) && meant
         });
         lanes.map(|lane| lane.id).collect()
     }

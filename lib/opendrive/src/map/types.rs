@@ -202,6 +202,14 @@ pub struct StripeStrip {
     pub right: Vec<Point3<f64>>,
 }
 
+impl StripeStrip {
+    /// Its outline, counter-clockwise seen from above; the first point is not repeated.
+    #[must_use]
+    pub fn polygon(&self) -> Vec<Point3<f64>> {
+        self.right.iter().chain(self.left.iter().rev()).copied().collect()
+    }
+}
+
 /// A pedestrian crossing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Crosswalk {

@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "each test file uses its part")]
 
+use nalgebra::Point3;
 use opendrive::*;
 
 /// A lane of constant width.
@@ -245,4 +246,83 @@ pub(crate) const C: u32 = 5;
 
 pub(crate) fn id(road: u32, section: u16, lane: i16) -> LaneId {
     LaneId { road, section, lane }
+}
+
+/// A road whose records all vary, for comparison against slow sums.
+pub(crate) fn winding(widths: &[[f64; 4]], curve: f64) -> Network {
+    let lanes = |sign: i16| {
+        let lane = |(i, w): (usize, &[f64; 4])| Lane {
+            id: sign * (i as i16 + 1),
+            lane_type: LaneType::Driving,
+            widths: vec![Cubic::constant(w[0]), Cubic { s: 20.0, a: w[0], b: w[1], c: w[2], d: w[3] }],
+            ..Lane::default()
+        };
+        widths.iter().enumerate().map(lane).collect::<Vec<_>>()
+    };
+    let piece = Curve::Spiral { curvature_start: -curve, curvature_end: curve };
+    Network {
+        roads: vec![Road {
+            id: "1".to_owned(),
+            length_m: 60.0,
+            plan_view: vec![Geometry { length_m: 60.0, curve: piece, ..Geometry::default() }],
+            elevation: vec![Cubic { s: 0.0, a: 1.0, b: 0.05, c: 1e-3, d: -1e-5 }],
+            superelevation: vec![Cubic { s: 10.0, a: 0.0, b: 1e-3, c: 0.0, d: 0.0 }],
+            lane_offset: vec![Cubic { s: 0.0, a: 0.3, b: -0.02, c: 0.0, d: 0.0 }],
+            sections: vec![LaneSection { left: lanes(1), right: lanes(-1), ..LaneSection::default() }],
+            ..Road::default()
+        }],
+        ..Network::default()
+    }
+}
+
+/// How deep a place lies in a lane, by the lane's own coordinates alone, metres; negative outside.
+fn depth_in_lane(map: &Map, lane: &LaneInfo, x: f64, y: f64) -> f64 {
+    let z = map.lane_point(lane.id, lane.s_start, 0.0).expect("place").position.z;
+    let hit = map.project(lane.id, Point3::new(x, y, z)).expect("place");
+    let place = map.lane_point(lane.id, hit.s, 0.0).expect("place");
+    let (sin, cos) = frames::math::sin_cos(place.heading_rad);
+    let beyond = ((x - place.position.x) * cos + (y - place.position.y) * sin).abs();
+    let from_ends = (hit.s - lane.s_start).min(lane.s_end - hit.s);
+    (0.5 * hit.width_m - hit.t_m.abs()).min(if from_ends <= 0.0 { -beyond } else { from_ends })
+}
+
+/// Compares a junction's area with its lanes on a lattice of places; those within `margin_m` of a lane's border decide
+/// nothing. Answers with the numbers of places that decide, and of those inside.
+pub(crate) fn check_area(map: &Map, junction: usize, margin_m: f64, lattice: u32) -> [usize; 2] {
+    let info = &map.junctions()[junction];
+    let areas = map.junction_area(junction);
+    let unpaved = [LaneType::None, LaneType::Median, LaneType::Curb, LaneType::Sidewalk, LaneType::Walking];
+    // Each paved lane with its bounding box.
+    let lanes =
+        info.lanes.iter().map(|id| map.lane(*id).expect("lane")).filter(|l| !unpaved.contains(&l.lane_type));
+    let boxed: Vec<(&LaneInfo, [f64; 4])> = lanes
+        .map(|lane| {
+            let line = map.lane_polyline(lane.id, 0.05);
+            let far = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+            let span = line.left.iter().chain(&line.right).fold(far, |b, p| {
+                [b[0].min(p.x - 0.1), b[1].min(p.y - 0.1), b[2].max(p.x + 0.1), b[3].max(p.y + 0.1)]
+            });
+            (lane, span)
+        })
+        .collect();
+    let [low, high] = info.bounds;
+    let (mut told, mut inside) = (0, 0);
+    for i in 0..lattice {
+        for k in 0..lattice {
+            let part = |i: u32, shift: f64| (f64::from(i) + shift) / f64::from(lattice);
+            let x = low.x - 1.0 + (high.x - low.x + 2.0) * part(i, 0.37);
+            let y = low.y - 1.0 + (high.y - low.y + 2.0) * part(k, 0.59);
+            let near = boxed.iter().filter(|(_, b)| x > b[0] && y > b[1] && x < b[2] && y < b[3]);
+            let depths = near.map(|(lane, _)| depth_in_lane(map, lane, x, y));
+            let deepest = depths.fold(f64::NEG_INFINITY, f64::max);
+            if deepest.abs() <= margin_m {
+                continue;
+            }
+            let got = areas.iter().filter(|a| a.contains(x, y)).count();
+            assert_eq!(got, usize::from(deepest > 0.0), "junction {} at {x}, {y}: {deepest}", info.id);
+            told += 1;
+            inside += got;
+        }
+    }
+    [told, inside]
 }
