@@ -228,19 +228,19 @@ fn a_light_without_a_line_gets_one() {
     let lines = map.stop_lines();
     assert_eq!(lines.len(), 1);
     let line = &lines[0];
-    assert_eq!((line.source, &line.signals[..], line.width_m), (StopLineSource::Derived, &[0][..], 0.5));
-    assert_eq!(line.lanes, [pos(id(A, 1, -1), 20.0)]);
-    assert!((line.ends[0] - Point3::new(50.0, 0.5, 2.0)).norm() < 1e-9);
-    assert!((line.ends[1] - Point3::new(50.0, -3.0, 2.0)).norm() < 1e-9);
+    assert_eq!((line.source, &line.signals[..], line.width_m), (StopLineSource::Derived, &[0][..], 0.4));
+    assert_eq!(line.lanes, [pos(id(A, 1, -1), 19.5)]);
+    assert!((line.ends[0] - Point3::new(49.5, 0.5, 2.0)).norm() < 1e-9);
+    assert!((line.ends[1] - Point3::new(49.5, -3.0, 2.0)).norm() < 1e-9);
 }
 
 #[test]
 fn stated_stop_lines_take_the_light_of_their_lane() {
     // A chain of two, a flat ring, and a ring with a width: the first and second have the ordinary width.
     let shapes: [(&[(f64, f64)], f64); 3] = [
-        (&[(-1.7, 0.0), (1.7, 0.0)], 0.5),
-        (&[(-1.7, 0.0), (0.0, 1e-6), (1.7, 0.0)], 0.5),
-        (&[(-1.7, -0.2), (1.7, -0.2), (1.7, 0.2), (-1.7, 0.2)], 0.4),
+        (&[(-1.7, 0.0), (1.7, 0.0)], 0.4),
+        (&[(-1.7, 0.0), (0.0, 1e-6), (1.7, 0.0)], 0.4),
+        (&[(-1.7, -0.3), (1.7, -0.3), (1.7, 0.3), (-1.7, 0.3)], 0.6),
     ];
     for (corners, width) in shapes {
         let mut network = network();

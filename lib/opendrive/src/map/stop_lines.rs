@@ -8,7 +8,9 @@ use super::lanes::carries_vehicles;
 use super::{LaneId, LanePos, Map, ObjectInfo, SignalInfo};
 
 /// Width of a line whose width is not stated, metres.
-const WIDTH_M: f64 = 0.5;
+const WIDTH_M: f64 = 0.4;
+/// Derived lines lie this far before the stop point, metres of s.
+const BACK_M: f64 = 0.5;
 /// Stated widths below this are none (some files give 1e-16), metres.
 const MIN_WIDTH_M: f64 = 0.05;
 /// A lane is crossed by a line that ends at most this far short of its centre line, metres.
@@ -72,7 +74,7 @@ fn says_stop_line(name: &str) -> bool {
 
 impl Map {
     /// All stop lines: those that objects state, those that signals state, and those derived where a light or stop sign holds
-    /// traffic and the file has none within 15 m. In the order of their sources, derived ones by lane.
+    /// traffic and the file has none within 15 m (half a metre before the stop point). In the order of their sources, derived ones by lane.
     ///
     /// Computed anew by every call.
     #[must_use]
@@ -257,7 +259,8 @@ impl Map {
         for line in lines.iter_mut() {
             line.signals.dedup();
         }
-        for (pos, signals) in bare.into_values() {
+        for (stop, signals) in bare.into_values() {
+            let pos = LanePos { lane: stop.lane, along_m: (stop.along_m - BACK_M).max(0.0) };
             let bounds = self.s_of(pos).and_then(|s| self.lane_bounds(pos.lane, s));
             lines.extend(bounds.map(|b| StopLine {
                 ends: [b.left, b.right],

@@ -17,10 +17,7 @@ const PAINT_M: f64 = 0.006;
 const ZEBRA_M: [f64; 2] = [0.5, 0.6];
 /// Painted areas are cut to pieces of this length to follow the road, metres.
 const PIECE_M: f64 = 1.5;
-const STOP_LINE_M: f64 = 0.4;
 const THIN_LINE_M: f64 = 0.1;
-/// Stop lines from the map this near to a stopping place serve it, metres.
-const SERVED_M: f64 = 12.0;
 const MAX_DASHES: usize = 20_000;
 
 const WHITE: Part = part(Tag::RoadLine, Surface::RoadMarking, [0.72, 0.72, 0.70]);
@@ -36,8 +33,10 @@ pub(crate) fn build(map: &Map, sections: &[Section], region: &Region, cover: &Co
     }
     let mut painter = Painter { region, cover, tiles };
     crosswalks(map, &mut painter);
-    let stops = objects(map, &mut painter);
-    stop_lines(map, &stops, &mut painter);
+    parking_spaces(map, &mut painter);
+    for line in map.stop_lines() {
+        painter.band(WHITE, line.ends[0], line.ends[1], line.width_m);
+    }
 }
 
 fn colour(stripe: &Stripe) -> Part {
@@ -237,79 +236,13 @@ fn crosswalks(map: &Map, painter: &mut Painter<'_>) {
     }
 }
 
-/// Stop lines and parking spaces that the map holds as objects; answers with the middles of the stop lines.
-fn objects(map: &Map, painter: &mut Painter<'_>) -> Vec<Point3<f64>> {
-    let mut stops = Vec::new();
-    for object in map.objects() {
-        let name = object.name.to_ascii_lowercase().replace(['_', ' '], "");
-        let kind = object.kind.to_ascii_lowercase();
-        let outline = object.outlines.first();
-        if kind == "parkingspace" {
-            if let Some(ring) = outline.filter(|o| o.base.len() >= 3) {
-                let n = ring.base.len();
-                for i in 0..n {
-                    painter.band(WHITE, ring.base[i], ring.base[(i + 1) % n], THIN_LINE_M);
-                }
-            }
-        } else if name.contains("stopline") {
-            let middle = match outline.filter(|o| o.base.len() >= 2) {
-                // A chain of points is the line itself; a ring with an area is painted along its longer middle.
-                Some(ring) if !ring.closed || ring.base.len() == 3 => {
-                    for pair in ring.base.windows(2) {
-                        painter.band(WHITE, pair[0], pair[1], STOP_LINE_M);
-                    }
-                    ring.base[ring.base.len() / 2]
-                }
-                Some(ring) => {
-                    let n = ring.base.len();
-                    let middle = |i: usize| {
-                        Point3::from(0.5 * (ring.base[i % n].coords + ring.base[(i + 1) % n].coords))
-                    };
-                    let (a, b) = ([middle(0), middle(2)], [middle(1), middle(3)]);
-                    let (line, width) = if (a[1] - a[0]).norm() > (b[1] - b[0]).norm() {
-                        (a, (b[1] - b[0]).norm())
-                    } else {
-                        (b, (a[1] - a[0]).norm())
-                    };
-                    painter.band(WHITE, line[0], line[1], width.max(STOP_LINE_M));
-                    Point3::from(0.5 * (line[0].coords + line[1].coords))
-                }
-                None => {
-                    let half = Vector3::new(0.5 * object.size_m.x, 0.0, 0.0);
-                    painter.band(
-                        WHITE,
-                        object.pose * Point3::from(-half),
-                        object.pose * Point3::from(half),
-                        STOP_LINE_M,
-                    );
-                    object.pose * Point3::origin()
-                }
-            };
-            stops.push(middle);
-        }
-    }
-    stops
-}
-
-/// Stop lines where a signal or stop sign holds traffic and the map has none.
-fn stop_lines(map: &Map, known: &[Point3<f64>], painter: &mut Painter<'_>) {
-    let mut lanes: Vec<opendrive::LanePos> = Vec::new();
-    for (i, signal) in map.signals().iter().enumerate() {
-        if signal.dynamic || signal.kind == "206" {
-            lanes.extend(map.stop_points(i));
-        }
-    }
-    lanes.sort_by(|a, b| a.lane.cmp(&b.lane).then(a.along_m.total_cmp(&b.along_m)));
-    lanes.dedup_by_key(|p| p.lane);
-    for pos in lanes {
-        let (Some(point), Some(s)) = (map.point_at(pos), map.s_of(pos)) else { continue };
-        if known.iter().any(|k| (k - point.position).norm() < SERVED_M) {
-            continue;
-        }
-        let Some(info) = map.lane(pos.lane) else { continue };
-        let back = (s - 0.5 * info.direction).clamp(info.s_start, info.s_end);
-        if let Some(bounds) = map.lane_bounds(pos.lane, back) {
-            painter.band(WHITE, bounds.left, bounds.right, STOP_LINE_M);
+/// The outlines of parking spaces that the map holds as objects.
+fn parking_spaces(map: &Map, painter: &mut Painter<'_>) {
+    for object in map.objects().iter().filter(|o| o.kind.eq_ignore_ascii_case("parkingspace")) {
+        let Some(ring) = object.outlines.first().filter(|o| o.base.len() >= 3) else { continue };
+        let n = ring.base.len();
+        for i in 0..n {
+            painter.band(WHITE, ring.base[i], ring.base[(i + 1) % n], THIN_LINE_M);
         }
     }
 }
