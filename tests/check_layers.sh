@@ -18,6 +18,7 @@ declare -A allowed=(
     [visibility]="frames schema"
     [sensors]="frames random schema visibility"
     [truth]="frames opendrive schema"
+    [vectormap]="opendrive schema"
     [analysis]="frames schema"
     [replay]="frames opendrive pipeline schema store world"
 )

@@ -53,8 +53,44 @@ def check_sensor(path, file, frames):
             assert len(row["dx"]) == len(row["dy"]) == row["width"] * row["height"]
 
 
+def check_vector_map(path):
+    table = pq.read_table(path)
+    columns = table.to_pydict()
+    kinds, count = columns["kind"], table.num_rows
+    assert columns["id"] == list(range(count)), "ids are not the rows"
+    lane_count = kinds.count("lane_centreline")
+    assert lane_count > 0 and set(kinds[:lane_count]) == {"lane_centreline"}
+    # References stay in the table and are symmetric.
+    for forth, back in (("successors", "predecessors"), ("predecessors", "successors")):
+        pairs = {(i, j) for i, to in enumerate(columns[forth]) for j in to}
+        assert pairs == {(i, j) for j, to in enumerate(columns[back]) for i in to}, forth
+    signals = {(i, j) for i in range(lane_count) for j in columns["signals"][i]}
+    assert signals == {(i, j) for j, kind in enumerate(kinds) if kind == "signal" for i in columns["lanes"][j]}
+    for i in range(count):
+        points = np.stack([columns[axis][i] for axis in ("x_m", "y_m", "z_m")], axis=1)
+        assert points.dtype == np.float64 and np.isfinite(points).all() and len(points) > (kinds[i] != "signal")
+        assert all(j < lane_count for j in columns["lanes"][i]), i
+        for number, ring in enumerate(np.split(points, columns["rings"][i][1:]) if columns["rings"][i] else []):
+            assert (ring[0] == ring[-1]).all(), f"element {i} is open"
+            x, y = (ring[:, :2] - ring[0, :2]).T
+            assert (x[:-1] @ y[1:] - x[1:] @ y[:-1] > 0) == (number == 0), f"element {i} runs the wrong way"
+        if i < lane_count:
+            left, right = (np.stack([columns[a][j] for a in ("x_m", "y_m", "z_m")], axis=1) for j in columns["boundaries"][i])
+            if np.linalg.norm(left[0] + right[0] - 2 * points[0]) > 1e-6:
+                left, right = left[::-1], right[::-1]
+            assert np.allclose(0.5 * (left + right), points, atol=1e-6), f"lane {i} is not between its boundaries"
+    return lane_count
+
+
 def check_store(root):
     tables = arrays = 0
+    lane_counts = {}
+    for path in sorted((root / "maps").rglob("*.vector.parquet")):
+        try:
+            lane_counts[path.relative_to(root / "maps").as_posix().removesuffix(".vector.parquet")] = check_vector_map(path)
+        except AssertionError as fault:
+            raise SystemExit(f"{path}: {fault}")
+        tables += 1
     for scene in sorted((root / "scenes").iterdir()):
         info = json.loads((scene / "log/scene.json").read_text())
         frames, agents = info["frames"], [a["agent"] for a in info["agents"]]
@@ -68,6 +104,8 @@ def check_store(root):
             except AssertionError as fault:
                 raise SystemExit(f"{path}: {fault}")
             tables += 1
+        hd_map = pq.read_table(scene / "hd_map.parquet").to_pydict()
+        assert max(hd_map["lane"]) < lane_counts[info["map"]], "hd_map names a lane that its map does not have"
         boxes = pq.read_table(scene / "boxes.parquet").to_pydict()
         valid = pq.read_table(scene / "boxes_valid.parquet").to_pydict()
         assert [boxes[c] for c in ("frame", "agent", "id")] == [valid[c] for c in ("frame", "agent", "id")]

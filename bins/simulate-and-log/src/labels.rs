@@ -11,6 +11,7 @@ use schema::{AgentId, FRAME_PERIOD_S, ObjectId, measures};
 use traffic::SceneLog;
 use truth::boxes::{ObservedObject, Observer};
 use truth::counts::Counts;
+use truth::hd_map::HdMap;
 
 /// Labels of all frames of a scene.
 pub(crate) struct Labels {
@@ -38,6 +39,7 @@ impl Labels {
             .map(|a| a.agent.parse().map(|id| (id, a.id)))
             .collect::<Result<_, _>>()
             .map_err(|e| StageError::failed(&e))?;
+        let hd_map = HdMap::new(map);
         let mut labels =
             Self { agents: Vec::new(), boxes: Vec::new(), hd_map: Vec::new(), counts: Vec::new() };
         let (mut states, mut signals) = (log.states.as_slice(), log.signals.as_slice());
@@ -59,13 +61,9 @@ impl Labels {
                 let object = &objects[usize::from(id) - 1];
                 let world_from_agent = Pose::from_isometry(*object.world_from_object.isometry());
                 labels.agents.push(agent_row(frame, agent, object));
-                let record =
-                    truth::hd_map::record(map, frame, agent, &world_from_agent).ok_or_else(|| {
-                        StageError::Failed(format!(
-                            "scene {} frame {frame} {agent}: no driving lane",
-                            info.scene
-                        ))
-                    })?;
+                let record = hd_map.record(frame, agent, &world_from_agent).ok_or_else(|| {
+                    StageError::Failed(format!("scene {} frame {frame} {agent}: no driving lane", info.scene))
+                })?;
                 labels.hd_map.push(record);
                 observers.push(Observer { agent, id, world_from_agent });
             }

@@ -49,6 +49,9 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
         unit.bytes(keys::DATASET, &json, 1)?;
         for (name, source) in &texts {
             unit.bytes(&keys::map(name), &replay::compress_map(&source.text)?, 1)?;
+            if let Some(own) = maps.get(name) {
+                unit.rows(&keys::vector_map(name), &vectormap::rows(&own.map))?;
+            }
         }
         unit.rows(keys::PLAN_SCENES, &plan.scenes)?;
         unit.rows(keys::PLAN_AGENTS, &plan.agents)?;

@@ -1,4 +1,6 @@
-//! Reading, preparing and querying a network of Town03's size.
+//! Reading, preparing and querying a network of Town03's size, and CARLA's towns where they are at hand.
+
+use std::path::PathBuf;
 
 use divan::{Bencher, black_box};
 use nalgebra::Point3;
@@ -63,4 +65,28 @@ fn nearest_driving_lane_10k(bencher: Bencher<'_, '_>) {
     bencher.bench(|| {
         points.iter().filter_map(|p| map.nearest_driving_lane(*p)).map(|h| h.distance_m).sum::<f64>()
     });
+}
+
+/// A CARLA town; without it the network above.
+fn town(name: &str) -> Network {
+    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/maps/carla"));
+    let town = std::fs::read(folder.join(name)).ok().and_then(|bytes| opendrive::read_bytes(&bytes).ok());
+    town.unwrap_or_else(network)
+}
+
+#[divan::bench(args = ["Town03.xodr", "Town11.xodr.gz"], sample_count = 5, sample_size = 1)]
+fn prepare_town(bencher: Bencher<'_, '_>, name: &str) {
+    bencher.with_inputs(|| town(name)).bench_values(Map::new);
+}
+
+#[divan::bench(args = ["Town03.xodr", "Town11.xodr.gz"], sample_count = 5, sample_size = 1)]
+fn junction_areas(bencher: Bencher<'_, '_>, name: &str) {
+    let map = Map::new(town(name));
+    bencher.bench(|| (0..map.junctions().len()).map(|j| map.junction_area(j).len()).sum::<usize>());
+}
+
+#[divan::bench(args = ["Town03.xodr", "Town11.xodr.gz"], sample_count = 5, sample_size = 1)]
+fn stop_lines(bencher: Bencher<'_, '_>, name: &str) {
+    let map = Map::new(town(name));
+    bencher.bench(|| map.stop_lines().len());
 }

@@ -474,7 +474,7 @@ proptest! {
                     let _ = map.lane_change(lane.id, lane.s_start);
                 }
                 for stripe in map.stripes().iter().take(20) {
-                    let _ = map.stripe_centre(stripe, 0.1);
+                    let _ = map.stripe_line(stripe, 0.1);
                 }
                 let _ = map.nearest_driving_lane(nalgebra::Point3::origin());
             }

@@ -22,7 +22,9 @@ pub enum Column {
     OptStr(Vec<Option<String>>),
     ListU8(Vec<Vec<u8>>),
     ListU16(Vec<Vec<u16>>),
+    ListU32(Vec<Vec<u32>>),
     ListF32(Vec<Vec<f32>>),
+    ListF64(Vec<Vec<f64>>),
     ListStr(Vec<Vec<String>>),
     /// Fixed number of values per row, stored flat.
     FixedF32(usize, Vec<f32>),
@@ -51,7 +53,9 @@ impl Column {
             Self::OptStr(v) => v.len(),
             Self::ListU8(v) => v.len(),
             Self::ListU16(v) => v.len(),
+            Self::ListU32(v) => v.len(),
             Self::ListF32(v) => v.len(),
+            Self::ListF64(v) => v.len(),
             Self::ListStr(v) => v.len(),
             Self::FixedF32(n, v) => v.len() / (*n).max(1),
             Self::FixedF64(n, v) => v.len() / (*n).max(1),
@@ -84,7 +88,9 @@ impl Column {
             Self::OptStr(_) => "string, may be null".into(),
             Self::ListU8(_) => "list of u8".into(),
             Self::ListU16(_) => "list of u16".into(),
+            Self::ListU32(_) => "list of u32".into(),
             Self::ListF32(_) => "list of f32".into(),
+            Self::ListF64(_) => "list of f64".into(),
             Self::ListStr(_) => "list of string".into(),
             Self::FixedF32(n, _) => format!("f32[{n}]"),
             Self::FixedF64(n, _) => format!("f64[{n}]"),
@@ -177,7 +183,9 @@ cell!(Option<f64>, OptF64);
 cell!(Option<String>, OptStr);
 cell!(Vec<u8>, ListU8);
 cell!(Vec<u16>, ListU16);
+cell!(Vec<u32>, ListU32);
 cell!(Vec<f32>, ListF32);
+cell!(Vec<f64>, ListF64);
 cell!(Vec<String>, ListStr);
 
 /// Encoded bytes (an image, say): a binary column, where `Vec<u8>` is a list of numbers.

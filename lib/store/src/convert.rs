@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use arrow_array::types::{ArrowPrimitiveType, Float32Type, UInt8Type, UInt16Type};
+use arrow_array::types::{ArrowPrimitiveType, Float32Type, Float64Type, UInt8Type, UInt16Type, UInt32Type};
 use arrow_array::{
     Array, ArrayRef, BinaryArray, BooleanArray, FixedSizeListArray, Float32Array, Float64Array,
     GenericListArray, Int32Array, Int64Array, ListArray, PrimitiveArray, StringArray, UInt8Array,
@@ -46,7 +46,9 @@ fn arrow_type(column: &Column) -> (DataType, bool) {
         Column::Bytes(_) => DataType::Binary,
         Column::ListU8(_) => DataType::List(item(DataType::UInt8)),
         Column::ListU16(_) => DataType::List(item(DataType::UInt16)),
+        Column::ListU32(_) => DataType::List(item(DataType::UInt32)),
         Column::ListF32(_) => DataType::List(item(DataType::Float32)),
+        Column::ListF64(_) => DataType::List(item(DataType::Float64)),
         Column::ListStr(_) => DataType::List(item(DataType::Utf8)),
         Column::FixedF32(n, _) => DataType::FixedSizeList(item(DataType::Float32), *n as i32),
         Column::FixedF64(n, _) => DataType::FixedSizeList(item(DataType::Float64), *n as i32),
@@ -73,7 +75,9 @@ pub(crate) fn to_arrow(column: Column) -> ArrayRef {
         Column::OptStr(v) => Arc::new(StringArray::from(v)),
         Column::ListU8(v) => primitive_list::<UInt8Type>(v),
         Column::ListU16(v) => primitive_list::<UInt16Type>(v),
+        Column::ListU32(v) => primitive_list::<UInt32Type>(v),
         Column::ListF32(v) => primitive_list::<Float32Type>(v),
+        Column::ListF64(v) => primitive_list::<Float64Type>(v),
         Column::ListStr(v) => {
             let offsets = OffsetBuffer::from_lengths(v.iter().map(Vec::len));
             let values = StringArray::from_iter_values(v.into_iter().flatten());
@@ -143,8 +147,14 @@ pub(crate) fn from_arrow(name: &str, wanted: &Column, array: &dyn Array) -> Resu
         Column::ListU16(_) => {
             Column::ListU16(list_values::<UInt16Type>(primitive!(ListArray)).ok_or_else(wrong)?)
         }
+        Column::ListU32(_) => {
+            Column::ListU32(list_values::<UInt32Type>(primitive!(ListArray)).ok_or_else(wrong)?)
+        }
         Column::ListF32(_) => {
             Column::ListF32(list_values::<Float32Type>(primitive!(ListArray)).ok_or_else(wrong)?)
+        }
+        Column::ListF64(_) => {
+            Column::ListF64(list_values::<Float64Type>(primitive!(ListArray)).ok_or_else(wrong)?)
         }
         Column::ListStr(_) => {
             let list = primitive!(ListArray);

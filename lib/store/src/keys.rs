@@ -80,6 +80,12 @@ pub fn map(name: &str) -> String {
     format!("maps/{name}.xodr.zst")
 }
 
+/// The vector map of a map.
+#[must_use]
+pub fn vector_map(name: &str) -> String {
+    format!("maps/{name}.vector.parquet")
+}
+
 /// A file of a scene, by its name in the scene's folder.
 #[must_use]
 pub fn scene(scene: u32, name: &str) -> String {

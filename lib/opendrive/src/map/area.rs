@@ -3,7 +3,7 @@
 use nalgebra::{Point2, Point3};
 
 use super::union::union;
-use super::{LaneId, Map};
+use super::{LaneId, LaneInfo, Map};
 use crate::model::LaneType;
 
 /// Chords stay this near to the true borders, metres.
@@ -68,10 +68,13 @@ pub struct Sidewalk {
     pub area: Area,
 }
 
-/// Whether vehicles can drive on it, lawfully or not: all but walks, kerbs, medians and lanes without use.
-fn is_paved(lane_type: LaneType) -> bool {
-    let unpaved = matches!(lane_type, LaneType::None | LaneType::Median | LaneType::Curb);
-    !unpaved && !lane_type.is_walkable()
+impl LaneInfo {
+    /// Whether vehicles can drive on it, lawfully or not: all but walks, kerbs, medians and lanes without use.
+    #[must_use]
+    pub fn is_paved(&self) -> bool {
+        let unpaved = matches!(self.lane_type, LaneType::None | LaneType::Median | LaneType::Curb);
+        !unpaved && !self.lane_type.is_walkable()
+    }
 }
 
 impl Map {
@@ -107,7 +110,7 @@ impl Map {
     #[must_use]
     pub fn junction_area(&self, junction: usize) -> Vec<Area> {
         let Some(info) = self.junctions.get(junction) else { return Vec::new() };
-        let paved = |id: &LaneId| self.lane(*id).is_some_and(|l| is_paved(l.lane_type));
+        let paved = |id: &LaneId| self.lane(*id).is_some_and(LaneInfo::is_paved);
         self.lanes_area(&info.lanes.iter().copied().filter(paved).collect::<Vec<_>>())
     }
 

@@ -70,12 +70,12 @@ impl Map {
         self.section_stripes.push(self.stripes.len());
     }
 
-    /// The middle of a stripe, dashes and gaps alike, as a chain of points that runs with s.
+    /// The middle of a stripe, dashes and gaps alike: values of s, ascending, and the points there.
     #[must_use]
-    pub fn stripe_centre(&self, stripe: &Stripe, tolerance_m: f64) -> Vec<Point3<f64>> {
+    pub fn stripe_line(&self, stripe: &Stripe, tolerance_m: f64) -> (Vec<f64>, Vec<Point3<f64>>) {
         let samples = self.section_samples(stripe.road, stripe.section, tolerance_m);
         let cut = between(&samples, stripe.s_start, stripe.s_end);
-        cut.iter().filter_map(|s| self.stripe_point(stripe, *s, 0.0)).collect()
+        cut.into_iter().filter_map(|s| Some((s, self.stripe_point(stripe, s, 0.0)?))).unzip()
     }
 
     /// The painted areas of a stripe: one strip for a continuous line, one per dash for a dashed one. Dashes count

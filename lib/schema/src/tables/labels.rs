@@ -69,6 +69,8 @@ table! {
         frame: u32,
         /// Whose record this is.
         agent: String,
+        /// Number of the lane in `maps/NAME.vector.parquet`.
+        lane: u32,
         /// OpenDRIVE road id.
         road_id: String,
         /// Number of the lane section in its road, from 0.
@@ -125,6 +127,22 @@ table! {
         right_lane_width_m: Option<f64>,
         /// Lane changes its marks allow.
         right_lane_change: Option<String>,
+        /// Offset of the agent's origin from the lane's centre, m, positive left in travel direction.
+        lane_offset_m: f64,
+        /// OpenDRIVE id of the next junction ahead (inside a junction the one after it); null when there is none within 500 m of way. Ways follow the lane graph without lane changes; of all branches the shortest counts.
+        next_junction_id: Option<String>,
+        /// Way along the lanes from the point above to where that junction begins, m.
+        next_junction_m: Option<f64>,
+        /// OpenDRIVE ids of the lights and stop signs that hold traffic at the next stop line ahead; empty when there is none within 500 m.
+        signal_ids: Vec<String>,
+        /// Way to that stop line, m.
+        stop_line_m: Option<f64>,
+        /// OpenDRIVE id of the next crosswalk ahead; null when there is none within 500 m.
+        crosswalk_id: Option<String>,
+        /// Way to it, m; 0 on it.
+        crosswalk_m: Option<f64>,
+        /// Distance from the agent's origin to the nearest sidewalk, m; 0 on it, null when there is none within 50 m.
+        sidewalk_m: Option<f64>,
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod labels;
 mod log;
+mod map;
 mod plan;
 mod sensor;
 mod stats;
@@ -9,6 +10,7 @@ mod weather;
 
 pub use labels::{AgentRow, BoxRow, HdMapRow, TrackFrameRow, TrackRow, ValidBoxRow};
 pub use log::{ActorRow, FrameRow, SignalRow, StateRow};
+pub use map::{VectorKind, VectorMapRow};
 pub use plan::{PlanAgentRow, PlanSceneRow};
 pub use sensor::{CameraRow, FlowRow, GnssRow, ImuRow, LidarRow, RadarRow, SemanticLidarRow, VisibleRow};
 pub use stats::PartialRow;
@@ -38,6 +40,7 @@ pub fn all() -> Vec<TableDoc> {
     vec![
         describe::<PlanSceneRow>(),
         describe::<PlanAgentRow>(),
+        describe::<VectorMapRow>(),
         describe::<ActorRow>(),
         describe::<StateRow>(),
         describe::<FrameRow>(),
