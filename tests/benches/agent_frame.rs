@@ -1,5 +1,7 @@
 //! Seconds per agent-frame, part by part, beside the budgets of the design: the full default sensor suite on our own
-//! town. Run by `make bench`; numbers mean something on an idle machine only.
+//! town; and how fast road networks are. Run by `make bench`; numbers mean something on an idle machine only.
+
+mod roads;
 
 use std::collections::BTreeMap;
 use std::hint::black_box;
@@ -73,6 +75,9 @@ fn main() {
     let scene = Agentframe::new(&settings, &map, &actors, &log, &world);
     scene.measure(&mut rows);
     print(&rows, scene.triangles());
+    let mut rows = Vec::new();
+    roads::measure(&mut rows);
+    print_roads(&rows);
 }
 
 /// Steps per second against real time, with all the traffic that fits.
@@ -292,19 +297,25 @@ impl<'a> Agentframe<'a> {
 #[expect(clippy::print_stdout, reason = "this is the benchmark's answer")]
 fn print(rows: &[Row], triangles: usize) {
     println!("\nconvoy/demo, {triangles} triangles in sight, {} threads", rayon::current_num_threads());
-    println!("| part | seconds | budget | ratio |\n|---|---|---|---|");
-    for row in rows {
-        println!(
-            "| {} | {:.4} | {:.4} | {:.2} |",
-            row.part,
-            row.seconds,
-            row.budget,
-            row.seconds / row.budget
-        );
-    }
+    print_rows(rows);
     let frame = |skip: usize| rows.iter().skip(skip).map(|r| r.seconds).sum::<f64>();
     // The second voxel grid is encoded too; the simulation is shared by all agents of a scene.
     let npz = rows.iter().find(|r| r.part.starts_with("voxel npz")).map_or(0.0, |r| r.seconds);
     let total = frame(1) + npz;
     println!("| **agent-frame, without writing** | {total:.3} | 1.0 | {total:.2} |");
+}
+
+#[expect(clippy::print_stdout, reason = "this is the benchmark's answer")]
+fn print_roads(rows: &[Row]) {
+    println!("\nRoad networks, one core");
+    print_rows(rows);
+}
+
+#[expect(clippy::print_stdout, reason = "this is the benchmark's answer")]
+fn print_rows(rows: &[Row]) {
+    println!("| part | seconds | budget | ratio |\n|---|---|---|---|");
+    for row in rows {
+        let ratio = row.seconds / row.budget;
+        println!("| {} | {:.4} | {:.4} | {ratio:.2} |", row.part, row.seconds, row.budget);
+    }
 }
