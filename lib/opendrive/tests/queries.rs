@@ -123,7 +123,8 @@ fn split() -> Network {
         incoming_road: "trunk".to_owned(),
         connecting_road: to.to_owned(),
         contact: ContactPoint::Start,
-        lane_links: vec![LaneLink { from, to: -1 }],
+        lane_links: vec![LaneLink { from, to: -1, ..LaneLink::default() }],
+        ..Connection::default()
     };
     Network {
         roads: vec![trunk, main, exit],
@@ -217,6 +218,7 @@ fn stop_object(s: f64, corners: &[(f64, f64)]) -> Object {
                 .iter()
                 .map(|&(u_m, v_m)| Corner::Local { u_m, v_m, z_m: 0.0, height_m: 0.0 })
                 .collect(),
+            ..Outline::default()
         }],
         ..Object::default()
     }
