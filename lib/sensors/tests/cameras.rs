@@ -92,6 +92,11 @@ fn depth_decodes_to_the_buffer() {
         let want = f64::from(*depth).min(1000.0);
         assert!((decode_depth_m(*p) - want).abs() <= 1000.0 / 16_777_216.0);
     }
+    for image in [&frame.semantic, &frame.instance, &frame.depth] {
+        // Byte 24 of a PNG is the bit depth, byte 25 the kind of colour: 2 is red, green, blue without a palette.
+        let image = image.as_ref().expect("was asked for");
+        assert_eq!(image[24..26], [8, 2]);
+    }
     // Semantic colours name the same tags as the instance image.
     let (semantic, _) = decode(frame.semantic.as_ref().expect("was asked for"));
     let (instance, _) = decode(frame.instance.as_ref().expect("was asked for"));

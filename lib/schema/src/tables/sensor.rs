@@ -4,7 +4,7 @@ use crate::table;
 use crate::table::Blob;
 
 table! {
-    /// Encoded images of one camera: `RGB-*` JPEG; `SEG-*`, `IST-*`, `DPT-*` PNG.
+    /// Encoded images of one camera: `RGB-*` JPEG; `SEG-*`, `IST-*`, `DPT-*` PNG with 8-bit red, green and blue.
     CameraRow in "sensors/{agent}/{RGB|SEG|IST|DPT}-{camera}" {
         /// Frame number.
         frame: u32,

@@ -47,26 +47,26 @@ impl<'a> LabelImages<'a> {
         }
     }
 
-    /// The tag of each pixel; [`Tag::Sky`] where nothing is seen.
-    pub(super) fn tags(&self) -> Vec<u8> {
-        let width = self.buffer.width as usize;
-        let mut tags = vec![0; self.buffer.instance.len()];
-        tags.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-            self.runs(y, |start, end, tag, _| row[start..end].fill(tag as u8));
-        });
-        tags
+    /// The colour of each pixel's tag; that of [`Tag::Sky`] where nothing is seen.
+    pub(super) fn semantic(&self) -> Vec<u8> {
+        self.paint(|tag, _| tag.camera_rgb())
     }
 
     /// Tag, low byte and high byte of the id of each pixel.
     pub(super) fn instances(&self) -> Vec<u8> {
+        self.paint(|tag, id| {
+            let [low, high] = id.to_le_bytes();
+            [tag as u8, low, high]
+        })
+    }
+
+    /// Three bytes a pixel.
+    fn paint(&self, rgb_of: impl Fn(Tag, ObjectId) -> [u8; 3] + Sync) -> Vec<u8> {
         let width = self.buffer.width as usize;
         let mut rgb = vec![0; 3 * self.buffer.instance.len()];
         rgb.par_chunks_mut(3 * width).enumerate().for_each(|(y, row)| {
             self.runs(y, |start, end, tag, id| {
-                let [low, high] = id.to_le_bytes();
-                for pixel in row[3 * start..3 * end].as_chunks_mut::<3>().0 {
-                    *pixel = [tag as u8, low, high];
-                }
+                row[3 * start..3 * end].as_chunks_mut::<3>().0.fill(rgb_of(tag, id));
             });
         });
         rgb

@@ -20,6 +20,7 @@ use visibility::{PinholeCamera, Scene, VisibilityBuffer, rasterize};
 use crate::error::{MAX_SIDE_PX, SensorError};
 use crate::light::Lighting;
 
+use encode::Content;
 pub use labels::decode_depth_m;
 
 /// A camera at one frame.
@@ -102,7 +103,7 @@ pub struct CameraFrame {
     pub height: u32,
     /// Colour, JPEG.
     pub rgb: Option<Vec<u8>>,
-    /// Tags by colour, PNG.
+    /// Colour of the tag ([`schema::Tag::camera_rgb`]), PNG.
     pub semantic: Option<Vec<u8>>,
     /// Tag (red) and object id (green low byte, blue high byte), PNG.
     pub instance: Option<Vec<u8>>,
@@ -147,12 +148,15 @@ impl CameraFrame {
             let picture = Picture::new(scene, view, buffer, lighting.ok_or(SensorError::NoLight)?);
             encode::jpeg(&picture, wanted.jpeg_quality).map(Some)
         };
+        let png = |wanted: bool, content, rgb: &dyn Fn() -> Vec<u8>| {
+            wanted.then(|| encode::png_rgb(&rgb(), content, buffer)).transpose()
+        };
         let labels = || -> Result<_, SensorError> {
             let images = labels::LabelImages::new(scene, buffer);
             Ok((
-                wanted.semantic.then(|| encode::png_palette(&images.tags(), buffer)).transpose()?,
-                wanted.instance.then(|| encode::png_rgb(&images.instances(), buffer)).transpose()?,
-                wanted.depth.then(|| encode::png_rgb(&labels::depth_rgb(buffer), buffer)).transpose()?,
+                png(wanted.semantic, Content::Flat, &|| images.semantic())?,
+                png(wanted.instance, Content::Smooth, &|| images.instances())?,
+                png(wanted.depth, Content::Smooth, &|| labels::depth_rgb(buffer))?,
                 wanted.flow.then(|| flow::flow(scene, view, buffer)),
                 images.pixel_counts(),
             ))
