@@ -3,6 +3,7 @@
 mod reader;
 mod rigs;
 mod scenario;
+mod table_names;
 
 use std::path::Path;
 
@@ -140,6 +141,57 @@ mod tests {
     #[test]
     fn a_dataset_without_scenes_is_a_fault() {
         assert!(faults("name = \"x\"\n").contains("no scenes"));
+    }
+
+    #[test]
+    fn a_sensor_must_not_take_anothers_table() {
+        let radar = |name: &str| format!("[[vehicle.radars]]\nname = \"{name}\"\n");
+        let camera = |name: &str| format!("[[vehicle.cameras]]\nname = \"{name}\"\n");
+        let with = |sensors: &[String]| {
+            let text = format!("[scenes.train]\n\"convoy/demo\" = 1\n{}", sensors.concat());
+            parse(&text, "bad.toml").map_err(|f| f.iter().map(Fault::to_string).collect::<Vec<_>>())
+        };
+        for (name, other) in [
+            ("LIDAR", "LIDAR"),
+            ("lidar", "LIDAR"),
+            ("SEG-LIDAR", "SEG-LIDAR"),
+            ("GNSS", "GNSS"),
+            ("IMU", "IMU"),
+            ("visible", "visible"),
+            ("RGB-CAM_FRONT", "RGB-CAM_FRONT"),
+            ("flw-cam_back", "FLW-CAM_BACK"),
+        ] {
+            let faults = with(&[radar(name)]).expect_err("is taken");
+            let want = format!(
+                "bad.toml:4: `vehicle.radars[0].name` is \"{name}\": its table `{name}` would take the place of \
+                 another sensor's `{other}`"
+            );
+            assert_eq!(faults, [want]);
+        }
+        // A camera called LIDAR would own the semantic lidar's table; one fault a sensor.
+        for (sensors, line, path) in [
+            (vec![camera("LIDAR")], 4, "vehicle.cameras[0].name"),
+            (vec![camera("A"), camera("B"), camera("a")], 8, "vehicle.cameras[2].name"),
+            (vec![camera("A"), radar("DPT-A")], 6, "vehicle.radars[0].name"),
+            (vec![radar("A"), radar("A")], 6, "vehicle.radars[1].name"),
+            // The second has no name of its own: the fault is at its table.
+            (vec![radar("RAD_FRONT"), "[[vehicle.radars]]\n".to_owned()], 5, "vehicle.radars[1].name"),
+        ] {
+            let faults = with(&sensors).expect_err("is taken");
+            assert_eq!(faults.len(), 1, "{faults:?}");
+            assert!(faults[0].starts_with(&format!("bad.toml:{line}: `{path}` is ")), "{faults:?}");
+        }
+        assert!(with(&[camera("RAD_FRONT"), radar("CAM_FRONT"), radar("RGB"), radar("SEG-")]).is_ok());
+    }
+
+    #[test]
+    fn sensor_names_are_file_names() {
+        for name in ["", "a/b", "..", "a b", "\u{e4}", "a\\\\b", "x.y", &"x".repeat(65)] {
+            let text = format!("[scenes.train]\n\"convoy/demo\" = 1\n[[rsu.cameras]]\nname = \"{name}\"\n");
+            let faults = faults(&text);
+            assert!(faults.starts_with("bad.toml:4: `rsu.cameras[0].name` is "), "{faults}");
+            assert!(faults.contains("letters, digits, _ and -"), "{faults}");
+        }
     }
 
     #[test]

@@ -61,6 +61,8 @@ pub(crate) struct Section<'a> {
     context: &'a Context<'a>,
     path: String,
     table: Option<&'a DeTable<'a>>,
+    /// Where the table stands; the document itself stands nowhere.
+    span: Option<Range<usize>>,
     seen: RefCell<BTreeSet<String>>,
 }
 
@@ -80,6 +82,7 @@ pub(crate) fn with_document<T>(
             context: &context,
             path: String::new(),
             table: Some(document.get_ref()),
+            span: None,
             seen: RefCell::default(),
         };
         read(&root)
@@ -95,7 +98,8 @@ pub(crate) fn with_document<T>(
 /// The keys that a reading function asks for.
 pub(crate) fn describe<T>(read: impl FnOnce(&Section<'_>) -> T) -> Vec<ConfigKey> {
     let context = Context { text: "", file: "", faults: RefCell::default(), keys: RefCell::default() };
-    read(&Section { context: &context, path: String::new(), table: None, seen: RefCell::default() });
+    let (path, seen) = (String::new(), RefCell::default());
+    read(&Section { context: &context, path, table: None, span: None, seen });
     context.keys.into_inner()
 }
 
@@ -123,8 +127,13 @@ impl<'a> Section<'a> {
 
     /// Reports a fault at a key (or at its section when the key is absent).
     pub(crate) fn fault_at(&self, key: &str, message: String) {
-        let span = self.table.and_then(|t| t.get(key)).map(Spanned::span);
-        self.context.fault(span, message);
+        self.fault_at_any(&[key], message);
+    }
+
+    /// Reports a fault that several keys make together: at the first of them that is there, else at the section.
+    pub(crate) fn fault_at_any(&self, keys: &[&str], message: String) {
+        let key = keys.iter().find_map(|key| self.table?.get(*key));
+        self.context.fault(key.map(Spanned::span).or_else(|| self.span.clone()), message);
     }
 
     /// The full path of a key, for messages.
@@ -285,14 +294,16 @@ impl<'a> Section<'a> {
     /// A table within this one.
     pub(crate) fn section(&self, key: &str, doc: &str) -> Section<'a> {
         self.note(key, "table".into(), String::new(), doc);
-        let table = self.get(key).and_then(|value| {
+        let value = self.get(key);
+        let table = value.and_then(|value| {
             let table = value.get_ref().as_table();
             if table.is_none() {
                 self.wrong_type(key, value, "a table");
             }
             table
         });
-        Section { context: self.context, path: self.full(key), table, seen: RefCell::default() }
+        let span = value.map(Spanned::span);
+        Section { context: self.context, path: self.full(key), table, span, seen: RefCell::default() }
     }
 
     /// A list of tables, or `None` when it is absent.
@@ -310,8 +321,8 @@ impl<'a> Section<'a> {
                 continue;
             };
             let path = format!("{}[{i}]", self.full(key));
-            let seen = RefCell::default();
-            sections.push(Section { context: self.context, path, table: Some(table), seen });
+            let (span, seen) = (Some(item.span()), RefCell::default());
+            sections.push(Section { context: self.context, path, table: Some(table), span, seen });
         }
         Some(sections)
     }
@@ -319,7 +330,7 @@ impl<'a> Section<'a> {
     /// A table within a list of tables, for the description of its keys alone.
     pub(crate) fn describe_item(&self, key: &str) -> Section<'a> {
         let path = format!("{}[]", self.full(key));
-        Section { context: self.context, path, table: None, seen: RefCell::default() }
+        Section { context: self.context, path, table: None, span: None, seen: RefCell::default() }
     }
 
     /// All keys of a table whose keys are free (map names, weather parameters), in file order.

@@ -6,7 +6,10 @@ use schema::settings::{
     ScanPattern,
 };
 
+use schema::tables::{CAMERA_TABLES, GNSS_TABLE, IMU_TABLE, VISIBLE_TABLE, camera_table};
+
 use super::reader::Section;
+use super::table_names::TableNames;
 
 pub(crate) fn vehicle(s: &Section<'_>) -> (Rig, OccupancySettings) {
     let mut rig = common(s, &Rig::vehicle());
@@ -20,11 +23,15 @@ pub(crate) fn rsu(s: &Section<'_>) -> (Rig, OccupancySettings) {
 }
 
 fn common(s: &Section<'_>, d: &Rig) -> Rig {
+    // Taken on every rig, whatever is switched on: a flag must not turn a good name into a bad one.
+    let fixed = [GNSS_TABLE, IMU_TABLE, VISIBLE_TABLE].map(str::to_owned);
+    let lidars_tables = d.lidars.iter().flat_map(|l| [l.name.clone(), l.semantic().name]);
+    let mut tables = TableNames::new(lidars_tables.chain(fixed));
     Rig {
         camera: camera(&s.section("camera", "what all cameras share"), &d.camera),
-        cameras: cameras(s, &d.cameras),
+        cameras: cameras(s, &d.cameras, &mut tables),
         lidars: lidars(&s.section("lidar", "lidar"), &d.lidars[0]),
-        radars: radars(s, &d.radars),
+        radars: radars(s, &d.radars, &mut tables),
         gnss: None,
         imu: None,
     }
@@ -67,7 +74,7 @@ fn camera(s: &Section<'_>, d: &CameraSettings) -> CameraSettings {
     }
 }
 
-fn cameras(s: &Section<'_>, d: &[CameraSpec]) -> Vec<CameraSpec> {
+fn cameras(s: &Section<'_>, d: &[CameraSpec], tables: &mut TableNames) -> Vec<CameraSpec> {
     let read = |item: &Section<'_>| CameraSpec {
         name: item.text("name", "CAM_FRONT", "camera name, part of the file names"),
         mount: mount(item, &d[0].mount),
@@ -78,29 +85,25 @@ fn cameras(s: &Section<'_>, d: &[CameraSpec]) -> Vec<CameraSpec> {
         "camera positions; replaces the default list",
     );
     read(&s.describe_item("cameras"));
-    let cameras = sections.map_or_else(|| d.to_vec(), |list| list.iter().map(read).collect());
-    unique(s, "cameras", cameras.iter().map(|c| &c.name));
-    cameras
+    let tables_of = |name: &str| CAMERA_TABLES.map(|kind| camera_table(kind, name)).to_vec();
+    match sections {
+        None => {
+            d.iter().for_each(|camera| tables.take(s, &camera.name, tables_of(&camera.name)));
+            d.to_vec()
+        }
+        Some(list) => list
+            .iter()
+            .map(|item| {
+                let camera = read(item);
+                tables.take(item, &camera.name, tables_of(&camera.name));
+                camera
+            })
+            .collect(),
+    }
 }
 
 fn names<'a>(names: impl Iterator<Item = &'a String>) -> String {
     names.map(String::as_str).collect::<Vec<_>>().join(", ")
-}
-
-fn unique<'a>(s: &Section<'_>, key: &str, names: impl Iterator<Item = &'a String>) {
-    let mut seen = std::collections::BTreeSet::new();
-    for name in names {
-        let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
-        if name.is_empty() || !plain {
-            s.fault_at(
-                key,
-                format!("`{}`: `{name}` is no file name (letters, digits, _ and -)", s.path_of(key)),
-            );
-        }
-        if !seen.insert(name) {
-            s.fault_at(key, format!("`{}`: the name `{name}` occurs twice", s.path_of(key)));
-        }
-    }
 }
 
 fn lidars(s: &Section<'_>, d: &LidarSpec) -> Vec<LidarSpec> {
@@ -164,7 +167,7 @@ fn lidars(s: &Section<'_>, d: &LidarSpec) -> Vec<LidarSpec> {
     lidars
 }
 
-fn radars(s: &Section<'_>, d: &[RadarSpec]) -> Vec<RadarSpec> {
+fn radars(s: &Section<'_>, d: &[RadarSpec], tables: &mut TableNames) -> Vec<RadarSpec> {
     let shared = s.section("radar", "what all radars share");
     let first = &d[0];
     let enabled = shared.flag("enabled", true, "write the radars");
@@ -180,11 +183,14 @@ fn radars(s: &Section<'_>, d: &[RadarSpec]) -> Vec<RadarSpec> {
     let sections =
         s.sections("radars", &names(d.iter().map(|r| &r.name)), "radar positions; replaces the default list");
     read(&s.describe_item("radars"));
-    let places: Vec<(String, Mount)> = sections.map_or_else(
-        || d.iter().map(|r| (r.name.clone(), r.mount)).collect(),
-        |l| l.iter().map(read).collect(),
-    );
-    unique(s, "radars", places.iter().map(|(name, _)| name));
+    let mut take = |item: &Section<'_>, place: (String, Mount)| {
+        tables.take(item, &place.0, vec![place.0.clone()]);
+        place
+    };
+    let places: Vec<(String, Mount)> = match sections {
+        None => d.iter().map(|r| take(s, (r.name.clone(), r.mount))).collect(),
+        Some(list) => list.iter().map(|item| take(item, read(item))).collect(),
+    };
     if !enabled {
         return Vec::new();
     }

@@ -12,7 +12,10 @@ pub use labels::{AgentRow, BoxRow, HdMapRow, TrackFrameRow, TrackRow, ValidBoxRo
 pub use log::{ActorRow, FrameRow, SignalRow, StateRow};
 pub use map::{VectorKind, VectorMapRow};
 pub use plan::{PlanAgentRow, PlanSceneRow};
-pub use sensor::{CameraRow, FlowRow, GnssRow, ImuRow, LidarRow, RadarRow, SemanticLidarRow, VisibleRow};
+pub use sensor::{
+    CAMERA_TABLES, CameraRow, FlowRow, GNSS_TABLE, GnssRow, IMU_TABLE, ImuRow, LidarRow, RadarRow,
+    SemanticLidarRow, VISIBLE_TABLE, VisibleRow, camera_table,
+};
 pub use stats::PartialRow;
 pub use weather::Weather;
 
