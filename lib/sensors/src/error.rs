@@ -21,12 +21,10 @@ pub enum SensorError {
     #[error("colour pictures need a light")]
     NoLight,
     /// A scan pattern with more rays than a sweep can number.
-    #[error("a lidar of {channels} channels x {columns} columns has too many rays (at most {})", MAX_RAYS)]
+    #[error("lidar: {problem}")]
     ScanPattern {
-        /// Beams.
-        channels: u32,
-        /// Azimuth steps a beam.
-        columns: u32,
+        /// What is wrong.
+        problem: String,
     },
     /// The PNG encoder refused.
     #[error("PNG: {0}")]
@@ -38,5 +36,3 @@ pub enum SensorError {
 
 /// Longest side of a picture, pixels.
 pub(crate) const MAX_SIDE_PX: u32 = 16_384;
-/// Most rays of a sweep: a fixed bound on memory, 16 times the densest published lidar.
-pub(crate) const MAX_RAYS: u64 = 1 << 22;

@@ -8,7 +8,7 @@ use schema::settings::LidarSpec;
 use schema::tables::{LidarRow, SemanticLidarRow};
 use visibility::{Hit, Scene};
 
-use crate::error::{MAX_RAYS, SensorError};
+use crate::error::SensorError;
 
 /// Returns within this distance ahead or behind and [`CROP_LEFT_M`] to the sides are of the agent's own body.
 const CROP_AHEAD_M: f32 = 2.44;
@@ -74,10 +74,8 @@ impl Lidar {
     /// The pattern has too many rays.
     pub fn new(spec: &LidarSpec) -> Result<Self, SensorError> {
         let scan = &spec.scan;
-        if u64::from(scan.channels) * u64::from(scan.columns) > MAX_RAYS
-            || scan.channels > u32::from(u16::MAX)
-        {
-            return Err(SensorError::ScanPattern { channels: scan.channels, columns: scan.columns });
+        if let Some(problem) = scan.problem() {
+            return Err(SensorError::ScanPattern { problem });
         }
         let step_down = (scan.upper_rad - scan.lower_rad) / f64::from(scan.channels.max(2) - 1);
         let step_right = scan.horizontal_fov_rad / f64::from(scan.columns.max(1));

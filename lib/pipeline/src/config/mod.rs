@@ -195,6 +195,23 @@ mod tests {
     }
 
     #[test]
+    fn what_the_sensors_refuse_is_refused_here() {
+        let text = "[scenes.train]\n\"convoy/demo\" = 1\n\
+                    [vehicle.lidar]\nchannels = 1024\ncolumns = 65_536\n\
+                    [vehicle.occupancy]\nrange_m = 1\nvoxel_m = 5\n\
+                    [rsu.lidar]\ncolumns = 40_000\n\
+                    [rsu.occupancy]\nupper_m = 60\n";
+        insta::assert_snapshot!(faults(text), @r"
+        bad.toml:5: `vehicle.lidar`: 1024 channels x 65536 columns are 67108864 rays a frame, at most 4194304 are possible
+        bad.toml:8: `vehicle.occupancy`: 0 x 0 x 2 cells of 5 m: there must be one along every axis
+        bad.toml:10: `rsu.lidar`: 128 channels x 40000 columns are 5120000 rays a frame, at most 4194304 are possible
+        bad.toml:12: `rsu.occupancy`: 1280 x 1280 x 610 cells of 0.1 m: at most 512 layers are possible
+        ");
+        let text = "[scenes.train]\n\"convoy/demo\" = 1\n[rsu.occupancy]\nupper_m = -5\n";
+        assert_eq!(faults(text), "bad.toml:4: `rsu.occupancy.lower_m` is not below upper_m\n");
+    }
+
+    #[test]
     fn sensors_can_be_moved_added_and_switched_off() {
         let text = "[scenes.train]\n\"convoy/demo\" = 1\n[vehicle.lidar]\nsemantic = true\nchannels = 32\n\
                     [rsu.radar]\nenabled = false\n[vehicle.gnss]\nenabled = false\n\

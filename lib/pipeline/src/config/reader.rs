@@ -136,6 +136,11 @@ impl<'a> Section<'a> {
         self.context.fault(key.map(Spanned::span).or_else(|| self.span.clone()), message);
     }
 
+    /// The path of the section, for messages.
+    pub(crate) fn path(&self) -> &str {
+        &self.path
+    }
+
     /// The full path of a key, for messages.
     pub(crate) fn path_of(&self, key: &str) -> String {
         self.full(key)

@@ -125,12 +125,17 @@ fn lidars(s: &Section<'_>, d: &LidarSpec) -> Vec<LidarSpec> {
         "horizontal field of view, degrees",
     );
     if lower_rad > upper_rad {
-        s.fault_at("lower_fov_deg", format!("`{}` is above upper_fov_deg", s.path_of("lower_fov_deg")));
+        let keys = ["lower_fov_deg", "upper_fov_deg"];
+        s.fault_at_any(&keys, format!("`{}` is above upper_fov_deg", s.path_of("lower_fov_deg")));
+    }
+    let scan = ScanPattern { channels, columns, upper_rad, lower_rad, horizontal_fov_rad };
+    if let Some(problem) = scan.problem() {
+        s.fault_at_any(&["columns", "channels"], format!("`{}`: {problem}", s.path()));
     }
     let lidar = LidarSpec {
         name: d.name.clone(),
         mount: mount(s, &d.mount),
-        scan: ScanPattern { channels, columns, upper_rad, lower_rad, horizontal_fov_rad },
+        scan,
         range_m: s.number("range_m", d.range_m, 1.0, 1000.0, "reach, m"),
         dropoff_rate: s.number("dropoff_rate", d.dropoff_rate, 0.0, 1.0, "share of rays that return nothing"),
         dropoff_intensity_limit: s.number(
@@ -281,15 +286,10 @@ fn occupancy(parent: &Section<'_>) -> OccupancySettings {
         ignore_self: s.flag("ignore_self", d.ignore_self, "leave out the carrying agent's own body"),
     };
     if settings.lower_m >= settings.upper_m {
-        s.fault_at("lower_m", format!("`{}` is not below upper_m", s.path_of("lower_m")));
-    }
-    let [x, y, z] = settings.shape();
-    // A grid must fit in memory next to a stage's other data.
-    if x.saturating_mul(y).saturating_mul(z) > 1 << 30 {
-        s.fault_at(
-            "voxel_m",
-            format!("`{}`: a grid of {x} x {y} x {z} cells is too large", s.path_of("voxel_m")),
-        );
+        s.fault_at_any(&["lower_m", "upper_m"], format!("`{}` is not below upper_m", s.path_of("lower_m")));
+    } else if let Some(problem) = settings.problem() {
+        let keys = ["voxel_m", "range_m", "upper_m", "lower_m"];
+        s.fault_at_any(&keys, format!("`{}`: {problem}", s.path()));
     }
     settings
 }

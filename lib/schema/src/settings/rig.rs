@@ -106,6 +106,32 @@ pub struct ScanPattern {
     pub horizontal_fov_rad: f64,
 }
 
+impl ScanPattern {
+    /// Most rays of a sweep: a fixed bound on memory, 16 times the densest published lidar.
+    pub const MAX_RAYS: u64 = 1 << 22;
+    /// Most beams: rings are numbered in 16 bits.
+    pub const MAX_CHANNELS: u32 = 65_535;
+
+    /// Rays of a sweep.
+    #[must_use]
+    pub fn rays(&self) -> u64 {
+        u64::from(self.channels) * u64::from(self.columns)
+    }
+
+    /// Why no lidar can have this pattern, if none can.
+    #[must_use]
+    pub fn problem(&self) -> Option<String> {
+        let Self { channels, columns, .. } = self;
+        (self.rays() > Self::MAX_RAYS || *channels > Self::MAX_CHANNELS).then(|| {
+            format!(
+                "{channels} channels x {columns} columns are {} rays a frame, at most {} are possible",
+                self.rays(),
+                Self::MAX_RAYS
+            )
+        })
+    }
+}
+
 /// A lidar.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LidarSpec {

@@ -12,8 +12,9 @@ mod bits;
 mod sweep;
 
 use schema::Tag;
+use schema::settings::OccupancySettings;
 
-use crate::voxels::{MAX_LAYERS, VoxelGrid};
+use crate::voxels::VoxelGrid;
 use bits::Bits;
 
 /// Classes in the order in which they are filled, with the cells of a chunk along x, y, z at 0.1 m.
@@ -51,7 +52,7 @@ pub const ORDER: [(Tag, [usize; 3]); 20] = {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FillError {
     /// More layers than column masks have bits.
-    #[error("a grid of {layers} layers can't be filled, 512 is the limit")]
+    #[error("a grid of {layers} layers can't be filled, {} is the limit", OccupancySettings::MAX_LAYERS)]
     Layers {
         /// Cells along z.
         layers: usize,
@@ -102,7 +103,7 @@ impl Filler {
             0..=64 => run(&mut self.narrow, grid, voxel_m),
             65..=128 => run(&mut self.usual, grid, voxel_m),
             129..=256 => run(&mut self.wide, grid, voxel_m),
-            257..=MAX_LAYERS => run(&mut self.widest, grid, voxel_m),
+            257..=OccupancySettings::MAX_LAYERS => run(&mut self.widest, grid, voxel_m),
             _ => return Err(FillError::Layers { layers }),
         }
         Ok(())

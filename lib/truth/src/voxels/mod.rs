@@ -25,25 +25,15 @@ use column::{GridTriangle, Span};
 
 /// Slices along x that one task works on: their cells stay in a core's own cache.
 const SLAB_SLICES: usize = 8;
-/// Most cells a grid may have: 4 GiB.
-const MAX_CELLS: u64 = 1 << 32;
-/// Most cells along one axis, so that positions in cells are exact to a thousandth in `f32`.
-const MAX_AXIS: usize = 8192;
-/// Most layers: [`crate::fill`] holds a column of cells in registers.
-pub(crate) const MAX_LAYERS: usize = 512;
 
 /// A grid that cannot be made.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum VoxelError {
-    /// The settings give no sensible grid.
-    #[error("occupancy grid of {shape:?} cells of {voxel_m} m: {problem}")]
+    /// The settings give no sensible grid ([`OccupancySettings::problem`]).
+    #[error("occupancy grid: {problem}")]
     Shape {
-        /// Cells along x, y, z.
-        shape: [usize; 3],
-        /// Cell size, metres.
-        voxel_m: f64,
         /// What is wrong.
-        problem: &'static str,
+        problem: String,
     },
 }
 
@@ -120,23 +110,12 @@ impl Voxelizer {
     /// # Errors
     /// The settings give an empty or immense grid.
     pub fn new(settings: &OccupancySettings) -> Result<Self, VoxelError> {
-        let shape = settings.shape();
-        let fail = |problem| Err(VoxelError::Shape { shape, voxel_m: settings.voxel_m, problem });
-        if !(settings.voxel_m.is_finite() && settings.voxel_m > 0.0 && settings.lower_m.is_finite()) {
-            return fail("cell size and lower face must be finite, the size above 0");
-        }
-        if shape.contains(&0) {
-            return fail("there must be a cell along every axis");
-        }
-        if shape[2] > MAX_LAYERS {
-            return fail("at most 512 layers are possible");
-        }
-        if shape[0] > MAX_AXIS || shape.iter().map(|&n| n as u64).product::<u64>() > MAX_CELLS {
-            return fail("at most 8192 cells along an axis and 2^32 cells are possible");
+        if let Some(problem) = settings.problem() {
+            return Err(VoxelError::Shape { problem });
         }
         Ok(Self {
             settings: settings.clone(),
-            shape,
+            shape: settings.shape(),
             meshes: MeshCache::default(),
             triangles: Vec::new(),
             bins: Bins::default(),
