@@ -1,11 +1,11 @@
 //! Filled voxel grids.
 
-use formats::{Array, DEFAULT_LEVEL, NpzReader, NpzWriter, Scalar, encode_member, frame_member};
+use formats::{Array, DEFAULT_LEVEL, NpzError, NpzReader, NpzWriter, Scalar, encode_member, frame_member};
 use pipeline::{Job, StageError};
 use replay::{Spare, in_frame_order};
 use schema::AgentId;
 use schema::settings::OccupancySettings;
-use store::keys;
+use store::{ReadSeek, StoreError, keys};
 use truth::counts::{Counts, Filling};
 use truth::fill::Filler;
 use truth::voxels::VoxelGrid;
@@ -24,27 +24,20 @@ pub(crate) fn fill_agent(
     let (scene, name) = (job.scene(), agent.to_string());
     let key = keys::occupancy(scene, agent);
     let (store, manifest) = (job.store().clone(), job.input(OCCUPANCY)?.clone());
-    let path = store.location(&key);
-    let broken = |e: &dyn std::error::Error| StageError::Failed(format!("{path}: {e}"));
-    let open = || {
-        let stream = store.open_output(&manifest, &key)?.into_stream();
-        NpzReader::new(stream).map_err(|e| broken(&e))
-    };
+    let grids = Grids { path: store.location(&key), scene, agent };
+    let open = || grids.open(store.open_output(&manifest, &key)?.into_stream());
     let frames = open()?.members().len() as u32;
 
     let Some((mut unit, pulse)) = job.unit_and_pulse(&format!("occupancy.{name}"))? else { return Ok(()) };
     let spare = Spare::default();
     let one = |frame: u32| {
         let (mut reader, mut filler) = spare.take(|| Ok::<_, StageError>((open()?, Filler::default())))?;
-        let member = frame_member(frame);
-        let array = reader.read(&member).map_err(|e| broken(&e))?;
-        let mut grid = grid_of(array).ok_or_else(|| {
-            StageError::Failed(format!("{path}: member {member} is no three-dimensional array of bytes"))
-        })?;
-        filler.fill(&mut grid, settings.voxel_m).map_err(|e| broken(&e))?;
+        let mut grid = grids.read(&mut reader, frame)?;
+        filler.fill(&mut grid, settings.voxel_m).map_err(|e| grids.broken(Some(frame), &e.to_string()))?;
         spare.give((reader, filler));
         let mut counts = Counts::new();
         counts.add_voxels(&name, &grid, Filling::Filled);
+        let member = frame_member(frame);
         let encoded = encode_member(&member, Scalar::U8, &grid.shape, &grid.data, DEFAULT_LEVEL)
             .map_err(|e| StageError::failed(&e))?;
         Ok((encoded, counts))
@@ -60,6 +53,48 @@ pub(crate) fn fill_agent(
     unit.rows(&keys::partial_stats(scene, &format!("{}.{name}", STAGE.name)), &counts.rows())?;
     unit.finish()?;
     Ok(())
+}
+
+/// Room for the largest grid and its header.
+const MAX_MEMBER_BYTES: u64 = 2 * OccupancySettings::MAX_CELLS;
+
+/// An agent's archive of grids.
+struct Grids {
+    path: String,
+    scene: u32,
+    agent: AgentId,
+}
+
+impl Grids {
+    fn open(&self, stream: Box<dyn ReadSeek>) -> Result<NpzReader<Box<dyn ReadSeek>>, StageError> {
+        let reader = NpzReader::new(stream).map_err(|e| self.unreadable(None, e))?;
+        Ok(reader.with_max_bytes(MAX_MEMBER_BYTES))
+    }
+
+    fn read(&self, reader: &mut NpzReader<Box<dyn ReadSeek>>, frame: u32) -> Result<VoxelGrid, StageError> {
+        let member = frame_member(frame);
+        let array = reader.read(&member).map_err(|e| self.unreadable(Some(frame), e))?;
+        grid_of(array).ok_or_else(|| {
+            self.broken(Some(frame), &format!("{member}: is no three-dimensional array of bytes"))
+        })
+    }
+
+    /// A failing disk is not a broken archive.
+    fn unreadable(&self, frame: Option<u32>, error: NpzError) -> StageError {
+        match error {
+            NpzError::Io(source) => StoreError::io(&self.path, "read", source).into(),
+            error => self.broken(frame, &error.to_string()),
+        }
+    }
+
+    /// What is wrong with which frame, and what to do about it.
+    fn broken(&self, frame: Option<u32>, problem: &str) -> StageError {
+        let Self { path, scene, agent } = self;
+        let frame = frame.map_or_else(String::new, |frame| format!(" frame {frame}"));
+        StageError::Failed(format!(
+            "{path}: {problem} (scene {scene} {agent}{frame}; run {OCCUPANCY} for this scene again with --force)"
+        ))
+    }
 }
 
 fn grid_of(array: Array) -> Option<VoxelGrid> {
