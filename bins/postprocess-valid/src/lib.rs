@@ -9,10 +9,10 @@ use pipeline::{Job, Stage, StageError};
 use replay::SIMULATE;
 use schema::scene_info::SceneInfo;
 use schema::settings::{DatasetSettings, OccupancySettings, Rig};
-use schema::tables::{AgentRow, BoxRow, ValidBoxRow, VisibleRow};
-use schema::{AgentId, AgentKind, ObjectId};
+use schema::tables::{AgentRow, BoxRow, VISIBLE_TABLE, ValidBoxRow, VisibleRow};
+use schema::{AgentId, AgentKind};
 use store::{StoreError, keys};
-use truth::validity::Evidence;
+use truth::validity::{Evidence, PixelCounts};
 
 use crate::clouds::Clouds;
 
@@ -117,18 +117,18 @@ fn validate_all(
     })
 }
 
-/// Pixels per object by frame.
+/// Pixels per object and tag, by frame.
 fn visible_of(
     job: &Job<'_>,
     agent: AgentId,
     rig: &Rig,
-) -> Result<BTreeMap<u32, BTreeMap<ObjectId, u32>>, StageError> {
-    let mut visible: BTreeMap<u32, BTreeMap<ObjectId, u32>> = BTreeMap::new();
+) -> Result<BTreeMap<u32, PixelCounts>, StageError> {
+    let mut visible: BTreeMap<u32, PixelCounts> = BTreeMap::new();
     if rig.camera.instance {
-        let key = keys::sensor(job.scene(), agent, "visible");
+        let key = keys::sensor(job.scene(), agent, VISIBLE_TABLE);
         let rows: Vec<VisibleRow> = job.store().read_rows(job.input(RENDER)?, &key)?;
         for row in rows {
-            visible.entry(row.frame).or_default().insert(row.id, row.pixels);
+            visible.entry(row.frame).or_default().insert((row.id, row.tag), row.pixels);
         }
     }
     Ok(visible)

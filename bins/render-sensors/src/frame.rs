@@ -7,9 +7,9 @@ use glam::Affine3A;
 use pipeline::StageError;
 use random::Stream;
 use replay::Replay;
-use schema::ObjectId;
 use schema::settings::{Mount, Rig};
 use schema::tables::{GnssRow, ImuRow, LidarRow, RadarRow, SemanticLidarRow};
+use schema::{ObjectId, Tag};
 use sensors::{CameraFrame, CameraView, GeoOrigin, Lidar, Lighting, Motion, RadarMotion, Sky};
 use visibility::{Meshes, Scene};
 
@@ -33,8 +33,8 @@ pub(crate) struct Station<'a> {
 pub(crate) struct Readings {
     pub(crate) frame: u32,
     pub(crate) cameras: Vec<CameraFrame>,
-    /// Pixels of every object in all instance images.
-    pub(crate) visible: BTreeMap<ObjectId, u32>,
+    /// Pixels of every object and tag in all instance images.
+    pub(crate) visible: BTreeMap<(ObjectId, Tag), u32>,
     pub(crate) lidars: Vec<LidarReading>,
     pub(crate) radars: Vec<RadarRow>,
     pub(crate) gnss: Option<GnssRow>,
@@ -89,8 +89,8 @@ impl<'a> Station<'a> {
         let cameras = self.cameras(frame, &scene, origin, &now, &before)?;
         let mut visible = BTreeMap::new();
         if self.rig.camera.instance {
-            for (&id, &pixels) in cameras.iter().flat_map(|c| &c.pixel_counts).filter(|(id, _)| **id != 0) {
-                *visible.entry(id).or_insert(0) += pixels;
+            for (&part, &pixels) in cameras.iter().flat_map(|c| &c.pixel_counts) {
+                *visible.entry(part).or_insert(0) += pixels;
             }
         }
         let local_from = |pose: &Pose<World, Agent>, mount: &Mount| -> Affine3A {

@@ -145,8 +145,8 @@ impl Shards {
             push_to(self.imu.as_mut(), row)?;
         }
         if let Some(table) = &mut self.visible {
-            let rows: Vec<VisibleRow> =
-                visible.into_iter().map(|(id, pixels)| VisibleRow { frame, id, pixels }).collect();
+            let row = |((id, tag), pixels)| VisibleRow { frame, id, tag: tag as u8, pixels };
+            let rows: Vec<VisibleRow> = visible.into_iter().map(row).collect();
             table.push(&rows)?;
         }
         Ok(())

@@ -2,6 +2,8 @@
 
 mod common;
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use common::{at, block, instance, plane, snapshot, street};
 use frames::{Agent, LocalOrigin, Pose, Sensor, World, deg};
 use glam::{Affine3A, Vec3};
@@ -71,8 +73,7 @@ fn known_points_project_as_the_pinhole_formula_says() {
         let want_v = k[1][1] * -forward[2] / forward[0] + k[1][2];
         assert!(n > 4.0);
         assert!((u / n - want_u).abs() < 1.0 && (v / n - want_v).abs() < 1.0, "{} {want_u}", u / n);
-        assert_eq!(frame.pixel_counts.get(&id).copied(), Some(n as u32));
-        assert_eq!(frame.pixel_counts.len(), 1);
+        assert_eq!(frame.pixel_counts, BTreeMap::from([((id, Tag::Car), n as u32)]));
     }
 }
 
@@ -104,6 +105,16 @@ fn depth_decodes_to_the_buffer() {
         assert_eq!(Tag::from_u8(i[0]).expect("is a tag").camera_rgb(), *s);
     }
     assert_eq!(&instance[..3], &[Tag::Sky as u8, 0, 0]);
+    // Pixels are counted by what the instance image says, object and tag together.
+    let mut counts = BTreeMap::new();
+    for [tag, low, high] in instance.as_chunks::<3>().0 {
+        let key = (u16::from_le_bytes([*low, *high]), Tag::from_u8(*tag).expect("is a tag"));
+        *counts.entry(key).or_insert(0) += 1;
+    }
+    counts.retain(|(id, _), _| *id != 0);
+    assert_eq!(frame.pixel_counts, counts);
+    let objects: BTreeSet<u16> = counts.keys().map(|(id, _)| *id).collect();
+    assert!(objects.len() < counts.len(), "some object shows several tags");
 }
 
 #[test]

@@ -52,6 +52,9 @@ pub fn radar_to_cartesian(depth_m: &[f32], altitude_rad: &[f32], azimuth_rad: &[
     columns
 }
 
+/// Pixels by object and semantic tag.
+pub type PixelCounts = BTreeMap<(ObjectId, u8), u32>;
+
 /// What an agent's sensors gave at one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Evidence<'a> {
@@ -59,8 +62,8 @@ pub struct Evidence<'a> {
     pub lidars: &'a [PointCloud<'a>],
     /// Its radars.
     pub radars: &'a [PointCloud<'a>],
-    /// Pixels of each object in all its instance images together.
-    pub num_pixels: &'a BTreeMap<ObjectId, u32>,
+    /// Pixels of each object and semantic tag in all its instance images together.
+    pub num_pixels: &'a PixelCounts,
     /// Whether an object without points is valid when a pixel shows it.
     pub valid_by_image: bool,
 }
@@ -76,7 +79,12 @@ pub fn validate(boxes: &[BoxRow], evidence: &Evidence<'_>) -> Vec<ValidBoxRow> {
 }
 
 fn valid_row(row: &BoxRow, num_lidar_pts: u32, num_radar_pts: u32, evidence: &Evidence<'_>) -> ValidBoxRow {
-    let num_pixels = evidence.num_pixels.get(&row.id).copied().unwrap_or(0);
+    // A part with another tag (the pole of a traffic light) is not the object that the box is around.
+    let num_pixels = row
+        .semantic_tags
+        .iter()
+        .filter_map(|&tag| evidence.num_pixels.get(&(row.id, tag)))
+        .fold(0, |sum: u32, &pixels| sum.saturating_add(pixels));
     let points = num_lidar_pts.saturating_add(num_radar_pts);
     let difficulty = difficulty_of(&row.class, Some(row.distance_m), points);
     ValidBoxRow {
@@ -270,6 +278,7 @@ mod tests {
     use super::*;
     use frames::{Object, OrientedBox};
     use proptest::prelude::*;
+    use schema::Tag;
 
     pub(super) fn box_row(world_from_object: Pose<World, Object>, size: [f64; 3], class: &str) -> BoxRow {
         let bounds = OrientedBox::standing(world_from_object, size[0], size[1], size[2]);
@@ -333,8 +342,9 @@ mod tests {
 
     #[test]
     fn images_make_valid_only_when_asked() {
-        let rows = [box_row(Pose::identity(), [4.0, 2.0, 1.0], "car")];
-        let pixels = BTreeMap::from([(1, 3)]);
+        let tags = vec![Tag::Car as u8];
+        let rows = [BoxRow { semantic_tags: tags, ..box_row(Pose::identity(), [4.0, 2.0, 1.0], "car") }];
+        let pixels = BTreeMap::from([((1, Tag::Car as u8), 3)]);
         let judge = |valid_by_image| {
             validate(&rows, &Evidence { lidars: &[], radars: &[], num_pixels: &pixels, valid_by_image })[0]
                 .clone()
@@ -343,6 +353,34 @@ mod tests {
         assert!(!judge(false).valid_flag);
         assert_eq!(judge(true).difficulty, "hard");
         assert_eq!(judge(false).num_pixels, 3);
+    }
+
+    #[test]
+    fn only_parts_with_the_boxs_tags_make_valid() {
+        let row = |id, tags: &[Tag]| BoxRow {
+            id,
+            semantic_tags: tags.iter().map(|&t| t as u8).collect(),
+            ..box_row(Pose::identity(), [0.3, 0.3, 0.9], "traffic_light")
+        };
+        // Of light 1 the pole is seen alone, of light 2 the housing too; rider and motorcycle are one object.
+        let rows = [
+            row(1, &[Tag::TrafficLight]),
+            row(2, &[Tag::TrafficLight]),
+            row(3, &[Tag::Rider, Tag::Motorcycle]),
+        ];
+        let pixels: PixelCounts = [
+            (1, Tag::Pole, 900),
+            (2, Tag::Pole, 700),
+            (2, Tag::TrafficLight, 5),
+            (3, Tag::Rider, 20),
+            (3, Tag::Motorcycle, 30),
+        ]
+        .map(|(id, tag, n)| ((id, tag as u8), n))
+        .into();
+        let evidence = Evidence { lidars: &[], radars: &[], num_pixels: &pixels, valid_by_image: true };
+        let judged: Vec<_> =
+            validate(&rows, &evidence).iter().map(|v| (v.valid_flag, v.num_pixels)).collect();
+        assert_eq!(judged, [(false, 0), (true, 5), (true, 50)]);
     }
 
     #[test]

@@ -151,13 +151,15 @@ table! {
 }
 
 table! {
-    /// Objects in an agent's instance images, all cameras together: one row per frame and object.
+    /// Objects in an agent's instance images, all cameras together: one row per frame, object and tag.
     VisibleRow in "sensors/{agent}/visible" {
         /// Frame number.
         frame: u32,
         /// Object id.
         id: u16,
-        /// Its pixels.
+        /// Semantic tag of a part of it (a traffic light's pole is no traffic light).
+        tag: u8,
+        /// Pixels of the object with this tag.
         pixels: u32,
     }
 }

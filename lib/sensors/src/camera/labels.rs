@@ -72,22 +72,21 @@ impl<'a> LabelImages<'a> {
         rgb
     }
 
-    /// Pixels by object.
-    pub(super) fn pixel_counts(&self) -> BTreeMap<ObjectId, u32> {
-        let instances = &self.scene.snapshot().instances;
-        let mut by_instance = vec![0u32; instances.len()];
-        for run in self.buffer.instance.chunk_by(|a, b| a == b) {
-            if let Some(count) = by_instance.get_mut(run[0] as usize) {
-                *count += run.len() as u32;
-            }
+    /// Pixels by object and tag.
+    pub(super) fn pixel_counts(&self) -> BTreeMap<(ObjectId, Tag), u32> {
+        let objects = self.scene.snapshot().instances.iter().map(|i| usize::from(i.object) + 1).max();
+        let mut by_object = vec![[0u32; Tag::COUNT]; objects.unwrap_or(1)];
+        for y in 0..self.buffer.height as usize {
+            self.runs(y, |start, end, tag, id| {
+                by_object[usize::from(id)][tag as usize] += (end - start) as u32;
+            });
         }
-        let mut counts = BTreeMap::new();
-        for (instance, count) in instances.iter().zip(by_instance) {
-            if count > 0 && instance.object != 0 {
-                *counts.entry(instance.object).or_insert(0) += count;
-            }
-        }
-        counts
+        // Object 0 is no object: the sky.
+        let objects = (0..=ObjectId::MAX).zip(by_object).skip(1);
+        objects
+            .flat_map(|(id, by_tag)| Tag::ALL.into_iter().zip(by_tag).map(move |(tag, n)| ((id, tag), n)))
+            .filter(|(_, pixels)| *pixels > 0)
+            .collect()
     }
 }
 

@@ -11,10 +11,10 @@ use std::collections::BTreeMap;
 
 use frames::{Agent, LocalOrigin, Pose, World};
 use glam::Affine3A;
-use schema::ObjectId;
 use schema::settings::{CameraSettings, Mount};
 use schema::table::Blob;
 use schema::tables::{CameraRow, FlowRow};
+use schema::{ObjectId, Tag};
 use visibility::{PinholeCamera, Scene, VisibilityBuffer, rasterize};
 
 use crate::error::{MAX_SIDE_PX, SensorError};
@@ -103,7 +103,7 @@ pub struct CameraFrame {
     pub height: u32,
     /// Colour, JPEG.
     pub rgb: Option<Vec<u8>>,
-    /// Colour of the tag ([`schema::Tag::camera_rgb`]), PNG.
+    /// Colour of the tag ([`Tag::camera_rgb`]), PNG.
     pub semantic: Option<Vec<u8>>,
     /// Tag (red) and object id (green low byte, blue high byte), PNG.
     pub instance: Option<Vec<u8>>,
@@ -111,8 +111,8 @@ pub struct CameraFrame {
     pub depth: Option<Vec<u8>>,
     /// Motion since the last frame.
     pub flow: Option<Flow>,
-    /// How many pixels show each object; objects without a pixel are not listed.
-    pub pixel_counts: BTreeMap<ObjectId, u32>,
+    /// How many pixels show each object's parts of each tag; what has no pixel is not listed.
+    pub pixel_counts: BTreeMap<(ObjectId, Tag), u32>,
 }
 
 /// Sees the scene and makes all wanted images.
