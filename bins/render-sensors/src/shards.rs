@@ -6,7 +6,8 @@ use pipeline::StageError;
 use schema::settings::{Mount, Rig};
 use schema::table::Row;
 use schema::tables::{
-    CameraRow, FlowRow, GnssRow, ImuRow, LidarRow, PartialRow, RadarRow, SemanticLidarRow, VisibleRow,
+    CameraRow, FlowRow, GNSS_TABLE, GnssRow, IMU_TABLE, ImuRow, LidarRow, PartialRow, RadarRow,
+    SemanticLidarRow, VISIBLE_TABLE, VisibleRow, camera_table,
 };
 use schema::{AgentId, measures};
 use sensors::SENSOR_METADATA_KEY;
@@ -15,18 +16,25 @@ use truth::counts::Counts;
 
 use crate::frame::{LidarReading, Readings};
 
+/// Kind of the tables of optical flow.
+const FLOW: &str = "FLW";
+
 /// Open tables.
 pub(crate) struct Shards {
     agent: String,
-    images: BTreeMap<String, TableWriter<CameraRow>>,
-    flows: BTreeMap<String, TableWriter<FlowRow>>,
-    camera_names: Vec<String>,
+    cameras: Vec<CameraTables>,
     lidars: Vec<(String, LidarTable)>,
     radars: Vec<(String, TableWriter<RadarRow>)>,
     gnss: Option<TableWriter<GnssRow>>,
     imu: Option<TableWriter<ImuRow>>,
     visible: Option<TableWriter<VisibleRow>>,
     counts: Counts,
+}
+
+/// Open tables of one camera, images by their kind.
+struct CameraTables {
+    images: BTreeMap<&'static str, TableWriter<CameraRow>>,
+    flow: Option<TableWriter<FlowRow>>,
 }
 
 enum LidarTable {
@@ -46,7 +54,7 @@ impl Shards {
     pub(crate) fn create(unit: &Unit<'_>, scene: u32, agent: AgentId, rig: &Rig) -> Result<Self, StageError> {
         let key = |name: &str| keys::sensor(scene, agent, name);
         let of_mount = |name: &str, mount: &Mount| metadata(sensors::sensor_metadata(name, mount));
-        let (mut images, mut flows) = (BTreeMap::new(), BTreeMap::new());
+        let mut cameras = Vec::new();
         let settings = &rig.camera;
         let kinds = [
             ("RGB", settings.rgb),
@@ -56,16 +64,15 @@ impl Shards {
         ];
         for camera in &rig.cameras {
             let about = metadata(sensors::camera_metadata(camera, settings));
+            let key_of = |kind| key(&camera_table(kind, &camera.name));
+            let mut images = BTreeMap::new();
             for (kind, _) in kinds.iter().filter(|(_, wanted)| *wanted) {
-                let name = format!("{kind}-{}", camera.name);
-                let table = unit.table(&key(&name), TableOptions::compressed_frames(about.clone()))?;
-                images.insert(name, table);
+                let options = TableOptions::compressed_frames(about.clone());
+                images.insert(*kind, unit.table(&key_of(kind), options)?);
             }
-            if settings.flow {
-                let name = format!("FLW-{}", camera.name);
-                let table = unit.table(&key(&name), TableOptions::frames(about))?;
-                flows.insert(name, table);
-            }
+            let flow =
+                settings.flow.then(|| unit.table(&key_of(FLOW), TableOptions::frames(about))).transpose()?;
+            cameras.push(CameraTables { images, flow });
         }
         let mut lidars = Vec::new();
         for spec in &rig.lidars {
@@ -86,14 +93,19 @@ impl Shards {
             metadata: of_mount(name, mount),
             ..TableOptions::default()
         };
-        let gnss =
-            rig.gnss.as_ref().map(|s| unit.table(&key("GNSS"), whole("GNSS", &s.mount))).transpose()?;
-        let imu = rig.imu.as_ref().map(|s| unit.table(&key("IMU"), whole("IMU", &s.mount))).transpose()?;
-        let visible =
-            settings.instance.then(|| unit.table(&key("visible"), TableOptions::default())).transpose()?;
-        let camera_names = rig.cameras.iter().map(|c| c.name.clone()).collect();
+        let gnss = rig
+            .gnss
+            .as_ref()
+            .map(|s| unit.table(&key(GNSS_TABLE), whole(GNSS_TABLE, &s.mount)))
+            .transpose()?;
+        let imu =
+            rig.imu.as_ref().map(|s| unit.table(&key(IMU_TABLE), whole(IMU_TABLE, &s.mount))).transpose()?;
+        let visible = settings
+            .instance
+            .then(|| unit.table(&key(VISIBLE_TABLE), TableOptions::default()))
+            .transpose()?;
         let (agent, counts) = (agent.to_string(), Counts::new());
-        Ok(Self { agent, images, flows, camera_names, lidars, radars, gnss, imu, visible, counts })
+        Ok(Self { agent, cameras, lidars, radars, gnss, imu, visible, counts })
     }
 
     /// Appends a frame's readings.
@@ -102,16 +114,14 @@ impl Shards {
     /// The store cannot be written.
     pub(crate) fn push(&mut self, readings: Readings) -> Result<(), StageError> {
         let Readings { frame, cameras, visible, lidars, radars, gnss, imu } = readings;
-        for (mut camera, name) in cameras.into_iter().zip(&self.camera_names) {
+        for (mut camera, tables) in cameras.into_iter().zip(&mut self.cameras) {
             for (kind, row) in camera.image_rows(frame) {
-                let bytes = row.image.0.len() as u64;
                 self.counts.add(&self.agent, measures::IMAGES, kind, 0, 1);
-                self.counts.add(&self.agent, measures::SENSOR_BYTES, kind, 0, bytes);
-                push_to(self.images.get_mut(&format!("{kind}-{name}")), row)?;
+                push_to(tables.images.get_mut(kind), row)?;
             }
             if let Some(row) = camera.flow_row(frame) {
-                self.counts.add(&self.agent, measures::IMAGES, "FLW", 0, 1);
-                push_to(self.flows.get_mut(&format!("FLW-{name}")), row)?;
+                self.counts.add(&self.agent, measures::IMAGES, FLOW, 0, 1);
+                push_to(tables.flow.as_mut(), row)?;
             }
         }
         for (reading, (name, table)) in lidars.into_iter().zip(&mut self.lidars) {
@@ -152,32 +162,43 @@ impl Shards {
         Ok(())
     }
 
-    /// Ends all tables.
+    /// Ends all tables and counts their bytes, those of images by kind.
     ///
     /// # Errors
     /// The store cannot be written.
-    pub(crate) fn finish(self) -> Result<(Vec<Finished>, Vec<PartialRow>), StageError> {
+    pub(crate) fn finish(mut self) -> Result<(Vec<Finished>, Vec<PartialRow>), StageError> {
         let mut finished = Vec::new();
-        for table in self.images.into_values() {
-            finished.push(table.finish()?);
+        for CameraTables { images, flow } in self.cameras {
+            for (kind, table) in images {
+                finished.push((kind.to_owned(), table.finish()?));
+            }
+            if let Some(table) = flow {
+                finished.push((FLOW.to_owned(), table.finish()?));
+            }
         }
-        for table in self.flows.into_values() {
-            finished.push(table.finish()?);
-        }
-        for (_, table) in self.lidars {
-            finished.push(match table {
+        for (name, table) in self.lidars {
+            let shard = match table {
                 LidarTable::Plain(table) => table.finish()?,
                 LidarTable::Semantic(table) => table.finish()?,
-            });
+            };
+            finished.push((name, shard));
         }
-        for (_, table) in self.radars {
-            finished.push(table.finish()?);
+        for (name, table) in self.radars {
+            finished.push((name, table.finish()?));
         }
-        for table in [self.gnss.map(TableWriter::finish), self.imu.map(TableWriter::finish)] {
-            finished.extend(table.transpose()?);
+        for (name, shard) in [
+            (GNSS_TABLE, self.gnss.map(TableWriter::finish)),
+            (IMU_TABLE, self.imu.map(TableWriter::finish)),
+            (VISIBLE_TABLE, self.visible.map(TableWriter::finish)),
+        ] {
+            if let Some(shard) = shard {
+                finished.push((name.to_owned(), shard?));
+            }
         }
-        finished.extend(self.visible.map(TableWriter::finish).transpose()?);
-        Ok((finished, self.counts.rows()))
+        for (sensor, shard) in &finished {
+            self.counts.add(&self.agent, measures::SENSOR_BYTES, sensor, 0, shard.output().bytes);
+        }
+        Ok((finished.into_iter().map(|(_, shard)| shard).collect(), self.counts.rows()))
     }
 }
 

@@ -49,7 +49,8 @@ pub const LIDAR_POINTS: &str = "lidar_points";
 pub const RADAR_POINTS: &str = "radar_points";
 /// Images. Class: kind (`RGB`, `SEG`, ...).
 pub const IMAGES: &str = "images";
-/// Encoded bytes of sensor data. Class: sensor name, or kind of image.
+/// Bytes of the finished tables of sensors. Class: sensor name, or kind of image, or the name of another table
+/// (`visible`). Rows carry the agent.
 pub const SENSOR_BYTES: &str = "sensor_bytes";
 
 /// Classes that have speed and turning-rate histograms.

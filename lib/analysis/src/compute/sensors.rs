@@ -52,7 +52,8 @@ fn bytes(counts: &Counts) -> Table {
     let sensors: Vec<&str> = counts.classes(measures::SENSOR_BYTES).collect();
     let total = counts.total(measures::SENSOR_BYTES);
     let of = |sensor: &&str| counts.of(measures::SENSOR_BYTES, sensor);
-    Table::new("bytes_per_sensor", Section::Sensors, "Encoded bytes", "")
+    let note = "Sizes of the finished tables, compressed; images by kind, all cameras together.";
+    Table::new("bytes_per_sensor", Section::Sensors, "Bytes on disk", note)
         .with_strings("sensor", sensors.iter().copied())
         .with_counts("bytes", sensors.iter().map(of))
         .with_numbers("percent", 2, sensors.iter().map(|sensor| percent(of(sensor), total)))

@@ -164,7 +164,7 @@ fn bytes_figure(table: &Table) -> Figure {
         .collect();
     let scale = Scale::linear(largest(&bars));
     let title = "Bytes per sensor";
-    let svg = Bars { title: title.into(), axis: "encoded bytes".into(), legend: None, bars, scale };
+    let svg = Bars { title: title.into(), axis: "bytes on disk".into(), legend: None, bars, scale };
     figure(table, title, svg.draw())
 }
 
