@@ -155,7 +155,7 @@ impl CameraFrame {
             let images = labels::LabelImages::new(scene, buffer);
             Ok((
                 png(wanted.semantic, Content::Flat, &|| images.semantic())?,
-                png(wanted.instance, Content::Smooth, &|| images.instances())?,
+                png(wanted.instance, Content::Flat, &|| images.instances())?,
                 png(wanted.depth, Content::Smooth, &|| labels::depth_rgb(buffer))?,
                 wanted.flow.then(|| flow::flow(scene, view, buffer)),
                 images.pixel_counts(),
