@@ -1,19 +1,32 @@
-//! From a layout of nodes and edges to a network.
+//! From a layout to a network.
 
-use frames::math::{cos, sin, tan};
+use frames::math::cos;
+use frames::wrap_pi;
 use opendrive::{ContactPoint, Header, Network, Road, RoadLink};
-use std::f64::consts::PI;
 
 use crate::TownError;
-use crate::control::{Control, equip};
-use crate::junction::{junction, lead_m, setbacks};
-use crate::movements::Arm;
-use crate::path::{Bend, Path, Pose2};
-use crate::section::CrossSection;
-use crate::street::street;
+use crate::control::equip;
+use crate::decks::{decks, reach_m};
+use crate::heights::{EndHeight, elevation};
+use crate::junction::{self, junction};
+use crate::layout::{Layout, Node, NodeKind};
+use crate::movements::{Movement, crossing};
+use crate::path::{Path, Pose2};
+use crate::place::{Place, places};
+use crate::roundabout;
+use crate::route::route;
+use crate::seam;
+use crate::street::{self, street};
+use crate::terrain::Terrain;
 
-/// Least length of a street between two junctions, metres.
-const SHORTEST_STREET_M: f64 = 12.0;
+/// Half the distance over which a seam's slope is taken from the ground, metres.
+const SLOPE_REACH_M: f64 = 25.0;
+/// Share of the steepest slope that a seam may have, so that the roads beside it can round it.
+const SEAM_GRADE: f64 = 0.7;
+/// The radius of a U-turn's lane is at least half of this, metres.
+const LEAST_U_TURN_M: f64 = 10.0;
+/// Distance between the places that the bounds are taken from, metres.
+const BOUND_STEP_M: f64 = 5.0;
 
 /// Hands out ids that are unique in the whole file.
 #[derive(Debug, Default)]
@@ -27,184 +40,173 @@ impl Ids {
     }
 }
 
-/// Where streets meet.
-#[derive(Clone, Debug)]
-pub(crate) struct Node {
-    /// Centre, metres east and north.
-    pub(crate) x_m: f64,
-    pub(crate) y_m: f64,
-    /// Height of its level surface, metres.
-    pub(crate) z_m: f64,
-    pub(crate) control: Control,
-    pub(crate) name: String,
-}
-
-/// A street between two nodes; both ends point away from their node.
-#[derive(Clone, Debug)]
-pub(crate) struct Edge {
-    /// Node and heading (radians) at the start.
-    pub(crate) from: (usize, f64),
-    /// Node and heading at the end.
-    pub(crate) to: (usize, f64),
-    pub(crate) shape: CrossSection,
-    /// Radius of its bend, where it has one, and length of the clothoids, metres.
-    pub(crate) bend_m: [f64; 2],
-    pub(crate) name: String,
-}
-
-/// A whole town before its junctions are built.
-#[derive(Clone, Debug)]
-pub(crate) struct Layout {
-    pub(crate) name: String,
-    pub(crate) nodes: Vec<Node>,
-    pub(crate) edges: Vec<Edge>,
-    pub(crate) kerb_radius_m: f64,
-    pub(crate) geo_reference: String,
-}
-
-/// An arm before its street is built.
-struct End {
-    edge: usize,
-    contact: ContactPoint,
-    heading_rad: f64,
-}
-
 /// Builds every street and junction.
 pub(crate) fn assemble(layout: &Layout) -> Result<Network, TownError> {
+    let layout = &roundabout::expand(layout)?;
+    let mut places = places(layout)?;
+    for (node, place) in layout.nodes.iter().zip(&mut places) {
+        set_heights(node, place, &layout.terrain);
+    }
     let mut ids = Ids::default();
-    let arms_of = arms_by_node(layout);
-    let outward = street_ends(layout, &arms_of);
-
-    let mut network = Network { header: header(layout, &outward), ..Network::default() };
-    for (edge, ends) in layout.edges.iter().zip(&outward) {
-        network.roads.push(build_street(&mut ids, layout, edge, *ends)?);
+    let mut network = Network::default();
+    for index in 0..layout.edges.len() {
+        let road = build_street(&mut ids, layout, &places, index)?;
+        network.roads.push(road);
     }
-    for (node, ends) in layout.nodes.iter().zip(&arms_of) {
-        let arms: Vec<Arm> = ends
-            .iter()
-            .map(|end| {
-                let edge = &layout.edges[end.edge];
-                let crosswalk = node.control.holds_back(is_faced(ends, end));
-                Arm {
-                    road: network.roads[end.edge].id.clone(),
-                    contact: end.contact,
-                    outward: outward[end.edge][usize::from(end.contact == ContactPoint::End)],
-                    shape: edge.shape,
-                    lead_m: lead_m(crosswalk),
-                    crosswalk,
-                }
-            })
-            .collect();
-        let lengths: Vec<f64> = ends.iter().map(|end| network.roads[end.edge].length_m).collect();
-        let mut built = junction(&mut ids, &node.name, &arms, node.z_m, layout.kerb_radius_m);
-        let furniture = equip(&mut ids, &mut built, &arms, &lengths, node.control);
-        for (end, (signal, object)) in ends.iter().zip(furniture.at_arms) {
-            let street = &mut network.roads[end.edge];
-            street.signals.extend(signal);
-            street.objects.extend(object);
-            let link = Some(RoadLink::Junction { id: built.junction.id.clone() });
-            match end.contact {
-                ContactPoint::Start => street.predecessor = link,
-                ContactPoint::End => street.successor = link,
-            }
+    for (node, place) in layout.nodes.iter().zip(&mut places) {
+        for arm in &mut place.arms {
+            let road = &network.roads[arm.edge];
+            (arm.road, arm.length_m) = (road.id.clone(), road.length_m);
         }
-        network.roads.extend(built.roads);
-        network.junctions.push(built.junction);
-        network.controllers.extend(furniture.controllers);
+        if place.direct {
+            join(place, &mut network.roads);
+        } else if !place.arms.is_empty() && node.kind != NodeKind::MapEdge {
+            build_junction(&mut ids, node, place, &mut network);
+        }
     }
+    decks(&mut ids, &mut network, &layout.terrain)?;
+    network.header = header(layout, &network.roads);
     Ok(network)
 }
 
-fn arms_by_node(layout: &Layout) -> Vec<Vec<End>> {
-    let mut arms: Vec<Vec<End>> = layout.nodes.iter().map(|_| Vec::new()).collect();
-    for (edge, e) in layout.edges.iter().enumerate() {
-        for ((node, heading_rad), contact) in [(e.from, ContactPoint::Start), (e.to, ContactPoint::End)] {
-            arms[node].push(End { edge, contact, heading_rad });
+/// The arm of an edge's end.
+fn socket(places: &[Place], node: usize, edge: usize, contact: ContactPoint) -> Option<&crate::arm::Arm> {
+    places.get(node)?.arms.iter().find(|arm| arm.edge == edge && arm.contact == contact)
+}
+
+/// Level ground for junctions; at seams the ground's slope goes through.
+fn set_heights(node: &Node, place: &mut Place, terrain: &Terrain) {
+    let [x, y] = node.at_m;
+    let z_m = terrain.bank(x, y) + node.lift_m;
+    let grade = match node.kind {
+        NodeKind::Seam { .. } | NodeKind::MapEdge => {
+            let height = |d: f64| {
+                let p = place.axis.moved(d, 0.0);
+                terrain.bank(p.x_m, p.y_m)
+            };
+            let most =
+                place.arms.iter().map(|a| a.shape.max_grade).fold(f64::INFINITY, f64::min) * SEAM_GRADE;
+            let slope = (height(SLOPE_REACH_M) - height(-SLOPE_REACH_M)) / (2.0 * SLOPE_REACH_M);
+            slope.clamp(-most, most)
         }
+        _ => 0.0,
+    };
+    let axis = place.axis;
+    for arm in &mut place.arms {
+        let (ahead, _) = axis.locate(arm.outward);
+        arm.z_m = z_m + grade * ahead;
+        arm.slope = grade * cos(wrap_pi(arm.outward.heading_rad - axis.heading_rad));
     }
-    arms
 }
 
-/// Whether another arm of the node goes straight on from this one.
-fn is_faced(ends: &[End], end: &End) -> bool {
-    ends.iter().any(|other| {
-        let turn = frames::wrap_pi(other.heading_rad - end.heading_rad - PI);
-        (other.edge, other.contact) != (end.edge, end.contact) && turn.abs() < crate::movements::STRAIGHT_RAD
-    })
-}
-
-/// Start and end of each edge's reference line, both facing away from their node.
-fn street_ends(layout: &Layout, arms_of: &[Vec<End>]) -> Vec<[Pose2; 2]> {
+fn build_street(ids: &mut Ids, layout: &Layout, places: &[Place], index: usize) -> Result<Road, TownError> {
+    let edge = &layout.edges[index];
     let origin = Pose2 { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };
-    let mut outward = vec![[origin; 2]; layout.edges.len()];
-    for (node, ends) in layout.nodes.iter().zip(arms_of) {
-        let arms: Vec<(f64, [f64; 2], f64)> = ends
-            .iter()
-            .map(|end| {
-                let shape = &layout.edges[end.edge].shape;
-                let kerbs = match end.contact {
-                    // Seen from the node, a street that starts here has its left side on the left.
-                    ContactPoint::Start => [shape.left.kerb_m(), shape.right.kerb_m()],
-                    ContactPoint::End => [shape.right.kerb_m(), shape.left.kerb_m()],
-                };
-                (end.heading_rad, kerbs, lead_m(node.control.holds_back(is_faced(ends, end))))
-            })
-            .collect();
-        for (end, setback) in ends.iter().zip(setbacks(&arms, layout.kerb_radius_m)) {
-            let centre = Pose2 { x_m: node.x_m, y_m: node.y_m, heading_rad: end.heading_rad };
-            outward[end.edge][usize::from(end.contact == ContactPoint::End)] = centre.moved(setback, 0.0);
+    let mut ends = [(origin, EndHeight { z_m: 0.0, slope: 0.0, lift_m: 0.0 }); 2];
+    for (slot, contact) in ends.iter_mut().zip([ContactPoint::Start, ContactPoint::End]) {
+        let node = edge.at(contact).node;
+        let Some(arm) = socket(places, node, index, contact) else { continue };
+        let along = if contact == ContactPoint::Start { arm.slope } else { -arm.slope };
+        let lift_m = layout.nodes[node].lift_m;
+        *slot = (arm.outward, EndHeight { z_m: arm.z_m, slope: along, lift_m });
+    }
+    let path = route(edge, [ends[0].0, ends[1].0])?;
+    let heights = [ends[0].1, ends[1].1];
+    let max_grade = edge.shape.max_grade;
+    let elevation = elevation(&edge.name, &path, &layout.terrain, heights, &edge.anchors, max_grade)?;
+    let endings = [edge.from.ending, edge.to.ending];
+    street(ids, street::Plan { name: &edge.name, path, elevation, shape: &edge.shape, endings })
+}
+
+/// Joins two roads lane to lane.
+fn join(place: &Place, roads: &mut [Road]) {
+    let [a, b] = &place.arms[..] else { return };
+    for (own, other) in [(a, b), (b, a)] {
+        let road = &mut roads[own.edge];
+        let link = Some(RoadLink::Road { id: other.road.clone(), contact: other.contact });
+        let section = match own.contact {
+            ContactPoint::Start => {
+                road.predecessor = link;
+                road.sections.first_mut()
+            }
+            ContactPoint::End => {
+                road.successor = link;
+                road.sections.last_mut()
+            }
+        };
+        let Some(section) = section else { continue };
+        let pairs = own.lanes.entering.iter().zip(&other.lanes.leaving);
+        for (from, to) in pairs.chain(own.lanes.leaving.iter().zip(&other.lanes.entering)) {
+            let lanes = if from.lane > 0 { &mut section.left } else { &mut section.right };
+            let Some(lane) = lanes.iter_mut().find(|l| l.id == from.lane) else { continue };
+            match own.contact {
+                ContactPoint::Start => lane.predecessors.push(to.lane),
+                ContactPoint::End => lane.successors.push(to.lane),
+            }
         }
     }
-    outward
 }
 
-fn build_street(
-    ids: &mut Ids,
-    layout: &Layout,
-    edge: &Edge,
-    [start, end]: [Pose2; 2],
-) -> Result<Road, TownError> {
-    let finish = end.turned(PI);
-    // A street that starts behind its own end could only be reached by a loop.
-    let ahead =
-        cos(start.heading_rad) * (end.x_m - start.x_m) + sin(start.heading_rad) * (end.y_m - start.y_m);
-    // A bend must leave room for its tangents; a quarter turn needs about its radius.
-    let turn = frames::wrap_pi(finish.heading_rad - start.heading_rad).abs();
-    let needed_m = if turn > 0.1 && turn < 3.0 {
-        (edge.shape.reach_m() + 4.0) * tan(0.5 * turn)
-    } else {
-        SHORTEST_STREET_M
-    };
-    if ahead < needed_m {
-        return Err(TownError::TooTight { street: edge.name.clone(), left_m: ahead, needed_m });
+fn movements(node: &Node, place: &Place) -> Vec<Movement> {
+    let arms = &place.arms;
+    match node.kind {
+        NodeKind::Crossing(_) => crossing(arms),
+        NodeKind::Seam { .. } => seam::movements(arms, place.axis),
+        NodeKind::Crossover => seam::crossover(arms, place.axis, LEAST_U_TURN_M),
+        NodeKind::DeadEnd { .. } => seam::turning(&arms[0]),
+        NodeKind::RailCrossing => seam::rail(arms),
+        NodeKind::Ring => seam::ring(arms),
+        NodeKind::MapEdge | NodeKind::Roundabout { .. } => Vec::new(),
     }
-    let [radius_m, ease_m] = edge.bend_m;
-    let path = Path::between(start, finish, &Bend { radius_m, ease_m, lead_in_m: 0.0, lead_out_m: 0.0 });
-    let z_m = [layout.nodes[edge.from.0].z_m, layout.nodes[edge.to.0].z_m];
-    Ok(street(ids, &edge.name, path, z_m, &edge.shape))
 }
 
-fn header(layout: &Layout, outward: &[[Pose2; 2]]) -> Header {
-    let reach = layout.edges.iter().map(|e| e.shape.reach_m()).fold(0.0, f64::max) + layout.kerb_radius_m;
-    let bound = |pick: fn(f64, f64) -> f64, of: fn(&Pose2) -> f64, margin: f64| {
-        outward.iter().flatten().map(of).reduce(pick).unwrap_or_default() + margin
+fn build_junction(ids: &mut Ids, node: &Node, place: &Place, network: &mut Network) {
+    let plan = junction::Plan {
+        name: &node.name,
+        arms: &place.arms,
+        kerb_radius_m: place.kerb_radius_m,
+        circle_m: if let NodeKind::DeadEnd { radius_m } = node.kind { radius_m } else { 0.0 },
     };
-    // A bend stays inside the box of its ends and its corner; the nodes it joins span that box.
-    let nodes = |pick: fn(f64, f64) -> f64, of: fn(&Node) -> f64, margin: f64| {
-        layout.nodes.iter().map(of).reduce(pick).unwrap_or_default() + margin
-    };
+    let mut built = junction(ids, &plan, movements(node, place));
+    let (controllers, furniture) = equip(ids, &mut built, &place.arms, &place.holds);
+    for (arm, here) in place.arms.iter().zip(furniture) {
+        let street = &mut network.roads[arm.edge];
+        street.signals.extend(here.signals);
+        street.objects.extend(here.objects);
+        let link = Some(RoadLink::Junction { id: built.junction.id.clone() });
+        match arm.contact {
+            ContactPoint::Start => street.predecessor = link,
+            ContactPoint::End => street.successor = link,
+        }
+    }
+    network.roads.extend(built.roads);
+    network.junctions.push(built.junction);
+    network.controllers.extend(controllers);
+}
+
+fn header(layout: &Layout, roads: &[Road]) -> Header {
+    // North, south, east, west.
+    let mut bounds = [f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY];
+    for road in roads {
+        let (path, reach) = (Path::of(road), reach_m(road) + 1.0);
+        let count = (road.length_m / BOUND_STEP_M).ceil().max(1.0) as u32;
+        for i in 0..=count {
+            let p = path.pose_at(road.length_m * f64::from(i) / f64::from(count));
+            bounds = [
+                bounds[0].max(p.y_m + reach),
+                bounds[1].min(p.y_m - reach),
+                bounds[2].max(p.x_m + reach),
+                bounds[3].min(p.x_m - reach),
+            ];
+        }
+    }
     Header {
         revision: (1, 7),
         name: layout.name.clone(),
         version: "1.00".into(),
         // No date: the same town has the same bytes on every day.
         vendor: "Convoy".into(),
-        bounds_m: Some([
-            bound(f64::max, |p| p.y_m, reach).max(nodes(f64::max, |n| n.y_m, reach)),
-            bound(f64::min, |p| p.y_m, -reach).min(nodes(f64::min, |n| n.y_m, -reach)),
-            bound(f64::max, |p| p.x_m, reach).max(nodes(f64::max, |n| n.x_m, reach)),
-            bound(f64::min, |p| p.x_m, -reach).min(nodes(f64::min, |n| n.x_m, -reach)),
-        ]),
+        bounds_m: Some(bounds).filter(|b| b.iter().all(|v| v.is_finite())),
         geo_reference: Some(layout.geo_reference.clone()),
         ..Header::default()
     }

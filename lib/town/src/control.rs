@@ -1,15 +1,18 @@
-//! Right of way: signals with their controllers, yield signs, stop lines.
+//! Right of way: signals with their controllers, signs, stop lines.
 
 use opendrive::{
-    ContactPoint, Controller, JunctionController, LaneType, LaneValidity, Object, Orientation, Road, Signal,
+    ContactPoint, Controller, JunctionController, LaneValidity, Object, Orientation, Road, Signal,
     SignalReference,
 };
 use std::f64::consts::FRAC_PI_2;
 
+use crate::arm::{Arm, major, pairs, runs};
 use crate::assemble::Ids;
 use crate::junction::Built;
+use crate::layout::{Control, NodeKind};
 use crate::marks::KERB_M;
-use crate::movements::{Arm, opposite};
+use crate::movements::Movement;
+use crate::section::{EndStrip, Turn, Use};
 use crate::street::rectangle;
 
 /// Distance of a post from the kerb, metres.
@@ -22,119 +25,185 @@ const STOP_LINE_AT_M: f64 = 0.4;
 const STOP_LINE_M: f64 = 0.4;
 /// Lower edge of a sign over the carriageway, metres.
 const SIGN_AT_M: f64 = 2.3;
+/// Medians at least this wide carry the signal of a turn pocket, metres.
+const POST_MEDIAN_M: f64 = 0.8;
 
-/// Who gives way to whom at a junction.
+/// What holds the traffic of an arm back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Control {
-    /// Traffic lights on every arm; arms that face each other share a controller.
-    Signals,
-    /// Arms that nothing faces yield to the street that goes straight on.
-    Priority,
+pub(crate) enum Hold {
+    /// Nothing.
+    Free,
+    /// A traffic light.
+    Light,
+    /// A stop sign.
+    Stop,
+    /// A yield sign.
+    Yield,
+    /// A yield sign for the left pocket alone.
+    YieldPocket,
+    /// A St Andrew's cross.
+    Rail,
 }
 
-impl Control {
-    /// Whether traffic from an arm has to stop or yield, and pedestrians may cross it.
-    pub(crate) fn holds_back(self, faced: bool) -> bool {
+impl Hold {
+    /// Whether there is a stop line.
+    fn has_line(self) -> bool {
+        !matches!(self, Self::Free)
+    }
+
+    /// Name, type in the German catalogue (which OpenDRIVE files use by custom), height and width in metres.
+    fn sign(self) -> (&'static str, &'static str, f64, f64) {
         match self {
-            Self::Signals => true,
-            Self::Priority => !faced,
+            Self::Free | Self::Light => ("Signal_3Light_Post01", "1000001", 1.16, 0.52),
+            Self::Stop => ("Sign_Stop", "206", 0.9, 0.9),
+            Self::Yield | Self::YieldPocket => ("Sign_Yield", "205", 0.9, 0.9),
+            Self::Rail => ("Sign_StAndrewsCross", "201", 1.2, 1.2),
         }
     }
 }
 
-/// What control adds to the network.
-#[derive(Debug, Default)]
-pub(crate) struct Furniture {
-    /// Controllers of the junction's signals.
-    pub(crate) controllers: Vec<Controller>,
-    /// Signals and objects at each arm's street, in the order of the arms.
-    pub(crate) at_arms: Vec<(Option<Signal>, Option<Object>)>,
+/// What holds back the traffic of each arm.
+pub(crate) fn holds(kind: NodeKind, arms: &[Arm]) -> Vec<Hold> {
+    let minor = |hold: Hold| {
+        let major = major(arms);
+        (0..arms.len()).map(|i| if major.contains(&i) { Hold::Free } else { hold }).collect()
+    };
+    match kind {
+        NodeKind::Crossing(Control::Signals) => vec![Hold::Light; arms.len()],
+        NodeKind::Crossing(Control::AllStop) => vec![Hold::Stop; arms.len()],
+        NodeKind::Crossing(Control::MinorStop) => minor(Hold::Stop),
+        NodeKind::Crossing(Control::MinorYield) => minor(Hold::Yield),
+        NodeKind::Ring => (0..arms.len()).map(|i| if i == 2 { Hold::Yield } else { Hold::Free }).collect(),
+        NodeKind::Crossover => vec![Hold::YieldPocket; arms.len()],
+        NodeKind::RailCrossing => {
+            arms.iter().map(|arm| if arm.is_rail() { Hold::Free } else { Hold::Rail }).collect()
+        }
+        _ => vec![Hold::Free; arms.len()],
+    }
 }
 
-/// Puts up the signals or signs of a junction. `lengths_m`: length of each arm's street.
+/// Whether pedestrians may cross an arm that is held back so.
+pub(crate) fn is_walked(kind: NodeKind, hold: Hold) -> bool {
+    matches!(kind, NodeKind::Crossing(_) | NodeKind::Ring) && hold != Hold::Free
+}
+
+/// What control adds at the end of a street.
+#[derive(Debug, Default)]
+pub(crate) struct Furniture {
+    pub(crate) signals: Vec<Signal>,
+    pub(crate) objects: Vec<Object>,
+}
+
+/// Puts up the signals or signs of a junction: its controllers, and what stands at each arm.
 pub(crate) fn equip(
     ids: &mut Ids,
     built: &mut Built,
     arms: &[Arm],
-    lengths_m: &[f64],
-    control: Control,
-) -> Furniture {
-    let mut furniture = Furniture::default();
-    for (index, (arm, length)) in arms.iter().zip(lengths_m).enumerate() {
-        let faced = opposite(arms, index).is_some();
-        if arm.incoming().0.lanes == 0 || !control.holds_back(faced) {
-            furniture.at_arms.push((None, None));
-            continue;
-        }
-        let signal = post(ids, arm, *length, control);
-        for (movement, road) in built.movements.iter().zip(&mut built.roads) {
-            if movement.from == index && movement.lanes > 0 {
-                road.signal_references.push(reference(&signal.id, road));
+    holds: &[Hold],
+) -> (Vec<Controller>, Vec<Furniture>) {
+    let mut all: Vec<Furniture> = Vec::new();
+    // Signal ids of each arm: for the left pockets, and for everything else.
+    let mut lights: Vec<[Option<String>; 2]> = Vec::new();
+    for (index, (arm, hold)) in arms.iter().zip(holds).enumerate() {
+        let mut here = Furniture::default();
+        let mut own: [Option<String>; 2] = [None, None];
+        let entering = arm.entering();
+        let pockets = entering.iter().take_while(|t| **t == Turn::Left).count() as u8;
+        let uses =
+            |m: &Movement, pocket: bool| m.from == index && m.lanes > 0 && (m.from_lane < pockets) == pocket;
+        for pocket in [true, false] {
+            let wanted = match hold {
+                Hold::Free => false,
+                Hold::YieldPocket => pocket,
+                // Signs hold for all lanes together.
+                Hold::Stop | Hold::Yield | Hold::Rail => !pocket,
+                Hold::Light => true,
+            };
+            let meant = |m: &Movement| match hold {
+                Hold::Light | Hold::YieldPocket => uses(m, pocket),
+                _ => m.from == index && m.lanes > 0,
+            };
+            if !wanted || !built.movements.iter().any(meant) {
+                continue;
             }
+            let signal = post(ids, arm, *hold, pocket);
+            for (movement, road) in built.movements.iter().zip(&mut built.roads) {
+                if meant(movement) {
+                    road.signal_references.push(reference(&signal.id, road));
+                }
+            }
+            own[usize::from(!pocket)] = Some(signal.id.clone());
+            here.signals.push(signal);
         }
-        furniture.at_arms.push((Some(signal), Some(stop_line(ids, arm, *length))));
-    }
-    if control == Control::Signals {
-        furniture.controllers = controllers(ids, arms, &furniture.at_arms);
-        for (sequence, controller) in (0..).zip(&furniture.controllers) {
-            let sequence = Some(sequence);
-            built.junction.controllers.push(JunctionController {
-                id: controller.id.clone(),
-                sequence,
-                ..JunctionController::default()
-            });
+        if hold.has_line() && !here.signals.is_empty() {
+            let lanes: Vec<&EndStrip> = runs(&arm.lanes.entering)
+                .filter(|s| *hold != Hold::YieldPocket || s.kind == Use::Lane(Turn::Left))
+                .collect();
+            here.objects.extend(stop_line(ids, arm, &lanes));
         }
+        all.push(here);
+        lights.push(if *hold == Hold::Light { own } else { [None, None] });
     }
-    furniture
+    let controllers = controllers(ids, arms, &lights);
+    for (sequence, controller) in (0..).zip(&controllers) {
+        built.junction.controllers.push(JunctionController {
+            id: controller.id.clone(),
+            sequence: Some(sequence),
+            ..JunctionController::default()
+        });
+    }
+    (controllers, all)
 }
 
 /// s at a distance before the end of an arm's street, and the direction of its entering traffic.
-fn before_end(arm: &Arm, length_m: f64, distance_m: f64) -> (f64, Orientation) {
+fn before_end(arm: &Arm, distance_m: f64) -> (f64, Orientation) {
     match arm.contact {
-        ContactPoint::End => (length_m - distance_m, Orientation::Along),
+        ContactPoint::End => (arm.length_m - distance_m, Orientation::Along),
         ContactPoint::Start => (distance_m, Orientation::Against),
     }
 }
 
-/// A traffic light or yield sign on the sidewalk, right of the entering traffic. It names no lane of its own road: the
-/// references on the connecting roads say what it controls.
-fn post(ids: &mut Ids, arm: &Arm, length_m: f64, control: Control) -> Signal {
-    let (side, sign) = arm.incoming();
-    let (s, orientation) = before_end(arm, length_m, POST_FROM_END_M);
-    let signal = Signal {
+/// A traffic light or sign beside the entering traffic: right of it, or for a pocket on the median. It names no lane of
+/// its own road: the references on the connecting roads say what it controls.
+fn post(ids: &mut Ids, arm: &Arm, hold: Hold, pocket: bool) -> Signal {
+    let [kerb, _] = arm.paved();
+    let mut distance_m = POST_FROM_END_M;
+    let mut right_m = kerb + POST_FROM_KERB_M;
+    if pocket {
+        let median =
+            arm.lanes.entering.first().filter(|s| {
+                matches!(s.kind, Use::Median { raised: true }) && s.width_m >= 0.5 * POST_MEDIAN_M
+            });
+        match median {
+            Some(strip) => right_m = strip.inner_m + 0.5 * strip.width_m,
+            // Without a median the two lights stand side by side.
+            None => (right_m, distance_m) = (right_m + 0.5, distance_m + 0.6),
+        }
+    }
+    let (s, orientation) = before_end(arm, distance_m);
+    let (name, kind, height_m, width_m) = hold.sign();
+    let light = hold == Hold::Light;
+    Signal {
         id: ids.next(),
+        name: name.into(),
         s,
-        t: f64::from(sign) * (side.kerb_m() + POST_FROM_KERB_M),
+        t: f64::from(arm.sign_in()) * right_m,
+        z_offset_m: if light { KERB_M } else { SIGN_AT_M },
         orientation,
+        dynamic: light,
         country: "OpenDRIVE".into(),
+        kind: kind.into(),
         subtype: "-1".into(),
+        height_m: Some(height_m),
+        width_m: Some(width_m),
         validity: vec![LaneValidity { from: 0, to: 0 }],
         ..Signal::default()
-    };
-    match control {
-        Control::Signals => Signal {
-            name: "Signal_3Light_Post01".into(),
-            z_offset_m: KERB_M,
-            dynamic: true,
-            kind: "1000001".into(),
-            height_m: Some(1.16),
-            width_m: Some(0.52),
-            ..signal
-        },
-        Control::Priority => Signal {
-            name: "Sign_Yield".into(),
-            z_offset_m: SIGN_AT_M,
-            kind: "205".into(),
-            height_m: Some(0.9),
-            width_m: Some(0.9),
-            ..signal
-        },
     }
 }
 
 /// Says on a connecting road that a signal controls all its driving lanes.
 fn reference(signal: &str, road: &Road) -> SignalReference {
-    let driving = road.sections.iter().flat_map(|s| &s.right).filter(|l| l.lane_type == LaneType::Driving);
+    let driving = road.sections.iter().flat_map(|s| &s.right).filter(|l| l.lane_type.is_drivable());
     let ids: Vec<i16> = driving.map(|l| l.id).collect();
     let from = ids.iter().copied().min().unwrap_or_default();
     let to = ids.iter().copied().max().unwrap_or_default();
@@ -147,51 +216,44 @@ fn reference(signal: &str, road: &Road) -> SignalReference {
 }
 
 /// The stop line over the entering lanes.
-fn stop_line(ids: &mut Ids, arm: &Arm, length_m: f64) -> Object {
-    let (side, sign) = arm.incoming();
-    let (s, orientation) = before_end(arm, length_m, STOP_LINE_AT_M);
-    Object {
+fn stop_line(ids: &mut Ids, arm: &Arm, lanes: &[&EndStrip]) -> Option<Object> {
+    let (first, last) = (lanes.first()?, lanes.last()?);
+    let (from, to) = (first.inner_m, last.inner_m + last.width_m);
+    let (s, orientation) = before_end(arm, STOP_LINE_AT_M);
+    Some(Object {
         id: ids.next(),
         name: "StopLine".into(),
         kind: "roadMark".into(),
         s,
-        t: f64::from(sign) * 0.5 * side.driving_m(),
+        t: f64::from(arm.sign_in()) * 0.5 * (from + to),
         // Its length runs across the street.
         hdg_rad: FRAC_PI_2,
         orientation,
-        length_m: Some(side.driving_m()),
+        length_m: Some(to - from),
         width_m: Some(STOP_LINE_M),
-        outlines: vec![rectangle(0.5 * side.driving_m(), 0.5 * STOP_LINE_M)],
+        outlines: vec![rectangle(0.5 * (to - from), 0.5 * STOP_LINE_M)],
         ..Object::default()
-    }
+    })
 }
 
-/// One controller for each pair of facing arms, one for each arm that is left.
-fn controllers(ids: &mut Ids, arms: &[Arm], at_arms: &[(Option<Signal>, Option<Object>)]) -> Vec<Controller> {
+/// Phases: for each pair of facing arms one for everything but the left pockets, then one for the left pockets of both;
+/// the same for each arm that is left. Turns to the left without a pocket are green together with the oncoming traffic
+/// and yield to it.
+fn controllers(ids: &mut Ids, arms: &[Arm], lights: &[[Option<String>; 2]]) -> Vec<Controller> {
     let mut controllers: Vec<Controller> = Vec::new();
-    let mut done = vec![false; arms.len()];
-    for first in 0..arms.len() {
-        if done[first] {
-            continue;
+    for (first, partner) in pairs(arms) {
+        let members = [Some(first), partner].into_iter().flatten();
+        let of = |group: usize| -> Vec<String> {
+            members.clone().filter_map(|arm| lights.get(arm)?[group].clone()).collect()
+        };
+        let [pockets, others] = [of(0), of(1)];
+        // An arm that nothing faces has no oncoming traffic: its pockets are green with the rest of it.
+        let phases = if partner.is_some() { vec![others, pockets] } else { vec![[others, pockets].concat()] };
+        for signals in phases.into_iter().filter(|signals| !signals.is_empty()) {
+            let id = ids.next();
+            let sequence = u32::try_from(controllers.len()).ok();
+            controllers.push(Controller { name: format!("ctrl{id}"), id, sequence, signals, ..Controller::default() });
         }
-        let partner = opposite(arms, first).filter(|p| !done[*p] && opposite(arms, *p) == Some(first));
-        let mut signals = Vec::new();
-        for arm in [Some(first), partner].into_iter().flatten() {
-            done[arm] = true;
-            signals.extend(at_arms[arm].0.iter().map(|s| s.id.clone()));
-        }
-        if signals.is_empty() {
-            continue;
-        }
-        let id = ids.next();
-        let sequence = u32::try_from(controllers.len()).ok();
-        controllers.push(Controller {
-            name: format!("ctrl{id}"),
-            id,
-            sequence,
-            signals,
-            ..Controller::default()
-        });
     }
     controllers
 }

@@ -1,17 +1,21 @@
 //! Junctions: connecting roads, connections, crosswalks.
 
-use frames::math::{asin, cos, sin, tan};
+use frames::math::{acos, sin_cos};
 use opendrive::{
-    Connection, ContactPoint, Cubic, Curve, Junction, Lane, LaneLink, LaneSection, LaneType, MarkColour,
-    MarkType, Object, Orientation, Road, RoadLink,
+    Connection, ContactPoint, Curve, Junction, Lane, LaneLink, LaneSection, LaneType, MarkColour, MarkType,
+    Object, Orientation, Road, RoadLink, RoadMark,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use crate::arm::{Arm, inner_m, opposite, runs};
 use crate::assemble::Ids;
+use crate::gore::gore;
 use crate::marks;
-use crate::movements::{Arm, Movement, counter_clockwise, movements, opposite};
-use crate::path::{Bend, Path};
-use crate::street::{raised, ramp, rectangle, road_type};
+use crate::movements::Movement;
+use crate::path::{Bend, Path, Piece};
+use crate::profile::{hermite, ramp};
+use crate::section::{EndStrip, Use};
+use crate::street::{heights, lane_type, rectangle, road_type};
 
 /// Straight metres beyond a street's end where there is a crosswalk, and where there is none.
 const LEAD_M: [f64; 2] = [4.5, 0.5];
@@ -20,35 +24,23 @@ const CROSSWALK_AT_M: f64 = 2.5;
 /// Extent of a crosswalk along the street, metres.
 const CROSSWALK_DEPTH_M: f64 = 3.0;
 /// Corners sharper than this are left without fillet: the streets go straight on.
-const NEARLY_STRAIGHT_RAD: f64 = 0.05;
+pub(crate) const NEARLY_STRAIGHT_RAD: f64 = 0.05;
+/// Narrower gaps between the directions need no asphalt of their own, metres.
+const FILL_FROM_M: f64 = 0.3;
 
 /// Straight metres that an arm keeps beyond its street's end.
 pub(crate) fn lead_m(crosswalk: bool) -> f64 {
     LEAD_M[usize::from(!crosswalk)]
 }
 
-/// How far from a junction's centre each arm's street must end, metres, so that the kerbs of neighbouring arms meet
-/// in a fillet of the given radius. `arms`: outward heading in radians, kerb distance on its left (entering) and
-/// right (leaving) side seen outwards, and straight lead, metres.
-pub(crate) fn setbacks(arms: &[(f64, [f64; 2], f64)], kerb_radius_m: f64) -> Vec<f64> {
-    let mut needs = vec![0.0f64; arms.len()];
-    for (a, (heading, [left, _], _)) in arms.iter().enumerate() {
-        let angle = |b: &usize| counter_clockwise(*heading, arms[*b].0);
-        let Some(b) = (0..arms.len()).filter(|b| *b != a).min_by(|x, y| angle(x).total_cmp(&angle(y))) else {
-            continue;
-        };
-        let between = angle(&b);
-        if between > PI - NEARLY_STRAIGHT_RAD {
-            continue;
-        }
-        let right = arms[b].1[1];
-        // Where two lines parallel to the arms cross, along either arm; from there the fillet's tangent.
-        let (sin, cos) = (sin(between), cos(between));
-        let tangent = kerb_radius_m / tan(0.5 * between);
-        needs[a] = needs[a].max((right + left * cos) / sin + tangent);
-        needs[b] = needs[b].max((left + right * cos) / sin + tangent);
-    }
-    needs.iter().zip(arms).map(|(need, (_, _, lead))| need + lead).collect()
+/// What a junction is built from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) arms: &'a [Arm],
+    pub(crate) kerb_radius_m: f64,
+    /// Radius of the carriageway of a turning circle, metres; 0 where there is none.
+    pub(crate) circle_m: f64,
 }
 
 /// A junction's roads and its record, before signals.
@@ -60,111 +52,137 @@ pub(crate) struct Built {
     pub(crate) movements: Vec<Movement>,
 }
 
-/// Builds the connecting roads of a level junction.
-pub(crate) fn junction(ids: &mut Ids, name: &str, arms: &[Arm], z_m: f64, kerb_radius_m: f64) -> Built {
+/// Builds the connecting roads of a junction.
+pub(crate) fn junction(ids: &mut Ids, plan: &Plan<'_>, movements: Vec<Movement>) -> Built {
     let mut built = Built {
-        junction: Junction { id: ids.next(), name: name.to_owned(), ..Junction::default() },
+        junction: Junction { id: ids.next(), name: plan.name.to_owned(), ..Junction::default() },
         roads: Vec::new(),
-        movements: movements(arms),
+        movements,
     };
     for movement in &built.movements {
-        let road = connecting_road(ids, &built.junction.id, arms, movement, z_m, kerb_radius_m);
-        let sign = arms[movement.from].incoming().1;
+        let road = connecting_road(ids, &built.junction.id, plan, movement);
+        let section = road.sections.first();
+        let lanes = section.iter().flat_map(|s| s.right.iter().chain(&s.left));
         built.junction.connections.push(Connection {
             id: built.junction.connections.len().to_string(),
-            incoming_road: arms[movement.from].road.clone(),
+            incoming_road: plan.arms[movement.from].road.clone(),
             connecting_road: road.id.clone(),
             contact: ContactPoint::Start,
-            lane_links: road.sections[0]
-                .right
-                .iter()
-                .flat_map(|lane| {
-                    lane.predecessors.iter().map(|from| LaneLink {
-                        from: *from,
-                        to: lane.id,
-                        ..LaneLink::default()
-                    })
-                })
-                .filter(|link| link.from.signum() == sign)
+            lane_links: lanes
+                .flat_map(|lane| lane.predecessors.iter().map(|from| LaneLink { from: *from, to: lane.id, ..LaneLink::default() }))
                 .collect(),
             ..Connection::default()
         });
         built.roads.push(road);
     }
-    for (index, arm) in arms.iter().enumerate().filter(|(_, arm)| arm.crosswalk) {
+    for (index, arm) in plan.arms.iter().enumerate().filter(|(_, arm)| arm.crosswalk) {
         crosswalk(ids, &mut built, index, arm);
     }
     built
 }
 
-/// One connecting road. Its reference line is the inner (left) border of its first lane, and runs with the traffic:
-/// all lanes are right of it.
-fn connecting_road(
-    ids: &mut Ids,
-    junction: &str,
-    arms: &[Arm],
-    movement: &Movement,
-    z_m: f64,
-    kerb_radius_m: f64,
-) -> Road {
+/// What lies inside of the lanes, from them inwards: the side's own strips, then on one-way roads those beyond the
+/// reference line.
+fn inside<'a>(own: &'a [EndStrip], other: &'a [EndStrip]) -> Vec<&'a EndStrip> {
+    let first = own.iter().position(|s| s.kind.runs()).unwrap_or(own.len());
+    let mut strips: Vec<&EndStrip> = own[..first].iter().rev().collect();
+    if runs(other).next().is_none() {
+        strips.extend(other);
+    }
+    strips
+}
+
+/// Order of strips beside the lanes, outwards or inwards: what has the same one at both ends goes on.
+fn order(kind: Use) -> u8 {
+    kind.outer_order().map_or(0, |o| o + 1)
+}
+
+/// A strip beside the lanes of a connecting road, as it is at the two ends.
+type Beside<'a> = [Option<&'a EndStrip>; 2];
+
+/// Pairs what lies beside the lanes at the two ends.
+fn paired<'a>(entry: &[&'a EndStrip], exit: &[&'a EndStrip]) -> Vec<Beside<'a>> {
+    let of = |strips: &[&'a EndStrip], k: u8| strips.iter().find(|s| order(s.kind) == k).copied();
+    (0..5).map(|k| [of(entry, k), of(exit, k)]).filter(|pair| pair.iter().any(Option::is_some)).collect()
+}
+
+/// One connecting road. Its reference line is the inner (left) border of its first lane, and runs with the traffic.
+fn connecting_road(ids: &mut Ids, junction: &str, plan: &Plan<'_>, movement: &Movement) -> Road {
+    let arms = plan.arms;
     let (from, to) = (&arms[movement.from], &arms[movement.to]);
-    let ((entry, entry_sign), (exit, exit_sign)) = (from.incoming(), to.outgoing());
-    let inner = [entry.inner_m(movement.from_lane), exit.inner_m(movement.to_lane)];
-    let start = from.outward.turned(PI).moved(0.0, -inner[0]);
-    let end = to.outward.moved(0.0, -inner[1]);
-    // Round a corner the kerb has the stated radius, and all borders are concentric with it.
-    let follows_kerb = movement.corner && from.turn_to(to) < -NEARLY_STRAIGHT_RAD;
-    let bend = Bend {
-        radius_m: if follows_kerb { kerb_radius_m + entry.kerb_m() - inner[0] } else { f64::INFINITY },
-        ease_m: 0.0,
-        lead_in_m: from.lead_m,
-        lead_out_m: to.lead_m,
-    };
-    let path = Path::between(start, end, &bend);
+    let (entry, exit) = (&from.lanes.entering, &to.lanes.leaving);
+    let path = path(plan, movement);
     let length = path.length_m;
 
-    let mut lanes: Vec<Lane> = Vec::new();
-    // `order`: place of the lane on the streets at both ends, counted from the inside.
-    let mut add = |lane_type, widths: [f64; 2], order: [u8; 2], mark, heights| {
-        let width = if widths[0] == widths[1] {
-            Cubic::constant(widths[0])
-        } else {
-            ramp(widths[0], widths[1], length, 0.0)
-        };
-        lanes.push(Lane {
-            id: -(lanes.len() as i16 + 1),
-            lane_type,
-            widths: vec![width],
+    let mut right: Vec<Lane> = Vec::new();
+    let kerbs = [from.shape.entering(from.contact).kerb, to.shape.leaving(to.contact).kerb];
+    let lane_of = |pair: Beside<'_>, id: i16, mark: RoadMark| {
+        let width = |end: Option<&EndStrip>| end.map_or(0.0, |s| s.width_m);
+        let kind = pair.into_iter().flatten().next().map_or(Use::Edge, |s| s.kind);
+        Lane {
+            id,
+            lane_type: lane_type(kind),
+            widths: vec![ramp(0.0, width(pair[0]), length, width(pair[1]))],
             marks: vec![mark],
-            heights,
-            predecessors: vec![entry_sign * (i16::from(order[0]) + 1)],
-            successors: vec![exit_sign * (i16::from(order[1]) + 1)],
+            heights: heights(kind, kerbs[0] || kerbs[1]),
+            predecessors: pair[0].iter().map(|s| s.lane).collect(),
+            successors: pair[1].iter().map(|s| s.lane).collect(),
             ..Lane::default()
-        });
+        }
     };
-    let straight = from.turn_to(to).abs() < NEARLY_STRAIGHT_RAD;
-    for index in 0..movement.lanes {
-        let order = [movement.from_lane + index, movement.to_lane + index];
+    let white = |kind| marks::line(kind, MarkColour::White);
+    let straight = from.turn_to(to).abs() < NEARLY_STRAIGHT_RAD && movement.from != movement.to;
+    let lanes = |strips, first: u8| runs(strips).skip(first.into()).take(movement.lanes.into());
+    let rail = from.is_rail();
+    for (k, (a, b)) in lanes(entry, movement.from_lane).zip(lanes(exit, movement.to_lane)).enumerate() {
+        let last = k + 1 == usize::from(movement.lanes);
         // Along the straight kerb of a T junction the edge line goes on.
-        let edge = movement.corner && straight && index + 1 == movement.lanes;
-        let mark = if edge { marks::line(MarkType::Solid, MarkColour::White) } else { marks::none() };
-        add(LaneType::Driving, [entry.lane_m, exit.lane_m], order, mark, Vec::new());
+        let mark = match (movement.marked && !rail, last) {
+            (true, false) => white(MarkType::Broken),
+            (true, true) if movement.outer != [false; 2] => white(MarkType::Solid),
+            (false, true) if movement.corner && straight => white(MarkType::Solid),
+            _ => marks::none(),
+        };
+        right.push(lane_of([Some(a), Some(b)], -(right.len() as i16 + 1), mark));
     }
-    if movement.corner {
-        let order = [entry.lanes, exit.lanes];
-        add(LaneType::Shoulder, [entry.gutter_m, exit.gutter_m], order, marks::kerb(), Vec::new());
-        let order = order.map(|o| o + 1);
-        add(LaneType::Sidewalk, [entry.sidewalk_m, exit.sidewalk_m], order, marks::none(), raised());
+    let beyond = |strips: &'_ [EndStrip], on: bool| -> Vec<EndStrip> {
+        strips.iter().filter(|s| on && s.kind.outer_order().is_some()).copied().collect()
+    };
+    let (outer_in, outer_out) = (beyond(entry, movement.outer[0]), beyond(exit, movement.outer[1]));
+    for pair in paired(&outer_in.iter().collect::<Vec<_>>(), &outer_out.iter().collect::<Vec<_>>()) {
+        let edge = pair.iter().flatten().any(|s| s.kind == Use::Edge);
+        let mark = if edge && (kerbs[0] || kerbs[1]) { marks::kerb() } else { marks::none() };
+        right.push(lane_of(pair, -(right.len() as i16 + 1), mark));
     }
 
-    let mut section = LaneSection { right: lanes, ..LaneSection::default() };
-    if follows_kerb && movement.lanes > 0 {
-        // Seen from this turn, other lanes of the street turn away: between them the pavement would have a hole.
-        let fork = |arm: usize, lanes: u8| opposite(arms, arm).is_none() && lanes > movement.lanes;
-        let forks = [fork(movement.from, entry.lanes), fork(movement.to, exit.lanes)];
-        section.left.extend(gore(&path, forks, entry.lane_m.max(exit.lane_m)));
+    let mut left: Vec<Lane> = Vec::new();
+    let inner = |on: bool, own, other| if on { inside(own, other) } else { Vec::new() };
+    let inner_in = inner(movement.inner[0], entry, &from.lanes.leaving);
+    let inner_out = inner(movement.inner[1], exit, &to.lanes.entering);
+    for pair in paired(&inner_in, &inner_out) {
+        let edge = pair.iter().flatten().any(|s| s.kind == Use::Edge);
+        let mark = if edge && (kerbs[0] || kerbs[1]) { marks::kerb() } else { marks::none() };
+        left.push(lane_of(pair, left.len() as i16 + 1, mark));
     }
-    section.centre.marks = vec![marks::none()];
+    let between = [inner_m(entry, movement.from_lane), inner_m(exit, movement.to_lane)];
+    if left.is_empty() && movement.lanes > 0 && !rail {
+        if is_opposite(arms, movement) && between.iter().all(|b| *b > FILL_FROM_M) {
+            // Between the directions of a wide street the junction is paved, too.
+            let widths = vec![ramp(0.0, between[0], length, between[1])];
+            let marks = vec![marks::none()];
+            left.push(Lane { id: 1, lane_type: LaneType::Shoulder, widths, marks, ..Lane::default() });
+        } else if plan.circle_m > 0.0 {
+            left.extend(disc(&path));
+        } else if movement.corner && from.turn_to(to) < -NEARLY_STRAIGHT_RAD {
+            // Seen from this turn, other lanes of the street turn away: between them the pavement would have a hole.
+            let fork =
+                |arm: usize, lanes: usize| opposite(arms, arm).is_none() && lanes > movement.lanes.into();
+            let forks = [fork(movement.from, from.entering().len()), fork(movement.to, to.leaving().into())];
+            left.extend(gore(&path, forks, from.shape.entering(from.contact).lane_m));
+        }
+    }
+    let mut section = LaneSection { left, right, ..LaneSection::default() };
+    section.centre.marks = vec![centre_mark(arms, movement)];
     let link = |arm: &Arm| Some(RoadLink::Road { id: arm.road.clone(), contact: arm.contact });
     Road {
         id: ids.next(),
@@ -172,56 +190,121 @@ fn connecting_road(
         junction: Some(junction.to_owned()),
         predecessor: link(from),
         successor: link(to),
-        types: vec![road_type(from.shape.speed_limit_kmh)],
+        types: vec![road_type(&from.shape)],
+        elevation: vec![hermite(0.0, from.z_m, -from.slope, length, to.z_m, to.slope)],
         plan_view: path.pieces,
-        elevation: vec![Cubic::constant(z_m)],
         sections: vec![section],
         ..Road::default()
     }
 }
 
-/// The paved wedge to the left of a turn around a kerb, where the street it comes from (`forks[0]`) or leads to
-/// (`forks[1]`) has more lanes, which turn the other way.
-fn gore(path: &Path, forks: [bool; 2], width_m: f64) -> Option<Lane> {
-    let arc = path.pieces.iter().find(|piece| matches!(piece.curve, Curve::Arc { .. }))?;
-    let Curve::Arc { curvature } = arc.curve else { return None };
-    let radius = 1.0 / curvature.abs();
-    // The wedge ends where the turn's left border meets the lane across: R (1 - sin(angle)) = width. It is widest
-    // before that, and runs out under that lane.
-    let cross_m = (radius * asin((1.0 - width_m / radius).clamp(0.0, 1.0))).min(0.5 * arc.length_m);
-    let (widest_m, end_m) = (0.7 * cross_m, (1.5 * cross_m).min(arc.length_m));
-    if !forks.contains(&true) || widest_m < 0.1 {
-        return None;
-    }
-    let (start, end) = (arc.s, arc.s + arc.length_m);
-    let mut widths = vec![Cubic::constant(0.0)];
-    let mut wedge = |from: f64, widest: f64, to: f64| {
-        widths.push(ramp(0.0, width_m, widest - from, from));
-        widths.push(ramp(width_m, 0.0, to - widest, widest));
-        widths.push(Cubic { s: to, ..Cubic::default() });
-    };
-    // Where both ends fork, the first wedge alone is drawn: the arc has no room for two.
-    if forks[0] {
-        wedge(start, start + widest_m, start + end_m);
+fn is_opposite(arms: &[Arm], movement: &Movement) -> bool {
+    movement.from != movement.to && opposite(arms, movement.from) == Some(movement.to)
+}
+
+/// The line on the left of a connecting road's lanes.
+fn centre_mark(arms: &[Arm], movement: &Movement) -> RoadMark {
+    let from = &arms[movement.from];
+    let painted = movement.marked && !from.is_rail() && movement.from_lane == 0;
+    let lone = from.shape.is_one_way() || from.shape.median.through;
+    if painted && (lone && movement.inner != [false; 2]) {
+        marks::line(MarkType::Solid, MarkColour::Yellow)
+    } else if painted && !lone && from.contact == ContactPoint::End {
+        // Two directions side by side share one line: this one's.
+        marks::line(MarkType::SolidSolid, MarkColour::Yellow)
     } else {
-        wedge(end - end_m, end - widest_m, end);
+        marks::none()
     }
+}
+
+fn path(plan: &Plan<'_>, movement: &Movement) -> Path {
+    let (from, to) = (&plan.arms[movement.from], &plan.arms[movement.to]);
+    let inner =
+        [inner_m(&from.lanes.entering, movement.from_lane), inner_m(&to.lanes.leaving, movement.to_lane)];
+    let start = from.outward.turned(PI).moved(0.0, -inner[0]);
+    let end = to.outward.moved(0.0, -inner[1]);
+    if plan.circle_m > 0.0 {
+        return bulb(plan, from, inner);
+    }
+    // Round a corner the kerb has the stated radius, and all borders are concentric with it.
+    let follows_kerb = movement.corner && from.turn_to(to) < -NEARLY_STRAIGHT_RAD;
+    let kerb = from.paved()[0];
+    let bend = Bend {
+        radius_m: if follows_kerb { plan.kerb_radius_m + kerb - inner[0] } else { f64::INFINITY },
+        ease_m: 0.0,
+        lead_in_m: from.lead_m,
+        lead_out_m: to.lead_m,
+    };
+    Path::between(start, end, &bend)
+}
+
+/// Half the angle that each neck of a turning circle swings out by, from the geometry of three circles that touch: the
+/// line turns right by the angle, left by half a turn and twice the angle, and right again.
+///
+/// `line_m`: distance of the line from the axis; `circle_m`, `neck_m`: radii of the line in the circle and the necks.
+pub(crate) fn neck_angle(line_m: f64, circle_m: f64, neck_m: f64) -> f64 {
+    acos(((neck_m + line_m) / (circle_m + neck_m)).clamp(-1.0, 1.0))
+}
+
+/// Radius of the line in the necks, metres.
+pub(crate) const NECK_M: f64 = 12.0;
+
+/// Round a turning circle: the line keeps its distance from the kerb.
+fn bulb(plan: &Plan<'_>, arm: &Arm, inner: [f64; 2]) -> Path {
+    let kerb = arm.paved()[0];
+    let circle = (plan.circle_m - (kerb - inner[0])).max(1.0);
+    // Seen by traffic, the line lies to the left of its lane: on the axis or right of it.
+    let line = 0.5 * (inner[0] + inner[1]);
+    let angle = neck_angle(line, circle, NECK_M);
+    let start = arm.outward.turned(PI).moved(0.0, -inner[0]);
+    Path::chain(
+        start,
+        &[
+            Piece::Line(arm.lead_m),
+            Piece::Arc(-1.0 / NECK_M, angle * NECK_M),
+            Piece::Arc(1.0 / circle, (PI + 2.0 * angle) * circle),
+            Piece::Arc(-1.0 / NECK_M, angle * NECK_M),
+            Piece::Line(arm.lead_m),
+        ],
+    )
+}
+
+/// From a turning circle's middle back to the end of its street, along the street, metres.
+pub(crate) fn bulb_reach_m(line_m: f64, circle_m: f64) -> f64 {
+    let (sin, _) = sin_cos(neck_angle(line_m, circle_m, NECK_M));
+    (circle_m + NECK_M) * sin + LEAD_M[1]
+}
+
+/// Asphalt inside a turning circle's lane.
+fn disc(path: &Path) -> Option<Lane> {
+    let arc = path.pieces.iter().find(|p| matches!(p.curve, Curve::Arc { curvature } if curvature > 0.0))?;
+    let Curve::Arc { curvature } = arc.curve else { return None };
+    let (width, taper) = (0.96 / curvature, 0.2 * arc.length_m);
+    let (start, end) = (arc.s, arc.s + arc.length_m);
+    let widths = vec![
+        opendrive::Cubic::constant(0.0),
+        ramp(start, 0.0, taper, width),
+        opendrive::Cubic { s: start + taper, ..opendrive::Cubic::constant(width) },
+        ramp(end - taper, width, taper, 0.0),
+        opendrive::Cubic { s: end, ..opendrive::Cubic::default() },
+    ];
     Some(Lane { id: 1, lane_type: LaneType::Shoulder, widths, marks: vec![marks::none()], ..Lane::default() })
 }
 
 /// A crosswalk over an arm from kerb to kerb, on the straight part of a connecting road that uses the arm.
 fn crosswalk(ids: &mut Ids, built: &mut Built, index: usize, arm: &Arm) {
-    let (entering, leaving) = (arm.incoming().0, arm.outgoing().0);
+    let [entering, leaving] = arm.paved();
     let Some(place) = built.movements.iter().position(|m| m.from == index || m.to == index) else { return };
     let (movement, road) = (&built.movements[place], &mut built.roads[place]);
     // Lateral middle of the carriageway from the street's reference line, to the left of the travel direction.
     let (s, middle, inner) = if movement.from == index {
-        (CROSSWALK_AT_M, 0.5 * (leaving.kerb_m() - entering.kerb_m()), entering.inner_m(movement.from_lane))
+        let inner = inner_m(&arm.lanes.entering, movement.from_lane);
+        (CROSSWALK_AT_M, 0.5 * (leaving - entering), inner)
     } else {
-        let s = road.length_m - CROSSWALK_AT_M;
-        (s, 0.5 * (entering.kerb_m() - leaving.kerb_m()), leaving.inner_m(movement.to_lane))
+        let inner = inner_m(&arm.lanes.leaving, movement.to_lane);
+        (road.length_m - CROSSWALK_AT_M, 0.5 * (entering - leaving), inner)
     };
-    let across = entering.kerb_m() + leaving.kerb_m();
+    let across = entering + leaving;
     road.objects.push(Object {
         id: ids.next(),
         name: "Crosswalk".into(),
@@ -236,31 +319,4 @@ fn crosswalk(ids: &mut Ids, built: &mut Built, index: usize, arm: &Arm) {
         outlines: vec![rectangle(0.5 * across, 0.5 * CROSSWALK_DEPTH_M)],
         ..Object::default()
     });
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn right_angles_set_back_by_kerb_and_radius() {
-        let arm = |heading: f64, kerb: f64, lead: f64| (heading, [kerb; 2], lead);
-        let arms =
-            [arm(0.0, 7.5, 4.5), arm(FRAC_PI_2, 4.0, 0.5), arm(PI, 7.5, 4.5), arm(-FRAC_PI_2, 4.0, 0.5)];
-        let got = setbacks(&arms, 6.0);
-        for (got, want) in got.iter().zip([4.0 + 6.0 + 4.5, 7.5 + 6.0 + 0.5, 14.5, 14.0]) {
-            assert!((got - want).abs() < 1e-9, "{got} {want}");
-        }
-    }
-
-    #[test]
-    fn oblique_kerbs_touch_their_fillet_where_the_street_ends() {
-        // Two arms 60 degrees apart: the fillet's centre is a radius from both kerbs.
-        let (kerb, radius, angle) = (4.0, 6.0, PI / 3.0);
-        let got = setbacks(&[(0.0, [kerb; 2], 0.0), (angle, [kerb; 2], 0.0)], radius);
-        let centre = [got[0], kerb + radius];
-        let to_other = centre[1] * cos(angle) - centre[0] * sin(angle);
-        assert!((to_other + kerb + radius).abs() < 1e-9);
-        assert!((got[0] - got[1]).abs() < 1e-9);
-    }
 }

@@ -1,8 +1,9 @@
 //! Generated road networks, written as OpenDRIVE.
 //!
-//! [`generate`] turns [`TownParameters`] into an [`opendrive::Network`]: the same parameters give the same bytes. The
-//! pieces compose: a layout (a street grid with a ring road is the one at hand) states nodes and edges, and every
-//! layout shares the street builder, the junction builder and the signs and signals.
+//! [`generate`] turns [`TownParameters`] into an [`opendrive::Network`]: the same parameters give the same bytes. A
+//! style (`layouts/`) states nodes, edges and the ground under them ([`layout`] has a worked example); every style
+//! shares the builder: streets with their lanes, heights and bends, junctions of all kinds, signals and signs, bridges
+//! and tunnels.
 //!
 //! ```
 //! let parameters = town::named("convoy/demo").unwrap_or_default();
@@ -12,17 +13,31 @@
 //! # Ok::<(), town::TownError>(())
 //! ```
 
+mod arm;
 mod assemble;
+mod banking;
 mod control;
-mod grid;
+mod decks;
+mod gore;
+mod heights;
 mod junction;
+mod layout;
+mod layouts;
 mod marks;
 mod movements;
 mod parameters;
 mod path;
+mod place;
+mod profile;
+mod roundabout;
+mod route;
+mod seam;
 mod section;
 mod street;
+mod strips;
+mod terrain;
 
+pub use layouts::{CityParameters, GridParameters, Style};
 pub use parameters::{TownError, TownParameters, named, names};
 
 use opendrive::Network;
@@ -32,8 +47,9 @@ use opendrive::Network;
 /// Right-hand traffic, metres, x east, y north, the town's middle near the origin.
 ///
 /// # Errors
-/// [`TownError`] where a parameter is out of range, or blocks are too small for the junctions at their corners.
+/// [`TownError`] where a parameter is out of range, or what it asks for has no room: streets too short or too steep,
+/// bends too tight, roads that cross without a junction or enough height between them.
 pub fn generate(parameters: &TownParameters) -> Result<Network, TownError> {
     parameters.check()?;
-    assemble::assemble(&grid::layout(parameters))
+    parameters.style.layout(parameters)?.build()
 }

@@ -1,150 +1,198 @@
-//! Which lanes of an arm lead to which lanes of another.
+//! Which lanes of an arm lead to which lanes of another at a crossing.
 
-use frames::wrap_pi;
-use opendrive::ContactPoint;
-use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
-use crate::path::Pose2;
-use crate::section::{CrossSection, Side};
-
-/// Two arms within this angle of a straight line go straight on, radians.
-pub(crate) const STRAIGHT_RAD: f64 = 0.7;
-
-/// The end of a street at a junction.
-#[derive(Clone, Debug)]
-pub(crate) struct Arm {
-    /// Id of the street.
-    pub(crate) road: String,
-    /// Which end of it.
-    pub(crate) contact: ContactPoint,
-    /// Where its reference line ends, facing away from the junction.
-    pub(crate) outward: Pose2,
-    /// Its lanes.
-    pub(crate) shape: CrossSection,
-    /// Metres beyond the street's end that stay straight, with room for the crosswalk if there is one.
-    pub(crate) lead_m: f64,
-    /// Whether pedestrians may cross it.
-    pub(crate) crosswalk: bool,
-}
-
-impl Arm {
-    /// The side whose traffic enters the junction, and the sign of its lane ids.
-    pub(crate) fn incoming(&self) -> (&Side, i16) {
-        match self.contact {
-            ContactPoint::End => (&self.shape.right, -1),
-            ContactPoint::Start => (&self.shape.left, 1),
-        }
-    }
-
-    /// The side whose traffic leaves the junction, and the sign of its lane ids.
-    pub(crate) fn outgoing(&self) -> (&Side, i16) {
-        match self.contact {
-            ContactPoint::End => (&self.shape.left, 1),
-            ContactPoint::Start => (&self.shape.right, -1),
-        }
-    }
-
-    /// Turn from entering by this arm to leaving by another, radians, positive to the left.
-    pub(crate) fn turn_to(&self, other: &Self) -> f64 {
-        wrap_pi(other.outward.heading_rad - self.outward.heading_rad - PI)
-    }
-}
+use crate::arm::{Arm, counter_clockwise, inner_m, next_to_the_right, opposite};
+use crate::section::Turn;
 
 /// A way through a junction that needs a connecting road.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Movement {
     /// Arm it enters by.
     pub(crate) from: usize,
     /// Arm it leaves by.
     pub(crate) to: usize,
-    /// First driving lane it takes, counted from the inside.
+    /// First driving lane it takes, counted from the inside, pockets included.
     pub(crate) from_lane: u8,
     /// First driving lane it leads to.
     pub(crate) to_lane: u8,
     /// Number of driving lanes; 0 for a mere corner of gutter and sidewalk.
     pub(crate) lanes: u8,
-    /// Whether it follows the kerb, and so carries the gutter and the sidewalk.
+    /// Whether it carries what lies beyond the lanes of the entering and of the leaving side; what only one of them
+    /// has runs out on the way.
+    pub(crate) outer: [bool; 2],
+    /// The same for what lies inside of the lanes.
+    pub(crate) inner: [bool; 2],
+    /// Whether it goes round a kerb.
     pub(crate) corner: bool,
+    /// Whether lines are painted on it.
+    pub(crate) marked: bool,
 }
 
-/// The arm that goes straight on from each arm.
-pub(crate) fn opposite(arms: &[Arm], from: usize) -> Option<usize> {
-    let turn = |to: &usize| arms[from].turn_to(&arms[*to]).abs();
-    (0..arms.len())
-        .filter(|to| *to != from)
-        .min_by(|a, b| turn(a).total_cmp(&turn(b)))
-        .filter(|to| turn(to) < STRAIGHT_RAD)
-}
-
-/// The arm that follows counter-clockwise: the one round the corner to the right.
-pub(crate) fn next_to_the_right(arms: &[Arm], from: usize) -> Option<usize> {
-    let angle = |to: &usize| counter_clockwise(arms[from].outward.heading_rad, arms[*to].outward.heading_rad);
-    (0..arms.len()).filter(|to| *to != from).min_by(|a, b| angle(a).total_cmp(&angle(b)))
-}
-
-/// Angle from one heading counter-clockwise to another, in (0, 2 pi].
-pub(crate) fn counter_clockwise(from_rad: f64, to_rad: f64) -> f64 {
-    let angle = wrap_pi(to_rad - from_rad);
-    if angle <= 0.0 { angle + TAU } else { angle }
-}
-
-/// All movements, by entering arm, then counter-clockwise by leaving arm.
+/// All movements of a crossing, by entering arm.
 ///
-/// Straight on: every lane that has a partner. Turns to the left leave the innermost lane and turns
-/// to the right the outermost one; where nothing goes straight on, they share the lanes out.
-pub(crate) fn movements(arms: &[Arm]) -> Vec<Movement> {
+/// Pockets serve their turns alone. Other lanes: straight on from every lane that has a partner; turns to the left leave
+/// the innermost lane and turns to the right the outermost one; where nothing goes straight on, they share the lanes
+/// out. Lanes of one arm never cross one another: from the inside out they lead to arms further and further right.
+pub(crate) fn crossing(arms: &[Arm]) -> Vec<Movement> {
     let mut all = Vec::new();
-    for (from, arm) in arms.iter().enumerate() {
-        let entering = arm.incoming().0.lanes;
-        let straight = opposite(arms, from).filter(|to| arms[*to].outgoing().0.lanes > 0);
-        let corner = next_to_the_right(arms, from);
-        let mut exits: Vec<usize> = (0..arms.len()).filter(|to| *to != from).collect();
-        let angle = |to: &usize| counter_clockwise(arm.outward.heading_rad, arms[*to].outward.heading_rad);
-        exits.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
-        let turns = |left: bool| {
-            exits.iter().any(|to| {
-                Some(*to) != straight
-                    && arms[*to].outgoing().0.lanes > 0
-                    && (arm.turn_to(&arms[*to]) > 0.0) == left
-            })
-        };
-        let (to_left, to_right) = match (straight, turns(true), turns(false)) {
-            (Some(_), ..) => (1, 1),
-            (None, true, true) => (entering.div_ceil(2), (entering / 2).max(1)),
-            (None, ..) => (entering, entering),
-        };
-        for to in exits {
-            let leaving = arms[to].outgoing().0.lanes;
-            let common = entering.min(leaving);
-            let left = arm.turn_to(&arms[to]) > 0.0;
-            let lanes = common.min(if Some(to) == straight {
-                common
-            } else if left {
-                to_left
-            } else {
-                to_right
-            });
-            let corner = Some(to) == corner;
-            // What follows the kerb takes the outermost lanes; what crosses the junction the innermost ones.
-            let outside = corner || !(left || Some(to) == straight);
-            let (from_lane, to_lane) = if outside { (entering - lanes, leaving - lanes) } else { (0, 0) };
-            if lanes > 0 || corner {
-                all.push(Movement { from, to, from_lane, to_lane, lanes, corner });
-            }
-        }
+    for from in 0..arms.len() {
+        of_arm(arms, from, &mut all);
     }
     all
+}
+
+fn of_arm(arms: &[Arm], from: usize, all: &mut Vec<Movement>) {
+    let first = all.len();
+    let arm = &arms[from];
+    let exits: Vec<usize> = {
+        let open =
+            |to: &usize| *to != from && arms[*to].leaving() > 0 && arms[*to].is_rail() == arm.is_rail();
+        let angle = |to: &usize| counter_clockwise(arm.outward.heading_rad, arms[*to].outward.heading_rad);
+        let mut exits: Vec<usize> = (0..arms.len()).filter(open).collect();
+        exits.sort_by(|a, b| angle(b).total_cmp(&angle(a)));
+        exits
+    };
+    // From left to right: turns to the left, straight on, turns to the right.
+    let straight = opposite(arms, from).filter(|to| exits.contains(to));
+    let (left, right): (Vec<usize>, Vec<usize>) =
+        match straight.and_then(|s| exits.iter().position(|e| *e == s)) {
+            Some(at) => (exits[..at].to_vec(), exits[at + 1..].to_vec()),
+            None => exits.iter().partition(|to| arm.turn_to(&arms[**to]) > 0.0),
+        };
+    let lanes = shares(arm, !left.is_empty(), straight.map(|s| arms[s].leaving()), !right.is_empty());
+    let part = |lanes: &Range<u8>, i: usize, of: usize| {
+        let n = lanes.len();
+        let start = (i * n / of).min(n.saturating_sub(1));
+        let end = ((i + 1) * n / of).max(start + 1).min(n);
+        lanes.start + start as u8..lanes.start + end as u8
+    };
+    for (i, to) in left.iter().enumerate() {
+        let lanes = part(&lanes[0], i, left.len());
+        join(arms, [from, *to], lanes, 0, all);
+    }
+    if let Some(to) = straight {
+        let range = lanes[1].clone();
+        let room = arms[to].leaving().saturating_sub(range.len() as u8);
+        let at = inner_m(&arm.lanes.entering, range.start);
+        let off = |k: &u8| (inner_m(&arms[to].lanes.leaving, *k) - at).abs();
+        let to_lane = (0..=room).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
+        join(arms, [from, to], range, to_lane, all);
+    }
+    for (i, to) in right.iter().enumerate() {
+        let lanes = part(&lanes[2], i, right.len());
+        let to_lane = arms[*to].leaving().saturating_sub(lanes.len() as u8);
+        join(arms, [from, *to], lanes, to_lane, all);
+    }
+    corner(arms, from, first, all);
+}
+
+/// Lanes that lead from one arm to another, the first of them to `to_lane`; lanes too many share the outermost one.
+fn join(arms: &[Arm], [from, to]: [usize; 2], lanes: Range<u8>, to_lane: u8, all: &mut Vec<Movement>) {
+    let leaving = arms[to].leaving();
+    let common = (lanes.len() as u8).min(leaving.saturating_sub(to_lane));
+    if common > 0 {
+        let from_lane = lanes.start;
+        all.push(Movement { from, to, from_lane, to_lane, lanes: common, ..Movement::default() });
+    }
+    for from_lane in lanes.start + common..lanes.end {
+        let to_lane = leaving.saturating_sub(1);
+        all.push(Movement { from, to, from_lane, to_lane, lanes: 1, ..Movement::default() });
+    }
+}
+
+/// Lanes for turns to the left, for what goes straight on (with so many leaving lanes), and for turns to the right.
+fn shares(arm: &Arm, left: bool, straight: Option<u8>, right: bool) -> [Range<u8>; 3] {
+    let turns = arm.entering();
+    let all = turns.len() as u8;
+    // Pockets for turns that the junction does not offer are lanes like others.
+    let first = if left { turns.iter().take_while(|t| **t == Turn::Left).count() as u8 } else { 0 };
+    let pocket_right =
+        if right { turns.iter().rev().take_while(|t| **t == Turn::Right).count() as u8 } else { 0 };
+    let last = all - pocket_right.min(all - first);
+    let count = last - first;
+    // Whether turns have to share the lanes in the middle.
+    let (share_left, share_right) = (left && first == 0 && count > 0, right && last == all && count > 0);
+    let mut ranges = [0..first, first..last, last..all];
+    match straight {
+        Some(leaving) => {
+            let surplus = count.saturating_sub(leaving.max(1));
+            if share_right {
+                ranges[2] = last - surplus.max(1)..last;
+                ranges[1] = first..last - surplus;
+                if share_left {
+                    ranges[0] = first..first + 1;
+                }
+            } else if share_left {
+                ranges[0] = first..first + surplus.max(1);
+                ranges[1] = first + surplus..last;
+            }
+        }
+        None => match (share_left, share_right) {
+            (true, true) => {
+                ranges[0] = first..first + count.div_ceil(2);
+                ranges[2] = last - (count / 2).max(1)..last;
+            }
+            // Whatever is left over turns the only way there is.
+            (true, false) => ranges[0] = first..last,
+            (false, true) => ranges[2] = first..last,
+            (false, false) if left => ranges[0] = 0..last,
+            (false, false) => ranges[2] = first..all,
+        },
+    }
+    ranges
+}
+
+/// Gives gutter and sidewalk to the movement round the corner, or makes one without lanes.
+fn corner(arms: &[Arm], from: usize, first: usize, all: &mut Vec<Movement>) {
+    let Some(to) = next_to_the_right(arms, from).filter(|to| !arms[*to].is_rail() && !arms[from].is_rail())
+    else {
+        return;
+    };
+    let (entering, leaving) = (arms[from].entering().len() as u8, arms[to].leaving());
+    let fits =
+        |m: &&mut Movement| m.to == to && m.from_lane + m.lanes == entering && m.to_lane + m.lanes == leaving;
+    match all[first..].iter_mut().find(fits) {
+        Some(movement) => (movement.outer, movement.corner) = ([true; 2], true),
+        None => all.push(Movement {
+            from,
+            to,
+            from_lane: entering,
+            to_lane: leaving,
+            outer: [true; 2],
+            corner: true,
+            ..Movement::default()
+        }),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::path::Pose2;
+    use crate::section::{CrossSection, Ending, Pocket, Side};
+    use opendrive::ContactPoint;
+    use std::f64::consts::PI;
+
+    fn arm_with(heading_rad: f64, lanes: u8, ending: Ending) -> Arm {
+        let shape = CrossSection::both_ways(Side::town(lanes, 3.5).with_sidewalk(3.0), 50.0);
+        Arm {
+            edge: 0,
+            road: String::new(),
+            length_m: 100.0,
+            contact: ContactPoint::End,
+            outward: Pose2 { x_m: 0.0, y_m: 0.0, heading_rad },
+            z_m: 0.0,
+            slope: 0.0,
+            lanes: shape.end_lanes(&ending, ContactPoint::End),
+            shape,
+            lead_m: 0.5,
+            crosswalk: false,
+        }
+    }
 
     fn arm(heading_rad: f64, lanes: u8) -> Arm {
-        let side = Side { lanes, lane_m: 3.5, gutter_m: 0.5, parking_m: None, sidewalk_m: 3.0 };
-        let outward = Pose2 { x_m: 0.0, y_m: 0.0, heading_rad };
-        let shape = CrossSection { left: side, right: side, median_m: 0.0, speed_limit_kmh: 50.0 };
-        Arm { road: String::new(), contact: ContactPoint::End, outward, shape, lead_m: 0.5, crosswalk: false }
+        arm_with(heading_rad, lanes, Ending::default())
     }
 
     /// `[from, to, from_lane, to_lane, lanes, corner]`.
@@ -152,7 +200,9 @@ mod tests {
         let row = |m: &Movement| {
             [m.from, m.to, m.from_lane.into(), m.to_lane.into(), m.lanes.into(), usize::from(m.corner)]
         };
-        movements(arms).iter().map(row).collect()
+        let mut rows: Vec<[usize; 6]> = crossing(arms).iter().map(row).collect();
+        rows.sort_unstable();
+        rows
     }
 
     #[test]
@@ -163,8 +213,8 @@ mod tests {
         assert_eq!(found.len(), 12);
         // From the east: right to the north from the outer lane, straight on with both, left to the south from the inner one.
         assert_eq!(found[..3], [[0, 1, 1, 0, 1, 1], [0, 2, 0, 0, 2, 0], [0, 3, 0, 0, 1, 0]]);
-        // From the north: right to the west into its outer lane, straight on, left to the east into its inner lane.
-        assert_eq!(found[3..6], [[1, 2, 0, 1, 1, 1], [1, 3, 0, 0, 1, 0], [1, 0, 0, 0, 1, 0]]);
+        // From the north: left to the east into its inner lane, right to the west into its outer lane, straight on.
+        assert_eq!(found[3..6], [[1, 0, 0, 0, 1, 0], [1, 2, 0, 1, 1, 1], [1, 3, 0, 0, 1, 0]]);
     }
 
     #[test]
@@ -181,5 +231,55 @@ mod tests {
         assert!(found.contains(&[1, 2, 0, 1, 1, 1]));
         assert!(found.contains(&[0, 2, 0, 0, 1, 0]));
         assert_eq!(found.len(), 6);
+    }
+
+    #[test]
+    fn pockets_serve_their_turns_alone() {
+        let pockets = Ending {
+            left: Some(Pocket { lanes: 2, length_m: 40.0, taper_m: 20.0 }),
+            right: Some(Pocket::one(40.0, 20.0)),
+            ..Ending::default()
+        };
+        let arms = [arm_with(0.0, 2, pockets), arm(0.5 * PI, 2), arm(PI, 3), arm(-0.5 * PI, 2)];
+        let found = rows(&arms);
+        // Lanes 0 and 1 turn left, 2 and 3 go straight on to where they lie in line, 4 turns right.
+        assert_eq!(found[..3], [[0, 1, 4, 1, 1, 1], [0, 2, 2, 1, 2, 0], [0, 3, 0, 0, 2, 0]]);
+    }
+
+    #[test]
+    fn lanes_of_one_arm_never_cross_and_all_lead_on() {
+        for (n, m) in [(1, 1), (2, 1), (3, 1), (3, 2), (1, 3), (2, 2)] {
+            for headings in [
+                vec![0.0, 1.2, PI, 4.2],
+                vec![0.0, 0.9, 2.2, 3.1, 4.6],
+                vec![0.0, 2.0, 4.0],
+                vec![0.0, 1.7, PI],
+            ] {
+                let arms: Vec<Arm> = headings
+                    .iter()
+                    .enumerate()
+                    .map(|(i, h)| arm(*h, if i % 2 == 0 { n } else { m }))
+                    .collect();
+                let all = crossing(&arms);
+                for (from, arm) in arms.iter().enumerate() {
+                    let angle = |m: &Movement| {
+                        counter_clockwise(arm.outward.heading_rad, arms[m.to].outward.heading_rad)
+                    };
+                    let own: Vec<&Movement> = all.iter().filter(|m| m.from == from && m.lanes > 0).collect();
+                    for lane in 0..arm.entering().len() as u8 {
+                        assert!(own.iter().any(|m| (m.from_lane..m.from_lane + m.lanes).contains(&lane)));
+                    }
+                    for a in &own {
+                        for b in own.iter().filter(|b| angle(a) > angle(b)) {
+                            // `a` leads further left: none of its lanes lies outside one of `b`.
+                            assert!(
+                                a.from_lane + a.lanes <= b.from_lane + 1,
+                                "{n} {m} {headings:?}: {a:?} {b:?}"
+                            );
+                        }
+                    }
+                }
+            }
+        }
     }
 }

@@ -1,61 +1,111 @@
 //! What a town can be asked to look like, and the towns that have a name.
 
+use serde::Deserialize;
+
+use crate::layouts::{CityParameters, GridParameters, Style};
+
+/// The towns that have a name, and their parameters.
+const TOWNS: &[(&str, &str)] =
+    &[("convoy/demo", include_str!("../towns/demo.toml")), ("convoy/03", include_str!("../towns/03.toml"))];
+
 /// Why a town can't be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TownError {
     /// A parameter is out of its range.
     #[error("town parameter `{name}` is {value}, must be {range}")]
     Parameter {
-        /// Name of the parameter.
+        /// The key, with its table.
         name: &'static str,
         /// The value that was given.
         value: f64,
         /// What is allowed.
         range: &'static str,
     },
+    /// The text is no TOML, names a key that does not exist, or a value has the wrong type.
+    #[error("town parameters: {0}")]
+    Toml(String),
     /// The junctions at the ends of a street leave no room for it.
     #[error("street `{street}` has {left_m:.1} m left between its junctions, needs {needed_m:.1} m")]
     TooTight {
         /// Name of the street.
         street: String,
-        /// Distance between its junctions along the first heading, metres (negative: they overlap).
+        /// Length that is left, metres (negative: the junctions overlap).
         left_m: f64,
         /// Least length, metres.
         needed_m: f64,
     },
+    /// A street would have to climb more steeply than its traffic can.
+    #[error("street `{street}` would have a grade of {grade:.3}, its limit is {limit:.3}")]
+    TooSteep {
+        /// Name of the street.
+        street: String,
+        /// Rise over run.
+        grade: f64,
+        /// Largest rise over run.
+        limit: f64,
+    },
+    /// A bend has no room for its radius.
+    #[error("street `{street}` would bend with a radius of {radius_m:.1} m, needs {needed_m:.1} m")]
+    Bend {
+        /// Name of the street.
+        street: String,
+        /// Radius that there is room for, metres.
+        radius_m: f64,
+        /// Least radius, metres.
+        needed_m: f64,
+    },
+    /// Two roads cross that neither meet nor clear one another.
+    #[error("`{over}` crosses `{under}` only {gap_m:.2} m above it, needs 5 m (or a junction)")]
+    Clearance {
+        /// Name of the upper road.
+        over: String,
+        /// Name of the lower road.
+        under: String,
+        /// Height between them, metres.
+        gap_m: f64,
+    },
+    /// A layout asks for something that can't be.
+    #[error("{place}: {problem}")]
+    Layout {
+        /// Name of the street or node.
+        place: String,
+        /// What is wrong.
+        problem: String,
+    },
 }
 
-/// A street grid with signalised crossings inside a ring road.
-#[derive(Clone, Debug, PartialEq)]
+/// What a town is to be like: the keys of a town's TOML file.
+///
+/// ```toml
+/// name = "my/town"
+/// seed = 12
+/// style = "grid"      # its own keys are in the table of that name
+/// [grid]
+/// columns = 5
+/// ```
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct TownParameters {
     /// Name that goes into the file's header.
     pub name: String,
-    /// Seed of everything that is drawn: block sizes, relief, which streets have parking, which one is the avenue.
+    /// Seed of everything that is drawn.
     pub seed: u64,
-    /// Streets that run north, each crossing every street that runs east (1..=64).
-    pub columns: u32,
-    /// Streets that run east (1..=64).
-    pub rows: u32,
-    /// Least and largest distance between the centre lines of two neighbouring streets, metres.
-    pub block_m: [f64; 2],
-    /// Width of a driving lane, metres (2.5..=5).
+    /// Width of a driving lane in town, metres (2.5..=5).
     pub lane_width_m: f64,
-    /// Width of a sidewalk, metres (1.5..=5, and at least 1 m less than the kerb radius).
+    /// Width of a sidewalk, metres (1.5..=5).
     pub sidewalk_m: f64,
-    /// Radius of the kerb at a junction's corner, metres (3..=8).
+    /// Least radius of the kerb at a junction's corner, metres (3..=12).
     pub kerb_radius_m: f64,
-    /// Radius of the ring road's centre line in its four corners, metres (15..=45).
-    pub ring_radius_m: f64,
-    /// Widest place of the avenue's median, metres; 0 builds a painted centre line only (0..=6).
-    pub median_m: f64,
-    /// Probability that a side of a street has a parking lane (0..=1).
-    pub parking_share: f64,
-    /// Height difference between the highest and the lowest ground, metres (0..=12).
-    pub relief_m: f64,
     /// Latitude of the world's origin, degrees.
     pub latitude_deg: f64,
     /// Longitude of the world's origin, degrees.
     pub longitude_deg: f64,
+    /// Which kind of town.
+    pub style: Style,
+    /// What is particular to `style = "grid"`.
+    pub grid: GridParameters,
+    /// What is particular to `style = "city"`.
+    pub city: CityParameters,
 }
 
 impl Default for TownParameters {
@@ -63,66 +113,75 @@ impl Default for TownParameters {
         Self {
             name: "convoy/town".into(),
             seed: 0,
-            columns: 4,
-            rows: 3,
-            block_m: [70.0, 110.0],
             lane_width_m: 3.5,
             sidewalk_m: 3.0,
             kerb_radius_m: 6.0,
-            ring_radius_m: 35.0,
-            median_m: 2.4,
-            parking_share: 0.6,
-            relief_m: 4.0,
             latitude_deg: 49.0,
             longitude_deg: 8.0,
+            style: Style::default(),
+            grid: GridParameters::default(),
+            city: CityParameters::default(),
         }
     }
 }
 
 impl TownParameters {
+    /// Reads the text of a parameter file.
+    ///
+    /// # Errors
+    /// [`TownError::Toml`] for what is no such file, [`TownError::Parameter`] for values out of range.
+    pub fn from_toml(text: &str) -> Result<Self, TownError> {
+        let faulty = |e: toml::de::Error| TownError::Toml(e.to_string().trim().to_owned());
+        let parameters: Self = toml::from_str(text).map_err(faulty)?;
+        let table: toml::Table = toml::from_str(text).map_err(faulty)?;
+        let own = parameters.style.name();
+        if let Some(other) = Style::ALL.iter().map(|s| s.name()).find(|s| *s != own && table.contains_key(*s))
+        {
+            return Err(TownError::Toml(format!("the table [{other}] has no meaning for style = \"{own}\"")));
+        }
+        parameters.check()?;
+        Ok(parameters)
+    }
+
     /// Refuses values that no town can be built from.
     pub(crate) fn check(&self) -> Result<(), TownError> {
-        let within = |name, value: f64, low: f64, high: f64, range| {
-            if value >= low && value <= high {
-                Ok(())
-            } else {
-                Err(TownError::Parameter { name, value, range })
-            }
-        };
-        within("columns", f64::from(self.columns), 1.0, 64.0, "1 to 64")?;
-        within("rows", f64::from(self.rows), 1.0, 64.0, "1 to 64")?;
-        within("block_m[0]", self.block_m[0], 40.0, 1000.0, "40 to 1000 m")?;
-        within("block_m[1]", self.block_m[1], self.block_m[0], 1000.0, "from block_m[0] to 1000 m")?;
-        within("lane_width_m", self.lane_width_m, 2.5, 5.0, "2.5 to 5 m")?;
-        within("kerb_radius_m", self.kerb_radius_m, 3.0, 8.0, "3 to 8 m")?;
-        // A corner's sidewalk turns inside the kerb: beyond the radius it would fold over.
-        within(
-            "sidewalk_m",
-            self.sidewalk_m,
-            1.5,
-            (self.kerb_radius_m - 1.0).min(5.0),
-            "1.5 to 5 m, 1 m under kerb_radius_m",
-        )?;
-        within("ring_radius_m", self.ring_radius_m, 15.0, 45.0, "15 to 45 m")?;
-        within("median_m", self.median_m, 0.0, 6.0, "0 to 6 m")?;
-        within("parking_share", self.parking_share, 0.0, 1.0, "0 to 1")?;
-        within("relief_m", self.relief_m, 0.0, 12.0, "0 to 12 m")?;
-        within("latitude_deg", self.latitude_deg, -80.0, 80.0, "-80 to 80 degrees")?;
-        within("longitude_deg", self.longitude_deg, -180.0, 180.0, "-180 to 180 degrees")
+        within("lane_width_m", self.lane_width_m, [2.5, 5.0], "2.5 to 5 m")?;
+        within("sidewalk_m", self.sidewalk_m, [1.5, 5.0], "1.5 to 5 m")?;
+        within("kerb_radius_m", self.kerb_radius_m, [3.0, 12.0], "3 to 12 m")?;
+        within("latitude_deg", self.latitude_deg, [-80.0, 80.0], "-80 to 80 degrees")?;
+        within("longitude_deg", self.longitude_deg, [-180.0, 180.0], "-180 to 180 degrees")?;
+        self.style.check(self)
     }
+
+    /// The projection of the town's coordinates.
+    pub(crate) fn geo_reference(&self) -> String {
+        format!(
+            "+proj=tmerc +lat_0={} +lon_0={} +k=1 +x_0=0 +y_0=0 +datum=WGS84 +units=m +vunits=m +no_defs",
+            self.latitude_deg, self.longitude_deg
+        )
+    }
+}
+
+/// Checks that a value is in its range (NaN never is).
+pub(crate) fn within(
+    name: &'static str,
+    value: f64,
+    [low, high]: [f64; 2],
+    range: &'static str,
+) -> Result<(), TownError> {
+    if value >= low && value <= high { Ok(()) } else { Err(TownError::Parameter { name, value, range }) }
 }
 
 /// Names that [`named`] knows, in order.
 #[must_use]
-pub fn names() -> &'static [&'static str] {
-    &["convoy/demo"]
+pub fn names() -> Vec<&'static str> {
+    TOWNS.iter().map(|(name, _)| *name).collect()
 }
 
 /// The parameters of a named town.
 #[must_use]
 pub fn named(name: &str) -> Option<TownParameters> {
-    match name {
-        "convoy/demo" => Some(TownParameters { name: name.into(), seed: 7, ..TownParameters::default() }),
-        _ => None,
-    }
+    let (_, text) = TOWNS.iter().find(|(known, _)| *known == name)?;
+    let parameters = TownParameters::from_toml(text).ok()?;
+    Some(TownParameters { name: name.to_owned(), ..parameters })
 }

@@ -260,7 +260,7 @@ fn the_demo_town_has_what_it_promises() {
 
 #[test]
 fn the_same_seed_gives_the_same_bytes() {
-    assert_eq!(names(), ["convoy/demo"]);
+    assert!(names().contains(&"convoy/demo"));
     let first = write(&demo());
     assert_eq!(first, write(&demo()));
     let other = TownParameters { seed: 8, ..named("convoy/demo").expect("named") };
@@ -275,15 +275,18 @@ fn impossible_towns_are_refused() {
     let parameter = |error: TownError| match error {
         TownError::Parameter { name, .. } => name,
         TownError::TooTight { .. } => "tight",
+        other => panic!("{other}"),
     };
-    assert_eq!(parameter(refused(TownParameters { columns: 0, ..base() })), "columns");
-    assert_eq!(parameter(refused(TownParameters { block_m: [90.0, 80.0], ..base() })), "block_m[1]");
-    assert_eq!(parameter(refused(TownParameters { relief_m: f64::NAN, ..base() })), "relief_m");
-    assert_eq!(
-        parameter(refused(TownParameters { sidewalk_m: 4.0, kerb_radius_m: 4.0, ..base() })),
-        "sidewalk_m"
-    );
-    assert_eq!(parameter(refused(TownParameters { block_m: [40.0, 41.0], ..base() })), "tight");
+    let grid = |change: fn(&mut TownParameters)| {
+        let mut parameters = base();
+        change(&mut parameters);
+        parameter(refused(parameters))
+    };
+    assert_eq!(grid(|p| p.grid.columns = 0), "grid.columns");
+    assert_eq!(grid(|p| p.grid.block_m = [90.0, 80.0]), "grid.block_m[1]");
+    assert_eq!(grid(|p| p.grid.relief_m = f64::NAN), "grid.relief_m");
+    assert_eq!(grid(|p| p.sidewalk_m = 1.0), "sidewalk_m");
+    assert_eq!(grid(|p| p.grid.block_m = [40.0, 41.0]), "tight");
 }
 
 proptest! {
@@ -292,8 +295,8 @@ proptest! {
     fn every_town_holds_together(seed in any::<u64>(), columns in 1..4u32, rows in 1..4u32, lane_width_m in 3.0..3.8f64,
                                  kerb_radius_m in 4.5..7.0f64, sidewalk_m in 2.0..3.5f64,
                                  median_m in prop::sample::select(vec![0.0, 2.0, 3.5])) {
-        check_all(&build(&TownParameters {
-            seed, columns, rows, lane_width_m, kerb_radius_m, sidewalk_m, median_m, ..TownParameters::default()
-        }));
+        let mut parameters = TownParameters { seed, lane_width_m, kerb_radius_m, sidewalk_m, ..TownParameters::default() };
+        (parameters.grid.columns, parameters.grid.rows, parameters.grid.median_m) = (columns, rows, median_m);
+        check_all(&build(&parameters));
     }
 }

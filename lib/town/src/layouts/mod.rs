@@ -1,0 +1,55 @@
+//! The styles of towns: each turns its parameters into a layout.
+//!
+//! A new style is a file here with a `Parameters` struct (public, `#[serde(default, deny_unknown_fields)]`) that has
+//! `check` and `layout`, one variant of [`Style`] with its arms below, and its table in
+//! [`TownParameters`](crate::TownParameters).
+
+mod city;
+mod grid;
+
+pub use city::CityParameters;
+pub use grid::GridParameters;
+
+use serde::Deserialize;
+
+use crate::layout::Layout;
+use crate::{TownError, TownParameters};
+
+/// Which kind of town.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Style {
+    /// Signalised blocks inside a ring road.
+    #[default]
+    Grid,
+    /// A city with boulevards, turn lanes, a roundabout and an underpass.
+    City,
+}
+
+impl Style {
+    /// Every style.
+    pub const ALL: [Self; 2] = [Self::Grid, Self::City];
+
+    /// Its name in a parameter file: the value of `style`, and the name of its table.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Grid => "grid",
+            Self::City => "city",
+        }
+    }
+
+    pub(crate) fn check(self, parameters: &TownParameters) -> Result<(), TownError> {
+        match self {
+            Self::Grid => parameters.grid.check(parameters),
+            Self::City => parameters.city.check(),
+        }
+    }
+
+    pub(crate) fn layout(self, parameters: &TownParameters) -> Result<Layout, TownError> {
+        match self {
+            Self::Grid => Ok(grid::layout(parameters)),
+            Self::City => Ok(city::layout(parameters)),
+        }
+    }
+}
