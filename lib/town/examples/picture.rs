@@ -63,6 +63,9 @@ fn lane_colour(lane_type: LaneType) -> [u8; 3] {
         LaneType::Parking => [70, 85, 120],
         LaneType::Sidewalk => [190, 180, 165],
         LaneType::Median => [90, 150, 80],
+        LaneType::Biking => [150, 75, 65],
+        LaneType::None => [105, 160, 85],
+        LaneType::Rail => [130, 110, 95],
         _ => [200, 60, 200],
     }
 }
@@ -122,7 +125,7 @@ fn draw(canvas: &mut Canvas, map: &Map) {
     }
     for object in map.objects() {
         let colour = match object.kind.as_str() {
-            "crosswalk" => [250, 250, 250],
+            "crosswalk" => [170, 170, 175],
             "parkingSpace" => [110, 130, 180],
             _ => [255, 120, 120],
         };
