@@ -1,6 +1,6 @@
 //! Draws a named town from above: `cargo run --example picture -- convoy/demo town.png [metres a pixel] [x y half_m]`.
 //!
-//! A target that ends in `.xodr` is written as a map file instead.
+//! A name that ends in `.xodr` is a map file to draw; a target that does is written as a map file instead.
 
 use opendrive::{LaneType, Map, MarkColour};
 use std::error::Error;
@@ -75,7 +75,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let name = args.first().map_or("convoy/demo", String::as_str);
     let target = args.get(1).map_or("town.png", String::as_str);
     let numbers: Vec<f64> = args.iter().skip(2).map(|a| a.parse()).collect::<Result<_, _>>()?;
-    let network = town::generate(&town::named(name).ok_or("no town of that name")?)?;
+    let network = if name.ends_with(".xodr") {
+        opendrive::read_bytes(&std::fs::read(name)?)?
+    } else {
+        town::generate(&town::named(name).ok_or("no town of that name")?)?
+    };
     if target.ends_with(".xodr") {
         std::fs::write(target, opendrive::write(&network))?;
         return Ok(());

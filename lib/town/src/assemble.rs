@@ -112,8 +112,7 @@ fn build_street(ids: &mut Ids, layout: &Layout, places: &[Place], index: usize) 
     }
     let path = route(edge, [ends[0].0, ends[1].0])?;
     let heights = [ends[0].1, ends[1].1];
-    let max_grade = edge.shape.max_grade;
-    let elevation = elevation(&edge.name, &path, &layout.terrain, heights, &edge.anchors, max_grade)?;
+    let elevation = elevation(edge, &path, &layout.terrain, heights)?;
     let endings = [edge.from.ending, edge.to.ending];
     street(ids, street::Plan { name: &edge.name, path, elevation, shape: &edge.shape, endings })
 }
@@ -207,7 +206,7 @@ fn header(layout: &Layout, roads: &[Road]) -> Header {
         // No date: the same town has the same bytes on every day.
         vendor: "Convoy".into(),
         bounds_m: Some(bounds).filter(|b| b.iter().all(|v| v.is_finite())),
-        geo_reference: Some(layout.geo_reference.clone()),
+        geo_reference: Some(layout.geo_reference.clone()).filter(|text| !text.is_empty()),
         ..Header::default()
     }
 }

@@ -12,6 +12,7 @@ use crate::junction::Built;
 use crate::layout::{Control, NodeKind};
 use crate::marks::KERB_M;
 use crate::movements::Movement;
+use crate::path::Path;
 use crate::section::{EndStrip, Turn, Use};
 use crate::street::rectangle;
 
@@ -25,6 +26,8 @@ const STOP_LINE_AT_M: f64 = 0.4;
 const STOP_LINE_M: f64 = 0.4;
 /// Lower edge of a sign over the carriageway, metres.
 const SIGN_AT_M: f64 = 2.3;
+/// Turns sharper than this are turns to the left, radians.
+const LEFT_RAD: f64 = 0.4;
 /// Medians at least this wide carry the signal of a turn pocket, metres.
 const POST_MEDIAN_M: f64 = 0.8;
 
@@ -144,7 +147,7 @@ pub(crate) fn equip(
         all.push(here);
         lights.push(if *hold == Hold::Light { own } else { [None, None] });
     }
-    let controllers = controllers(ids, arms, &lights);
+    let controllers = controllers(ids, arms, &lights, built);
     for (sequence, controller) in (0..).zip(&controllers) {
         built.junction.controllers.push(JunctionController {
             id: controller.id.clone(),
@@ -238,22 +241,79 @@ fn stop_line(ids: &mut Ids, arm: &Arm, lanes: &[&EndStrip]) -> Option<Object> {
 
 /// Phases: for each pair of facing arms one for everything but the left pockets, then one for the left pockets of both;
 /// the same for each arm that is left. Turns to the left without a pocket are green together with the oncoming traffic
-/// and yield to it.
-fn controllers(ids: &mut Ids, arms: &[Arm], lights: &[[Option<String>; 2]]) -> Vec<Controller> {
+/// and yield to it. Where the turns to the left of two arms would cut each other, they never are green together.
+fn controllers(
+    ids: &mut Ids,
+    arms: &[Arm],
+    lights: &[[Option<String>; 2]],
+    built: &Built,
+) -> Vec<Controller> {
     let mut controllers: Vec<Controller> = Vec::new();
     for (first, partner) in pairs(arms) {
-        let members = [Some(first), partner].into_iter().flatten();
-        let of = |group: usize| -> Vec<String> {
-            members.clone().filter_map(|arm| lights.get(arm)?[group].clone()).collect()
+        let of = |group: usize, arm: usize| lights.get(arm).and_then(|l| l[group].clone());
+        let phases: Vec<Vec<Option<String>>> = match partner {
+            // An arm that nothing faces has no oncoming traffic: its pockets are green with the rest of it.
+            None => vec![vec![of(1, first), of(0, first)]],
+            Some(partner) => {
+                let cut = lefts_cut(arms, built, first, partner);
+                let pocket = |arm| of(0, arm).is_some();
+                match (cut, pocket(first) || pocket(partner)) {
+                    (false, _) => {
+                        vec![vec![of(1, first), of(1, partner)], vec![of(0, first), of(0, partner)]]
+                    }
+                    (true, true) if pocket(first) && pocket(partner) => {
+                        vec![vec![of(1, first), of(1, partner)], vec![of(0, first)], vec![of(0, partner)]]
+                    }
+                    (true, _) => vec![vec![of(1, first), of(0, first)], vec![of(1, partner), of(0, partner)]],
+                }
+            }
         };
-        let [pockets, others] = [of(0), of(1)];
-        // An arm that nothing faces has no oncoming traffic: its pockets are green with the rest of it.
-        let phases = if partner.is_some() { vec![others, pockets] } else { vec![[others, pockets].concat()] };
-        for signals in phases.into_iter().filter(|signals| !signals.is_empty()) {
+        let phases = phases.into_iter().map(|phase| phase.into_iter().flatten().collect::<Vec<String>>());
+        for signals in phases.filter(|signals| !signals.is_empty()) {
             let id = ids.next();
             let sequence = u32::try_from(controllers.len()).ok();
             controllers.push(Controller { name: format!("ctrl{id}"), id, sequence, signals, ..Controller::default() });
         }
     }
     controllers
+}
+
+/// Whether some turn to the left of one arm cuts one of another's.
+fn lefts_cut(arms: &[Arm], built: &Built, a: usize, b: usize) -> bool {
+    let lefts = |arm: usize| -> Vec<Vec<[f64; 2]>> {
+        let turns = built
+            .movements
+            .iter()
+            .zip(&built.roads)
+            .filter(|(m, _)| m.from == arm && m.lanes > 0 && arms[arm].turn_to(&arms[m.to]) > LEFT_RAD);
+        turns
+            .flat_map(|(m, road)| tracks(road, arms[arm].shape.entering(arms[arm].contact).lane_m, m.lanes))
+            .collect()
+    };
+    let (of_a, of_b) = (lefts(a), lefts(b));
+    of_a.iter().any(|a| of_b.iter().any(|b| cut(a, b)))
+}
+
+/// The middles of a connecting road's lanes, as chains of points.
+fn tracks(road: &Road, lane_m: f64, lanes: u8) -> Vec<Vec<[f64; 2]>> {
+    let path = Path::of(road);
+    (0..lanes)
+        .map(|k| {
+            let right_m = (f64::from(k) + 0.5) * lane_m;
+            let at = |i: u32| {
+                let p = path.pose_at(path.length_m * f64::from(i) / 40.0).moved(0.0, -right_m);
+                [p.x_m, p.y_m]
+            };
+            (0..=40).map(at).collect()
+        })
+        .collect()
+}
+
+/// Whether two chains of points cut one another.
+fn cut(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
+    let side = |p: &[[f64; 2]], r: [f64; 2]| {
+        (p[1][0] - p[0][0]) * (r[1] - p[0][1]) - (p[1][1] - p[0][1]) * (r[0] - p[0][0])
+    };
+    let split = |p: &[[f64; 2]], q: &[[f64; 2]]| side(p, q[0]) * side(p, q[1]) < 0.0;
+    a.windows(2).any(|p| b.windows(2).any(|q| split(p, q) && split(q, p)))
 }

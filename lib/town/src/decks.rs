@@ -219,7 +219,7 @@ fn crossings(lines: &[Line]) -> Vec<Crossing> {
     found
 }
 
-/// Where two segments cross, as shares of each, and the sine of their angle; touching ends do not count.
+/// Where two segments cross, as shares of each, and the sine of their angle.
 fn cross(a: &[[f64; 4]], b: &[[f64; 4]]) -> Option<(f64, f64, f64)> {
     let d = [a[1][1] - a[0][1], a[1][2] - a[0][2]];
     let e = [b[1][1] - b[0][1], b[1][2] - b[0][2]];
@@ -230,7 +230,8 @@ fn cross(a: &[[f64; 4]], b: &[[f64; 4]]) -> Option<(f64, f64, f64)> {
         return None;
     }
     let (u, v) = ((w[0] * e[1] - w[1] * e[0]) / area, (w[0] * d[1] - w[1] * d[0]) / area);
-    let inside = |x: f64| x > 1e-6 && x < 1.0 - 1e-6;
+    // Half open, so that a crossing at a common point of two segments counts once.
+    let inside = |x: f64| (0.0..1.0).contains(&x);
     (inside(u) && inside(v)).then_some((u, v, area.abs() / size))
 }
 

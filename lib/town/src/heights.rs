@@ -1,7 +1,7 @@
 //! How high a road runs: along the ground, smoothed to what its traffic can climb.
 
 use crate::TownError;
-use crate::layout::Anchor;
+use crate::layout::Edge;
 use crate::path::Path;
 use crate::profile::Profile;
 use crate::terrain::Terrain;
@@ -24,18 +24,17 @@ pub(crate) struct EndHeight {
     pub(crate) lift_m: f64,
 }
 
-/// The elevation of a road between two ends: the ground's height plus the anchors' lift, with everything smoothed that
-/// is steeper than `max_grade`. Anchors keep their height.
+/// The elevation of an edge between two ends: the ground's height plus the anchors' lift, even where it is asked to be,
+/// with everything smoothed that is steeper than its traffic can climb. Anchors keep their height.
 pub(crate) fn elevation(
-    name: &str,
+    edge: &Edge,
     path: &Path,
     terrain: &Terrain,
     [start, end]: [EndHeight; 2],
-    anchors: &[Anchor],
-    max_grade: f64,
 ) -> Result<Profile, TownError> {
-    let length = path.length_m;
-    let mut fixed: Vec<(f64, f64)> = anchors.iter().map(|a| (path.nearest_s(a.at_m), a.lift_m)).collect();
+    let (length, max_grade) = (path.length_m, edge.shape.max_grade);
+    let mut fixed: Vec<(f64, f64)> =
+        edge.anchors.iter().map(|a| (path.nearest_s(a.at_m), a.lift_m)).collect();
     fixed.sort_by(|a, b| a.0.total_cmp(&b.0));
     // Anchors beside an end would fight with it.
     fixed.retain(|(s, _)| *s > 5.0 && *s < length - 5.0);
@@ -57,6 +56,13 @@ pub(crate) fn elevation(
         terrain.bank(p.x_m, p.y_m) + lift.at(s)
     };
     let mut z: Vec<f64> = stations.iter().map(|(s, _)| target(*s)).collect();
+    for ends in &edge.even {
+        let [a, b] = ends.map(|at| path.nearest_s(at));
+        let (from, to) = (a.min(b), a.max(b));
+        for ((s, _), z) in stations.iter().zip(&mut z).filter(|((s, _), _)| *s >= from && *s <= to) {
+            *z = target(from) + (target(to) - target(from)) * (s - from) / (to - from).max(1.0);
+        }
+    }
     let last = z.len() - 1;
     (z[0], z[last]) = (start.z_m, end.z_m);
     let mut steepest = f64::INFINITY;
@@ -91,7 +97,7 @@ pub(crate) fn elevation(
             }
         }
     }
-    Err(TownError::TooSteep { street: name.to_owned(), grade: steepest, limit: max_grade })
+    Err(TownError::TooSteep { street: edge.name.clone(), grade: steepest, limit: max_grade })
 }
 
 /// The stations with the slopes of a parabola through each and its neighbours.
@@ -117,6 +123,7 @@ fn with_slopes(stations: &[(f64, bool)], z: &[f64], ends: [f64; 2]) -> Vec<[f64;
 mod tests {
     use super::*;
     use crate::path::{Piece, Pose2};
+    use crate::section::{CrossSection, Side};
     use crate::terrain::{Hill, Wave};
 
     fn straight(length_m: f64) -> Path {
@@ -127,14 +134,19 @@ mod tests {
         EndHeight { z_m, slope: 0.0, lift_m: 0.0 }
     }
 
+    fn road(max_grade: f64) -> Edge {
+        let shape = CrossSection { max_grade, ..CrossSection::both_ways(Side::town(1, 3.5), 50.0) };
+        Edge::new("a", 0, 1, shape)
+    }
+
     #[test]
     fn gentle_ground_is_followed() {
         let terrain = Terrain {
             waves: vec![Wave { amplitude_m: 4.0, period_m: 500.0, heading_rad: 0.0, phase_rad: 0.0 }],
             ..Terrain::flat()
         };
-        let path = straight(500.0);
-        let heights = elevation("a", &path, &terrain, [end(0.0), end(0.0)], &[], 0.08).expect("gentle");
+        let heights =
+            elevation(&road(0.08), &straight(500.0), &terrain, [end(0.0), end(0.0)]).expect("gentle");
         for i in 2..=18 {
             let s = 25.0 * f64::from(i);
             assert!((heights.at(s) - terrain.bank(s, 0.0)).abs() < 0.15, "{s}");
@@ -148,19 +160,22 @@ mod tests {
             hills: vec![Hill { at_m: [200.0, 0.0], height_m: 30.0, radius_m: 40.0 }],
             ..Terrain::flat()
         };
-        let path = straight(400.0);
-        let heights = elevation("a", &path, &terrain, [end(0.0), end(0.0)], &[], 0.06).expect("smoothed");
+        let (over, path) = (road(0.06), straight(400.0));
+        let heights = elevation(&over, &path, &terrain, [end(0.0), end(0.0)]).expect("smoothed");
         assert!(heights.steepest(400.0) <= 0.06 && heights.at(200.0) > 2.0);
-        let refused = elevation("a", &straight(100.0), &terrain, [end(0.0), end(30.0)], &[], 0.06);
+        let refused = elevation(&over, &straight(100.0), &terrain, [end(0.0), end(30.0)]);
         assert!(matches!(refused, Err(TownError::TooSteep { .. })));
+        // A tunnel goes straight through.
+        let through = road(0.06).evenly([60.0, 0.0], [340.0, 0.0]);
+        let heights = elevation(&through, &path, &terrain, [end(0.0), end(0.0)]).expect("even");
+        assert!(heights.at(200.0).abs() < 0.5);
     }
 
     #[test]
     fn anchors_hold_a_deck_up() {
-        let anchors = [Anchor { at_m: [200.0, 0.0], lift_m: 7.0 }];
-        let path = straight(400.0);
+        let deck = road(0.06).lifted([200.0, 0.0], 7.0);
         let heights =
-            elevation("a", &path, &Terrain::flat(), [end(0.0), end(0.0)], &anchors, 0.06).expect("fits");
+            elevation(&deck, &straight(400.0), &Terrain::flat(), [end(0.0), end(0.0)]).expect("fits");
         assert!((heights.at(200.0) - 7.0).abs() < 1e-9 && heights.steepest(400.0) <= 0.06);
     }
 }

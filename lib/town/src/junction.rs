@@ -14,7 +14,7 @@ use crate::marks;
 use crate::movements::Movement;
 use crate::path::{Bend, Path, Piece};
 use crate::profile::{hermite, ramp};
-use crate::section::{EndStrip, Use};
+use crate::section::{EndStrip, Turn, Use};
 use crate::street::{heights, lane_type, rectangle, road_type};
 
 /// Straight metres beyond a street's end where there is a crosswalk, and where there is none.
@@ -166,7 +166,10 @@ fn connecting_road(ids: &mut Ids, junction: &str, plan: &Plan<'_>, movement: &Mo
     }
     let between = [inner_m(entry, movement.from_lane), inner_m(exit, movement.to_lane)];
     if left.is_empty() && movement.lanes > 0 && !rail {
-        if is_opposite(arms, movement) && between.iter().all(|b| *b > FILL_FROM_M) {
+        // Only pockets lie further inside, on the way in; on the way out nothing.
+        let pockets = from.entering().iter().take_while(|t| **t == Turn::Left).count();
+        let innermost = movement.to_lane == 0 && usize::from(movement.from_lane) <= pockets;
+        if innermost && is_opposite(arms, movement) && between.iter().all(|b| *b > FILL_FROM_M) {
             // Between the directions of a wide street the junction is paved, too.
             let widths = vec![ramp(0.0, between[0], length, between[1])];
             let marks = vec![marks::none()];

@@ -188,6 +188,8 @@ pub(crate) struct Edge {
     pub(crate) shape: CrossSection,
     /// Heights over the ground between the nodes, in order; from one to the next the lift changes smoothly.
     pub(crate) anchors: Vec<Anchor>,
+    /// Stretches, by the points nearest to their ends, on which it runs evenly whatever the ground does.
+    pub(crate) even: Vec<[[f64; 2]; 2]>,
     /// Smallest radius of its bends, metres.
     pub(crate) min_radius_m: f64,
 }
@@ -203,6 +205,7 @@ impl Edge {
             line: Line::Via(Vec::new()),
             shape,
             anchors: Vec::new(),
+            even: Vec::new(),
             min_radius_m: shape.reach_m() + 2.0,
         }
     }
@@ -249,6 +252,13 @@ impl Edge {
     /// It keeps a height over (or, negative, under) the ground near a point.
     pub(crate) fn lifted(mut self, at_m: [f64; 2], lift_m: f64) -> Self {
         self.anchors.push(Anchor { at_m, lift_m });
+        self
+    }
+
+    /// Between the places nearest to two points it runs evenly from one height to the other: through a hill in a tunnel,
+    /// over a valley on a bridge.
+    pub(crate) fn evenly(mut self, from_m: [f64; 2], to_m: [f64; 2]) -> Self {
+        self.even.push([from_m, to_m]);
         self
     }
 

@@ -37,6 +37,12 @@ mod street;
 mod strips;
 mod terrain;
 
+#[cfg(test)]
+#[path = "../tests/check/mod.rs"]
+mod check;
+#[cfg(test)]
+mod proofs;
+
 pub use layouts::{CityParameters, GridParameters, Style};
 pub use parameters::{TownError, TownParameters, named, names};
 
