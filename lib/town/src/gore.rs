@@ -35,3 +35,14 @@ pub(crate) fn gore(path: &Path, forks: [bool; 2], width_m: f64) -> Option<Lane> 
     }
     Some(Lane { id: 1, lane_type: LaneType::Shoulder, widths, marks: vec![marks::none()], ..Lane::default() })
 }
+
+/// Pavement to the left of a turn where the street at either end is wider in its middle than the turn's lanes reach: a
+/// wedge from each end. `widths_m`: from the turn's left border to the middle of the street, at both ends.
+pub(crate) fn wedges(length_m: f64, widths_m: [f64; 2]) -> Option<Lane> {
+    if widths_m.iter().all(|w| *w < 0.1) {
+        return None;
+    }
+    let half = 0.5 * length_m;
+    let widths = vec![ramp(0.0, widths_m[0], half, 0.0), ramp(half, 0.0, half, widths_m[1])];
+    Some(Lane { id: 1, lane_type: LaneType::Shoulder, widths, marks: vec![marks::none()], ..Lane::default() })
+}

@@ -9,11 +9,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::arm::{Arm, inner_m, opposite, runs};
 use crate::assemble::Ids;
-use crate::gore::gore;
+use crate::gore::{gore, wedges};
 use crate::marks;
 use crate::movements::Movement;
 use crate::path::{Bend, Path, Piece};
-use crate::profile::{hermite, ramp};
+use crate::profile::{hermite, ramp, swing};
 use crate::section::{EndStrip, Turn, Use};
 use crate::street::{heights, lane_type, rectangle, road_type};
 
@@ -162,7 +162,10 @@ fn connecting_road(ids: &mut Ids, junction: &str, plan: &Plan<'_>, movement: &Mo
     for pair in paired(&inner_in, &inner_out) {
         let edge = pair.iter().flatten().any(|s| s.kind == Use::Edge);
         let mark = if edge && (kerbs[0] || kerbs[1]) { marks::kerb() } else { marks::none() };
-        left.push(lane_of(pair, left.len() as i16 + 1, mark));
+        let lane = lane_of(pair, left.len() as i16 + 1, mark);
+        let width = |end: Option<&EndStrip>| end.map_or(0.0, |s| s.width_m);
+        // The border on its other side belongs to the opposite traffic, which swings aside in arcs, too.
+        left.push(Lane { widths: swing(width(pair[0]), length, width(pair[1])), ..lane });
     }
     let between = [inner_m(entry, movement.from_lane), inner_m(exit, movement.to_lane)];
     if left.is_empty() && movement.lanes > 0 && !rail {
@@ -182,6 +185,10 @@ fn connecting_road(ids: &mut Ids, junction: &str, plan: &Plan<'_>, movement: &Mo
                 |arm: usize, lanes: usize| opposite(arms, arm).is_none() && lanes > movement.lanes.into();
             let forks = [fork(movement.from, from.entering().len()), fork(movement.to, to.leaving().into())];
             left.extend(gore(&path, forks, from.shape.entering(from.contact).lane_m));
+            if left.is_empty() && !movement.marked {
+                let gap = |lane: u8, k: usize| if lane == 0 { between[k].max(0.0) } else { 0.0 };
+                left.extend(wedges(length, [gap(movement.from_lane, 0), gap(movement.to_lane, 1)]));
+            }
         }
     }
     let mut section = LaneSection { left, right, ..LaneSection::default() };
@@ -208,7 +215,8 @@ fn is_opposite(arms: &[Arm], movement: &Movement) -> bool {
 /// The line on the left of a connecting road's lanes.
 fn centre_mark(arms: &[Arm], movement: &Movement) -> RoadMark {
     let from = &arms[movement.from];
-    let painted = movement.marked && !from.is_rail() && movement.from_lane == 0;
+    let innermost = movement.from_lane == 0 && movement.to_lane == 0;
+    let painted = movement.marked && !from.is_rail() && innermost;
     let lone = from.shape.is_one_way() || from.shape.median.through;
     if painted && (lone && movement.inner != [false; 2]) {
         marks::line(MarkType::Solid, MarkColour::Yellow)

@@ -128,6 +128,17 @@ pub(crate) fn ramp(s: f64, from: f64, length: f64, to: f64) -> Cubic {
     hermite(s, from, 0.0, length, to, 0.0)
 }
 
+/// From one value to another as two equal arcs swing aside: a parabola each.
+pub(crate) fn swing(from: f64, length: f64, to: f64) -> Vec<Cubic> {
+    if from == to {
+        return vec![Cubic::constant(from)];
+    }
+    let rise = to - from;
+    let c = 2.0 * rise / (length * length);
+    let half = Cubic { s: 0.5 * length, a: from + 0.5 * rise, b: 2.0 * rise / length, c: -c, d: 0.0 };
+    vec![Cubic { c, ..Cubic::constant(from) }, half]
+}
+
 /// The cubic with the given values and slopes at its ends.
 pub(crate) fn hermite(s: f64, z0: f64, m0: f64, length: f64, z1: f64, m1: f64) -> Cubic {
     let mean = (z1 - z0) / length;

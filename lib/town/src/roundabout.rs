@@ -6,7 +6,7 @@ use opendrive::ContactPoint;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::TownError;
-use crate::arm::{counter_clockwise, inner_m};
+use crate::arm::{counter_clockwise, inner_m, runs};
 use crate::junction::lead_m;
 use crate::layout::{Edge, Layout, Line, Node, NodeKind, Role};
 use crate::path::{Piece, Pose2};
@@ -25,7 +25,7 @@ const SPLITTER_M: f64 = 3.0;
 /// Radius up to which entries and exits widen where there is room, metres.
 const CORNER_M: f64 = 14.0;
 /// Least radius that is left inside of an entry's sidewalk, metres.
-const LEAST_M: f64 = 1.5;
+const LEAST_M: f64 = 3.0;
 /// Least length of a piece of the ring between two streets, metres.
 const PIECE_M: f64 = 4.0;
 /// The ground is levelled this far beyond the streets' ends, and blends out as far again, metres.
@@ -84,7 +84,12 @@ fn ring(
             let heading_rad = wrap_pi(heading(layout, &layout.edges[i], contact));
             // A street has its crosswalk where it has sidewalks on both sides.
             let walked = node.crosswalks && edge.shape.left.sidewalk_m.min(edge.shape.right.sidewalk_m) > 0.0;
-            let sides = [&strips.entering, &strips.leaving].map(|s| (inner_m(s, 0), paved_m(s)));
+            // What turns into the ring is as wide as it is on the street, or as there.
+            let sides = [&strips.entering, &strips.leaving].map(|s| {
+                let common = runs(s).count().min(lanes.into()) as f64;
+                let inner = inner_m(s, 0);
+                (inner, (paved_m(s) - inner).max(common * lane_m + 0.5))
+            });
             let beyond_m = edge.shape.right.beyond_kerb_m().max(edge.shape.left.beyond_kerb_m());
             let (half_rad, reach_m) = fit(island_m, sides, beyond_m)
                 .ok_or_else(|| problem("the roundabout is too small for its streets"))?;
@@ -145,7 +150,7 @@ fn ring(
 
 /// Half the angle of a street's junction on the ring, and how far from the centre the street's straight part may begin:
 /// the smallest angle at which entry and exit turn round the kerb with room for the sidewalk. `sides`: distance from
-/// the street's axis to its innermost lane and to its kerb, entering and leaving.
+/// the street's axis to its innermost lane, and from there to the kerb, entering and leaving.
 ///
 /// In the street's frame (x outwards, y to the entering side) the entry comes in along y = e and meets the tangent of
 /// the ring at angle a, x = (r - e sin a) / cos a; from there it is u = (r sin a - e) / cos a along the ring's tangent to
@@ -158,11 +163,11 @@ fn fit(ring_m: f64, sides: [(f64, f64); 2], beyond_m: f64) -> Option<(f64, f64)>
     let mut angle = asin(least);
     while angle < 1.2 {
         let mut reach = 0.0f64;
-        let fits = sides.iter().all(|(inner, kerb)| {
+        let fits = sides.iter().all(|(inner, paved)| {
             let leg = (ring_m * sin(angle) - inner) / cos(angle);
             let radius = leg / tan(0.5 * (FRAC_PI_2 - angle));
             reach = reach.max((ring_m - inner * sin(angle)) / cos(angle) + leg);
-            radius - (kerb - inner) - beyond_m >= LEAST_M
+            radius - paved - beyond_m >= LEAST_M
         });
         if fits {
             return Some((angle, reach));
