@@ -10,6 +10,7 @@ use crate::decks::{decks, reach_m};
 use crate::heights::{EndHeight, elevation};
 use crate::junction::{self, junction};
 use crate::layout::{Layout, Node, NodeKind};
+use crate::limits::limit_sign;
 use crate::movements::{Movement, crossing};
 use crate::path::{Path, Pose2};
 use crate::place::{Place, places};
@@ -168,8 +169,9 @@ fn build_junction(ids: &mut Ids, node: &Node, place: &Place, network: &mut Netwo
     };
     let mut built = junction(ids, &plan, movements(node, place));
     let (controllers, furniture) = equip(ids, &mut built, &place.arms, &place.holds);
-    for (arm, here) in place.arms.iter().zip(furniture) {
+    for (i, (arm, here)) in place.arms.iter().zip(furniture).enumerate() {
         let street = &mut network.roads[arm.edge];
+        street.signals.extend(limit_sign(ids, &place.arms, i, street));
         street.signals.extend(here.signals);
         street.objects.extend(here.objects);
         let link = Some(RoadLink::Junction { id: built.junction.id.clone() });

@@ -21,8 +21,10 @@ mod decks;
 mod gore;
 mod heights;
 mod junction;
+#[allow(dead_code)] // The styles to come use what is left.
 mod layout;
 mod layouts;
+mod limits;
 mod marks;
 mod movements;
 mod parameters;
@@ -32,6 +34,7 @@ mod profile;
 mod roundabout;
 mod route;
 mod seam;
+#[allow(dead_code)] // The same.
 mod section;
 mod street;
 mod strips;

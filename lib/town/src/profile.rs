@@ -65,6 +65,7 @@ impl Profile {
     }
 
     /// Its slope, from the right at a knot.
+    #[cfg(test)]
     pub(crate) fn slope(&self, s: f64) -> f64 {
         moved(&self.piece(s), s).b
     }

@@ -160,7 +160,7 @@ impl<'a> City<'a> {
                 Some(NodeKind::Roundabout { island_m: self.parameters.city.island_m, lanes: 2 })
             }
             [false, false] if main => Some(NodeKind::Crossing(Control::Signals)),
-            [false, false] if (i + 2 * j) % 3 == 0 => Some(NodeKind::Crossing(Control::AllStop)),
+            [false, false] if (i + 2 * j).is_multiple_of(3) => Some(NodeKind::Crossing(Control::AllStop)),
             [false, false] if (i + 2 * j) % 3 == 1 => Some(NodeKind::Crossing(Control::MinorStop)),
             _ if main => Some(NodeKind::Crossing(Control::Signals)),
             _ => Some(NodeKind::Crossing(Control::MinorYield)),
