@@ -11,6 +11,7 @@ declare -A allowed=(
     [store]="schema"
     [pipeline]="frames schema store"
     [opendrive]="frames"
+    [mapview]="frames opendrive"
     [town]="frames opendrive random"
     [world]="frames opendrive random schema"
     [plan]="frames opendrive random schema"
