@@ -7,6 +7,10 @@ JOBS   ?=
 SCENES ?=
 STAGE  ?=
 FORCE  ?=
+NAME   ?=
+SEED   ?=
+DEST   ?=
+PYTHON ?= python3
 
 PYTHON ?= $(or $(CONVOY_PYTHON),python3)
 CARGO ?= cargo
@@ -15,14 +19,17 @@ MAPS_ARG    = $(if $(MAPS),--maps $(MAPS))
 THREADS_ARG = $(if $(JOBS),--threads $(JOBS))
 SCENES_ARG  = $(if $(SCENES),--scenes $(SCENES))
 FORCE_ARG   = $(if $(FORCE),--force)
+SEED_ARG    = $(if $(SEED),--seed $(SEED))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset stage stats status verify build test lint bench bench-kernels docs help
+.PHONY: dataset stage stats status verify town towns town-pictures check-towns build test lint bench bench-kernels docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
 	@echo "make stage STAGE=render-sensors [SCENES=3,7-9] [FORCE=1]"
 	@echo "make status | stats | verify        (same CONFIG and STORE)"
+	@echo "make town NAME=convoy/demo [SEED=7] [DEST=folder]       (a road network of our own, with its picture)"
+	@echo "make towns DEST=folder                                  (all of them)"
 	@echo "make test | lint | bench | docs     (for developers)"
 
 build:
@@ -47,6 +54,25 @@ status: build
 # Hashes every shard again and names what is missing, truncated or changed.
 verify: build
 	$(BIN)/convoy verify --store $(STORE)
+
+# One of our towns as OpenDRIVE, with a picture.
+town: build
+	@test -n "$(NAME)" || { echo "say which: make town NAME=convoy/demo [SEED=7] [DEST=folder]"; exit 2; }
+	$(BIN)/convoy town --name $(NAME) $(SEED_ARG) --out $(or $(DEST),.)/$(subst /,_,$(NAME)).xodr \
+		--picture $(or $(DEST),.)/$(subst /,_,$(NAME)).svg
+
+towns: build
+	@test -n "$(DEST)" || { echo "say where: make towns DEST=folder"; exit 2; }
+	$(BIN)/convoy towns --dest $(DEST)
+
+# The pictures of docs/towns.
+town-pictures: build
+	$(BIN)/convoy towns --pictures docs/towns
+
+# Reads every town with a reader in Python and with the ASAM quality checker (pip install asam-qc-opendrive).
+check-towns: build
+	folder=$$(mktemp -d) && $(BIN)/convoy towns --dest $$folder && $(PYTHON) tests/check_towns.py $$folder; \
+		code=$$?; rm -rf $$folder; exit $$code
 
 # The tests across stages run the real programs, so these are built first.
 test:

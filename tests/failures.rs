@@ -56,7 +56,7 @@ fn a_missing_map_says_where_it_was_looked_for() {
     std::fs::create_dir(&maps).expect("makes the folder");
     let outcome = bench.run("spawn-planner", &["--maps", maps.to_str().expect("is UTF-8")]);
     assert_eq!(outcome.code, 2);
-    assert!(outcome.stderr.contains("no Nowhere.xodr"), "{outcome:?}");
+    assert!(outcome.stderr.contains("maps/Nowhere.xodr"), "{outcome:?}");
 }
 
 #[test]

@@ -1,5 +1,34 @@
-//! Runs all stages in order, shows their state, verifies a store.
+//! Runs all stages in order, shows their state, verifies a store; writes towns and draws maps.
 
-fn main() -> std::process::ExitCode {
-    pipeline::drive()
+mod maps;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use maps::MapCommand;
+use pipeline::StoreCommand;
+
+/// Makes V2X cooperative-perception datasets.
+#[derive(Debug, Parser)]
+#[command(name = "convoy", version)]
+struct Args {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    #[command(flatten)]
+    Store(StoreCommand),
+    #[command(flatten)]
+    Map(MapCommand),
+}
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    pipeline::init_logging();
+    ExitCode::from(match args.command {
+        Command::Store(command) => pipeline::drive(command),
+        Command::Map(command) => maps::run(command),
+    })
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use opendrive::Map;
 use pipeline::{Job, Stage, StageError};
@@ -25,8 +25,12 @@ struct DatasetRecord<'a> {
 }
 
 fn run(job: &mut Job<'_>) -> Result<(), StageError> {
-    let settings = job.settings().clone();
-    let texts = map_texts(&settings, job.maps_folder())?;
+    let as_written = job.settings().clone();
+    let texts = map_texts(&as_written, job.maps_folder())?;
+    let mut settings = as_written.clone();
+    for wish in &mut settings.scenes {
+        wish.map = name_in_store(&wish.map).to_owned();
+    }
     let mut maps = BTreeMap::new();
     for (name, source) in &texts {
         let hash = store::hash_bytes(&source.text);
@@ -43,7 +47,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
         let record = DatasetRecord {
             format_version: schema::FORMAT_VERSION,
             code_version: pipeline::code_version(STAGE.name),
-            config: &settings,
+            config: &as_written,
         };
         let json = serde_json::to_vec_pretty(&record).map_err(|e| StageError::failed(&e))?;
         unit.bytes(keys::DATASET, &json, 1)?;
@@ -66,48 +70,86 @@ struct MapSource {
     origin: String,
 }
 
-/// The OpenDRIVE text of every map the settings name: our own towns are generated, others read from the folder.
+/// What a map of the configuration is called in the store: a file is called by its stem, all others as written.
+fn name_in_store(written: &str) -> &str {
+    match file_stem(written) {
+        Some(stem) => stem.rsplit(['/', '\\']).next().unwrap_or(stem),
+        None => written,
+    }
+}
+
+/// The path without its ending, where it is one of a map file.
+fn file_stem(written: &str) -> Option<&str> {
+    ENDINGS.iter().find_map(|ending| written.strip_suffix(ending))
+}
+
+/// Endings of map files.
+const ENDINGS: [&str; 2] = [".xodr", ".xodr.gz"];
+
+/// The OpenDRIVE text of every map the settings name, by its name in the store: our own towns are generated, others
+/// read from files.
 fn map_texts(
     settings: &DatasetSettings,
     folder: Option<&Path>,
 ) -> Result<BTreeMap<String, MapSource>, StageError> {
     let mut texts = BTreeMap::new();
-    for name in settings.scenes.iter().filter(|s| s.count > 0).map(|s| &s.map) {
-        if texts.contains_key(name) {
-            continue;
+    let mut written_as: BTreeMap<&str, &str> = BTreeMap::new();
+    for written in settings.scenes.iter().filter(|s| s.count > 0).map(|s| s.map.as_str()) {
+        let name = name_in_store(written);
+        if let Some(other) = written_as.insert(name, written) {
+            if other == written {
+                continue;
+            }
+            return Err(StageError::Usage(format!(
+                "maps `{other}` and `{written}` are both called `{name}`: rename one of the files"
+            )));
         }
-        let source = match town::named(name) {
+        let source = match town::named(written) {
             Some(parameters) => {
                 let network = town::generate(&parameters).map_err(|e| StageError::failed(&e))?;
-                MapSource { text: opendrive::write(&network).into_bytes(), origin: name.clone() }
+                MapSource { text: opendrive::write(&network).into_bytes(), origin: written.to_owned() }
             }
-            None => read_map_file(name, folder)?,
+            None => read_map_file(written, folder)?,
         };
-        texts.insert(name.clone(), source);
+        texts.insert(name.to_owned(), source);
     }
     Ok(texts)
 }
 
-fn read_map_file(name: &str, folder: Option<&Path>) -> Result<MapSource, StageError> {
+/// Reads a map from the path that was written, below the maps folder or from where the program runs; or, where no
+/// ending was written, from the file of that stem in the maps folder.
+fn read_map_file(written: &str, folder: Option<&Path>) -> Result<MapSource, StageError> {
     let own = town::names().join(", ");
-    let Some(folder) = folder else {
-        return Err(StageError::Usage(format!(
-            "map `{name}` is none of our own towns ({own}): say where its .xodr file is with --maps FOLDER"
-        )));
+    let paths: Vec<PathBuf> = if file_stem(written).is_some() {
+        let below = folder.map(|f| f.join(written));
+        below.into_iter().chain([PathBuf::from(written)]).collect()
+    } else {
+        let Some(folder) = folder else {
+            return Err(StageError::Usage(format!(
+                "map `{written}` is none of our own towns ({own}): give the path of its .xodr file instead, or say \
+                 in which folder it is with --maps FOLDER"
+            )));
+        };
+        if written.split(['/', '\\']).any(|part| part.is_empty() || part.starts_with('.')) {
+            return Err(StageError::Usage(format!(
+                "map `{written}` is not a plain name: give the whole path of the file, with its ending .xodr"
+            )));
+        }
+        ENDINGS.iter().map(|ending| folder.join(format!("{written}{ending}"))).collect()
     };
-    for ending in ["xodr", "xodr.gz"] {
-        let path = folder.join(format!("{name}.{ending}"));
-        match std::fs::read(&path) {
+    for path in &paths {
+        match std::fs::read(path) {
             Ok(bytes) => {
-                let text = unpack(bytes, &path)?;
+                let text = unpack(bytes, path)?;
                 return Ok(MapSource { text, origin: path.display().to_string() });
             }
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => {}
             Err(e) => return Err(StageError::Usage(format!("{}: cannot read the map: {e}", path.display()))),
         }
     }
-    let folder = folder.display();
-    Err(StageError::Usage(format!("no {name}.xodr or {name}.xodr.gz in {folder}; our own towns are {own}")))
+    let looked: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
+    let looked = looked.join(" nor ");
+    Err(StageError::Usage(format!("map `{written}`: there is no {looked}; our own towns are {own}")))
 }
 
 /// The text of a map file that may be gzipped: the store keeps the text, so its hash does not depend on packing.
@@ -144,4 +186,22 @@ fn scene_digest(scene: &PlanSceneRow, plan: &Plan) -> String {
     let scene = PlanSceneRow::to_columns(std::slice::from_ref(scene));
     // Debug prints every bit of every number that matters: shortest text that reads back the same.
     store::hash_bytes(format!("{scene:?}\n{:?}", PlanAgentRow::to_columns(&agents)).as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::name_in_store;
+
+    #[test]
+    fn files_are_called_by_their_stem() {
+        for (written, name) in [
+            ("convoy/03", "convoy/03"),
+            ("Town03", "Town03"),
+            ("Town03.xodr", "Town03"),
+            ("../maps/north side.xodr.gz", "north side"),
+            ("/data/v1.2/town.xodr", "town"),
+        ] {
+            assert_eq!(name_in_store(written), name);
+        }
+    }
 }

@@ -1,31 +1,24 @@
-//! The `convoy` program: all stages in order, the status table, verification.
+//! What the `convoy` program does with stores: all stages in order, the status table, verification.
 
 use std::path::PathBuf;
-use std::process::{Command, ExitCode};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
-use clap::{Parser, Subcommand};
+use clap::Subcommand;
 use store::{Scope, Store};
 
 use crate::args::{ProgressMode, SceneList};
 use crate::graph::{Graph, UnitKind};
-use crate::runner::{init_logging, settings_or_faults};
+use crate::runner::settings_or_faults;
 use crate::status::{State, planned_scenes, state_of};
 use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, interrupt};
 
 /// How often a running stage is looked at.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
-/// Makes V2X cooperative-perception datasets.
-#[derive(Debug, Parser)]
-#[command(name = "convoy", version)]
-struct Args {
-    #[command(subcommand)]
-    command: Verb,
-}
-
+/// Commands of the `convoy` program that concern a store.
 #[derive(Debug, Subcommand)]
-enum Verb {
+pub enum StoreCommand {
     /// Runs everything that is missing or stale, in order.
     Run {
         /// Dataset configuration (TOML).
@@ -70,13 +63,11 @@ enum Verb {
     },
 }
 
-/// Runs the `convoy` program.
+/// Runs a command; logging must have been started. The exit code is one of `EXIT_*`.
 #[must_use]
-pub fn drive() -> ExitCode {
-    let args = Args::parse();
-    init_logging();
-    ExitCode::from(match args.command {
-        Verb::Run { config, store, maps, scenes, threads, dry_run, progress } => {
+pub fn drive(command: StoreCommand) -> u8 {
+    match command {
+        StoreCommand::Run { config, store, maps, scenes, threads, dry_run, progress } => {
             let mut common: Vec<String> = vec!["--config".into(), config.display().to_string()];
             common.extend(["--store".into(), store.display().to_string()]);
             if let Some(maps) = maps {
@@ -97,14 +88,14 @@ pub fn drive() -> ExitCode {
             common.extend(["--progress".into(), word.into()]);
             run(&common, scenes.as_deref(), &store)
         }
-        Verb::Status { config, store, scenes } => status(&config, &store, scenes.as_ref()),
-        Verb::Verify { store } => verify(&store),
-    })
+        StoreCommand::Status { config, store, scenes } => status(&config, &store, scenes.as_ref()),
+        StoreCommand::Verify { store } => verify(&store),
+    }
 }
 
 /// Prints a line of the program's answer to standard output.
 #[expect(clippy::print_stdout, reason = "this is the program's answer, not a log")]
-pub(crate) fn say(line: &str) {
+pub fn say(line: &str) {
     println!("{line}");
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A stage binary is a dozen lines: it hands a [`Stage`] to [`run_stage`], which parses the arguments, reads the
 //! configuration, decides which scenes need work, runs them with their failures kept apart, and turns the outcome
-//! into an exit code. [`drive`] is the same for the `convoy` program, which runs every stage in order.
+//! into an exit code. [`drive`] is the part of the `convoy` program that runs every stage in order.
 
 mod args;
 mod code_version;
@@ -17,10 +17,10 @@ mod status;
 pub use args::{ProgressMode, StageArgs};
 pub use code_version::code_version;
 pub use config::{ConfigKey, Fault, config_keys, load as load_config, parse as parse_config};
-pub use drive::drive;
+pub use drive::{StoreCommand, drive, say};
 pub use graph::{Graph, StageSpec, UnitKind, config_hash};
 pub use progress::Progress;
-pub use runner::{Job, Pulse, Stage, StageError, run_stage};
+pub use runner::{Job, Pulse, Stage, StageError, init_logging, run_stage};
 pub use status::{State, state_of};
 
 /// Exit code: everything was done.

@@ -196,7 +196,7 @@ pub fn run_stage(stage: Stage) -> ExitCode {
 }
 
 /// Starts logging to standard error; `CONVOY_LOG` takes a filter such as `debug`.
-pub(crate) fn init_logging() {
+pub fn init_logging() {
     let filter = tracing_subscriber::EnvFilter::try_from_env("CONVOY_LOG")
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info"));
     let format = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);

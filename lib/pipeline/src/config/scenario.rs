@@ -19,7 +19,8 @@ pub(crate) fn scenes(root: &Section<'_>) -> Vec<SceneCount> {
             "\"MAP\"",
             0,
             100_000,
-            "scenes on a map: `convoy/...` or the stem of a file in the maps folder",
+            "scenes on a map: one of our towns (`convoy/03`), the path of a `.xodr` or `.xodr.gz` file, or the stem of one \
+             in the maps folder",
         );
         scenes.extend(counts.into_iter().map(|(map, count)| SceneCount { split, map, count: count as u32 }));
     }

@@ -32,7 +32,7 @@ impl Split {
 pub struct SceneCount {
     /// The split.
     pub split: Split,
-    /// Map name: `convoy/...` for our own towns, else the stem of a file in the maps folder.
+    /// The map: `convoy/...` for our own towns, the path of an OpenDRIVE file, or the stem of one in the maps folder.
     pub map: String,
     /// Scenes wanted.
     pub count: u32,

@@ -1,0 +1,229 @@
+//! Towns as OpenDRIVE files, and pictures of maps.
+
+use std::path::{Path, PathBuf};
+
+use clap::Subcommand;
+use mapview::{ViewOptions, Window};
+use opendrive::{Map, Network};
+use pipeline::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, say};
+use town::TownParameters;
+
+/// Commands about maps.
+#[derive(Debug, Subcommand)]
+pub(crate) enum MapCommand {
+    /// Generates a town and writes it as an OpenDRIVE file.
+    Town {
+        /// Name of one of our towns, such as convoy/03.
+        #[arg(long, value_name = "NAME")]
+        name: String,
+        /// Seed instead of the town's own.
+        #[arg(long, value_name = "N")]
+        seed: Option<u64>,
+        /// The file to write: .xodr.
+        #[arg(long, value_name = "FILE")]
+        out: PathBuf,
+        /// A picture of it: .svg or .png.
+        #[arg(long, value_name = "FILE")]
+        picture: Option<PathBuf>,
+    },
+    /// Writes all our towns as OpenDRIVE files, or draws them, or both.
+    Towns {
+        /// The folder to write them to; `convoy/03` becomes convoy_03.xodr.
+        #[arg(long, value_name = "DIR", required_unless_present = "pictures")]
+        dest: Option<PathBuf>,
+        /// A folder for a picture of each.
+        #[arg(long, value_name = "DIR")]
+        pictures: Option<PathBuf>,
+        /// Kind of the pictures.
+        #[arg(long, value_name = "KIND", default_value = "svg", value_parser = ["svg", "png"])]
+        format: String,
+    },
+    /// Draws an OpenDRIVE file or one of our towns from above.
+    MapPicture {
+        /// A .xodr or .xodr.gz file, or a name such as convoy/03.
+        #[arg(long, value_name = "FILE")]
+        map: PathBuf,
+        /// The picture: .svg or .png.
+        #[arg(long, value_name = "FILE")]
+        out: PathBuf,
+        /// Only the part around a point: metres east and north.
+        #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = point)]
+        around: Option<[f64; 2]>,
+        /// Half the side of that part, metres.
+        #[arg(long, value_name = "M", default_value_t = 100.0, requires = "around")]
+        radius: f64,
+        /// Longer side of the map in the picture, pixels.
+        #[arg(long, value_name = "PX", default_value_t = 1600, value_parser = clap::value_parser!(u32).range(120..=12_000))]
+        size: u32,
+    },
+}
+
+/// Why a command failed.
+#[derive(Debug, thiserror::Error)]
+enum Fault {
+    /// Something that the user can correct.
+    #[error("{0}")]
+    Usage(String),
+    /// A file cannot be used.
+    #[error("{}: {message}", path.display())]
+    File { path: PathBuf, message: String },
+    /// A file cannot be written or read.
+    #[error("{}: {source}", path.display())]
+    Io { path: PathBuf, source: std::io::Error },
+    /// A town cannot be built.
+    #[error("{name}: {source}")]
+    Town { name: String, source: town::TownError },
+}
+
+impl Fault {
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::Usage(_) | Self::Town { .. } => EXIT_USAGE,
+            Self::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => EXIT_USAGE,
+            Self::Io { source, .. } if source.kind() == std::io::ErrorKind::StorageFull => EXIT_TRY_AGAIN,
+            Self::Io { .. } | Self::File { .. } => EXIT_SOME_FAILED,
+        }
+    }
+}
+
+/// Runs a command; its exit code.
+pub(crate) fn run(command: MapCommand) -> u8 {
+    let result = match command {
+        MapCommand::Town { name, seed, out, picture } => {
+            town_file(&name, seed, Some(&out), picture.as_deref())
+        }
+        MapCommand::Towns { dest, pictures, format } => {
+            all_towns(dest.as_deref(), pictures.as_deref(), &format)
+        }
+        MapCommand::MapPicture { map, out, around, radius, size } => {
+            let window = around.map(|centre_m| Window { centre_m, radius_m: radius });
+            map_picture(&map, &out, ViewOptions { size_px: f64::from(size), window, title: None })
+        }
+    };
+    match result {
+        Ok(()) => EXIT_DONE,
+        Err(fault) => {
+            tracing::error!("{fault}");
+            fault.exit_code()
+        }
+    }
+}
+
+fn point(text: &str) -> Result<[f64; 2], String> {
+    let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+    match text.split(',').map(number).collect::<Vec<_>>()[..] {
+        [Some(x), Some(y)] => Ok([x, y]),
+        _ => Err("expected two numbers such as 120,-45".to_owned()),
+    }
+}
+
+fn parameters(name: &str) -> Result<TownParameters, Fault> {
+    town::named(name).ok_or_else(|| {
+        Fault::Usage(format!("no town is called `{name}`; there are {}", town::names().join(", ")))
+    })
+}
+
+fn generate(name: &str, seed: Option<u64>) -> Result<Network, Fault> {
+    let mut parameters = parameters(name)?;
+    if let Some(seed) = seed {
+        parameters.seed = seed;
+    }
+    town::generate(&parameters).map_err(|source| Fault::Town { name: name.to_owned(), source })
+}
+
+fn town_file(name: &str, seed: Option<u64>, out: Option<&Path>, picture: Option<&Path>) -> Result<(), Fault> {
+    if let Some(path) = picture {
+        Kind::of(path)?;
+    }
+    let network = generate(name, seed)?;
+    if let Some(path) = out {
+        write_file(path, opendrive::write(&network).as_bytes())?;
+    }
+    if let Some(path) = picture {
+        draw(network, path, &ViewOptions::default())?;
+    }
+    Ok(())
+}
+
+fn all_towns(dest: Option<&Path>, pictures: Option<&Path>, format: &str) -> Result<(), Fault> {
+    for name in town::names() {
+        let stem = name.replace('/', "_");
+        let picture = pictures.map(|folder| folder.join(format!("{stem}.{format}")));
+        let out = dest.map(|folder| folder.join(format!("{stem}.xodr")));
+        town_file(name, None, out.as_deref(), picture.as_deref())?;
+    }
+    Ok(())
+}
+
+fn map_picture(map: &Path, out: &Path, mut options: ViewOptions) -> Result<(), Fault> {
+    Kind::of(out)?;
+    let name = map.to_string_lossy();
+    let network = if town::named(&name).is_some() {
+        generate(&name, None)?
+    } else {
+        let io = |source| Fault::Io { path: map.to_owned(), source };
+        let bytes = std::fs::read(map).map_err(io)?;
+        let file = |e: opendrive::ReadError| Fault::File { path: map.to_owned(), message: e.to_string() };
+        let network = opendrive::read_bytes(&bytes).map_err(file)?;
+        if network.header.name.trim().is_empty() {
+            let stem = map.file_name().unwrap_or_default().to_string_lossy();
+            options.title = stem.split('.').next().map(str::to_owned);
+        }
+        network
+    };
+    draw(network, out, &options)
+}
+
+/// Kinds of pictures, by the ending of their file.
+#[derive(Clone, Copy)]
+enum Kind {
+    Svg,
+    Png,
+}
+
+impl Kind {
+    fn of(path: &Path) -> Result<Self, Fault> {
+        match path.extension().and_then(|e| e.to_str()) {
+            Some("svg") => Ok(Self::Svg),
+            Some("png") => Ok(Self::Png),
+            _ => Err(Fault::Usage(format!("{}: a picture must end in .svg or .png", path.display()))),
+        }
+    }
+}
+
+fn draw(network: Network, path: &Path, options: &ViewOptions) -> Result<(), Fault> {
+    let kind = Kind::of(path)?;
+    let picture = mapview::draw(&Map::new(network), options);
+    let bytes = match kind {
+        Kind::Svg => picture.to_svg().into_bytes(),
+        Kind::Png => {
+            picture.to_png().map_err(|e| Fault::File { path: path.to_owned(), message: e.to_string() })?
+        }
+    };
+    write_file(path, &bytes)
+}
+
+/// Writes a file whole or not at all, making its folder where needed.
+fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
+    let io = |source| Fault::Io { path: path.to_owned(), source };
+    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(io)?;
+    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(io)?;
+    std::io::Write::write_all(&mut file, bytes).map_err(io)?;
+    readable_by_all(file.as_file()).map_err(io)?;
+    file.persist(path).map_err(|e| io(e.error))?;
+    say(&format!("{} ({:.1} kB)", path.display(), bytes.len() as f64 / 1e3));
+    Ok(())
+}
+
+/// Temporary files are private; finished ones are like any other file.
+fn readable_by_all(file: &std::fs::File) -> std::io::Result<()> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        file.set_permissions(std::fs::Permissions::from_mode(0o644))?;
+    }
+    #[cfg(not(unix))]
+    let _ = file;
+    Ok(())
+}
