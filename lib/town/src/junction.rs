@@ -1,13 +1,13 @@
 //! Junctions: connecting roads, connections, crosswalks.
 
-use frames::math::{acos, sin_cos};
+use frames::math::{acos, cos, sin_cos};
 use opendrive::{
     Connection, ContactPoint, Curve, Junction, Lane, LaneLink, LaneSection, LaneType, MarkColour, MarkType,
     Object, Orientation, Road, RoadLink, RoadMark,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crate::arm::{Arm, inner_m, opposite, runs};
+use crate::arm::{Arm, inner_m, next_to_the_right, opposite, runs};
 use crate::assemble::Ids;
 use crate::gore::{gore, wedges};
 use crate::marks;
@@ -25,6 +25,8 @@ const CROSSWALK_AT_M: f64 = 2.5;
 const CROSSWALK_DEPTH_M: f64 = 3.0;
 /// Corners sharper than this are left without fillet: the streets go straight on.
 pub(crate) const NEARLY_STRAIGHT_RAD: f64 = 0.05;
+/// Room between a turn to the left and the kerb that it goes round, metres.
+const KERB_ROOM_M: f64 = 0.3;
 /// Narrower gaps between the directions need no asphalt of their own, metres.
 const FILL_FROM_M: f64 = 0.3;
 
@@ -241,12 +243,31 @@ fn path(plan: &Plan<'_>, movement: &Movement) -> Path {
     let follows_kerb = movement.corner && from.turn_to(to) < -NEARLY_STRAIGHT_RAD;
     let kerb = from.paved()[0];
     let bend = Bend {
-        radius_m: if follows_kerb { plan.kerb_radius_m + kerb - inner[0] } else { f64::INFINITY },
+        radius_m: if follows_kerb {
+            plan.kerb_radius_m + kerb - inner[0]
+        } else {
+            left_turn_m(plan, movement, inner)
+        },
         ease_m: 0.0,
         lead_in_m: from.lead_m,
         lead_out_m: to.lead_m,
     };
     Path::between(start, end, &bend)
+}
+
+/// Largest radius of a turn to the left round a kerb: its arc stays off the kerb's, which has the stated radius.
+/// Infinite where there is no such kerb. `inner`: from the axes of both arms to the line, metres.
+fn left_turn_m(plan: &Plan<'_>, movement: &Movement, inner: [f64; 2]) -> f64 {
+    let (from, to) = (&plan.arms[movement.from], &plan.arms[movement.to]);
+    let turn = from.turn_to(to);
+    let around = next_to_the_right(plan.arms, movement.to) == Some(movement.from);
+    if !around || movement.from == movement.to || turn < NEARLY_STRAIGHT_RAD {
+        return f64::INFINITY;
+    }
+    // Both arcs are nearest to each other in the middle of the corner. Where two lines at a distance g meet under the
+    // turn, an arc of radius R leaves g + (r - R) (1 - cos(turn / 2)) to a kerb of radius r there, times 1 / cos.
+    let gap = (from.paved()[1] + inner[0]).min(to.paved()[0] + inner[1]);
+    plan.kerb_radius_m + (gap - KERB_ROOM_M).max(0.0) / (1.0 - cos(0.5 * turn))
 }
 
 /// Half the angle that each neck of a turning circle swings out by, from the geometry of three circles that touch: the

@@ -15,6 +15,9 @@ use crate::section::{EndLanes, EndStrip};
 
 /// Half the length of a crossover, metres.
 const CROSSOVER_HALF_M: f64 = 12.0;
+/// Turns to the left that are given room, radians, and the least radius of their inner borders, metres.
+const LEFT_RAD: std::ops::RangeInclusive<f64> = 0.4..=2.4;
+const LEFT_TURN_M: f64 = 5.5;
 /// Room of a kerb's fillet beyond the sidewalk's inner edge, metres.
 const SIDEWALK_ROOM_M: f64 = 1.0;
 /// From the outermost rail or lane to where the other road's junction part begins at a level crossing, metres.
@@ -129,8 +132,15 @@ fn place(layout: &Layout, index: usize, mut arms: Vec<Arm>) -> Result<Place, Tow
     let mut place = Place { arms, holds, axis, kerb_radius_m, direct: false };
     match node.kind {
         NodeKind::Crossing(_) => {
-            let arms = place.arms.iter().map(|a| (a.outward.heading_rad, a.paved(), a.lead_m));
-            let distances = setbacks(&arms.collect::<Vec<_>>(), kerb_radius_m);
+            for arm in &mut place.arms {
+                arm.outward = arm.outward.moved(0.0, aside_m(arm));
+            }
+            let arms = place.arms.iter().map(|arm| {
+                let ([left, right], aside) = (arm.paved(), aside_m(arm));
+                (arm.outward.heading_rad, [left + aside, right - aside], arm.lead_m)
+            });
+            let mut distances = setbacks(&arms.collect::<Vec<_>>(), kerb_radius_m);
+            leave_room_for_left_turns(&place.arms, &mut distances);
             move_out(&mut place, &distances);
         }
         NodeKind::RailCrossing => {
@@ -171,6 +181,35 @@ fn place(layout: &Layout, index: usize, mut arms: Vec<Arm>) -> Result<Place, Tow
         }
     }
     Ok(place)
+}
+
+/// How far to the left of an arm's axis (seen outwards) its reference line lies at a crossing, metres: a one-way street
+/// lies with the middle of its carriageway on the axis, lest its kerbs be too near to one corner.
+fn aside_m(arm: &Arm) -> f64 {
+    let [left, right] = arm.paved();
+    if arm.shape.is_one_way() { 0.5 * (right - left) } else { 0.0 }
+}
+
+/// Moves the ends of streets out until every turn to the left can have the least radius: on oblique arms the lanes may
+/// meet before the kerbs do. `distances_m`: from the junction's centre to each arm's end, grown where needed.
+fn leave_room_for_left_turns(arms: &[Arm], distances_m: &mut [f64]) {
+    for (i, from) in arms.iter().enumerate().filter(|(_, arm)| !arm.entering().is_empty()) {
+        for (j, to) in arms.iter().enumerate().filter(|(_, arm)| arm.leaving() > 0) {
+            let turn = from.turn_to(to);
+            if i == j || from.is_rail() || to.is_rail() || !LEFT_RAD.contains(&turn) {
+                continue;
+            }
+            // The same as for the kerbs: two lines parallel to the axes, left of the one and right of the other arm.
+            let (left, right) = (
+                inner_m(&from.lanes.entering, 0) + aside_m(from),
+                inner_m(&to.lanes.leaving, 0) - aside_m(to),
+            );
+            let (sin, cos) = (-sin(turn), -cos(turn));
+            let tangent = LEFT_TURN_M * tan(0.5 * turn);
+            distances_m[i] = distances_m[i].max((right + left * cos) / sin + tangent + from.lead_m);
+            distances_m[j] = distances_m[j].max((left + right * cos) / sin + tangent + to.lead_m);
+        }
+    }
 }
 
 /// Moves each arm's end away from the node along its heading.
