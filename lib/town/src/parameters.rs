@@ -2,11 +2,14 @@
 
 use serde::Deserialize;
 
-use crate::layouts::{CityParameters, GridParameters, Style};
+use crate::layouts::{CityParameters, DowntownParameters, GridParameters, Style};
 
 /// The towns that have a name, and their parameters.
-const TOWNS: &[(&str, &str)] =
-    &[("convoy/demo", include_str!("../towns/demo.toml")), ("convoy/03", include_str!("../towns/03.toml"))];
+const TOWNS: &[(&str, &str)] = &[
+    ("convoy/demo", include_str!("../towns/demo.toml")),
+    ("convoy/03", include_str!("../towns/03.toml")),
+    ("convoy/08", include_str!("../towns/08.toml")),
+];
 
 /// Why a town can't be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -106,6 +109,8 @@ pub struct TownParameters {
     pub grid: GridParameters,
     /// What is particular to `style = "city"`.
     pub city: CityParameters,
+    /// What is particular to `style = "downtown"`.
+    pub downtown: DowntownParameters,
 }
 
 impl Default for TownParameters {
@@ -121,6 +126,7 @@ impl Default for TownParameters {
             style: Style::default(),
             grid: GridParameters::default(),
             city: CityParameters::default(),
+            downtown: DowntownParameters::default(),
         }
     }
 }

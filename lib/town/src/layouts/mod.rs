@@ -5,9 +5,11 @@
 //! [`TownParameters`](crate::TownParameters).
 
 mod city;
+mod downtown;
 mod grid;
 
 pub use city::CityParameters;
+pub use downtown::DowntownParameters;
 pub use grid::GridParameters;
 
 use serde::Deserialize;
@@ -24,11 +26,13 @@ pub enum Style {
     Grid,
     /// A city with boulevards, turn lanes, a roundabout and an underpass.
     City,
+    /// A down-town with wide boulevards, one-way streets and a drive around it.
+    Downtown,
 }
 
 impl Style {
     /// Every style.
-    pub const ALL: [Self; 2] = [Self::Grid, Self::City];
+    pub const ALL: [Self; 3] = [Self::Grid, Self::City, Self::Downtown];
 
     /// Its name in a parameter file: the value of `style`, and the name of its table.
     #[must_use]
@@ -36,6 +40,7 @@ impl Style {
         match self {
             Self::Grid => "grid",
             Self::City => "city",
+            Self::Downtown => "downtown",
         }
     }
 
@@ -43,6 +48,7 @@ impl Style {
         match self {
             Self::Grid => parameters.grid.check(parameters),
             Self::City => parameters.city.check(),
+            Self::Downtown => parameters.downtown.check(),
         }
     }
 
@@ -50,6 +56,7 @@ impl Style {
         match self {
             Self::Grid => Ok(grid::layout(parameters)),
             Self::City => Ok(city::layout(parameters)),
+            Self::Downtown => Ok(downtown::layout(parameters)),
         }
     }
 }
