@@ -46,7 +46,7 @@ mod check;
 #[cfg(test)]
 mod proofs;
 
-pub use layouts::{CityParameters, DowntownParameters, GridParameters, Style};
+pub use layouts::{CityParameters, DowntownParameters, GridParameters, Style, ViaductParameters};
 pub use parameters::{TownError, TownParameters, named, names};
 
 use opendrive::Network;

@@ -2,12 +2,13 @@
 
 use serde::Deserialize;
 
-use crate::layouts::{CityParameters, DowntownParameters, GridParameters, Style};
+use crate::layouts::{CityParameters, DowntownParameters, GridParameters, Style, ViaductParameters};
 
 /// The towns that have a name, and their parameters.
 const TOWNS: &[(&str, &str)] = &[
     ("convoy/demo", include_str!("../towns/demo.toml")),
     ("convoy/03", include_str!("../towns/03.toml")),
+    ("convoy/05", include_str!("../towns/05.toml")),
     ("convoy/08", include_str!("../towns/08.toml")),
 ];
 
@@ -111,6 +112,8 @@ pub struct TownParameters {
     pub city: CityParameters,
     /// What is particular to `style = "downtown"`.
     pub downtown: DowntownParameters,
+    /// What is particular to `style = "viaduct"`.
+    pub viaduct: ViaductParameters,
 }
 
 impl Default for TownParameters {
@@ -127,6 +130,7 @@ impl Default for TownParameters {
             grid: GridParameters::default(),
             city: CityParameters::default(),
             downtown: DowntownParameters::default(),
+            viaduct: ViaductParameters::default(),
         }
     }
 }

@@ -21,3 +21,8 @@ fn sound_with_any_seed(name: &str) {
 fn down_towns() {
     sound_with_any_seed("convoy/08");
 }
+
+#[test]
+fn cities_with_a_viaduct() {
+    sound_with_any_seed("convoy/05");
+}

@@ -4,13 +4,17 @@
 //! `check` and `layout`, one variant of [`Style`] with its arms below, and its table in
 //! [`TownParameters`](crate::TownParameters).
 
+mod blocks;
 mod city;
 mod downtown;
 mod grid;
+mod motorway;
+mod viaduct;
 
 pub use city::CityParameters;
 pub use downtown::DowntownParameters;
 pub use grid::GridParameters;
+pub use viaduct::ViaductParameters;
 
 use serde::Deserialize;
 
@@ -28,11 +32,13 @@ pub enum Style {
     City,
     /// A down-town with wide boulevards, one-way streets and a drive around it.
     Downtown,
+    /// A grid city with an elevated motorway.
+    Viaduct,
 }
 
 impl Style {
     /// Every style.
-    pub const ALL: [Self; 3] = [Self::Grid, Self::City, Self::Downtown];
+    pub const ALL: [Self; 4] = [Self::Grid, Self::City, Self::Downtown, Self::Viaduct];
 
     /// Its name in a parameter file: the value of `style`, and the name of its table.
     #[must_use]
@@ -41,6 +47,7 @@ impl Style {
             Self::Grid => "grid",
             Self::City => "city",
             Self::Downtown => "downtown",
+            Self::Viaduct => "viaduct",
         }
     }
 
@@ -49,6 +56,7 @@ impl Style {
             Self::Grid => parameters.grid.check(parameters),
             Self::City => parameters.city.check(),
             Self::Downtown => parameters.downtown.check(),
+            Self::Viaduct => parameters.viaduct.check(),
         }
     }
 
@@ -57,6 +65,7 @@ impl Style {
             Self::Grid => Ok(grid::layout(parameters)),
             Self::City => Ok(city::layout(parameters)),
             Self::Downtown => Ok(downtown::layout(parameters)),
+            Self::Viaduct => Ok(viaduct::layout(parameters)),
         }
     }
 }
