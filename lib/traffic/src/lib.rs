@@ -14,6 +14,7 @@ mod input;
 mod junction;
 mod log;
 mod net;
+mod paths;
 mod signals;
 mod simulation;
 mod spawn;

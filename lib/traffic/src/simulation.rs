@@ -16,10 +16,11 @@ use crate::driver::{COMFORT_BRAKING, MAX_BRAKING};
 use crate::junction::Reservations;
 use crate::log::{Snapshot, rsu_actor, vehicle_actor, vehicle_lamps, walker_actor, weather_lamps};
 use crate::net::Net;
+use crate::paths::Paths;
 use crate::signals::Signals;
 use crate::spawn::{Start, ids, vehicle_starts};
 use crate::vehicles::{Occupancy, Vehicle, wished_acceleration};
-use crate::walkers::{Paths, Walker, crowding};
+use crate::walkers::{Walker, crowding};
 use crate::{SceneInput, SceneLog, TrafficError};
 
 /// Longest warm-up, seconds.
