@@ -192,6 +192,7 @@ pub fn plan_scene(
         initial_weather: initial.to_array(),
         final_weather: last.to_array(),
         spawn_radius_m: radius,
+        spawn_separation_m: settings.agents.spawn_separation_m,
         background_vehicles: settings.traffic.vehicles.map(|n| n.min(i32::MAX as u32) as i32),
         walkers: settings.walkers.count.unwrap_or(drawn_walkers),
         walker_cross_factor: settings.walkers.cross_factor.unwrap_or(drawn_factor),

@@ -18,10 +18,10 @@ fn town03_400_vehicles_480_walkers(bencher: divan::Bencher<'_, '_>, steps: u32) 
     let mut scene = common::scene(f64::from(steps) * 0.05);
     scene.warmup_s = 0.0;
     scene.spawn_radius_m = 2000.0;
+    scene.spawn_separation_m = 12.0;
     scene.background_vehicles = Some(470);
     scene.walkers = 480;
-    let mut settings = common::settings();
-    settings.agents.spawn_separation_m = 12.0;
+    let settings = common::settings();
     let agents = common::agents_on(&map, 8, 7);
     // Some of the points turn out to be taken.
     let lights = common::lights(&map);

@@ -137,7 +137,7 @@ fn background(input: &SceneInput<'_>, net: &Net, taken: &mut Taken, starts: &mut
     let (scene, traffic) = (input.scene, &input.settings.traffic);
     let stream = |topic, entity| Stream::new(scene.seed, u64::from(scene.scene), topic, entity);
     let agents: Vec<Point3<f64>> = starts.iter().map(|s| s.point).collect();
-    let mut points = spawn_points(net, input.settings.agents.spawn_separation_m);
+    let mut points = spawn_points(net, scene.spawn_separation_m);
     points.retain(|&(lane, along)| {
         let at = net.lanes[lane].way.place(along).point;
         agents.iter().any(|a| (a - at).norm() < scene.spawn_radius_m)

@@ -31,6 +31,8 @@ table! {
         final_weather: [f64; 14],
         /// Background vehicles and walkers start within this distance of any vehicle agent, m.
         spawn_radius_m: f64,
+        /// Spacing of the spawn points of background vehicles along lanes, m of s.
+        spawn_separation_m: f64,
         /// Background vehicles wanted; null: as many as drawn by the simulation from the free spawn points.
         background_vehicles: Option<i32>,
         /// Walkers wanted.

@@ -58,6 +58,7 @@ pub(crate) fn scene(duration_s: f64) -> PlanSceneRow {
         initial_weather: Weather::default().to_array(),
         final_weather: Weather { sun_altitude_deg: -20.0, ..Weather::default() }.to_array(),
         spawn_radius_m: 500.0,
+        spawn_separation_m: 24.0,
         background_vehicles: Some(0),
         walkers: 0,
         walker_cross_factor: 0.5,
