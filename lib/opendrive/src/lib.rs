@@ -16,7 +16,7 @@ mod write;
 pub use map::{
     Ahead, Area, Crosswalk, CrosswalkSpan, GroupController, JunctionInfo, LaneBounds, LaneHit, LaneId,
     LaneInfo, LanePoint, LanePolyline, LanePos, Map, Marking, ObjectInfo, OutlineInfo, Sidewalk, SignalGroup,
-    SignalInfo, StopLine, StopLineSource, Stripe, StripeStrip,
+    SignalInfo, StopLine, StopLineSource, Stripe, StripeStrip, VEHICLE_LANE_WIDTH_M,
 };
 pub use model::{
     AccessRule, BoundarySegment, BoxSide, Bridge, Connection, ConnectionKind, ContactPoint, Controller,

@@ -21,7 +21,7 @@ pub enum PlanError {
     },
     /// A map whose driving lanes offer no place to start.
     #[error(
-        "map `{map}`: no spawn points outside junctions on its {lanes} driving lanes; use a map with longer roads, or a smaller `spawn_separation_m`"
+        "map `{map}`: no spawn points outside junctions on its {lanes} driving lanes; use a map with longer or wider roads, or a smaller `spawn_separation_m`"
     )]
     NoSpawnPoints {
         /// Map name.

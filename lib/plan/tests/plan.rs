@@ -94,6 +94,27 @@ fn pool_of_a_straight_road_is_regular() {
 }
 
 #[test]
+fn narrow_places_are_no_spawn_points() {
+    // 3.5 m at the beginning, a centimetre less each metre: 2.6 m are left at 90 m.
+    let narrowing = |id| Lane {
+        id,
+        lane_type: LaneType::Driving,
+        widths: vec![Cubic { a: 3.5, b: -0.01, ..Cubic::default() }],
+        ..Lane::default()
+    };
+    let road = Road {
+        id: "1".into(),
+        length_m: 200.0,
+        plan_view: vec![Geometry { length_m: 200.0, ..Geometry::default() }],
+        sections: vec![LaneSection { right: vec![narrowing(-1)], ..LaneSection::default() }],
+        ..Road::default()
+    };
+    let pool = SpawnPool::new(&Map::new(Network { roads: vec![road], ..Network::default() }), 24.0);
+    let at: Vec<f64> = pool.points.iter().map(|p| p.xyz_m.x).collect();
+    assert_eq!(at, [0.0, 24.0, 48.0, 72.0]);
+}
+
+#[test]
 fn scenes_are_numbered_train_val_test() {
     let settings = settings(&[
         (Split::Test, "a", 1),

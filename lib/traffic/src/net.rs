@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Point3;
-use opendrive::{LaneId, Map};
+use opendrive::{LaneId, Map, VEHICLE_LANE_WIDTH_M};
 
 use crate::driver::envelope;
 use crate::ways::{Way, heading};
@@ -31,8 +31,6 @@ const BESIDE_LINE_M: f64 = 6.5;
 const TIGHT_BEND_M: f64 = 22.0;
 /// Longest lane that is shared like a junction for a bend, metres.
 const LONGEST_BEND_M: f64 = 60.0;
-/// Lanes that end nowhere are driven as long as they are this wide, metres.
-const USABLE_WIDTH_M: f64 = 2.6;
 /// Cell of the grid of lane samples, metres.
 const CELL_M: f64 = 4.0;
 /// A way through a junction that turns by more than this is a turn, radians.
@@ -108,7 +106,7 @@ impl Net {
             let turn = way_turn(&way);
             let radius_m = tightest_radius(&way);
             let bend = way.length_m < LONGEST_BEND_M && radius_m < TIGHT_BEND_M;
-            let usable = way.samples.iter().take_while(|s| s.width_m >= USABLE_WIDTH_M).last();
+            let usable = way.samples.iter().take_while(|s| s.width_m >= VEHICLE_LANE_WIDTH_M).last();
             let usable_m = usable.map_or(0.0, |s| s.along_m);
             lanes.push(Lane {
                 way,

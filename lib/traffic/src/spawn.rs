@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use frames::math::sin_cos;
 use nalgebra::Point3;
-use opendrive::Map;
+use opendrive::{LanePos, Map};
 use random::Stream;
 use schema::ObjectId;
 use schema::models::{self, BaseType, Model};
@@ -13,10 +13,6 @@ use crate::net::Net;
 use crate::vehicles::Driver;
 use crate::{SceneInput, TrafficError};
 
-/// Spawn points have no junction this far ahead, metres.
-const CLEAR_AHEAD_M: f64 = 4.0;
-/// Lanes narrower than this carry no vehicle, metres.
-const MIN_WIDTH_M: f64 = 2.6;
 /// Free space around a vehicle at the start, metres.
 const CLEARANCE_M: f64 = 0.8;
 /// Vehicles farther above each other than this are on different decks, metres.
@@ -137,7 +133,7 @@ fn background(input: &SceneInput<'_>, net: &Net, taken: &mut Taken, starts: &mut
     let (scene, traffic) = (input.scene, &input.settings.traffic);
     let stream = |topic, entity| Stream::new(scene.seed, u64::from(scene.scene), topic, entity);
     let agents: Vec<Point3<f64>> = starts.iter().map(|s| s.point).collect();
-    let mut points = spawn_points(net, scene.spawn_separation_m);
+    let mut points = spawn_points(input.map, net, scene.spawn_separation_m);
     points.retain(|&(lane, along)| {
         let at = net.lanes[lane].way.place(along).point;
         agents.iter().any(|a| (a - at).norm() < scene.spawn_radius_m)
@@ -183,24 +179,13 @@ fn background(input: &SceneInput<'_>, net: &Net, taken: &mut Taken, starts: &mut
     }
 }
 
-/// Lanes outside junctions, each `separation_m`, with road but no junction just ahead.
-fn spawn_points(net: &Net, separation_m: f64) -> Vec<(usize, f64)> {
-    let separation_m = separation_m.max(1.0);
-    let mut points = Vec::new();
-    for (i, lane) in net.lanes.iter().enumerate().filter(|(_, l)| l.junction.is_none()) {
-        let length = lane.way.length_m;
-        let mut along = 0.0;
-        while along <= length {
-            let after = length - along;
-            let open = after > CLEAR_AHEAD_M
-                || (!lane.next.is_empty() && lane.next.iter().all(|&n| net.lanes[n].junction.is_none()));
-            if open && lane.way.place(along).width_m >= MIN_WIDTH_M {
-                points.push((i, along));
-            }
-            along += separation_m;
-        }
-    }
-    points
+/// The map's spawn points, but for those in tight bends, which are shared like junctions: lane and metres along it.
+fn spawn_points(map: &Map, net: &Net, separation_m: f64) -> Vec<(usize, f64)> {
+    let place = |pos: LanePos| {
+        let lane = net.find(pos.lane).filter(|&l| net.lanes[l].junction.is_none())?;
+        Some((lane, net.lanes[lane].way.project(map.point_at(pos)?.position).0))
+    };
+    map.spawn_points(separation_m).into_iter().filter_map(place).collect()
 }
 
 /// Moves a start along its lane so that the vehicle neither hangs back into a junction nor stands in the next one,

@@ -12,6 +12,7 @@ mod route;
 mod sampling;
 mod sections;
 mod signals;
+mod spawn;
 mod stop_lines;
 mod types;
 mod union;
@@ -19,6 +20,7 @@ mod union;
 pub use area::{Area, Sidewalk};
 pub use crossings::CrosswalkSpan;
 pub use route::Ahead;
+pub use spawn::VEHICLE_LANE_WIDTH_M;
 pub use stop_lines::{StopLine, StopLineSource};
 pub use types::{
     Crosswalk, GroupController, JunctionInfo, LaneBounds, LaneHit, LaneId, LaneInfo, LanePoint, LanePolyline,
