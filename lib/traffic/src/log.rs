@@ -1,10 +1,11 @@
 //! Rows of the scene log.
 
 use frames::{Object, Pose, World};
-use schema::ObjectId;
+use nalgebra::Vector3;
 use schema::lights;
 use schema::models::Model;
 use schema::tables::{ActorRow, PlanAgentRow, StateRow, Weather};
+use schema::{FRAME_PERIOD_S, ObjectId};
 
 use crate::net::Net;
 use crate::spawn::{Start, tags};
@@ -136,10 +137,8 @@ pub(crate) fn vehicle_lamps(net: &Net, vehicle: &Vehicle, weather: u32, emergenc
 /// State of one object, from its pose now and one step before.
 pub(crate) struct Snapshot {
     pub(crate) id: ObjectId,
-    pub(crate) xyz_m: [f64; 3],
-    pub(crate) rpy_rad: [f64; 3],
-    pub(crate) velocity_mps: [f64; 3],
-    pub(crate) yaw_rate_radps: f64,
+    pub(crate) world_from_object: Pose<World, Object>,
+    pub(crate) world_from_object_before: Pose<World, Object>,
     pub(crate) steer_rad: f64,
     pub(crate) phase_rad: f64,
     pub(crate) lights: u32,
@@ -147,17 +146,83 @@ pub(crate) struct Snapshot {
 
 impl Snapshot {
     pub(crate) fn row(&self, frame: i32) -> StateRow {
-        let pose = Pose::<World, Object>::from_xyz_rpy(self.xyz_m, self.rpy_rad);
+        let (now, before) = (&self.world_from_object, &self.world_from_object_before);
+        let moved = now.translation() - before.translation();
+        let turned = rotation_vector(before, now);
+        let rate = |v: Vector3<f64>| <[f64; 3]>::from(v / FRAME_PERIOD_S).map(|r| r as f32);
         StateRow {
             frame,
             id: self.id,
-            xyz_m: self.xyz_m,
-            quaternion: pose.wxyz(),
-            velocity_mps: self.velocity_mps.map(|v| v as f32),
-            angular_velocity_radps: [0.0, 0.0, self.yaw_rate_radps as f32],
+            xyz_m: now.xyz(),
+            quaternion: now.wxyz(),
+            velocity_mps: rate(moved),
+            angular_velocity_radps: rate(turned),
             steer_rad: self.steer_rad as f32,
             phase_rad: self.phase_rad as f32,
             lights: self.lights,
         }
+    }
+}
+
+/// The rotation that turns one orientation into another, as its axis in the world times its angle, radians: the
+/// logarithm of the unit quaternion `now * before^-1`, the shorter way round.
+fn rotation_vector(before: &Pose<World, Object>, now: &Pose<World, Object>) -> Vector3<f64> {
+    let turn = now.isometry().rotation * before.isometry().rotation.inverse();
+    let (half_cos, axis) = (turn.w, turn.imag());
+    let half_sin = axis.norm();
+    let half_angle = frames::math::atan2(half_sin, half_cos.abs());
+    let scale = if half_sin > 1e-12 { half_angle / half_sin } else { 1.0 };
+    axis * (2.0 * scale.copysign(half_cos))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use frames::math::{cos, sin, sin_cos};
+
+    /// Rodrigues' formula, column by column.
+    fn turned(axis: Vector3<f64>, angle: f64, v: Vector3<f64>) -> Vector3<f64> {
+        v * cos(angle) + axis.cross(&v) * sin(angle) + axis * (axis.dot(&v) * (1.0 - cos(angle)))
+    }
+
+    #[test]
+    fn a_turn_about_any_axis_is_found_again() {
+        for (axis, angle) in [
+            (Vector3::new(1.0, 0.0, 0.0), 0.002),
+            (Vector3::new(0.6, -0.8, 0.0), 0.3),
+            (Vector3::new(-0.48, 0.6, 0.64), 3.1),
+            (Vector3::new(0.0, 0.0, 1.0), -1e-7),
+        ] {
+            let before = Pose::<World, Object>::from_xyz_rpy([3.0, 2.0, 1.0], [0.1, -0.2, 2.9]);
+            // The turned body's axes, as roll, pitch and yaw: Rz(yaw) Ry(pitch) Rx(roll).
+            let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()]
+                .map(|body| turned(axis, angle, before.rotate(body)));
+            let rpy =
+                [frames::math::atan2(y.z, z.z), frames::math::asin(-x.z), frames::math::atan2(x.y, x.x)];
+            let now = Pose::from_xyz_rpy([3.0, 2.0, 1.0], rpy);
+            let found = rotation_vector(&before, &now);
+            assert!((found - axis * angle).norm() < 1e-12, "{found} instead of {}", axis * angle);
+        }
+        let still = Pose::<World, Object>::from_xyz_rpy([0.0; 3], [0.3, 0.2, -1.0]);
+        assert_eq!(rotation_vector(&still, &still), Vector3::zeros());
+    }
+
+    #[test]
+    fn on_a_ramp_that_winds_up_the_yaw_turns_about_the_vertical() {
+        // A helix: roll and pitch stay, so in the world all of the rate is about the vertical.
+        let at = |angle: f64| {
+            let (y, x) = sin_cos(angle);
+            Pose::<World, Object>::from_xyz_rpy([20.0 * x, 20.0 * y, angle], [0.05, -0.1, angle + 1.5])
+        };
+        let state = Snapshot {
+            id: 1,
+            world_from_object: at(0.52),
+            world_from_object_before: at(0.5),
+            steer_rad: 0.0,
+            phase_rad: 0.0,
+            lights: 0,
+        };
+        let rate = state.row(0).angular_velocity_radps;
+        assert!(rate[0].abs() < 1e-6 && rate[1].abs() < 1e-6 && (rate[2] - 0.4).abs() < 1e-6, "{rate:?}");
     }
 }

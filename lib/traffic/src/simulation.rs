@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
 
-use frames::LocalOrigin;
+use frames::{LocalOrigin, Object, Pose, World};
 use nalgebra::Point3;
 use opendrive::Map;
 use random::Stream;
@@ -89,8 +89,8 @@ struct Simulation<'a> {
     occupancy: Occupancy,
     reservations: Reservations,
     bodies: Bodies,
-    /// Poses one step ago, for velocities: position and roll, pitch, yaw.
-    before: Vec<([f64; 3], f64)>,
+    /// Poses one step ago, for velocities: vehicles, then walkers.
+    before: Vec<Pose<World, Object>>,
     log: SceneLog,
 }
 
@@ -247,8 +247,8 @@ impl<'a> Simulation<'a> {
     /// Keeps the poses of this moment for the next one's velocities.
     fn remember(&mut self) {
         self.before.clear();
-        self.before.extend(self.vehicles.iter().map(|v| (v.place.point.into(), v.yaw_rad)));
-        self.before.extend(self.walkers.iter().map(|w| (w.point.into(), w.yaw_rad)));
+        self.before.extend(self.vehicles.iter().map(vehicle_pose));
+        self.before.extend(self.walkers.iter().map(walker_pose));
     }
 
     fn record(&mut self, frame: i32, step: usize) {
@@ -270,18 +270,13 @@ impl<'a> Simulation<'a> {
             self.log.frames.push(row);
         }
         let lamps = weather_lamps(&weather);
-        let rate = |now: f64, before: f64| (now - before) / FRAME_PERIOD_S;
         let mut rows: Vec<StateRow> = Vec::with_capacity(self.before.len());
         for (i, vehicle) in self.vehicles.iter().enumerate() {
-            let (before, yaw_before) = self.before[i];
-            let at: [f64; 3] = vehicle.place.point.into();
             let emergency = self.starts[i].emergency;
             let snapshot = Snapshot {
                 id: self.vehicle_ids[i],
-                xyz_m: at,
-                rpy_rad: tilted(vehicle),
-                velocity_mps: std::array::from_fn(|k| rate(at[k], before[k])),
-                yaw_rate_radps: frames::wrap_pi(vehicle.yaw_rad - yaw_before) / FRAME_PERIOD_S,
+                world_from_object: vehicle_pose(vehicle),
+                world_from_object_before: self.before[i],
                 steer_rad: vehicle.steer_rad,
                 phase_rad: vehicle.odometer_m / vehicle.model.wheel_radius_m.max(0.05),
                 lights: vehicle_lamps(&self.net, vehicle, lamps, emergency),
@@ -289,14 +284,10 @@ impl<'a> Simulation<'a> {
             rows.push(snapshot.row(frame));
         }
         for (i, walker) in self.walkers.iter().enumerate() {
-            let (before, yaw_before) = self.before[self.vehicles.len() + i];
-            let at: [f64; 3] = walker.point.into();
             let snapshot = Snapshot {
                 id: self.walker_ids[i],
-                xyz_m: at,
-                rpy_rad: [0.0, 0.0, walker.yaw_rad],
-                velocity_mps: std::array::from_fn(|k| rate(at[k], before[k])),
-                yaw_rate_radps: frames::wrap_pi(walker.yaw_rad - yaw_before) / FRAME_PERIOD_S,
+                world_from_object: walker_pose(walker),
+                world_from_object_before: self.before[self.vehicles.len() + i],
                 steer_rad: 0.0,
                 phase_rad: walker.gait_phase_rad(),
                 lights: 0,
@@ -323,13 +314,17 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// Roll, pitch and yaw of a vehicle on the slope under it: the slope is given along the road, the body may be askew.
-fn tilted(vehicle: &Vehicle) -> [f64; 3] {
+/// Pose of a vehicle on the slope under it: the slope is given along the road, the body may be askew.
+fn vehicle_pose(vehicle: &Vehicle) -> Pose<World, Object> {
     let place = &vehicle.place;
     let (sin, cos) = frames::math::sin_cos(vehicle.yaw_rad - place.heading_rad);
     let pitch = place.pitch_rad * cos - place.roll_rad * sin;
     let roll = place.roll_rad * cos + place.pitch_rad * sin;
-    [roll, pitch, vehicle.yaw_rad]
+    Pose::from_xyz_rpy(place.point.into(), [roll, pitch, vehicle.yaw_rad])
+}
+
+fn walker_pose(walker: &Walker) -> Pose<World, Object> {
+    Pose::from_xyz_rpy(walker.point.into(), [0.0, 0.0, walker.yaw_rad])
 }
 
 fn place_vehicles(
@@ -404,8 +399,7 @@ fn add_fixed(input: &SceneInput<'_>, net: &Net, bodies: &mut Bodies) {
     for (i, actor) in input.fixed.iter().enumerate().filter(|(_, a)| a.kind == "parked") {
         let at = Point3::from(actor.xyz_m);
         if net.lanes_at(&at, 1.5).is_empty() {
-            let pose =
-                frames::Pose::<frames::World, frames::Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
+            let pose = Pose::<World, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
             let size = [actor.length_m, actor.width_m, actor.height_m].map(|v| v.max(0.1));
             bodies.fixed(&at, pose.yaw(), size, 2 * WALKERS + i as u32);
         }

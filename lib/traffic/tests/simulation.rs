@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{agent, agents_on, carla, collisions, crossing, run, scene, settings, straight, tracks, yaw};
+use common::{agent, agents_on, carla, collisions, crest, crossing, run, scene, settings, straight, tracks, yaw};
 use nalgebra::Point3;
 use opendrive::Map;
 use schema::tables::Weather;
@@ -94,6 +94,30 @@ fn a_follower_keeps_its_gap() {
         way / 0.33
     );
     assert!(collisions(&log, false).is_empty());
+}
+
+#[test]
+fn over_a_crest_the_body_turns_about_its_left_axis() {
+    let heading = 0.6;
+    let map = crest(heading);
+    let start = map.lanes().first().and_then(|l| map.lane_point(l.id, 10.0, 0.0)).expect("a lane");
+    let log = run(&map, &scene(10.0), &[agent(0, start.position.into(), heading)], &settings());
+    let (sin, cos) = frames::math::sin_cos(heading);
+    let tracks = tracks(&log);
+    let track = &tracks[&1];
+    let mut fastest: f64 = 0.0;
+    for pair in track.windows(2) {
+        let s = |k: usize| pair[k].xyz_m[0] * cos + pair[k].xyz_m[1] * sin;
+        // Nose down is positive: the pitch's tangent is minus the slope 0.4 - 0.004 s.
+        let pitch = |k: usize| -frames::math::atan(0.4 - 0.004 * s(k));
+        let rate = (pitch(1) - pitch(0)) / 0.05;
+        let expected = [-sin * rate, cos * rate, 0.0];
+        for (got, wanted) in pair[1].angular_velocity_radps.iter().zip(expected) {
+            assert!((f64::from(*got) - wanted).abs() < 1e-3, "{:?}, not {expected:?}", pair[1]);
+        }
+        fastest = fastest.max(rate);
+    }
+    assert!(fastest > 0.03, "{fastest}");
 }
 
 #[test]

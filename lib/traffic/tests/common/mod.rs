@@ -108,6 +108,14 @@ pub(crate) fn straight(length_m: f64) -> Map {
     Map::new(Network { roads: vec![town_road("1", 0.0, 0.0, 0.0, length_m, section)], ..Network::default() })
 }
 
+/// A straight road of one lane, 200 m over a crest: its height is `20 - 0.002 (s - 100)^2`.
+pub(crate) fn crest(heading_rad: f64) -> Map {
+    let section = LaneSection { right: vec![lane(-1, LaneType::Driving, 3.5)], ..LaneSection::default() };
+    let mut road = town_road("1", 0.0, 0.0, heading_rad, 200.0, section);
+    road.elevation = vec![Cubic { s: 0.0, a: 0.0, b: 0.4, c: -0.002, d: 0.0 }];
+    Map::new(Network { roads: vec![road], ..Network::default() })
+}
+
 /// Four arms of 200 m; straight ways through the middle. With signals: two controllers in turn.
 pub(crate) fn crossing(signals: bool) -> Map {
     let arms = [0.0, 0.5, 1.0, 1.5].map(|half_turns| half_turns * std::f64::consts::PI);
