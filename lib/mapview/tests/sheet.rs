@@ -147,6 +147,7 @@ fn water_lies_under_roads() {
         outlines: vec![Outline {
             closed: true,
             corners: vec![corner(-10.0, -50.0), corner(10.0, -50.0), corner(10.0, 50.0), corner(-10.0, 50.0)],
+            ..Outline::default()
         }],
         ..Object::default()
     }];
