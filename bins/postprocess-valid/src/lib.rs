@@ -118,11 +118,7 @@ fn validate_all(
 }
 
 /// Pixels per object and tag, by frame.
-fn visible_of(
-    job: &Job<'_>,
-    agent: AgentId,
-    rig: &Rig,
-) -> Result<BTreeMap<u32, PixelCounts>, StageError> {
+fn visible_of(job: &Job<'_>, agent: AgentId, rig: &Rig) -> Result<BTreeMap<u32, PixelCounts>, StageError> {
     let mut visible: BTreeMap<u32, PixelCounts> = BTreeMap::new();
     if rig.camera.instance {
         let key = keys::sensor(job.scene(), agent, VISIBLE_TABLE);

@@ -272,7 +272,13 @@ fn controllers(
         for signals in phases.filter(|signals| !signals.is_empty()) {
             let id = ids.next();
             let sequence = u32::try_from(controllers.len()).ok();
-            controllers.push(Controller { name: format!("ctrl{id}"), id, sequence, signals, ..Controller::default() });
+            controllers.push(Controller {
+                name: format!("ctrl{id}"),
+                id,
+                sequence,
+                signals,
+                ..Controller::default()
+            });
         }
     }
     controllers

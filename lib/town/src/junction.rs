@@ -71,7 +71,13 @@ pub(crate) fn junction(ids: &mut Ids, plan: &Plan<'_>, movements: Vec<Movement>)
             connecting_road: road.id.clone(),
             contact: ContactPoint::Start,
             lane_links: lanes
-                .flat_map(|lane| lane.predecessors.iter().map(|from| LaneLink { from: *from, to: lane.id, ..LaneLink::default() }))
+                .flat_map(|lane| {
+                    lane.predecessors.iter().map(|from| LaneLink {
+                        from: *from,
+                        to: lane.id,
+                        ..LaneLink::default()
+                    })
+                })
                 .collect(),
             ..Connection::default()
         });

@@ -2,7 +2,9 @@
 
 mod common;
 
-use common::{agent, agents_on, carla, collisions, crest, crossing, run, scene, settings, straight, tracks, yaw};
+use common::{
+    agent, agents_on, carla, collisions, crest, crossing, run, scene, settings, straight, tracks, yaw,
+};
 use nalgebra::Point3;
 use opendrive::Map;
 use schema::tables::Weather;

@@ -17,7 +17,8 @@ fn file(name: &str) -> (String, Vec<u8>) {
     match std::fs::read(folder.join(name)) {
         Ok(bytes) => (name.to_owned(), bytes),
         Err(_) => {
-            let network: Network = town::generate(&town::named("convoy/demo").expect("is named")).expect("is generated");
+            let network: Network =
+                town::generate(&town::named("convoy/demo").expect("is named")).expect("is generated");
             (format!("convoy/demo, for want of {name}"), opendrive::write(&network).into_bytes())
         }
     }
@@ -31,8 +32,13 @@ pub(crate) fn measure(rows: &mut Vec<Row>) {
     let (name, bytes) = file("Town03.xodr");
     let map = load(&bytes);
     let places = places(&map);
-    let nearest = || places.iter().filter_map(|p| map.nearest_driving_lane(*p)).map(|h| h.distance_m).sum::<f64>();
-    rows.push(Row { part: format!("nearest lane of {PLACES} places on {name}"), seconds: best(3, nearest), budget: 2.0 });
+    let nearest =
+        || places.iter().filter_map(|p| map.nearest_driving_lane(*p)).map(|h| h.distance_m).sum::<f64>();
+    rows.push(Row {
+        part: format!("nearest lane of {PLACES} places on {name}"),
+        seconds: best(3, nearest),
+        budget: 2.0,
+    });
 }
 
 /// Half of them on the lanes or up to 10 m beside them, half anywhere over the network.
