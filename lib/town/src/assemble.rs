@@ -26,6 +26,8 @@ const SLOPE_REACH_M: f64 = 25.0;
 const SEAM_GRADE: f64 = 0.7;
 /// The radius of a U-turn's lane is at least half of this, metres.
 const LEAST_U_TURN_M: f64 = 10.0;
+/// Width of the island before a turning circle, metres.
+const CIRCLE_ISLAND_M: f64 = 3.0;
 /// Distance between the places that the bounds are taken from, metres.
 const BOUND_STEP_M: f64 = 5.0;
 
@@ -43,7 +45,7 @@ impl Ids {
 
 /// Builds every street and junction.
 pub(crate) fn assemble(layout: &Layout) -> Result<Network, TownError> {
-    let layout = &roundabout::expand(layout)?;
+    let layout = &with_islands(roundabout::expand(layout)?);
     let mut places = places(layout)?;
     for (node, place) in layout.nodes.iter().zip(&mut places) {
         set_heights(node, place, &layout.terrain);
@@ -68,6 +70,22 @@ pub(crate) fn assemble(layout: &Layout) -> Result<Network, TownError> {
     decks(&mut ids, &mut network, &layout.terrain)?;
     network.header = header(layout, &network.roads);
     Ok(network)
+}
+
+/// Gives streets an island before their turning circles: long vehicles that come out of the circle swing out where
+/// others go in.
+fn with_islands(mut layout: Layout) -> Layout {
+    let nodes = &layout.nodes;
+    for edge in &mut layout.edges {
+        let two_way = !edge.shape.is_one_way() && !edge.shape.median.through;
+        for end in [&mut edge.from, &mut edge.to] {
+            let circle = nodes.get(end.node).is_some_and(|n| matches!(n.kind, NodeKind::DeadEnd { .. }));
+            if circle && two_way && end.ending.splitter_m == 0.0 {
+                end.ending.splitter_m = CIRCLE_ISLAND_M;
+            }
+        }
+    }
+    layout
 }
 
 /// The arm of an edge's end.

@@ -317,7 +317,7 @@ pub(crate) fn bulb_reach_m(line_m: f64, circle_m: f64) -> f64 {
 fn disc(path: &Path) -> Option<Lane> {
     let arc = path.pieces.iter().find(|p| matches!(p.curve, Curve::Arc { curvature } if curvature > 0.0))?;
     let Curve::Arc { curvature } = arc.curve else { return None };
-    let (width, taper) = (0.96 / curvature, 0.2 * arc.length_m);
+    let (width, taper) = (0.96 / curvature, 0.08 * arc.length_m);
     let (start, end) = (arc.s, arc.s + arc.length_m);
     let widths = vec![
         opendrive::Cubic::constant(0.0),

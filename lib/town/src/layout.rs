@@ -13,7 +13,7 @@
 //! let mut town = Layout::new("example", Terrain { waves: vec![wave], ..Terrain::flat() });
 //! let cross = town.node(Node::new([0.0, 0.0], NodeKind::Crossing(Control::Signals)));
 //! let round = town.node(Node::new([200.0, 20.0], NodeKind::Roundabout { island_m: 12.0, lanes: 1 }));
-//! let close = town.node(Node::new([0.0, 150.0], NodeKind::DeadEnd { radius_m: 9.0 }));
+//! let close = town.node(Node::new([0.0, 150.0], NodeKind::DeadEnd { radius_m: 12.0 }));
 //! let street = CrossSection::both_ways(Side::town(1, 3.5).with_sidewalk(2.5), 50.0);
 //! // From the crossing to the roundabout round one bend, with a lane for turns to the left at the crossing.
 //! town.edge(
@@ -87,7 +87,7 @@ pub(crate) enum NodeKind {
     Crossover,
     /// A street ends in a turning circle.
     DeadEnd {
-        /// Radius of the circle's carriageway, metres (8 or more).
+        /// Radius of the circle's carriageway, metres (8 or more; buses need 12).
         radius_m: f64,
     },
     /// A street (two arms) and a railway (two arms) cross.

@@ -26,7 +26,7 @@ fn built(layout: &Layout) -> Network {
 }
 
 fn circle(layout: &mut Layout, at_m: [f64; 2]) -> NodeId {
-    layout.node(Node::new(at_m, NodeKind::DeadEnd { radius_m: 9.0 }))
+    layout.node(Node::new(at_m, NodeKind::DeadEnd { radius_m: 12.0 }))
 }
 
 /// A crossing of streets at these headings (degrees), each with a turning circle at its end.
