@@ -168,7 +168,7 @@ fn join(place: &Place, roads: &mut [Road]) {
 fn movements(node: &Node, place: &Place) -> Vec<Movement> {
     let arms = &place.arms;
     match node.kind {
-        NodeKind::Crossing(_) => crossing(arms),
+        NodeKind::Crossing(_) => crossing(arms, node.lefts),
         NodeKind::Seam { .. } => seam::movements(arms, place.axis),
         NodeKind::Crossover => seam::crossover(arms, place.axis, LEAST_U_TURN_M),
         NodeKind::DeadEnd { .. } => seam::turning(&arms[0]),

@@ -111,12 +111,22 @@ pub(crate) struct Node {
     pub(crate) name: String,
     /// Whether pedestrians may cross here, where the streets have sidewalks and the control permits it.
     pub(crate) crosswalks: bool,
+    /// Whether turns to the left are allowed at a crossing; those from an arm that has no other way are.
+    pub(crate) lefts: bool,
 }
 
 impl Node {
     /// A node on the ground.
     pub(crate) fn new(at_m: [f64; 2], kind: NodeKind) -> Self {
-        Self { at_m, kind, lift_m: 0.0, kerb_radius_m: 6.0, name: String::new(), crosswalks: true }
+        Self {
+            at_m,
+            kind,
+            lift_m: 0.0,
+            kerb_radius_m: 6.0,
+            name: String::new(),
+            crosswalks: true,
+            lefts: true,
+        }
     }
 
     /// The same over the ground.
@@ -127,6 +137,11 @@ impl Node {
     /// The same with other corners.
     pub(crate) fn kerbs(self, kerb_radius_m: f64) -> Self {
         Self { kerb_radius_m, ..self }
+    }
+
+    /// The same without turns to the left: for crossings whose traffic turns back further on instead.
+    pub(crate) fn without_lefts(self) -> Self {
+        Self { lefts: false, ..self }
     }
 
     /// The same with a name.

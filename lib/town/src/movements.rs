@@ -34,15 +34,17 @@ pub(crate) struct Movement {
 /// Pockets serve their turns alone. Other lanes: straight on from every lane that has a partner; turns to the left leave
 /// the innermost lane and turns to the right the outermost one; where nothing goes straight on, they share the lanes
 /// out. Lanes of one arm never cross one another: from the inside out they lead to arms further and further right.
-pub(crate) fn crossing(arms: &[Arm]) -> Vec<Movement> {
+///
+/// Without `lefts` nothing turns to the left but what has no other way.
+pub(crate) fn crossing(arms: &[Arm], lefts: bool) -> Vec<Movement> {
     let mut all = Vec::new();
     for from in 0..arms.len() {
-        of_arm(arms, from, &mut all);
+        of_arm(arms, from, lefts, &mut all);
     }
     all
 }
 
-fn of_arm(arms: &[Arm], from: usize, all: &mut Vec<Movement>) {
+fn of_arm(arms: &[Arm], from: usize, lefts: bool, all: &mut Vec<Movement>) {
     let first = all.len();
     let arm = &arms[from];
     let exits: Vec<usize> = {
@@ -55,11 +57,14 @@ fn of_arm(arms: &[Arm], from: usize, all: &mut Vec<Movement>) {
     };
     // From left to right: turns to the left, straight on, turns to the right.
     let straight = opposite(arms, from).filter(|to| exits.contains(to));
-    let (left, right): (Vec<usize>, Vec<usize>) =
+    let (mut left, right): (Vec<usize>, Vec<usize>) =
         match straight.and_then(|s| exits.iter().position(|e| *e == s)) {
             Some(at) => (exits[..at].to_vec(), exits[at + 1..].to_vec()),
             None => exits.iter().partition(|to| arm.turn_to(&arms[**to]) > 0.0),
         };
+    if !lefts && (straight.is_some() || !right.is_empty()) {
+        left.clear();
+    }
     let lanes = shares(arm, !left.is_empty(), straight.map(|s| arms[s].leaving()), !right.is_empty());
     let part = |lanes: &Range<u8>, i: usize, of: usize| {
         let n = lanes.len();
@@ -200,7 +205,7 @@ mod tests {
         let row = |m: &Movement| {
             [m.from, m.to, m.from_lane.into(), m.to_lane.into(), m.lanes.into(), usize::from(m.corner)]
         };
-        let mut rows: Vec<[usize; 6]> = crossing(arms).iter().map(row).collect();
+        let mut rows: Vec<[usize; 6]> = crossing(arms, true).iter().map(row).collect();
         rows.sort_unstable();
         rows
     }
@@ -247,6 +252,21 @@ mod tests {
     }
 
     #[test]
+    fn turns_to_the_left_can_be_forbidden() {
+        let arms = [arm(0.0, 2), arm(0.5 * PI, 2), arm(PI, 2), arm(-0.5 * PI, 2)];
+        let all = crossing(&arms, false);
+        assert_eq!(all.len(), 8);
+        assert!(all.iter().all(|m| arms[m.from].turn_to(&arms[m.to]) < 0.1));
+        // All lanes still lead on.
+        assert!((0..4).all(|a| (0..2).all(|k| {
+            all.iter().any(|m| m.from == a && (m.from_lane..m.from_lane + m.lanes).contains(&k))
+        })));
+        // Where the only way on is to the left, it stays.
+        let bend = [arm(0.0, 1), arm(-0.5 * PI, 1)];
+        assert!(crossing(&bend, false).iter().any(|m| m.from == 0 && m.to == 1 && m.lanes == 1));
+    }
+
+    #[test]
     fn lanes_of_one_arm_never_cross_and_all_lead_on() {
         for (n, m) in [(1, 1), (2, 1), (3, 1), (3, 2), (1, 3), (2, 2)] {
             for headings in [
@@ -260,7 +280,7 @@ mod tests {
                     .enumerate()
                     .map(|(i, h)| arm(*h, if i % 2 == 0 { n } else { m }))
                     .collect();
-                let all = crossing(&arms);
+                let all = crossing(&arms, true);
                 for (from, arm) in arms.iter().enumerate() {
                     let angle = |m: &Movement| {
                         counter_clockwise(arm.outward.heading_rad, arms[m.to].outward.heading_rad)
