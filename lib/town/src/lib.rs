@@ -46,7 +46,9 @@ mod check;
 #[cfg(test)]
 mod proofs;
 
-pub use layouts::{CityParameters, DowntownParameters, GridParameters, Style, ViaductParameters};
+pub use layouts::{
+    CityParameters, DowntownParameters, GridParameters, HighwaysParameters, Style, ViaductParameters,
+};
 pub use parameters::{TownError, TownParameters, named, names};
 
 use opendrive::Network;

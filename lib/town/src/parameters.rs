@@ -2,13 +2,16 @@
 
 use serde::Deserialize;
 
-use crate::layouts::{CityParameters, DowntownParameters, GridParameters, Style, ViaductParameters};
+use crate::layouts::{
+    CityParameters, DowntownParameters, GridParameters, HighwaysParameters, Style, ViaductParameters,
+};
 
 /// The towns that have a name, and their parameters.
 const TOWNS: &[(&str, &str)] = &[
     ("convoy/demo", include_str!("../towns/demo.toml")),
     ("convoy/03", include_str!("../towns/03.toml")),
     ("convoy/05", include_str!("../towns/05.toml")),
+    ("convoy/06", include_str!("../towns/06.toml")),
     ("convoy/08", include_str!("../towns/08.toml")),
 ];
 
@@ -114,6 +117,8 @@ pub struct TownParameters {
     pub downtown: DowntownParameters,
     /// What is particular to `style = "viaduct"`.
     pub viaduct: ViaductParameters,
+    /// What is particular to `style = "highways"`.
+    pub highways: HighwaysParameters,
 }
 
 impl Default for TownParameters {
@@ -131,6 +136,7 @@ impl Default for TownParameters {
             city: CityParameters::default(),
             downtown: DowntownParameters::default(),
             viaduct: ViaductParameters::default(),
+            highways: HighwaysParameters::default(),
         }
     }
 }

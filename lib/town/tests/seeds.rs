@@ -26,3 +26,8 @@ fn down_towns() {
 fn cities_with_a_viaduct() {
     sound_with_any_seed("convoy/05");
 }
+
+#[test]
+fn highways() {
+    sound_with_any_seed("convoy/06");
+}

@@ -8,12 +8,15 @@ mod blocks;
 mod city;
 mod downtown;
 mod grid;
+mod highways;
 mod motorway;
+mod trumpet;
 mod viaduct;
 
 pub use city::CityParameters;
 pub use downtown::DowntownParameters;
 pub use grid::GridParameters;
+pub use highways::HighwaysParameters;
 pub use viaduct::ViaductParameters;
 
 use serde::Deserialize;
@@ -34,11 +37,13 @@ pub enum Style {
     Downtown,
     /// A grid city with an elevated motorway.
     Viaduct,
+    /// A motorway ring, and a divided highway with Michigan lefts.
+    Highways,
 }
 
 impl Style {
     /// Every style.
-    pub const ALL: [Self; 4] = [Self::Grid, Self::City, Self::Downtown, Self::Viaduct];
+    pub const ALL: [Self; 5] = [Self::Grid, Self::City, Self::Downtown, Self::Viaduct, Self::Highways];
 
     /// Its name in a parameter file: the value of `style`, and the name of its table.
     #[must_use]
@@ -48,6 +53,7 @@ impl Style {
             Self::City => "city",
             Self::Downtown => "downtown",
             Self::Viaduct => "viaduct",
+            Self::Highways => "highways",
         }
     }
 
@@ -57,6 +63,7 @@ impl Style {
             Self::City => parameters.city.check(),
             Self::Downtown => parameters.downtown.check(),
             Self::Viaduct => parameters.viaduct.check(),
+            Self::Highways => parameters.highways.check(),
         }
     }
 
@@ -66,6 +73,7 @@ impl Style {
             Self::City => Ok(city::layout(parameters)),
             Self::Downtown => Ok(downtown::layout(parameters)),
             Self::Viaduct => Ok(viaduct::layout(parameters)),
+            Self::Highways => Ok(highways::layout(parameters)),
         }
     }
 }

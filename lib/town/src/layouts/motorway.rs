@@ -77,6 +77,11 @@ impl Motorway<'_> {
     }
 }
 
+/// A ramp of one lane.
+pub(super) fn ramp_shape(limit_kmh: f64) -> CrossSection {
+    CrossSection::ramp(1, RAMP_LANE_M, limit_kmh)
+}
+
 /// The deceleration lane before an exit.
 pub(super) fn exit_lane() -> Ending {
     let [length_m, taper_m] = EXIT_M;
@@ -116,7 +121,7 @@ pub(super) fn diamond(layout: &mut Layout, motorway: &Motorway<'_>, plan: &Diamo
         let node = Node::new(frame.at(0.0, y), plan.kind).kerbs(plan.kerb_radius_m);
         layout.node(node.named(format!("{name} {side}")))
     });
-    let shape = CrossSection::ramp(1, RAMP_LANE_M, RAMP_KMH);
+    let shape = ramp_shape(RAMP_KMH);
     let [length_m, taper_m] = RAMP_POCKET_M;
     let turns = Ending { left: Some(Pocket::one(length_m, taper_m)), ..Ending::default() };
     for (side, forward) in [true, false].into_iter().enumerate() {
