@@ -1,6 +1,6 @@
 //! Bad input: one clear message each, the right exit code, nothing lost.
 
-use convoy_tests::{Bench, TINY};
+use convoy_tests::{Bench, TINY, program};
 
 #[test]
 fn three_mistakes_give_three_messages() {
@@ -57,6 +57,35 @@ fn a_missing_map_says_where_it_was_looked_for() {
     let outcome = bench.run("spawn-planner", &["--maps", maps.to_str().expect("is UTF-8")]);
     assert_eq!(outcome.code, 2);
     assert!(outcome.stderr.contains("maps/Nowhere.xodr"), "{outcome:?}");
+}
+
+#[test]
+fn a_changed_map_is_planned_again() {
+    let bench = Bench::new(&TINY.replace("convoy/demo", "Town"));
+    let maps = bench.folder.path().join("maps");
+    std::fs::create_dir(&maps).expect("makes the folder");
+    let folder = maps.to_str().expect("is UTF-8");
+    let file = maps.join("Town.xodr");
+    let path = file.to_str().expect("is UTF-8");
+    let town = |seed: &str| {
+        let args = ["town", "--name", "convoy/demo", "--seed", seed, "--out", path];
+        let status = std::process::Command::new(program("convoy")).args(args).status().expect("convoy runs");
+        assert!(status.success(), "{status}");
+    };
+    town("7");
+    bench.run("spawn-planner", &["--maps", folder]).expect_done();
+    let first = bench.digests();
+    bench.run("spawn-planner", &["--maps", folder]).expect_done();
+    assert_eq!(first, bench.digests(), "nothing changed");
+    town("8");
+    let plan = bench.run("spawn-planner", &["--maps", folder, "--dry-run"]);
+    assert!(plan.stdout.contains("source/maps/Town.xodr.zst changed"), "{plan:?}");
+    bench.run("spawn-planner", &["--maps", folder]).expect_done();
+    let second = bench.digests();
+    assert!(first["maps/Town.xodr.zst"] != second["maps/Town.xodr.zst"]);
+    // Without the folder the store is complete by itself.
+    bench.run("spawn-planner", &[]).expect_done();
+    assert_eq!(second, bench.digests());
 }
 
 #[test]

@@ -17,7 +17,7 @@ use truth::validity::{Evidence, PixelCounts};
 use crate::clouds::Clouds;
 
 /// The stage.
-pub const STAGE: Stage = Stage { name: "postprocess-valid", run };
+pub const STAGE: Stage = Stage { name: "postprocess-valid", run, sources: pipeline::no_sources };
 
 pub(crate) const RENDER: &str = "render-sensors";
 pub(crate) const OCCUPANCY: &str = "occupancy-gt";

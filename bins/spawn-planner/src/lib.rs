@@ -14,7 +14,7 @@ use serde::Serialize;
 use store::keys;
 
 /// The stage.
-pub const STAGE: Stage = Stage { name: "spawn-planner", run };
+pub const STAGE: Stage = Stage { name: "spawn-planner", run, sources: map_digests };
 
 /// `dataset.json`.
 #[derive(Serialize)]
@@ -62,6 +62,18 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
         unit.finish()?;
     }
     Ok(())
+}
+
+/// Digests of the map files, by name in the store. Our own towns are part of the code; a file that is not found now is
+/// in the store already, or missed with a message when it is needed.
+fn map_digests(settings: &DatasetSettings, folder: Option<&Path>) -> BTreeMap<String, String> {
+    let maps = settings.scenes.iter().filter(|s| s.count > 0).map(|s| s.map.as_str());
+    maps.filter(|written| town::named(written).is_none())
+        .filter_map(|written| {
+            let source = read_map_file(written, folder).ok()?;
+            Some((keys::map(name_in_store(written)), store::hash_bytes(&source.text)))
+        })
+        .collect()
 }
 
 /// A map's OpenDRIVE text and where it comes from, for messages.

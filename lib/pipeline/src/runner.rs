@@ -13,7 +13,7 @@ use store::{Attempt, Failure, Identity, Manifest, Scope, Store, StoreError, Unit
 use crate::args::{ProgressMode, StageArgs};
 use crate::graph::{Graph, StageSpec, UnitKind, config_hash};
 use crate::progress::Progress;
-use crate::status::{State, inputs, plan_section, planned_scenes, state_of};
+use crate::status::{SOURCE, State, inputs, plan_section, planned_scenes, state_of};
 use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, config, interrupt};
 
 /// A stage: its name in `pipeline.toml` and its work for one scope.
@@ -23,6 +23,15 @@ pub struct Stage {
     pub name: &'static str,
     /// Does the work of one scope: opens units of [`Job`], writes their shards.
     pub run: fn(&mut Job<'_>) -> Result<(), StageError>,
+    /// Digests of what it reads outside the store, by name, as far as that can be found now: where one changed, the
+    /// stage is stale. Takes the settings and the folder with map files.
+    pub sources: fn(&DatasetSettings, Option<&Path>) -> BTreeMap<String, String>,
+}
+
+/// The sources of a stage that reads nothing outside the store.
+#[must_use]
+pub fn no_sources(_settings: &DatasetSettings, _maps: Option<&Path>) -> BTreeMap<String, String> {
+    BTreeMap::new()
 }
 
 /// Why the work of a scope ended early.
@@ -312,8 +321,9 @@ impl Run<'_> {
 
     /// Says what would be done.
     fn tell(&self, scopes: &[Scope]) -> Result<u8, StageError> {
+        let sources = self.sources();
         for &scope in scopes {
-            let state = state_of(&self.store, self.settings, self.spec, scope)?;
+            let state = self.state(scope, &sources)?;
             let verb = if state == State::Done && !self.force { "would keep" } else { "would run" };
             crate::drive::say(&format!("{verb} {} ({state})", self.label(scope)));
         }
@@ -348,9 +358,29 @@ impl Run<'_> {
         Ok(if failed.is_empty() { EXIT_DONE } else { EXIT_SOME_FAILED })
     }
 
+    /// What the stage reads outside the store, by the names of its manifest.
+    fn sources(&self) -> BTreeMap<String, String> {
+        let found = (self.stage.sources)(self.settings, self.maps.as_deref());
+        found.into_iter().map(|(name, digest)| (format!("{SOURCE}{name}"), digest)).collect()
+    }
+
+    /// State of a scope, sources included: one that cannot be found now has not changed.
+    fn state(&self, scope: Scope, sources: &BTreeMap<String, String>) -> Result<State, StageError> {
+        let state = state_of(&self.store, self.settings, self.spec, scope)?;
+        if state == State::Done
+            && let Some(manifest) = self.store.manifest(scope, self.stage.name)?
+            && let Some((name, _)) =
+                sources.iter().find(|(name, now)| manifest.inputs.get(*name) != Some(*now))
+        {
+            return Ok(State::Stale(format!("{name} changed")));
+        }
+        Ok(state)
+    }
+
     /// Runs one scope. `false`: there was nothing to do.
     fn one(&self, scope: Scope) -> Result<bool, StageError> {
-        if !self.force && state_of(&self.store, self.settings, self.spec, scope)? == State::Done {
+        let sources = self.sources();
+        if !self.force && self.state(scope, &sources)? == State::Done {
             Attempt::tidy(&self.store, scope, self.stage.name)?;
             return Ok(false);
         }
@@ -361,7 +391,7 @@ impl Run<'_> {
             scope,
             code_version: crate::code_version(self.stage.name).into(),
             config_hash: config_hash(self.spec, self.settings),
-            inputs: ready.digests,
+            inputs: ready.digests.into_iter().chain(sources).collect(),
         };
         let attempt = Attempt::start(&self.store, identity, self.force)?;
         let mut job = Job {

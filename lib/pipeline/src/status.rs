@@ -32,6 +32,9 @@ impl fmt::Display for State {
     }
 }
 
+/// Begins the names of inputs that are not in the store (map files).
+pub(crate) const SOURCE: &str = "source/";
+
 /// Name of a scene's digest in the plan's manifest.
 pub(crate) fn plan_section(scene: u32) -> String {
     format!("scene/{scene:04}")
@@ -147,13 +150,16 @@ pub fn state_of(
     if manifest.code_version != crate::code_version(&spec.name) {
         return Ok(State::Stale("the code changed".into()));
     }
+    // Whether sources outside the store changed is for the stage itself to see: it knows where they are.
+    let stored = manifest.inputs.iter().filter(|(name, _)| !name.starts_with(SOURCE));
+    let stored: BTreeMap<String, String> = stored.map(|(n, d)| (n.clone(), d.clone())).collect();
     match inputs(store, settings, spec, scope)? {
         Err(why) => return Ok(State::Stale(why)),
-        Ok(now) if now.digests != manifest.inputs => {
+        Ok(now) if now.digests != stored => {
             let changed = now
                 .digests
                 .iter()
-                .find(|(name, digest)| manifest.inputs.get(*name) != Some(digest))
+                .find(|(name, digest)| stored.get(*name) != Some(digest))
                 .map_or("an input", |(name, _)| name.as_str());
             return Ok(State::Stale(format!("{changed} was redone")));
         }

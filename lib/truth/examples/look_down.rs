@@ -1,4 +1,4 @@
-//! Writes pictures of every grid of a small town: `cargo run -p convoy-truth --example look -- FOLDER`.
+//! Writes pictures of every grid of a small town: `cargo run -p convoy-truth --example look_down -- FOLDER`.
 
 use std::error::Error;
 use std::fs::File;
