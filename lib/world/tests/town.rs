@@ -148,8 +148,10 @@ fn check_town(map: &Map, name: &str) {
 }
 
 #[test]
-fn a_generated_town_is_sound() {
-    check_town(&demo(), "demo");
+fn generated_towns_are_sound() {
+    for name in ["convoy/demo", "convoy/03"] {
+        check_town(&Map::new(town::generate(&town::named(name).unwrap()).unwrap()), name);
+    }
 }
 
 #[test]
