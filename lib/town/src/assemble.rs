@@ -19,6 +19,7 @@ use crate::route::route;
 use crate::seam;
 use crate::street::{self, street};
 use crate::terrain::Terrain;
+use crate::water::waters;
 
 /// Half the distance over which a seam's slope is taken from the ground, metres.
 const SLOPE_REACH_M: f64 = 25.0;
@@ -68,6 +69,7 @@ pub(crate) fn assemble(layout: &Layout) -> Result<Network, TownError> {
         }
     }
     decks(&mut ids, &mut network, &layout.terrain)?;
+    waters(&mut ids, &mut network, &layout.waters);
     network.header = header(layout, &network.roads);
     Ok(network)
 }

@@ -46,6 +46,7 @@ use opendrive::{ContactPoint, Network};
 use crate::path::{Piece, Pose2, Via};
 use crate::section::{CrossSection, Ending};
 use crate::terrain::Terrain;
+pub(crate) use crate::water::Water;
 use crate::{TownError, assemble};
 
 /// Names a node of a layout.
@@ -308,6 +309,8 @@ pub(crate) struct Layout {
     pub(crate) terrain: Terrain,
     pub(crate) nodes: Vec<Node>,
     pub(crate) edges: Vec<Edge>,
+    /// Rivers and lakes.
+    pub(crate) waters: Vec<Water>,
 }
 
 impl Layout {
@@ -319,6 +322,7 @@ impl Layout {
             terrain,
             nodes: Vec::new(),
             edges: Vec::new(),
+            waters: Vec::new(),
         }
     }
 

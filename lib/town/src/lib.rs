@@ -39,6 +39,7 @@ mod section;
 mod street;
 mod strips;
 mod terrain;
+mod water;
 
 #[cfg(test)]
 #[path = "../tests/check/mod.rs"]
