@@ -48,7 +48,8 @@ mod check;
 mod proofs;
 
 pub use layouts::{
-    CityParameters, DowntownParameters, GridParameters, HighwaysParameters, Style, ViaductParameters,
+    CityParameters, CommercialParameters, DowntownParameters, GridParameters, HighwaysParameters,
+    OldTownParameters, RiverParameters, RuralParameters, Style, ViaductParameters,
 };
 pub use parameters::{TownError, TownParameters, named, names};
 

@@ -3,16 +3,21 @@
 use serde::Deserialize;
 
 use crate::layouts::{
-    CityParameters, DowntownParameters, GridParameters, HighwaysParameters, Style, ViaductParameters,
+    CityParameters, CommercialParameters, DowntownParameters, GridParameters, HighwaysParameters,
+    OldTownParameters, RiverParameters, RuralParameters, Style, ViaductParameters,
 };
 
 /// The towns that have a name, and their parameters.
 const TOWNS: &[(&str, &str)] = &[
     ("convoy/demo", include_str!("../towns/demo.toml")),
+    ("convoy/01", include_str!("../towns/01.toml")),
+    ("convoy/02", include_str!("../towns/02.toml")),
     ("convoy/03", include_str!("../towns/03.toml")),
     ("convoy/05", include_str!("../towns/05.toml")),
     ("convoy/06", include_str!("../towns/06.toml")),
+    ("convoy/07", include_str!("../towns/07.toml")),
     ("convoy/08", include_str!("../towns/08.toml")),
+    ("convoy/11", include_str!("../towns/11.toml")),
 ];
 
 /// Why a town can't be built.
@@ -119,6 +124,14 @@ pub struct TownParameters {
     pub viaduct: ViaductParameters,
     /// What is particular to `style = "highways"`.
     pub highways: HighwaysParameters,
+    /// What is particular to `style = "river"`.
+    pub river: RiverParameters,
+    /// What is particular to `style = "commercial"`.
+    pub commercial: CommercialParameters,
+    /// What is particular to `style = "rural"`.
+    pub rural: RuralParameters,
+    /// What is particular to `style = "oldtown"`.
+    pub oldtown: OldTownParameters,
 }
 
 impl Default for TownParameters {
@@ -137,6 +150,10 @@ impl Default for TownParameters {
             downtown: DowntownParameters::default(),
             viaduct: ViaductParameters::default(),
             highways: HighwaysParameters::default(),
+            river: RiverParameters::default(),
+            commercial: CommercialParameters::default(),
+            rural: RuralParameters::default(),
+            oldtown: OldTownParameters::default(),
         }
     }
 }

@@ -16,6 +16,16 @@ fn every_named_town_is_sound() {
 }
 
 #[test]
+fn towns_of_other_seeds_are_sound() {
+    for name in names() {
+        for seed in 100..104 {
+            let parameters = TownParameters { seed, ..named(name).unwrap() };
+            check::check(&format!("{name}, seed {seed}"), &generate(&parameters).unwrap());
+        }
+    }
+}
+
+#[test]
 fn the_seed_decides() {
     for name in names() {
         let parameters = named(name).unwrap();

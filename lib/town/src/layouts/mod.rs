@@ -6,17 +6,26 @@
 
 mod blocks;
 mod city;
+mod commercial;
 mod downtown;
+mod graph;
 mod grid;
 mod highways;
 mod motorway;
+mod old_town;
+mod river;
+mod rural;
 mod trumpet;
 mod viaduct;
 
 pub use city::CityParameters;
+pub use commercial::CommercialParameters;
 pub use downtown::DowntownParameters;
 pub use grid::GridParameters;
 pub use highways::HighwaysParameters;
+pub use old_town::OldTownParameters;
+pub use river::RiverParameters;
+pub use rural::RuralParameters;
 pub use viaduct::ViaductParameters;
 
 use serde::Deserialize;
@@ -39,11 +48,29 @@ pub enum Style {
     Viaduct,
     /// A motorway ring, and a divided highway with Michigan lefts.
     Highways,
+    /// A small town on both banks of a river.
+    River,
+    /// A boulevard between a dense centre and large blocks.
+    Commercial,
+    /// Country roads with narrow lanes.
+    Rural,
+    /// Winding streets on a hill.
+    OldTown,
 }
 
 impl Style {
     /// Every style.
-    pub const ALL: [Self; 5] = [Self::Grid, Self::City, Self::Downtown, Self::Viaduct, Self::Highways];
+    pub const ALL: [Self; 9] = [
+        Self::Grid,
+        Self::City,
+        Self::Downtown,
+        Self::Viaduct,
+        Self::Highways,
+        Self::River,
+        Self::Commercial,
+        Self::Rural,
+        Self::OldTown,
+    ];
 
     /// Its name in a parameter file: the value of `style`, and the name of its table.
     #[must_use]
@@ -54,6 +81,10 @@ impl Style {
             Self::Downtown => "downtown",
             Self::Viaduct => "viaduct",
             Self::Highways => "highways",
+            Self::River => "river",
+            Self::Commercial => "commercial",
+            Self::Rural => "rural",
+            Self::OldTown => "oldtown",
         }
     }
 
@@ -64,6 +95,10 @@ impl Style {
             Self::Downtown => parameters.downtown.check(),
             Self::Viaduct => parameters.viaduct.check(),
             Self::Highways => parameters.highways.check(),
+            Self::River => parameters.river.check(),
+            Self::Commercial => parameters.commercial.check(),
+            Self::Rural => parameters.rural.check(),
+            Self::OldTown => parameters.oldtown.check(),
         }
     }
 
@@ -74,6 +109,10 @@ impl Style {
             Self::Downtown => Ok(downtown::layout(parameters)),
             Self::Viaduct => Ok(viaduct::layout(parameters)),
             Self::Highways => Ok(highways::layout(parameters)),
+            Self::River => Ok(river::layout(parameters)),
+            Self::Commercial => Ok(commercial::layout(parameters)),
+            Self::Rural => Ok(rural::layout(parameters)),
+            Self::OldTown => Ok(old_town::layout(parameters)),
         }
     }
 }
