@@ -44,9 +44,11 @@ fn wrong_requests_say_what_is_wrong() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
     std::fs::write(at.join("broken.xodr"), "<OpenDRIVE>\n<road").expect("writes");
+    std::fs::write(at.join("mine.toml"), "style = \"grid\"\n[grid]\ncolums = 2\n").expect("writes");
     for (args, code, message) in [
         (&["town", "--name", "convoy/nowhere", "--out", "a.xodr"][..], 2, "convoy/demo"),
         (&["town", "--name", "convoy/demo", "--out", "a.xodr", "--picture", "a.jpg"], 2, ".svg or .png"),
+        (&["town", "--parameters", "mine.toml", "--out", "a.xodr"], 2, "colums"),
         (&["map-picture", "--map", "broken.xodr", "--out", "a.png"], 1, "broken.xodr: line 2"),
         (&["map-picture", "--map", "missing.xodr", "--out", "a.png"], 2, "missing.xodr"),
         (&["map-picture", "--map", "broken.xodr", "--out", "a.png", "--around", "1;2"], 2, "120,-45"),

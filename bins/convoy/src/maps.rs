@@ -14,8 +14,16 @@ pub(crate) enum MapCommand {
     /// Generates a town and writes it as an OpenDRIVE file.
     Town {
         /// Name of one of our towns, such as convoy/03.
-        #[arg(long, value_name = "NAME")]
-        name: String,
+        #[arg(
+            long,
+            value_name = "NAME",
+            required_unless_present = "parameters",
+            conflicts_with = "parameters"
+        )]
+        name: Option<String>,
+        /// A town of your own: a file such as those in lib/town/towns.
+        #[arg(long, value_name = "FILE")]
+        parameters: Option<PathBuf>,
         /// Seed instead of the town's own.
         #[arg(long, value_name = "N")]
         seed: Option<u64>,
@@ -89,9 +97,8 @@ impl Fault {
 /// Runs a command; its exit code.
 pub(crate) fn run(command: MapCommand) -> u8 {
     let result = match command {
-        MapCommand::Town { name, seed, out, picture } => {
-            town_file(&name, seed, Some(&out), picture.as_deref())
-        }
+        MapCommand::Town { name, parameters, seed, out, picture } => parameters_of(name, parameters)
+            .and_then(|p| town_file(&seeded(p, seed), Some(&out), picture.as_deref())),
         MapCommand::Towns { dest, pictures, format } => {
             all_towns(dest.as_deref(), pictures.as_deref(), &format)
         }
@@ -117,25 +124,33 @@ fn point(text: &str) -> Result<[f64; 2], String> {
     }
 }
 
-fn parameters(name: &str) -> Result<TownParameters, Fault> {
+fn named(name: &str) -> Result<TownParameters, Fault> {
     town::named(name).ok_or_else(|| {
         Fault::Usage(format!("no town is called `{name}`; there are {}", town::names().join(", ")))
     })
 }
 
-fn generate(name: &str, seed: Option<u64>) -> Result<Network, Fault> {
-    let mut parameters = parameters(name)?;
-    if let Some(seed) = seed {
-        parameters.seed = seed;
-    }
-    town::generate(&parameters).map_err(|source| Fault::Town { name: name.to_owned(), source })
+/// The parameters of a town that is named, or described in a file.
+fn parameters_of(name: Option<String>, file: Option<PathBuf>) -> Result<TownParameters, Fault> {
+    let Some(path) = file else { return named(&name.unwrap_or_default()) };
+    let text = std::fs::read_to_string(&path).map_err(|source| Fault::Io { path: path.clone(), source })?;
+    TownParameters::from_toml(&text)
+        .map_err(|source| Fault::Town { name: path.display().to_string(), source })
 }
 
-fn town_file(name: &str, seed: Option<u64>, out: Option<&Path>, picture: Option<&Path>) -> Result<(), Fault> {
+fn seeded(parameters: TownParameters, seed: Option<u64>) -> TownParameters {
+    TownParameters { seed: seed.unwrap_or(parameters.seed), ..parameters }
+}
+
+fn generate(parameters: &TownParameters) -> Result<Network, Fault> {
+    town::generate(parameters).map_err(|source| Fault::Town { name: parameters.name.clone(), source })
+}
+
+fn town_file(parameters: &TownParameters, out: Option<&Path>, picture: Option<&Path>) -> Result<(), Fault> {
     if let Some(path) = picture {
         Kind::of(path)?;
     }
-    let network = generate(name, seed)?;
+    let network = generate(parameters)?;
     if let Some(path) = out {
         write_file(path, opendrive::write(&network).as_bytes())?;
     }
@@ -150,7 +165,7 @@ fn all_towns(dest: Option<&Path>, pictures: Option<&Path>, format: &str) -> Resu
         let stem = name.replace('/', "_");
         let picture = pictures.map(|folder| folder.join(format!("{stem}.{format}")));
         let out = dest.map(|folder| folder.join(format!("{stem}.xodr")));
-        town_file(name, None, out.as_deref(), picture.as_deref())?;
+        town_file(&named(name)?, out.as_deref(), picture.as_deref())?;
     }
     Ok(())
 }
@@ -158,8 +173,8 @@ fn all_towns(dest: Option<&Path>, pictures: Option<&Path>, format: &str) -> Resu
 fn map_picture(map: &Path, out: &Path, mut options: ViewOptions) -> Result<(), Fault> {
     Kind::of(out)?;
     let name = map.to_string_lossy();
-    let network = if town::named(&name).is_some() {
-        generate(&name, None)?
+    let network = if let Some(parameters) = town::named(&name) {
+        generate(&parameters)?
     } else {
         let io = |source| Fault::Io { path: map.to_owned(), source };
         let bytes = std::fs::read(map).map_err(io)?;

@@ -103,7 +103,9 @@ fn facts(map: &Map) -> String {
     count(network.junctions.len(), "junction", "junctions");
     count(lights, "traffic light", "traffic lights");
     if high - low >= 0.5 {
-        facts.push(format!("heights {low:.0} to {high:.0} m"));
+        // Adding zero turns a rounded -0 into 0.
+        let [low, high] = [low, high].map(|z| z.round() + 0.0);
+        facts.push(format!("heights {low} to {high} m"));
     }
     facts.join(", ")
 }

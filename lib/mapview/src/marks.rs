@@ -122,8 +122,8 @@ fn rails(sheet: &mut Sheet<'_>, stretch: &Stretch) {
         for run in stretch.runs().filter(|r| r.carrier != Carrier::Tunnel) {
             let [from, to] = run.samples.map(|i| stretch.s[i]);
             let middle = stretch.along(&band.line.centre, from, to);
-            let spacing_px = page.px(SLEEPER_M[2]);
-            if spacing_px >= SLEEPERS_PX {
+            // Level crossings are paved between the rails.
+            if page.px(SLEEPER_M[2]) >= SLEEPERS_PX && !stretch.in_junction {
                 let dash = [page.px(SLEEPER_M[1]), page.px(SLEEPER_M[2] - SLEEPER_M[1])];
                 let paint = Paint::dashed(style::SLEEPER, page.px(SLEEPER_M[0]), dash);
                 sheet.layers.add(run.level, Order::Sleeper, page.chain(&middle), false, paint);

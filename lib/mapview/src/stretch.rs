@@ -35,6 +35,7 @@ pub(crate) struct Band {
 pub(crate) struct Stretch {
     pub(crate) road: u32,
     pub(crate) section: u16,
+    pub(crate) in_junction: bool,
     /// Samples, ascending.
     pub(crate) s: Vec<f64>,
     /// Samples that the shape needs; the others only separate pieces.
@@ -74,6 +75,7 @@ pub(crate) fn stretches(map: &Map, page: &Page) -> Vec<Stretch> {
             let mut stretch = Stretch {
                 road: first.id.road,
                 section: first.id.section,
+                in_junction,
                 bands: bands.filter(|b| b.line.s.len() == s.len() && s.len() > 1).collect(),
                 s,
                 needed,

@@ -37,6 +37,8 @@ pub(crate) const PARKING_LINE: Colour = [226, 229, 236, 255];
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Class {
     Verge,
+    /// Ballast: at level crossings the road lies over it.
+    Rail,
     Sidewalk,
     Median,
     Shoulder,
@@ -46,7 +48,6 @@ pub(crate) enum Class {
     Asphalt,
     Junction,
     Bus,
-    Rail,
 }
 
 impl Class {
