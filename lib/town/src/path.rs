@@ -8,6 +8,9 @@ use std::f64::consts::PI;
 /// Pieces shorter than this are left out (the gap stays far below any drawing accuracy).
 const SHORTEST_M: f64 = 1e-6;
 
+/// Streets keep so far straight at their ends, metres.
+pub(crate) const STRAIGHT_M: f64 = 1.0;
+
 /// A place and a direction in plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pose2 {
@@ -156,11 +159,17 @@ impl Path {
             .map(|(via, leg)| Fillet::new(wrap_pi(leg[1].1 - leg[0].1), via.radius_m, via.ease_m))
             .collect();
         let wished: Vec<f64> = fillets.iter().map(|f| f.tangent_m).collect();
+        let last = legs.len() - 1;
+        // Both ends stay straight, so that what stands beside them faces along the lanes.
+        let room = |leg: usize| {
+            let ends = usize::from(leg == 0) + usize::from(leg == last);
+            legs[leg].0 - ends as f64 * STRAIGHT_M.min(0.2 * legs[leg].0)
+        };
         for (i, fillet) in fillets.iter_mut().enumerate() {
             let before = if i == 0 { 0.0 } else { wished[i - 1] };
             let after = wished.get(i + 1).copied().unwrap_or(0.0);
             let share = |leg: f64, other: f64| leg / (wished[i] + other).max(SHORTEST_M);
-            *fillet = fillet.scaled(share(legs[i].0, before).min(share(legs[i + 1].0, after)).min(1.0));
+            *fillet = fillet.scaled(share(room(i), before).min(share(room(i + 1), after)).min(1.0));
         }
         let mut path = Self::from_pose(from);
         for (i, (length, _)) in legs.iter().enumerate() {
@@ -228,6 +237,9 @@ impl Path {
     }
 
     fn fillet(&mut self, fillet: &Fillet) {
+        if fillet.turn == 0.0 {
+            return;
+        }
         let curvature = fillet.turn.signum() / fillet.radius_m;
         self.clothoid(0.0, curvature, fillet.ease_m);
         self.arc(curvature, fillet.turn.abs() * fillet.radius_m - fillet.ease_m);
@@ -437,6 +449,23 @@ mod tests {
             }
             assert_same(path.pose_at(s), walk(&part, from), 1e-6);
         }
+    }
+
+    #[test]
+    fn a_corner_in_line_is_no_corner() {
+        let vias = [Via { at_m: [40.0, 0.0], radius_m: 30.0, ease_m: 5.0 }];
+        let path = Path::through(pose(0.0, 0.0, 0.0), &vias, pose(100.0, 0.0, 0.0));
+        assert!(path.pieces.iter().all(|p| p.curve == Curve::Line));
+        assert!((path.length_m - 100.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn ends_stay_straight_however_wide_the_corner() {
+        let vias = [Via { at_m: [20.0, 0.0], radius_m: 900.0, ease_m: 0.0 }];
+        let path = Path::through(pose(0.0, 0.0, 0.0), &vias, pose(20.0, 20.0, 0.5 * PI));
+        let ends = [&path.pieces[0], &path.pieces[2]];
+        assert_eq!(ends.map(|p| p.curve), [Curve::Line; 2]);
+        assert!(ends.iter().all(|p| p.length_m >= STRAIGHT_M - 1e-9));
     }
 
     proptest! {

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use crate::TownError;
 use crate::layout::{Edge, Line};
-use crate::path::{Bend, Path, Pose2, Via};
+use crate::path::{Bend, Path, Pose2, STRAIGHT_M, Via};
 
 /// Least length of a street between two junctions, metres.
 const SHORTEST_M: f64 = 8.0;
@@ -39,7 +39,8 @@ pub(crate) fn route(edge: &Edge, ends: [Pose2; 2]) -> Result<Path, TownError> {
 
 fn through(edge: &Edge, vias: &[Via], [start, end]: [Pose2; 2]) -> Result<Path, TownError> {
     let finish = end.turned(PI);
-    let plain = Bend { radius_m: f64::INFINITY, ease_m: 0.0, lead_in_m: 0.0, lead_out_m: 0.0 };
+    // Straight at its ends, so that what stands beside them faces along the lanes.
+    let plain = Bend { radius_m: f64::INFINITY, ease_m: 0.0, lead_in_m: STRAIGHT_M, lead_out_m: STRAIGHT_M };
     let (Some(first), Some(last)) = (vias.first(), vias.last()) else {
         let (ahead, _) = start.locate(end);
         let (behind, _) = end.locate(start);
