@@ -181,11 +181,16 @@ impl Graph {
         atan2(to[1] - from[1], to[0] - from[0])
     }
 
-    /// Nodes and edges: chains of links without a junction between them become one edge.
+    /// Nodes and edges: chains of links without a junction between them become one edge. A point at exactly the place of a
+    /// node that the layout has already is that node.
     pub(super) fn into_layout(self, mut layout: Layout, kerb_radius_m: f64) -> Layout {
         let arms = self.arms();
         let mut nodes: Vec<Option<(NodeId, NodeKind)>> = Vec::with_capacity(arms.len());
         for (point, here) in arms.iter().enumerate() {
+            if let Some(port) = layout.nodes.iter().position(|n| n.at_m == self.points[point]) {
+                nodes.push(Some((port, layout.nodes[port].kind)));
+                continue;
+            }
             let kind = self.kind_at(point, here);
             nodes.push(kind.map(|kind| {
                 let node = Node::new(self.points[point], kind).kerbs(kerb_radius_m);
