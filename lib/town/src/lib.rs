@@ -49,7 +49,7 @@ mod proofs;
 
 pub use layouts::{
     CityParameters, CommercialParameters, DowntownParameters, GridParameters, HighwaysParameters,
-    OldTownParameters, RiverParameters, RuralParameters, Style, ViaductParameters,
+    MountainParameters, OldTownParameters, RiverParameters, RuralParameters, Style, ViaductParameters,
 };
 pub use parameters::{TownError, TownParameters, named, names};
 

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::layouts::{
     CityParameters, CommercialParameters, DowntownParameters, GridParameters, HighwaysParameters,
-    OldTownParameters, RiverParameters, RuralParameters, Style, ViaductParameters,
+    MountainParameters, OldTownParameters, RiverParameters, RuralParameters, Style, ViaductParameters,
 };
 
 /// The towns that have a name, and their parameters.
@@ -13,6 +13,7 @@ const TOWNS: &[(&str, &str)] = &[
     ("convoy/01", include_str!("../towns/01.toml")),
     ("convoy/02", include_str!("../towns/02.toml")),
     ("convoy/03", include_str!("../towns/03.toml")),
+    ("convoy/04", include_str!("../towns/04.toml")),
     ("convoy/05", include_str!("../towns/05.toml")),
     ("convoy/06", include_str!("../towns/06.toml")),
     ("convoy/07", include_str!("../towns/07.toml")),
@@ -132,6 +133,8 @@ pub struct TownParameters {
     pub rural: RuralParameters,
     /// What is particular to `style = "oldtown"`.
     pub oldtown: OldTownParameters,
+    /// What is particular to `style = "mountain"`.
+    pub mountain: MountainParameters,
 }
 
 impl Default for TownParameters {
@@ -154,6 +157,7 @@ impl Default for TownParameters {
             commercial: CommercialParameters::default(),
             rural: RuralParameters::default(),
             oldtown: OldTownParameters::default(),
+            mountain: MountainParameters::default(),
         }
     }
 }

@@ -53,7 +53,7 @@ pub(crate) fn waters(ids: &mut Ids, network: &mut Network, waters: &[Water]) {
             z_offset_m: water.z_m - z_m,
             hdg_rad: -start.heading_rad,
             orientation: Orientation::Both,
-            outlines: vec![Outline { closed: true, corners }],
+            outlines: vec![Outline { closed: true, corners, ..Outline::default() }],
             ..Object::default()
         });
     }

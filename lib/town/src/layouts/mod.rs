@@ -5,6 +5,7 @@
 //! [`TownParameters`](crate::TownParameters).
 
 mod blocks;
+mod carriageways;
 mod city;
 mod commercial;
 mod downtown;
@@ -12,9 +13,11 @@ mod graph;
 mod grid;
 mod highways;
 mod motorway;
+mod mountain;
 mod old_town;
 mod river;
 mod rural;
+mod slope_town;
 mod trumpet;
 mod viaduct;
 
@@ -23,6 +26,7 @@ pub use commercial::CommercialParameters;
 pub use downtown::DowntownParameters;
 pub use grid::GridParameters;
 pub use highways::HighwaysParameters;
+pub use mountain::MountainParameters;
 pub use old_town::OldTownParameters;
 pub use river::RiverParameters;
 pub use rural::RuralParameters;
@@ -56,11 +60,13 @@ pub enum Style {
     Rural,
     /// Winding streets on a hill.
     OldTown,
+    /// A motorway in a figure of eight round a town and a mountain.
+    Mountain,
 }
 
 impl Style {
     /// Every style.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Grid,
         Self::City,
         Self::Downtown,
@@ -70,6 +76,7 @@ impl Style {
         Self::Commercial,
         Self::Rural,
         Self::OldTown,
+        Self::Mountain,
     ];
 
     /// Its name in a parameter file: the value of `style`, and the name of its table.
@@ -85,6 +92,7 @@ impl Style {
             Self::Commercial => "commercial",
             Self::Rural => "rural",
             Self::OldTown => "oldtown",
+            Self::Mountain => "mountain",
         }
     }
 
@@ -99,6 +107,7 @@ impl Style {
             Self::Commercial => parameters.commercial.check(),
             Self::Rural => parameters.rural.check(),
             Self::OldTown => parameters.oldtown.check(),
+            Self::Mountain => parameters.mountain.check(),
         }
     }
 
@@ -113,6 +122,7 @@ impl Style {
             Self::Commercial => Ok(commercial::layout(parameters)),
             Self::Rural => Ok(rural::layout(parameters)),
             Self::OldTown => Ok(old_town::layout(parameters)),
+            Self::Mountain => Ok(mountain::layout(parameters)),
         }
     }
 }
