@@ -1,15 +1,12 @@
 //! Motorways: two carriageways from seam to seam, and the interchanges on them.
 
+use super::motorway::{exit_lane, ramp_shape};
 use crate::layout::{Control, Edge, Layout, Node, NodeId, NodeKind};
 use crate::path::{Pose2, Via};
-use crate::section::{CrossSection, Ending, Pocket, Side};
+use crate::section::{CrossSection, Side};
 
 /// Length of a seam, metres.
 const SEAM_M: f64 = 60.0;
-/// Deceleration lanes: full width and taper, metres.
-const EXIT_M: [f64; 2] = [120.0, 60.0];
-/// Width of a ramp's lane, metres.
-const RAMP_LANE_M: f64 = 4.0;
 /// Height of an interchange's terminals (on embankments, no bridges) and of its overpass over the motorway, metres.
 const TERMINAL_LIFT_M: f64 = 2.4;
 const OVERPASS_LIFT_M: f64 = 7.6;
@@ -45,7 +42,6 @@ impl Stop {
 /// Adds a motorway along its stops, the first and the last of which are nodes; for a closed one they are the same. Before
 /// each interchange the lane on the right leads off, behind it the ramp's lane goes on until the next drop.
 pub(super) fn motorway(layout: &mut Layout, name: &str, shape: CrossSection, stops: &[Stop]) {
-    let exit = Ending { right: Some(Pocket::one(EXIT_M[0], EXIT_M[1])), ..Ending::default() };
     let more = |side: Side| Side { lanes: side.lanes + 1, ..side };
     let nodes: Vec<usize> = (0..stops.len()).filter(|i| stops[*i].node().is_some()).collect();
     for pair in nodes.windows(2) {
@@ -60,10 +56,10 @@ pub(super) fn motorway(layout: &mut Layout, name: &str, shape: CrossSection, sto
         }
         let mut edge = Edge::new(name, a, b, own);
         if matches!(from, Stop::Ahead(_)) {
-            edge = edge.start(exit);
+            edge = edge.start(exit_lane());
         }
         if matches!(to, Stop::Behind(_)) {
-            edge = edge.end(exit);
+            edge = edge.end(exit_lane());
         }
         for stop in &stops[pair[0] + 1..pair[1]] {
             edge = match *stop {
@@ -134,8 +130,8 @@ pub(super) fn diamond(
         let node = Node::new(at(0.0, d), crossroad.kind).kerbs(9.0).lifted(TERMINAL_LIFT_M);
         layout.node(node.named(format!("{name} terminal")))
     });
-    let ramp = CrossSection::ramp(1, RAMP_LANE_M, crossroad.ramp_kmh);
-    let (dx, dy) = (0.27 * size.seam_m, size.terminal_m - 4.0);
+    let ramp = ramp_shape(crossroad.ramp_kmh);
+    let (dx, dy) = (0.4 * size.seam_m, size.terminal_m - 4.0);
     let [right, left] = terminals;
     let bend = |edge: Edge, x: f64, y: f64| edge.via(at(x, y), RAMP_BEND_M[0], RAMP_BEND_M[1]);
     let (exit, entry) = (format!("{name} exit"), format!("{name} entry"));
