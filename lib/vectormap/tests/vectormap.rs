@@ -112,6 +112,23 @@ fn every_lane_is_there_once_with_its_graph() {
 }
 
 #[test]
+fn lanes_go_on_where_they_end() {
+    for (name, map) in maps() {
+        let rows = vectormap::rows(&map);
+        let (mut links, mut loose) = (0, 0);
+        for row in of(&rows, VectorKind::LaneCentreline).filter(|r| r.lane_type.as_deref() == Some("Driving")) {
+            let end = points(row)[row.x_m.len() - 1];
+            for next in row.successors.iter().map(|n| &rows[*n as usize]) {
+                links += 1;
+                loose += usize::from(distance(end, points(next)[0]) > 0.01);
+            }
+        }
+        // One link of Town03 joins lanes that lie side by side.
+        assert!(links > 100 && loose <= usize::from(name == "Town03.xodr"), "{name}: {loose} of {links}");
+    }
+}
+
+#[test]
 fn boundaries_are_a_lane_width_apart_and_on_their_sides() {
     for (name, map) in maps() {
         let rows = vectormap::rows(&map);
