@@ -436,6 +436,10 @@ fn unknown_elements_are_counted_and_kept() {
     assert_eq!((kept.len(), kept[0].attributes.len(), kept[0].children[0].text.as_str()), (2, 1, "text"));
     let again = Network::parse(&write(&network)).expect("our own file");
     assert_eq!(again.roads, network.roads);
+    // An element may have the name of a namespace declaration, an attribute may not.
+    let odd = changed(ROAD, "<planView>", "<xmlns p:xmlns='1' xmlns:p='u'/><planView>").expect("readable");
+    assert_eq!((odd.roads[0].kept[0].name.as_str(), odd.roads[0].kept[0].attributes.len()), ("xmlns", 0));
+    assert_eq!(Network::parse(&write(&odd)).expect("our own file").roads, odd.roads);
     // User data is passed over without a word.
     let silent = changed(ROAD, "<planView>", "<userData><foo/></userData><planView>").expect("readable");
     assert_eq!(Ok(silent), Network::parse(ROAD));

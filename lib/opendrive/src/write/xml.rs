@@ -110,7 +110,7 @@ impl Xml {
     /// Elements that were kept as they are; names that XML does not allow are left out.
     pub(super) fn kept(&mut self, elements: &[Element]) {
         for element in elements.iter().filter(|e| is_name(&e.name)) {
-            let attributes = element.attributes.iter().filter(|(key, _)| is_name(key));
+            let attributes = element.attributes.iter().filter(|(key, _)| is_name(key) && key != "xmlns");
             self.tag(&element.name, attributes.map(|(key, value)| (key.as_str(), value as &dyn Display)));
             self.text.push('>');
             let _ = Escaped(&mut self.text).write_str(&element.text);
@@ -145,7 +145,7 @@ fn is_name(text: &str) -> bool {
         start(c)
             || matches!(c, '-' | '.' | '0'..='9' | '\u{b7}' | '\u{300}'..='\u{36f}' | '\u{203f}' | '\u{2040}')
     };
-    text.chars().next().is_some_and(start) && text.chars().all(further) && text != "xmlns"
+    text.chars().next().is_some_and(start) && text.chars().all(further)
 }
 
 /// Escapes text for attributes and content; characters that XML cannot hold are dropped.

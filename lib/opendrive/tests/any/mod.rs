@@ -110,7 +110,7 @@ impl Any {
     }
 
     pub(crate) fn element(&mut self, depth: usize) -> Element {
-        let names = ["surface", "foo", "_x-1.y", "élan"];
+        let names = ["surface", "foo", "_x-1.y", "élan", "xmlns"];
         let attributes = ["a", "b-c", "ö"].map(|key| (key.to_owned(), self.text()));
         Element {
             name: names[self.below(names.len())].to_owned(),
