@@ -12,6 +12,7 @@ mod driver;
 mod error;
 mod input;
 mod junction;
+mod links;
 mod log;
 mod net;
 mod paths;

@@ -3,9 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Point3;
-use opendrive::{LaneId, Map, VEHICLE_LANE_WIDTH_M};
+use opendrive::{LaneId, LaneInfo, Map, VEHICLE_LANE_WIDTH_M};
 
 use crate::driver::envelope;
+use crate::links::{links, mend};
 use crate::ways::{Way, heading};
 
 /// Speed limit where the map states none, m/s.
@@ -86,12 +87,19 @@ pub(crate) struct Net {
 
 impl Net {
     pub(crate) fn new(map: &Map) -> Self {
-        let mut lanes = Vec::new();
-        let mut index = BTreeMap::new();
-        for info in map.lanes().iter().filter(|l| l.lane_type.is_drivable()) {
-            let Some(way) = Way::new(map, info) else { continue };
+        let drivable = map.lanes().iter().filter(|l| l.lane_type.is_drivable());
+        let (mut ways, facts): (Vec<Way>, Vec<&LaneInfo>) =
+            drivable.filter_map(|l| Some((Way::new(map, l)?, l))).unzip();
+        let index: BTreeMap<LaneId, usize> = ways.iter().enumerate().map(|(i, w)| (w.lane, i)).collect();
+        let mut next = links(map, &ways, &index);
+        mend(&mut ways, &mut next);
+        let mut previous = vec![Vec::new(); ways.len()];
+        for (i, onward) in next.iter().enumerate() {
+            onward.iter().for_each(|&j| previous[j].push(i));
+        }
+        let mut lanes = Vec::with_capacity(ways.len());
+        for (((way, info), next), previous) in ways.into_iter().zip(facts).zip(next).zip(previous) {
             let limit_mps = info.speed_limit_mps.unwrap_or(DEFAULT_LIMIT_MPS);
-            index.insert(info.id, lanes.len());
             let signs = map.signals_of_lane(info.id).iter().filter_map(|&i| Some((i, map.signals().get(i)?)));
             let (mut signals, mut stop_sign, mut yield_sign) = (Vec::new(), false, false);
             for (i, signal) in signs {
@@ -115,8 +123,8 @@ impl Net {
                 junction: info
                     .junction
                     .or_else(|| bend.then_some(map.junctions().len() + info.id.road as usize)),
-                next: Vec::new(),
-                previous: Vec::new(),
+                next,
+                previous,
                 curve_mps,
                 diverging: Vec::new(),
                 merging: Vec::new(),
@@ -130,7 +138,6 @@ impl Net {
             });
         }
         let mut net = Self { lanes, index, grid: BTreeMap::new() };
-        net.link(map);
         net.find_overlaps();
         net.fill_grid();
         net
@@ -139,26 +146,6 @@ impl Net {
     /// The index of a lane.
     pub(crate) fn find(&self, id: LaneId) -> Option<usize> {
         self.index.get(&id).copied()
-    }
-
-    /// Joins lanes; a link to a lane without extent leads on to the lanes behind it.
-    fn link(&mut self, map: &Map) {
-        for i in 0..self.lanes.len() {
-            let mut open: Vec<(LaneId, u8)> =
-                map.successors(self.lanes[i].way.lane).iter().rev().map(|l| (*l, 0)).collect();
-            while let Some((id, depth)) = open.pop() {
-                match self.find(id) {
-                    Some(j) if !self.lanes[i].next.contains(&j) => {
-                        self.lanes[i].next.push(j);
-                        self.lanes[j].previous.push(i);
-                    }
-                    None if depth < 3 => {
-                        open.extend(map.successors(id).iter().rev().map(|l| (*l, depth + 1)))
-                    }
-                    _ => {}
-                }
-            }
-        }
     }
 
     fn find_overlaps(&mut self) {

@@ -55,18 +55,15 @@ impl Way {
         for i in 0..=steps as usize {
             let s = lane.s_of_along(length * (i as f64 / steps));
             let at = map.lane_point(lane.id, s, 0.0)?;
-            if let Some(last) = samples.last() {
-                let chord = (at.position - last.point).norm();
-                if chord < MIN_LENGTH_M {
-                    continue;
-                }
-                // A circle's arc over its chord is half the turn over its sine.
-                let half_turn = 0.5 * frames::wrap_pi(at.heading_rad - heading(&last.tangent)).abs();
-                along_m += chord * (1.0 + half_turn * half_turn / 6.0);
-            }
             let (sin, cos) = frames::math::sin_cos(at.heading_rad);
             let (down, flat) = frames::math::sin_cos(at.pitch_rad);
             let tangent = Vector3::new(cos * flat, sin * flat, -down);
+            if let Some(last) = samples.last() {
+                if (at.position - last.point).norm() < MIN_LENGTH_M {
+                    continue;
+                }
+                along_m += arc_m((&last.point, &last.tangent), (&at.position, &tangent));
+            }
             samples.push(Sample {
                 along_m,
                 point: at.position,
@@ -76,6 +73,36 @@ impl Way {
             });
         }
         (along_m > MIN_LENGTH_M).then_some(Self { lane: lane.id, length_m: along_m, samples })
+    }
+
+    /// Where travel enters it.
+    pub(crate) fn start(&self) -> Point3<f64> {
+        self.samples[0].point
+    }
+
+    /// Where travel leaves it.
+    pub(crate) fn end(&self) -> Point3<f64> {
+        self.samples[self.samples.len() - 1].point
+    }
+
+    /// Moves the end of the way to a point, and the last `span_m` metres with it, less and less towards the beginning
+    /// of the stretch: by the smoothstep 3 u^2 - 2 u^3, whose slope is zero at both ends, so that the way's direction
+    /// there stays.
+    pub(crate) fn bend_end(&mut self, to: Point3<f64>, span_m: f64) {
+        let (off, straight_m) = (to - self.end(), self.length_m - span_m);
+        let mut along_m = 0.0;
+        let mut before: Option<(Point3<f64>, Vector3<f64>)> = None;
+        for sample in &mut self.samples {
+            let u = ((sample.along_m - straight_m) / span_m).clamp(0.0, 1.0);
+            sample.point += off * (u * u * (3.0 - 2.0 * u));
+            sample.tangent = (sample.tangent + off * (6.0 * u * (1.0 - u) / span_m)).normalize();
+            if let Some((point, tangent)) = &before {
+                along_m += arc_m((point, tangent), (&sample.point, &sample.tangent));
+            }
+            sample.along_m = along_m;
+            before = Some((sample.point, sample.tangent));
+        }
+        self.length_m = along_m;
     }
 
     /// Index of the last sample at or before a distance (never the last one).
@@ -134,6 +161,13 @@ impl Way {
         }
         (best.1, best.2)
     }
+}
+
+/// Length of the way between two points with their directions of travel, metres: a circle's arc over its chord is half
+/// the turn over its sine.
+fn arc_m(from: (&Point3<f64>, &Vector3<f64>), to: (&Point3<f64>, &Vector3<f64>)) -> f64 {
+    let half_turn = 0.5 * frames::wrap_pi(heading(to.1) - heading(from.1)).abs();
+    (to.0 - from.0).norm() * (1.0 + half_turn * half_turn / 6.0)
 }
 
 /// Heading of a vector, radians from east.

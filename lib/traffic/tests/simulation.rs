@@ -3,10 +3,11 @@
 mod common;
 
 use common::{
-    agent, agents_on, carla, collisions, crest, crossing, run, scene, settings, straight, tracks, yaw,
+    agent, agents_on, carla, collisions, crest, crossing, ending_lane, run, scene, settings, straight,
+    tracks, yaw,
 };
 use nalgebra::Point3;
-use opendrive::Map;
+use opendrive::{LaneId, LaneInfo, LanePos, Map};
 use schema::tables::Weather;
 use traffic::{Idm, SceneLog, equilibrium_gap_m};
 
@@ -16,6 +17,11 @@ fn assert_sound(log: &SceneLog, frames: u32) {
     assert!(log.states.windows(2).all(|p| (p[0].frame, p[0].id) < (p[1].frame, p[1].id)));
     assert_eq!((log.states[0].frame, log.states[log.states.len() - 1].frame), (-1, frames as i32 - 1));
     assert_eq!(log.frames.len(), frames as usize);
+    for pair in tracks(log).values().flat_map(|t| t.windows(2)) {
+        let moved = Point3::from(pair[1].xyz_m) - Point3::from(pair[0].xyz_m);
+        // 90 km/h and a little: nobody jumps.
+        assert!(moved.norm() < 0.05 * 25.0 + 0.1, "{:?} {:?}", pair[0], pair[1]);
+    }
     for s in &log.states {
         let numbers = s.xyz_m.iter().chain(&s.quaternion).all(|v| v.is_finite());
         assert!(
@@ -27,10 +33,23 @@ fn assert_sound(log: &SceneLog, frames: u32) {
     }
 }
 
-/// Largest distance of a vehicle from the middle of a driving lane.
+/// Where lanes end apart from the lanes they are linked to: vehicles change over before.
+fn apart(map: &Map) -> Vec<Point3<f64>> {
+    let end = |l: &LaneInfo| map.point_at(LanePos { lane: l.id, along_m: l.s_length() }).map(|p| p.position);
+    let start = |&lane: &LaneId| map.point_at(LanePos { lane, along_m: 0.0 }).map(|p| p.position);
+    let lanes = map.lanes().iter().filter(|l| l.lane_type.is_drivable());
+    let links = lanes.flat_map(|l| map.successors(l.id).iter().map(move |to| (end(l), start(to))));
+    links.filter_map(|(a, b)| Some((a?, b?))).filter(|(a, b)| (a - b).norm() > 0.1).map(|(a, _)| a).collect()
+}
+
+/// Largest distance of a vehicle from the middle of a driving lane, but for the 30 m before lane ends that lie apart.
 fn worst_offset(map: &Map, log: &SceneLog) -> f64 {
+    let apart = apart(map);
     let vehicles: Vec<u16> = log.actors.iter().filter(|a| a.kind == "vehicle").map(|a| a.id).collect();
-    let sampled = log.states.iter().filter(|s| s.frame % 10 == 0 && vehicles.binary_search(&s.id).is_ok());
+    let sampled = log.states.iter().filter(|s| {
+        let far = || apart.iter().all(|p| (p - Point3::from(s.xyz_m)).norm() > 30.0);
+        s.frame % 10 == 0 && vehicles.binary_search(&s.id).is_ok() && far()
+    });
     sampled
         .map(|s| map.nearest_driving_lane(Point3::from(s.xyz_m)).map_or(f64::INFINITY, |h| h.distance_m))
         .fold(0.0, f64::max)
@@ -96,6 +115,22 @@ fn a_follower_keeps_its_gap() {
         way / 0.33
     );
     assert!(collisions(&log, false).is_empty());
+}
+
+#[test]
+fn a_lane_that_ends_beside_its_successor_is_left_as_in_a_lane_change() {
+    let map = ending_lane();
+    let log = run(&map, &scene(20.0), &[agent(0, [20.0, -5.25, 0.0], 0.0)], &settings());
+    let tracks = tracks(&log);
+    let track = &tracks[&1];
+    assert!(track[track.len() - 1].xyz_m[0] > 150.0);
+    for state in track {
+        // Eight metres of way for each of the 3.5 m aside, before the lane's end at 100 m.
+        let u = ((state.xyz_m[0] - 72.0) / 28.0).clamp(0.0, 1.0);
+        let expected = -5.25 + 3.5 * u * u * (3.0 - 2.0 * u);
+        assert!((state.xyz_m[1] - expected).abs() < 0.02, "{:?}, not {expected}", state.xyz_m);
+        assert!(state.velocity_mps[1].abs() < 3.0);
+    }
 }
 
 #[test]

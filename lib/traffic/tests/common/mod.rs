@@ -108,6 +108,19 @@ pub(crate) fn straight(length_m: f64) -> Map {
     Map::new(Network { roads: vec![town_road("1", 0.0, 0.0, 0.0, length_m, section)], ..Network::default() })
 }
 
+/// A road 300 m to the east of two lanes, of which the file says that the right one goes on as the left one after 100 m.
+pub(crate) fn ending_lane() -> Map {
+    let mut ending = [lane(-1, LaneType::Driving, 3.5), lane(-2, LaneType::Driving, 3.5)];
+    ending.iter_mut().for_each(|l| l.successors = vec![-1]);
+    let mut left = lane(-1, LaneType::Driving, 3.5);
+    left.predecessors = vec![-1];
+    let first = LaneSection { right: ending.to_vec(), ..LaneSection::default() };
+    let second = LaneSection { s: 100.0, right: vec![left], ..LaneSection::default() };
+    let mut road = town_road("1", 0.0, 0.0, 0.0, 300.0, first);
+    road.sections.push(second);
+    Map::new(Network { roads: vec![road], ..Network::default() })
+}
+
 /// A straight road of one lane, 200 m over a crest: its height is `20 - 0.002 (s - 100)^2`.
 pub(crate) fn crest(heading_rad: f64) -> Map {
     let section = LaneSection { right: vec![lane(-1, LaneType::Driving, 3.5)], ..LaneSection::default() };
