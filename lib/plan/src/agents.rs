@@ -30,6 +30,8 @@ const NUDGES_M: [f64; 4] = [2.0, 4.0, 6.0, 8.0];
 
 /// The vehicles of a scene and what RSUs are chosen by.
 pub(crate) struct Placement {
+    /// Clustered or chained.
+    pub(crate) mode: SpawnMode,
     /// Start of each vehicle, in order.
     pub(crate) starts: Vec<SpawnPoint>,
     /// RSUs stand within `reach_m` of one of these.
@@ -57,7 +59,7 @@ pub(crate) fn place_vehicles(
     stream: &mut Stream,
 ) -> Placement {
     let mut placement =
-        Placement { starts: Vec::new(), pivots: Vec::new(), reach_m: 0.0, warnings: Vec::new() };
+        Placement { mode, starts: Vec::new(), pivots: Vec::new(), reach_m: 0.0, warnings: Vec::new() };
     let wanted = count.min(pool.points.len());
     let points = &pool.points;
     let mut dropped = 0;
@@ -185,10 +187,10 @@ struct Pole {
     signal: String,
 }
 
-/// RSUs at the traffic lights of signalised junctions near the vehicles.
+/// RSUs at the traffic lights of signalised junctions near the vehicles; warns when there are fewer than wished for.
 pub(crate) fn place_rsus(
     map: &Map,
-    placement: &Placement,
+    placement: &mut Placement,
     scene: u32,
     count: usize,
     stream: &mut Stream,
@@ -209,6 +211,14 @@ pub(crate) fn place_rsus(
                 signal: signal.id.clone(),
             });
         }
+    }
+    if poles.len() < count {
+        placement.warnings.push(format!(
+            "{} of {count} RSUs: junctions within {:.0} m of the vehicles' start have no more traffic lights; widen agents.{}_spawn_distance_m or change the seed",
+            poles.len(),
+            placement.reach_m,
+            placement.mode.name()
+        ));
     }
     let chosen = stream.sample_indices(poles.len(), count);
     let row = |(index, pole): (usize, usize)| {

@@ -144,7 +144,7 @@ pub fn plan_scene(
         });
     }
 
-    let placement = place_vehicles(
+    let mut placement = place_vehicles(
         &map.map,
         pool,
         &settings.agents,
@@ -172,7 +172,7 @@ pub fn plan_scene(
             signal: None,
         });
     }
-    agents.extend(place_rsus(&map.map, &placement, number, rsus, &mut stream("plan/rsus", 0)));
+    agents.extend(place_rsus(&map.map, &mut placement, number, rsus, &mut stream("plan/rsus", 0)));
 
     let mut walkers = stream("plan/walkers", 0);
     let drawn_walkers = between(&mut walkers, 0, settings.walkers.max_count) as u32;

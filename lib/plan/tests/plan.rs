@@ -115,6 +115,20 @@ fn narrow_places_are_no_spawn_points() {
 }
 
 #[test]
+fn missing_rsus_are_said() {
+    let mut settings = settings(&[(Split::Train, "road", 1)]);
+    (settings.agents.min_vehicles, settings.agents.max_vehicles) = (1, 1);
+    let maps = maps(vec![("road", straight(400.0, LaneType::Driving))]);
+    for wanted in [0, 2] {
+        (settings.agents.min_rsus, settings.agents.max_rsus) = (wanted, wanted);
+        let plan = plan(&settings, &maps).expect("a plan");
+        assert_eq!(plan.agents.len(), 1);
+        let said = plan.warnings.iter().any(|w| w.contains("scene 0 (road): 0 of 2 RSUs"));
+        assert_eq!((plan.warnings.len(), said), if wanted == 0 { (0, false) } else { (1, true) });
+    }
+}
+
+#[test]
 fn scenes_are_numbered_train_val_test() {
     let settings = settings(&[
         (Split::Test, "a", 1),
@@ -205,6 +219,7 @@ fn faults_name_the_map_and_the_way_out() {
 fn too_few_points_give_fewer_vehicles_and_a_warning() {
     let mut settings = settings(&[(Split::Train, "road", 1)]);
     settings.agents.min_vehicles = 8;
+    settings.agents.max_rsus = 0;
     let plan = plan(&settings, &maps(vec![("road", straight(30.0, LaneType::Driving))])).expect("a plan");
     assert!(plan.agents.len() < 8 && !plan.agents.is_empty());
     assert!(plan.warnings.len() == 1 && plan.warnings[0].contains("scene 0 (road)"), "{:?}", plan.warnings);
@@ -246,7 +261,7 @@ proptest! {
         let planned = plan_scene(&settings, &slot, &map, &pool).expect("a scene");
         let at = positions(&planned);
         prop_assert!(!at.is_empty() && at.len() <= count as usize);
-        prop_assert_eq!(at.len() < count as usize, !planned.warnings.is_empty());
+        prop_assert_eq!(at.len() < count as usize, planned.warnings.iter().any(|w| w.contains(" vehicles: ")));
         if clustered {
             // All lie within the radius around one point, so within twice the radius of each other.
             let radius = if count < 2 { 48.0 } else { 48.0 / frames::math::sin(std::f64::consts::PI / f64::from(count)) };
