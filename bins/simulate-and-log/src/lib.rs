@@ -1,15 +1,14 @@
 //! The simulation stage: from a scene's plan to its log, the raw boxes and the HD-map records.
 
+mod ground;
 mod info;
 mod labels;
 
-use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 use pipeline::{Job, Stage, StageError};
 use random::Stream;
 use schema::ObjectId;
-use schema::tables::ActorRow;
 use store::keys;
 use traffic::{SceneInput, SceneLog};
 use world::World;
@@ -52,7 +51,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     actors.extend(log.actors.iter().cloned());
     check_ids(&actors.iter().map(|a| a.id).collect::<Vec<_>>())?;
     let world = World::new(&map, &actors).map_err(|e| StageError::failed(&e))?;
-    stand_on_ground(&world, &mut actors, &mut log);
+    ground::stand(&world, &mut actors, &mut log.states);
 
     let info = info::scene_info(&plan, &agents, &log, &map, &settings)?;
     let labels = Labels::collect(&map, &actors, &log, &info, settings.annotation.box_radius_m)?;
@@ -89,19 +88,6 @@ fn simulate(input: &SceneInput<'_>, pulse: pipeline::Pulse<'_>) -> Result<SceneL
     match (stopped, outcome) {
         (Some(stop), _) => Err(stop),
         (None, outcome) => outcome.map_err(|e| StageError::failed(&e)),
-    }
-}
-
-/// Puts walkers on the surface that is drawn under them: maps often leave out how high a sidewalk's kerb is, and
-/// the world then builds one of its own.
-fn stand_on_ground(world: &World, actors: &mut [ActorRow], log: &mut SceneLog) {
-    let mut walkers = BTreeSet::new();
-    for actor in actors.iter_mut().filter(|a| a.kind == "walker") {
-        walkers.insert(actor.id);
-        actor.xyz_m[2] = world.ground_height(actor.xyz_m[0], actor.xyz_m[1], actor.xyz_m[2]);
-    }
-    for state in log.states.iter_mut().filter(|s| walkers.contains(&s.id)) {
-        state.xyz_m[2] = world.ground_height(state.xyz_m[0], state.xyz_m[1], state.xyz_m[2]);
     }
 }
 

@@ -1,0 +1,275 @@
+//! Walkers on the ground that is drawn under them.
+//!
+//! Traffic knows the map's surfaces alone. What is drawn differs from them: kerbs where the map states none, sidewalks
+//! cut away where a road crosses them, asphalt between the lanes of a junction, grass beside the road. Walkers are put
+//! on the triangles themselves.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use nalgebra::Point3;
+use schema::tables::{ActorRow, FrameRow, StateRow};
+use schema::{FRAME_PERIOD_S, ObjectId};
+use world::{Moment, World};
+
+/// Surfaces that are walked on; paint, bridge walls and guard rails are not.
+const WALKED: [&str; 4] = ["surface.road", "surface.sidewalk", "surface.median", "surface.terrain"];
+/// Side of a cell of the grid of triangles, metres.
+const CELL_M: f64 = 2.0;
+/// Triangles steeper than this (the normal's upward share) are faces of kerbs and walls.
+const LEAST_UP: f64 = 0.3;
+/// Ground this far above or below where the map has its surface is on another level, metres.
+const ABOVE_M: f64 = 1.0;
+const BELOW_M: f64 = 1.5;
+/// A walker steps onto a kerb, or down from it, over twice this way, metres.
+const HALF_STEP_M: f64 = 0.25;
+/// Samples of the ground on either side; the next one would be at the end of that way.
+const TAPS: i32 = 10;
+
+/// The ground's triangles, by the cells of a grid that they touch.
+struct Ground(BTreeMap<(i32, i32), Vec<[Point3<f64>; 3]>>);
+
+fn cell(x_m: f64, y_m: f64) -> (i32, i32) {
+    ((x_m / CELL_M).floor() as i32, (y_m / CELL_M).floor() as i32)
+}
+
+impl Ground {
+    /// The ground in the cells that hold a place of `track`.
+    fn under(world: &World, actors: &[ActorRow], track: &[[f64; 3]]) -> Self {
+        let mut cells: BTreeMap<(i32, i32), Vec<[Point3<f64>; 3]>> =
+            track.iter().map(|p| (cell(p[0], p[1]), Vec::new())).collect();
+        let walked: BTreeSet<ObjectId> =
+            actors.iter().filter(|a| WALKED.contains(&a.model.as_str())).map(|a| a.id).collect();
+        let frame = FrameRow::default();
+        let moment = Moment { states: &[], previous: &[], signals: &[], frame: &frame };
+        let snapshot = world.snapshot(&moment, track.first().copied().unwrap_or_default(), f64::INFINITY);
+        for instance in snapshot.instances.iter().filter(|i| walked.contains(&i.object)) {
+            let mesh = snapshot.mesh(instance);
+            for i in 0..mesh.triangles.len() {
+                let corners = mesh.corners(i).map(|v| {
+                    let local_m = instance.local_from_object.transform_point3(v);
+                    Point3::from(snapshot.origin.world_from_local(local_m))
+                });
+                let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
+                if normal.z <= LEAST_UP * normal.norm() {
+                    continue;
+                }
+                let [xs, ys] = [0, 1].map(|k| corners.map(|p| p[k]));
+                let low =
+                    cell(xs.into_iter().fold(f64::MAX, f64::min), ys.into_iter().fold(f64::MAX, f64::min));
+                let high =
+                    cell(xs.into_iter().fold(f64::MIN, f64::max), ys.into_iter().fold(f64::MIN, f64::max));
+                for column in low.0..=high.0 {
+                    for (_, found) in cells.range_mut((column, low.1)..=(column, high.1)) {
+                        found.push(corners);
+                    }
+                }
+            }
+        }
+        Self(cells)
+    }
+
+    /// Height of the uppermost triangle on the level of a point that the map has on its surface; the point's own where
+    /// nothing is drawn (beyond the scenery, or over a gap in a bridge).
+    fn height(&self, at: [f64; 3]) -> f64 {
+        let [x, y, z] = at;
+        let over =
+            self.0.get(&cell(x, y)).into_iter().flatten().filter_map(|corners| height_in(corners, x, y));
+        over.filter(|h| (z - BELOW_M..=z + ABOVE_M).contains(h)).max_by(f64::total_cmp).unwrap_or(z)
+    }
+}
+
+/// Height of a triangle at a point of its plan; none outside.
+fn height_in([a, b, c]: &[Point3<f64>; 3], x: f64, y: f64) -> Option<f64> {
+    let (ab, ac, at) = (b - a, c - a, Point3::new(x, y, 0.0) - a);
+    let area = ab.x * ac.y - ac.x * ab.y;
+    let (u, v) = ((at.x * ac.y - ac.x * at.y) / area, (ab.x * at.y - at.x * ab.y) / area);
+    // Points on a shared edge belong to both triangles, whatever the rounding.
+    (u >= -1e-6 && v >= -1e-6 && u + v <= 1.0 + 1e-6).then(|| a.z + u * ab.z + v * ac.z)
+}
+
+/// Puts walkers on the ground that is drawn under them. What follows from their heights follows again: velocities are
+/// differences of the final positions, and actor rows have the pose at frame 0.
+///
+/// `states` are sorted by frame.
+pub(crate) fn stand(world: &World, actors: &mut [ActorRow], states: &mut [StateRow]) {
+    let mut tracks: BTreeMap<ObjectId, Vec<usize>> =
+        actors.iter().filter(|a| a.kind == "walker").map(|a| (a.id, Vec::new())).collect();
+    for (i, state) in states.iter().enumerate() {
+        if let Some(track) = tracks.get_mut(&state.id) {
+            track.push(i);
+        }
+    }
+    let places: Vec<[f64; 3]> = tracks.values().flatten().map(|&i| states[i].xyz_m).collect();
+    let ground = Ground::under(world, actors, &places);
+    for track in tracks.values() {
+        let mut way_m = 0.0;
+        let profile: Vec<[f64; 2]> = (0..track.len())
+            .map(|k| {
+                let [x, y, z] = states[track[k]].xyz_m;
+                let [x0, y0, _] = states[track[k.saturating_sub(1)]].xyz_m;
+                way_m += ((x - x0) * (x - x0) + (y - y0) * (y - y0)).sqrt();
+                [way_m, ground.height([x, y, z])]
+            })
+            .collect();
+        let heights: Vec<f64> = profile.iter().map(|[way_m, _]| stepped(&profile, *way_m)).collect();
+        for (k, &i) in track.iter().enumerate() {
+            states[i].xyz_m[2] = heights[k];
+            // The first state has none before it: it moves on as it is going to.
+            let (from, to) = if k == 0 { (0, 1.min(heights.len() - 1)) } else { (k - 1, k) };
+            states[i].velocity_mps[2] = ((heights[to] - heights[from]) / FRAME_PERIOD_S) as f32;
+        }
+    }
+    for actor in actors.iter_mut() {
+        let at_start = tracks.get(&actor.id).and_then(|t| t.iter().find(|&&i| states[i].frame == 0));
+        if let Some(&i) = at_start {
+            actor.xyz_m = states[i].xyz_m;
+        }
+    }
+}
+
+/// Height of a walker after some way: the mean of the ground within [`HALF_STEP_M`] before and behind, weighted by a
+/// triangle over it. So a kerb is stepped up in an S of two parabolas. `profile`: way and height of the ground, the
+/// way ascending; level before and behind it.
+fn stepped(profile: &[[f64; 2]], way_m: f64) -> f64 {
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for tap in -TAPS..=TAPS {
+        let weight = f64::from(TAPS + 1 - tap.abs());
+        sum += weight * interpolated(profile, way_m + HALF_STEP_M * f64::from(tap) / f64::from(TAPS + 1));
+        weights += weight;
+    }
+    sum / weights
+}
+
+/// Height of the ground after some way, between the samples of a profile.
+fn interpolated(profile: &[[f64; 2]], way_m: f64) -> f64 {
+    let after = profile.partition_point(|[w, _]| *w <= way_m);
+    match (after.checked_sub(1).and_then(|i| profile.get(i)), profile.get(after)) {
+        (Some([w0, z0]), Some([w1, z1])) => z0 + (z1 - z0) * ((way_m - w0) / (w1 - w0)),
+        (Some([_, z]), None) | (None, Some([_, z])) => *z,
+        (None, None) => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ops::ControlFlow;
+
+    use opendrive::Map;
+    use plan::PlanMap;
+    use schema::settings::DatasetSettings;
+    use traffic::{SceneInput, SceneLog};
+
+    #[test]
+    fn a_kerb_is_stepped_up_in_an_s() {
+        // Samples 2 cm apart, a kerb of 0.15 m at 3 m.
+        let profile: Vec<[f64; 2]> =
+            (0..300).map(|i| 0.02 * f64::from(i)).map(|w| [w, if w < 3.0 { 0.0 } else { 0.15 }]).collect();
+        for [way_m, _] in &profile {
+            let u = ((way_m - 2.99) / 0.25).clamp(-1.0, 1.0);
+            let share = if u < 0.0 { 0.5 * (1.0 + u) * (1.0 + u) } else { 1.0 - 0.5 * (1.0 - u) * (1.0 - u) };
+            let got = stepped(&profile, *way_m);
+            assert!((got - 0.15 * share).abs() < 0.003, "{got} instead of {} at {way_m}", 0.15 * share);
+        }
+    }
+
+    #[test]
+    fn a_slope_is_followed_and_standing_still_is_level() {
+        let slope: Vec<[f64; 2]> =
+            (0..100).map(|i| 0.06 * f64::from(i)).map(|w| [w, 5.0 - 0.1 * w]).collect();
+        for [way_m, z] in &slope[5..95] {
+            assert!((stepped(&slope, *way_m) - z).abs() < 1e-12);
+        }
+        let standing = [[1.0, 0.3]; 20];
+        assert!(standing.iter().all(|[w, _]| (stepped(&standing, *w) - 0.3).abs() < 1e-12));
+    }
+
+    /// A scene of walkers around two agents: world, actors and log, walkers on the ground.
+    fn walked(name: &str, map: Map) -> (World, Vec<ActorRow>, SceneLog) {
+        let text = format!(
+            "name = \"test\"\n[scenes.train]\n\"{name}\" = 1\n[agents]\nmin_vehicles = 2\nmax_vehicles = 2\n\
+             max_rsus = 0\n[timing]\nmin_duration_s = 20\nmax_duration_s = 20\n[traffic]\nvehicles = 10\n\
+             spawn_radius_m = 120\n[walkers]\ncount = 80\n[world]\nradius_m = 120\n"
+        );
+        let settings: DatasetSettings = pipeline::parse_config(&text, "test").expect("good settings");
+        let maps = BTreeMap::from([(name.to_owned(), PlanMap { map, hash: String::new() })]);
+        let plan = plan::plan(&settings, &maps).expect("a plan");
+        let (scene, map) = (&plan.scenes[0], &maps[name].map);
+        let centres: Vec<[f64; 3]> = plan.agents.iter().map(|a| a.xyz_m).collect();
+        let mut actors = world::place(map, &settings.world, scene.seed, &centres, 1).expect("scenery");
+        let input = SceneInput {
+            map,
+            scene,
+            agents: &plan.agents,
+            settings: &settings,
+            fixed: &actors.clone(),
+            first_id: actors.len() as ObjectId + 1,
+        };
+        let mut log = traffic::simulate(&input, &mut |_, _| ControlFlow::Continue(())).expect("a log");
+        actors.extend(log.actors.iter().cloned());
+        let world = World::new(map, &actors).expect("a world");
+        stand(&world, &mut actors, &mut log.states);
+        (world, actors, log)
+    }
+
+    fn check(name: &str, map: Map) {
+        let (world, actors, log) = walked(name, map);
+        let frame = FrameRow::default();
+        let moment = Moment { states: &[], previous: &[], signals: &[], frame: &frame };
+        let (mut up, mut steps) = (0, 0);
+        for walker in actors.iter().filter(|a| a.kind == "walker") {
+            let track: Vec<&StateRow> = log.states.iter().filter(|s| s.id == walker.id).collect();
+            assert_eq!(walker.xyz_m, track[1].xyz_m);
+            for pair in track.windows(2) {
+                let moved: [f64; 3] = std::array::from_fn(|k| pair[1].xyz_m[k] - pair[0].xyz_m[k]);
+                for (velocity, way) in pair[1].velocity_mps.iter().zip(moved) {
+                    assert!((f64::from(*velocity) - way / 0.05).abs() < 1e-4, "{name}: {:?}", pair[1]);
+                }
+                // Kerbs of up to 0.3 m over a step of half a metre: 1.2 at the steepest, and the land's slope.
+                let flat = (moved[0] * moved[0] + moved[1] * moved[1]).sqrt();
+                assert!(moved[2].abs() <= 1.5 * flat + 1e-9, "{name}: {:?} {:?}", pair[0], pair[1]);
+                steps += 1;
+                up += u32::from(moved[2].abs() > 0.2 * flat + 0.002);
+            }
+            // Feet are on what is drawn, by all triangles of the place: at most within the height of a step.
+            let state = track[track.len() / 2];
+            let snapshot = world.snapshot(&moment, state.xyz_m, 30.0);
+            let at = snapshot.origin.local_from_world(state.xyz_m);
+            let mut nearest = f32::INFINITY;
+            for instance in &snapshot.instances {
+                let mesh = snapshot.mesh(instance);
+                for i in 0..mesh.triangles.len() {
+                    let [a, b, c] = mesh.corners(i).map(|v| instance.local_from_object.transform_point3(v));
+                    let (ab, ac, to) = ((b - a).truncate(), (c - a).truncate(), (at - a).truncate());
+                    let area = ab.perp_dot(ac);
+                    let (u, v) = (to.perp_dot(ac) / area, ab.perp_dot(to) / area);
+                    if u >= 0.0 && v >= 0.0 && u + v <= 1.0 {
+                        nearest = nearest.min((a.z + u * (b.z - a.z) + v * (c.z - a.z) - at.z).abs());
+                    }
+                }
+            }
+            assert!(
+                nearest < 0.16,
+                "{name}: walker {} is {nearest} m off the ground at {state:?}",
+                walker.id
+            );
+        }
+        assert!(steps > 10_000 && up > 20, "{name}: {up} of {steps} steps up or down");
+    }
+
+    #[test]
+    fn walkers_of_our_town_step_up_and_down_kerbs() {
+        let town = town::generate(&town::named("convoy/demo").expect("our town")).expect("a town");
+        check("convoy/demo", Map::new(town));
+    }
+
+    #[test]
+    #[allow(clippy::print_stdout)] // Says why a test passes without testing.
+    fn walkers_of_a_real_town_stand_on_what_is_drawn() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/maps/carla/Town03.xodr");
+        match std::fs::read(path) {
+            Ok(bytes) => check("Town03", Map::new(opendrive::read_bytes(&bytes).expect("a readable map"))),
+            Err(_) => println!("skipped: {path} is absent"),
+        }
+    }
+}
