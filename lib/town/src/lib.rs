@@ -21,7 +21,6 @@ mod decks;
 mod gore;
 mod heights;
 mod junction;
-#[allow(dead_code)] // The styles to come use what is left.
 mod layout;
 mod layouts;
 mod limits;
@@ -34,7 +33,6 @@ mod profile;
 mod roundabout;
 mod route;
 mod seam;
-#[allow(dead_code)] // The same.
 mod section;
 mod street;
 mod strips;

@@ -116,7 +116,8 @@ fn lanes_go_on_where_they_end() {
     for (name, map) in maps() {
         let rows = vectormap::rows(&map);
         let (mut links, mut loose) = (0, 0);
-        for row in of(&rows, VectorKind::LaneCentreline).filter(|r| r.lane_type.as_deref() == Some("Driving")) {
+        for row in of(&rows, VectorKind::LaneCentreline).filter(|r| r.lane_type.as_deref() == Some("Driving"))
+        {
             let end = points(row)[row.x_m.len() - 1];
             for next in row.successors.iter().map(|n| &rows[*n as usize]) {
                 links += 1;
