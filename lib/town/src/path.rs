@@ -7,6 +7,9 @@ use std::f64::consts::PI;
 
 /// Pieces shorter than this are left out (the gap stays far below any drawing accuracy).
 const SHORTEST_M: f64 = 1e-6;
+/// Turns up to this many radians take two arcs instead of one of a radius smaller than this, metres.
+const SLIGHT_RAD: f64 = 0.6;
+const ABRUPT_M: f64 = 12.0;
 
 /// Streets keep so far straight at their ends, metres.
 pub(crate) const STRAIGHT_M: f64 = 1.0;
@@ -126,8 +129,11 @@ impl Path {
         let (leg_out, leg_in) =
             if sin.abs() > 1e-6 { (left / sin, ahead - cos * left / sin) } else { (-1.0, -1.0) };
         let room = (leg_in - bend.lead_in_m).min(leg_out - bend.lead_out_m);
-        if room > SHORTEST_M {
-            let fillet = Fillet::new(turn, bend.radius_m.min(room / tan(0.5 * turn.abs())), bend.ease_m);
+        // Nearly straight ways whose tangents meet close to one end would bend there all at once.
+        let half = tan(0.5 * turn.abs());
+        let abrupt = turn.abs() < SLIGHT_RAD && room < ABRUPT_M.min(bend.radius_m) * half;
+        if room > SHORTEST_M && !abrupt {
+            let fillet = Fillet::new(turn, bend.radius_m.min(room / half), bend.ease_m);
             let fillet = fillet.scaled((room / fillet.tangent_m).min(1.0));
             path.line(leg_in - fillet.tangent_m);
             path.fillet(&fillet);
