@@ -131,7 +131,7 @@ pub(super) fn diamond(
         layout.node(node.named(format!("{name} terminal")))
     });
     let ramp = ramp_shape(crossroad.ramp_kmh);
-    let (dx, dy) = (0.4 * size.seam_m, size.terminal_m - 4.0);
+    let (dx, dy) = (0.43 * size.seam_m, size.terminal_m - 4.0);
     let [right, left] = terminals;
     let bend = |edge: Edge, x: f64, y: f64| edge.via(at(x, y), RAMP_BEND_M[0], RAMP_BEND_M[1]);
     let (exit, entry) = (format!("{name} exit"), format!("{name} entry"));
