@@ -22,7 +22,7 @@ FORCE_ARG   = $(if $(FORCE),--force)
 SEED_ARG    = $(if $(SEED),--seed $(SEED))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset stage stats status verify town towns town-pictures check-towns build test lint bench bench-kernels docs help
+.PHONY: dataset stage stats status verify town towns town-pictures check-towns build test soak lint bench bench-kernels docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
@@ -82,6 +82,11 @@ test:
 	@$(PYTHON) -c 'import numpy, pyarrow' 2>/dev/null \
 		|| echo "note: skipped the check that stock readers open a store: it needs numpy and pyarrow for $(PYTHON)"
 	@test -d ../shared/maps || echo "note: skipped the tests on real maps: there is no ../shared/maps"
+
+# The property tests with other random cases, again and again: make soak [ROUNDS=20] [CRATE=convoy-town].
+soak:
+	for round in $$(seq 2 $(or $(ROUNDS),20)); do \
+		PROPTEST_RNG_SEED=$$round $(CARGO) nextest run --locked $(if $(CRATE),-p $(CRATE),--workspace) || exit 1; done
 
 lint:
 	$(CARGO) fmt --all --check

@@ -42,12 +42,17 @@
 //! behind the seam has one lane more (the acceleration lane), which ends at a later seam.
 
 use opendrive::{ContactPoint, Network};
+use std::borrow::Cow;
 
 use crate::path::{Piece, Pose2, Via};
 use crate::section::{CrossSection, Ending};
 use crate::terrain::Terrain;
 pub(crate) use crate::water::Water;
 use crate::{TownError, assemble};
+
+/// How much of its relief the ground keeps each time streets are too steep, and how often it gets flatter at most.
+const EASE: f64 = 0.85;
+const EASINGS: usize = 10;
 
 /// Names a node of a layout.
 pub(crate) type NodeId = usize;
@@ -337,8 +342,17 @@ impl Layout {
         self.edges.push(edge);
     }
 
-    /// Builds the network.
+    /// Builds the network. Where streets would be too steep, the ground is flatter.
     pub(crate) fn build(&self) -> Result<Network, TownError> {
-        assemble::assemble(self)
+        let mut network = assemble::assemble(self);
+        let mut eased = Cow::Borrowed(self);
+        for _ in 0..EASINGS {
+            if !matches!(network, Err(TownError::TooSteep { .. })) {
+                break;
+            }
+            eased.to_mut().terrain.flatten(EASE);
+            network = assemble::assemble(&eased);
+        }
+        network
     }
 }

@@ -63,6 +63,12 @@ impl Terrain {
         Self::default()
     }
 
+    /// Lowers waves and hills to a share of their height. Channels stay as deep.
+    pub(crate) fn flatten(&mut self, share: f64) {
+        self.waves.iter_mut().for_each(|w| w.amplitude_m *= share);
+        self.hills.iter_mut().for_each(|h| h.height_m *= share);
+    }
+
     fn raw(&self, x: f64, y: f64) -> f64 {
         let wave = |w: &Wave| {
             let (s, c) = sin_cos(w.heading_rad);

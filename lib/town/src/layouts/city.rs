@@ -23,6 +23,8 @@ const MEDIANS_M: [f64; 2] = [5.0, 3.0];
 const RING_BEND_M: [f64; 2] = [60.0, 20.0];
 /// How deep the underpass lies, metres.
 const UNDERPASS_M: f64 = -6.4;
+/// A street comes up from the underpass over at least so many metres before the next crossing's middle.
+const UNDERPASS_REACH_M: f64 = 130.0;
 
 /// A city with multi-lane junctions, a roundabout and an underpass.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -107,7 +109,14 @@ impl<'a> City<'a> {
             let middle = 0.5 * at.last().copied().unwrap_or(0.0);
             at.iter().map(|v| v - middle).collect()
         };
-        let (x, y) = (lines(columns), lines(rows));
+        let (x, mut y) = (lines(columns), lines(rows));
+        let boulevard = 2 + draws.index(columns - 5).unwrap_or(0);
+        let avenue = 2 + draws.index(rows - 4).unwrap_or(0);
+        // The street below the avenue needs room to come up again, wherever its crossings are moved to.
+        for j in [avenue, avenue + 1] {
+            let lacking = UNDERPASS_REACH_M + 2.0 * own.disorder_m - (y[j] - y[j - 1]);
+            y[j..].iter_mut().for_each(|y| *y += lacking.max(0.0));
+        }
         let at_m = (0..columns)
             .map(|i| {
                 let edge_x = i == 0 || i + 1 == columns;
@@ -124,8 +133,6 @@ impl<'a> City<'a> {
                     .collect()
             })
             .collect();
-        let boulevard = 2 + draws.index(columns - 5).unwrap_or(0);
-        let avenue = 2 + draws.index(rows - 4).unwrap_or(0);
         let waves = (0..3)
             .map(|i| Wave {
                 amplitude_m: own.relief_m / 6.0,

@@ -34,11 +34,8 @@ const BEND_AT: f64 = 0.33;
 const BEND_M: [f64; 2] = [16.0, 4.0];
 /// Places that are tried for a lane.
 const TRIES: usize = 60;
-/// How much lower a hill gets each time its lanes are too steep, as a share of its height, and how often.
-const LOWER: f64 = 0.1;
-const LOWERED: u64 = 8;
 /// Layouts that are tried.
-const ATTEMPTS: u64 = 64;
+const ATTEMPTS: u64 = 8;
 
 /// A hilly old town.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -88,11 +85,7 @@ impl OldTownParameters {
 }
 
 pub(crate) fn layout(parameters: &TownParameters) -> Layout {
-    first_that_builds(ATTEMPTS, |attempt| {
-        // Where the lanes are too steep the hill is lower, before other lanes are tried.
-        let hill = 1.0 - LOWER * (attempt % LOWERED) as f64;
-        Town::new(parameters, attempt / LOWERED).layout(hill)
-    })
+    first_that_builds(ATTEMPTS, |attempt| Town::new(parameters, attempt).layout())
 }
 
 /// A place on a ring where a lane ends.
@@ -141,7 +134,7 @@ impl<'a> Town<'a> {
         polar([0.0, 0.0], angle_rad, radius * (1.0 + self.parameters.oldtown.winding * 0.62 * swell))
     }
 
-    fn layout(mut self, hill_share: f64) -> Layout {
+    fn layout(mut self) -> Layout {
         let own = &self.parameters.oldtown;
         let narrow = Side::town(1, NARROW_M).with_sidewalk(NARROW_SIDEWALK_M);
         let steep = |shape: CrossSection| CrossSection { max_grade: GRADE, ..shape };
@@ -164,7 +157,7 @@ impl<'a> Town<'a> {
         self.alleys(lane);
         let hill = Hill {
             at_m: [self.draws.uniform(-25.0, 25.0), self.draws.uniform(-25.0, 25.0)],
-            height_m: own.hill_m * hill_share,
+            height_m: own.hill_m,
             radius_m: 0.75 * self.radius_m.last().copied().unwrap_or(200.0),
         };
         let wave = Wave {

@@ -22,11 +22,8 @@ const BEND_M: [f64; 2] = [90.0, 25.0];
 const RAIL_BEND_M: [f64; 2] = [400.0, 60.0];
 /// The railway goes on so far beyond the roads, metres.
 const RAIL_BEYOND_M: f64 = 140.0;
-/// How much flatter the land gets each time its roads are too steep, as a share of its relief, and how often.
-const FLATTER: f64 = 0.17;
-const FLATTENED: u64 = 4;
 /// Layouts that are tried.
-const ATTEMPTS: u64 = 64;
+const ATTEMPTS: u64 = 16;
 
 /// Country roads.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -92,11 +89,7 @@ impl RuralParameters {
 }
 
 pub(crate) fn layout(parameters: &TownParameters) -> Layout {
-    first_that_builds(ATTEMPTS, |attempt| {
-        // Where roads are too steep the land is flatter, before other roads are tried.
-        let relief = 1.0 - FLATTER * (attempt % FLATTENED) as f64;
-        Land::new(parameters, attempt / FLATTENED).layout(relief)
-    })
+    first_that_builds(ATTEMPTS, |attempt| Land::new(parameters, attempt).layout())
 }
 
 struct Land<'a> {
@@ -141,7 +134,7 @@ impl<'a> Land<'a> {
         Self { parameters, draws, at, main, railway, graph, lanes: Vec::new() }
     }
 
-    fn layout(mut self, relief: f64) -> Layout {
+    fn layout(mut self) -> Layout {
         let own = &self.parameters.rural;
         let open = |lane_m: f64, k: usize| Side::open(1, lane_m, SHOULDERS_M[k]);
         let road = CrossSection::rural(open(own.lane_m + 0.5, 0), ROAD_KMH);
@@ -176,7 +169,7 @@ impl<'a> Land<'a> {
         let waves = [0.5, 0.3, 0.2]
             .into_iter()
             .map(|share| Wave {
-                amplitude_m: 0.5 * share * own.relief_m * relief,
+                amplitude_m: 0.5 * share * own.relief_m,
                 period_m: self.draws.uniform(420.0, 760.0) * (0.6 + share),
                 heading_rad: self.draws.uniform(0.0, TAU),
                 phase_rad: self.draws.uniform(0.0, TAU),
