@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use nalgebra::Point3;
-use opendrive::{LanePos, Map, Network, read_bytes, write};
+use opendrive::{Area, LanePos, Map, Network, read_bytes, write};
 
 /// Most lanes, stripes and so on that are asked about: one input must not take long.
 const ASKED: usize = 12;
@@ -32,6 +32,8 @@ fn ask(map: &Map) {
         let _ = map.behind(LanePos { lane: lane.id, along_m: 1.0 }, 50.0);
         let _ = (map.left_marking(lane.id, middle), map.lane_change(lane.id, middle));
         let _ = (map.speed_limit(lane.id, middle), map.lane_height(lane.id, middle));
+        let pos = LanePos { lane: lane.id, along_m: 1.0 };
+        let _ = (map.junction_ahead(pos, 300.0), map.lane_way_m(lane.id, lane.s_start, lane.s_end));
         for next in map.successors(lane.id) {
             assert!(map.predecessors(*next).contains(&lane.id), "a link that leads one way only");
         }
@@ -44,9 +46,28 @@ fn ask(map: &Map) {
     }
     for junction in 0..map.junctions().len().min(ASKED) {
         let _ = map.entry_lanes(junction);
+        check(&map.junction_area(junction));
+    }
+    for road in 0..map.network().roads.len().min(ASKED) as u32 {
+        let walks = map.sidewalks(road);
+        check(&walks.into_iter().map(|walk| walk.area).collect::<Vec<_>>());
+    }
+    if map.objects().len() < 100 * ASKED && map.signals().len() < 100 * ASKED {
+        for line in map.stop_lines() {
+            assert!(line.lanes.iter().all(|pos| map.lane(pos.lane).is_some()), "a stop line on no lane");
+        }
+        let _ = map.crosswalk_spans();
     }
     for place in places {
         let _ = map.nearest_driving_lane(place);
-        let _ = map.nearest_lane(place, |_| true);
+        if let Some(hit) = map.nearest_lane(place, |_| true) {
+            let _ = map.lane_coordinates(hit.lane, place);
+        }
+    }
+}
+
+fn check(areas: &[Area]) {
+    for area in areas {
+        assert!(area.rings().all(|ring| ring.len() >= 3) && area.size_m2() >= 0.0, "an area inside out");
     }
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::{Point2, Point3};
 
+use super::nearest::Heights;
 use super::union::union;
 use super::{LaneId, LaneInfo, Map};
 use crate::model::LaneType;
@@ -91,12 +92,15 @@ impl Map {
             for k in 1..line.s.len() {
                 let corners = [line.right[k - 1], line.right[k], line.left[k], line.left[k - 1]];
                 pieces.push(corners.map(|p| p.xy()));
-                borders.push((line.left[k - 1], line.left[k]));
-                borders.push((line.right[k - 1], line.right[k]));
+                borders.push([line.left[k - 1], line.left[k]]);
+                borders.push([line.right[k - 1], line.right[k]]);
             }
         }
         let Some(origin) = pieces.first().map(|p| p[0].map(f64::round)) else { return Vec::new() };
-        let lift = |ring: Vec<Point2<f64>>| ring.into_iter().map(|p| lifted(p, &borders)).collect();
+        let heights = Heights::new(borders);
+        let lift = |ring: Vec<Point2<f64>>| {
+            ring.into_iter().map(|p| Point3::new(p.x, p.y, heights.at(p.x, p.y))).collect()
+        };
         let areas = union(&pieces, origin).into_iter().filter_map(|rings| {
             let mut rings = rings.into_iter().map(lift);
             Some(Area { outline: rings.next()?, holes: rings.collect() })
@@ -158,19 +162,4 @@ impl Map {
             _ => false,
         }
     }
-}
-
-/// A point in plan with the height of the nearest of some chords.
-fn lifted(point: Point2<f64>, chords: &[(Point3<f64>, Point3<f64>)]) -> Point3<f64> {
-    let mut best = (f64::INFINITY, 0.0);
-    for (a, b) in chords {
-        let (way, to) = (b.xy() - a.xy(), point - a.xy());
-        let length2 = way.norm_squared();
-        let part = if length2 > 0.0 { (to.dot(&way) / length2).clamp(0.0, 1.0) } else { 0.0 };
-        let distance2 = (to - way * part).norm_squared();
-        if distance2 < best.0 {
-            best = (distance2, a.z + (b.z - a.z) * part);
-        }
-    }
-    Point3::new(point.x, point.y, best.1)
 }

@@ -8,6 +8,8 @@ use super::{Crosswalk, LaneId, Map};
 
 /// Step of the search along a lane, metres of s: crossings are wider.
 const STEP_M: f64 = 0.25;
+/// Most steps along one lane; absurd sizes only lose accuracy.
+const MAX_STEPS: f64 = 4096.0;
 /// Halvings that make a step a tenth of a millimetre.
 const HALVINGS: u32 = 12;
 /// A crossing is on the lanes at most this far above or below it, metres.
@@ -50,7 +52,7 @@ impl Map {
             // Along a bent lane s may run up to twice as far as the way.
             let from = (hit.s - 2.0 * radius).max(info.s_start);
             let to = (hit.s + 2.0 * radius).min(info.s_end);
-            let steps = ((to - from) / STEP_M).ceil().max(1.0);
+            let steps = ((to - from) / STEP_M).ceil().clamp(1.0, MAX_STEPS);
             let at = |k: f64| from + (to - from) * (k / steps);
             let covered: Vec<f64> =
                 (0..=steps as usize).map(|k| k as f64).filter(|k| inside(at(*k))).collect();

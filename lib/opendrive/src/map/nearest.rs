@@ -191,6 +191,32 @@ impl LaneIndex {
     }
 }
 
+/// Chords with heights, found by their place in plan.
+pub(super) struct Heights(LaneIndex);
+
+impl Heights {
+    pub(super) fn new(chords: impl IntoIterator<Item = [Point3<f64>; 2]>) -> Self {
+        // Laid flat; in the place of their stretch of s they carry the heights of their ends.
+        let flat = |p: Point3<f64>| Point3::new(p.x, p.y, 0.0);
+        let segment = |[a, b]: [Point3<f64>; 2]| Segment { a: flat(a), b: flat(b), s: [a.z, b.z], lane: 0 };
+        Self(LaneIndex::of(chords.into_iter().map(segment).collect()))
+    }
+
+    /// The height of the nearest chord, where it is nearest; 0 where there is none.
+    pub(super) fn at(&self, x: f64, y: f64) -> f64 {
+        let point = Point3::new(x, y, 0.0);
+        let mut best = (f64::INFINITY, 0.0);
+        self.0.search(point, f64::INFINITY, |_, segment| {
+            let (distance2, part) = segment.distance2(point);
+            if distance2 < best.0 {
+                best = (distance2, segment.s[0] + (segment.s[1] - segment.s[0]) * part);
+            }
+            best.0
+        });
+        best.1
+    }
+}
+
 /// Most segments kept for refinement.
 const MAX_CANDIDATES: usize = 64;
 

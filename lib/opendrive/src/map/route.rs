@@ -11,6 +11,8 @@ const GAUSS: [(f64, f64); 2] =
     [(0.339_981_043_584_856_3, 0.652_145_154_862_546_1), (0.861_136_311_594_052_6, 0.347_854_845_137_453_8)];
 /// Longest panel of the rule, metres of s.
 const PANEL_M: f64 = 8.0;
+/// Most panels between two records; absurd lengths only lose accuracy.
+const MAX_PANELS: f64 = 4096.0;
 
 /// What a search ahead has found.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +43,7 @@ impl Map {
             if high <= low {
                 continue;
             }
-            let panels = ((high - low) / PANEL_M).ceil().max(1.0);
+            let panels = ((high - low) / PANEL_M).ceil().clamp(1.0, MAX_PANELS);
             let half = 0.5 * (high - low) / panels;
             for i in 0..panels as usize {
                 let middle = low + (2 * i + 1) as f64 * half;
