@@ -121,6 +121,32 @@ fn strokes_are_painted_one_by_one() {
 }
 
 #[test]
+fn many_dashes_on_a_long_curve_are_painted_without_looking_at_all_of_it_each_time() {
+    let line = MarkLine { length_m: 0.1, space_m: 0.1, ..MarkLine::default() };
+    let mark = RoadMark { mark_type: MarkType::Broken, lines: vec![line], ..RoadMark::default() };
+    let road = Road {
+        id: "1".to_owned(),
+        length_m: 8000.0,
+        plan_view: vec![Geometry {
+            length_m: 8000.0,
+            curve: Curve::Spiral { curvature_start: 0.0, curvature_end: 0.2 },
+            ..Geometry::default()
+        }],
+        sections: vec![LaneSection {
+            centre: Lane { marks: vec![mark], ..Lane::default() },
+            right: vec![common::lane(-1, LaneType::Driving, 3.0)],
+            ..LaneSection::default()
+        }],
+        ..Road::default()
+    };
+    let map = Map::new(Network { roads: vec![road], ..Network::default() });
+    let dashes = map.stripe_strips(&map.stripes()[0], 1e-4);
+    assert_eq!(dashes.len(), 40_000);
+    let painted: f64 = dashes.iter().map(|d| (d.left[0] - d.left[d.left.len() - 1]).norm()).sum();
+    assert!((painted - 4000.0).abs() < 30.0, "{painted}");
+}
+
+#[test]
 fn signals_stand_where_they_really_stand_and_hold_where_they_are_given() {
     let map = map();
     let light = &map.signals()[0];

@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use super::{LaneId, Map, Marking, Stripe, StripeStrip};
-use crate::geometry::record_at;
+use crate::geometry::{self, record_at};
 use crate::model::{Lane, LaneChange, MarkChange, MarkColour, MarkType, RoadMark};
 
 /// Width of a line that states none, metres: ordinary and bold.
@@ -110,7 +110,7 @@ impl Map {
     fn stripe_point(&self, stripe: &Stripe, s: f64, side_m: f64) -> Option<Point3<f64>> {
         let t = if stripe.border_of == 0 {
             let road = self.network.roads.get(stripe.road as usize)?;
-            crate::geometry::value_and_slope(&road.lane_offset, s).0
+            geometry::value_and_slope(&road.lane_offset, s).0
         } else {
             let lane = LaneId { road: stripe.road, section: stripe.section, lane: stripe.border_of };
             self.profile(lane, s)?.outer.0
@@ -232,6 +232,6 @@ fn lines_of(mark: &RoadMark, base: &Stripe, dash: [f64; 2], lane: &Lane, found: 
 
 /// The samples strictly between two ends, with the ends.
 fn between(samples: &[f64], from: f64, to: f64) -> Vec<f64> {
-    let inside = samples.iter().copied().filter(|s| *s > from && *s < to);
+    let inside = geometry::between(samples, from, to, |s| *s);
     std::iter::once(from).chain(inside).chain(std::iter::once(to)).collect()
 }
