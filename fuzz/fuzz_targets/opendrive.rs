@@ -34,6 +34,7 @@ fn ask(map: &Map) {
         let _ = (map.speed_limit(lane.id, middle), map.lane_height(lane.id, middle));
         let pos = LanePos { lane: lane.id, along_m: 1.0 };
         let _ = (map.junction_ahead(pos, 300.0), map.lane_way_m(lane.id, lane.s_start, lane.s_end));
+        let _ = map.distance_ahead(pos, LanePos { along_m: 2.0, ..pos }, 100.0);
         for next in map.successors(lane.id) {
             assert!(map.predecessors(*next).contains(&lane.id), "a link that leads one way only");
         }
