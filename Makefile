@@ -22,7 +22,7 @@ FORCE_ARG   = $(if $(FORCE),--force)
 SEED_ARG    = $(if $(SEED),--seed $(SEED))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset stage stats status verify town towns town-pictures check-towns build test soak lint bench bench-kernels docs help
+.PHONY: dataset stage scene-video stats status verify town towns town-pictures check-towns build test soak lint bench bench-kernels docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
@@ -30,6 +30,7 @@ help:
 	@echo "make status | stats | verify        (same CONFIG and STORE)"
 	@echo "make town NAME=convoy/demo [SEED=7] [DEST=folder]       (a road network of our own, with its picture)"
 	@echo "make towns DEST=folder                                  (all of them)"
+	@echo "make scene-video SCENE=0 [STORE=dataset] [OUT=film.png] (a scene's log from above, animated)"
 	@echo "make test | lint | bench | docs     (for developers)"
 
 build:
@@ -61,6 +62,11 @@ town: build
 	$(BIN)/convoy town --name $(NAME) $(SEED_ARG) --out $(or $(DEST),.)/$(subst /,_,$(NAME)).xodr \
 		--picture $(or $(DEST),.)/$(subst /,_,$(NAME)).svg
 
+# A scene's log from above, as an animated picture: make scene-video SCENE=0 [STORE=dataset] [OUT=scene.png]
+scene-video: build
+	@test -n "$(SCENE)" || { echo "say which: make scene-video SCENE=0 [STORE=dataset] [OUT=scene.png]"; exit 2; }
+	$(BIN)/convoy scene-video --store $(STORE) --scene $(SCENE) --out $(or $(OUT),scene-$(SCENE).png)
+
 towns: build
 	@test -n "$(DEST)" || { echo "say where: make towns DEST=folder"; exit 2; }
 	$(BIN)/convoy towns --dest $(DEST)
@@ -70,7 +76,12 @@ town-pictures: build
 	$(BIN)/convoy towns --pictures docs/towns
 
 # Reads every town with a reader in Python and with the ASAM quality checker (pip install asam-qc-opendrive).
-check-towns: build
+check-# A scene's log from above, as an animated picture: make scene-video SCENE=0 [STORE=dataset] [OUT=scene.png]
+scene-video: build
+	@test -n "$(SCENE)" || { echo "say which: make scene-video SCENE=0 [STORE=dataset] [OUT=scene.png]"; exit 2; }
+	$(BIN)/convoy scene-video --store $(STORE) --scene $(SCENE) --out $(or $(OUT),scene-$(SCENE).png)
+
+towns: build
 	folder=$$(mktemp -d) && $(BIN)/convoy towns --dest $$folder && $(PYTHON) tests/check_towns.py $$folder; \
 		code=$$?; rm -rf $$folder; exit $$code
 

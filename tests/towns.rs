@@ -86,6 +86,32 @@ fn a_dataset_takes_maps_by_their_path() {
     assert!(outcome.stderr.contains("both called `own`"), "{outcome:?}");
 }
 
+#[test]
+fn a_scene_is_filmed() {
+    let bench = Bench::new(TINY);
+    bench.run("spawn-planner", &[]).expect_done();
+    bench.run("simulate-and-log", &[]).expect_done();
+    let at = bench.folder.path();
+    let film = |scene: &str, out: &str| {
+        convoy(at, &["scene-video", "--store", "store", "--scene", scene, "--out", out, "--frames", "frames"])
+    };
+    let (code, _, err) = film("0", "film.png");
+    assert_eq!(code, 0, "{err}");
+    // One second, every second frame; the animation control chunk says how many.
+    assert_eq!(std::fs::read_dir(at.join("frames")).expect("is there").count(), 10);
+    let bytes = std::fs::read(at.join("film.png")).expect("is there");
+    let control = bytes.windows(4).position(|w| w == b"acTL").expect("is animated");
+    assert_eq!(bytes[control + 4..control + 8], [0, 0, 0, 10]);
+    // Agents move, so no two frames are the same.
+    let frame = |n: &str| std::fs::read(at.join("frames").join(n)).expect("is there");
+    assert_ne!(frame("0000.png"), frame("0018.png"));
+
+    let (code, _, err) = film("7", "film.png");
+    assert!(code == 2 && err.contains("scene 7 has no log"), "{code}: {err}");
+    let (code, _, err) = film("0", "film.gif");
+    assert!(code == 2 && err.contains("must end in .png"), "{code}: {err}");
+}
+
 /// The reader of the script and the ASAM checker find nothing wrong with any town.
 #[test]
 #[expect(clippy::print_stderr, reason = "a skipped check says so")]

@@ -1,10 +1,13 @@
-//! Runs all stages in order, shows their state, verifies a store; writes towns and draws maps.
+//! Runs all stages in order, shows their state, verifies a store; writes towns, draws maps and scenes.
 
+mod files;
+mod film;
 mod maps;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use film::FilmCommand;
 use maps::MapCommand;
 use pipeline::StoreCommand;
 
@@ -22,6 +25,8 @@ enum Command {
     Store(StoreCommand),
     #[command(flatten)]
     Map(MapCommand),
+    #[command(flatten)]
+    Film(FilmCommand),
 }
 
 fn main() -> ExitCode {
@@ -30,5 +35,6 @@ fn main() -> ExitCode {
     ExitCode::from(match args.command {
         Command::Store(command) => pipeline::drive(command),
         Command::Map(command) => maps::run(command),
+        Command::Film(command) => film::run(command),
     })
 }

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use mapview::{ViewOptions, Window};
 use opendrive::{Map, Network};
-use pipeline::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, say};
 use town::TownParameters;
+
+use crate::files::{Fault, exit_code, write_file};
 
 /// Commands about maps.
 #[derive(Debug, Subcommand)]
@@ -66,34 +67,6 @@ pub(crate) enum MapCommand {
     },
 }
 
-/// Why a command failed.
-#[derive(Debug, thiserror::Error)]
-enum Fault {
-    /// Something that the user can correct.
-    #[error("{0}")]
-    Usage(String),
-    /// A file cannot be used.
-    #[error("{}: {message}", path.display())]
-    File { path: PathBuf, message: String },
-    /// A file cannot be written or read.
-    #[error("{}: {source}", path.display())]
-    Io { path: PathBuf, source: std::io::Error },
-    /// A town cannot be built.
-    #[error("{name}: {source}")]
-    Town { name: String, source: town::TownError },
-}
-
-impl Fault {
-    fn exit_code(&self) -> u8 {
-        match self {
-            Self::Usage(_) | Self::Town { .. } => EXIT_USAGE,
-            Self::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => EXIT_USAGE,
-            Self::Io { source, .. } if source.kind() == std::io::ErrorKind::StorageFull => EXIT_TRY_AGAIN,
-            Self::Io { .. } | Self::File { .. } => EXIT_SOME_FAILED,
-        }
-    }
-}
-
 /// Runs a command; its exit code.
 pub(crate) fn run(command: MapCommand) -> u8 {
     let result = match command {
@@ -107,16 +80,10 @@ pub(crate) fn run(command: MapCommand) -> u8 {
             map_picture(&map, &out, ViewOptions { size_px: f64::from(size), window, title: None })
         }
     };
-    match result {
-        Ok(()) => EXIT_DONE,
-        Err(fault) => {
-            tracing::error!("{fault}");
-            fault.exit_code()
-        }
-    }
+    exit_code(result)
 }
 
-fn point(text: &str) -> Result<[f64; 2], String> {
+pub(crate) fn point(text: &str) -> Result<[f64; 2], String> {
     let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
     match text.split(',').map(number).collect::<Vec<_>>()[..] {
         [Some(x), Some(y)] => Ok([x, y]),
@@ -216,29 +183,4 @@ fn draw(network: Network, path: &Path, options: &ViewOptions) -> Result<(), Faul
         }
     };
     write_file(path, &bytes)
-}
-
-/// Writes a file whole or not at all, making its folder where needed.
-fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
-    let io = |source| Fault::Io { path: path.to_owned(), source };
-    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(io)?;
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(io)?;
-    std::io::Write::write_all(&mut file, bytes).map_err(io)?;
-    readable_by_all(file.as_file()).map_err(io)?;
-    file.persist(path).map_err(|e| io(e.error))?;
-    say(&format!("{} ({:.1} kB)", path.display(), bytes.len() as f64 / 1e3));
-    Ok(())
-}
-
-/// Temporary files are private; finished ones are like any other file.
-fn readable_by_all(file: &std::fs::File) -> std::io::Result<()> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        file.set_permissions(std::fs::Permissions::from_mode(0o644))?;
-    }
-    #[cfg(not(unix))]
-    let _ = file;
-    Ok(())
 }

@@ -23,7 +23,7 @@ const VARIANTS: u32 = 64;
 
 fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     let (plan, agents) = replay::read_plan(job)?;
-    let map = replay::read_map(job, &plan.map, &plan.map_hash)?;
+    let map = replay::read_map(job.store(), &plan.map, &plan.map_hash)?;
     let settings = job.settings().clone();
     let scene = job.scene();
 

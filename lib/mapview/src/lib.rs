@@ -14,6 +14,7 @@
 //! ```
 
 mod coarse;
+mod film;
 mod fine;
 mod frame;
 mod letters;
@@ -28,6 +29,7 @@ mod svg;
 mod symbols;
 mod things;
 
+pub use film::{Film, FilmWriter, Light, Look, StopBar, Thing, frame_png};
 pub use page::{COARSE_FROM_M_PER_PX, ViewOptions, Window};
 pub use picture::Picture;
 pub use raster::RasterError;
@@ -39,6 +41,11 @@ use picture::{Paint, Shape};
 /// Draws a map, or the part of it that the options name.
 #[must_use]
 pub fn draw(map: &Map, options: &ViewOptions) -> Picture {
+    draw_with(map, options, |_, _| {})
+}
+
+/// Draws a map, and something more on it.
+fn draw_with(map: &Map, options: &ViewOptions, more: impl Fn(&Page, &mut Picture)) -> Picture {
     let page = Page::new(map, options);
     let mut picture = Picture::new();
     picture.shape(Shape::rectangle(page.origin_px, page.map_px, Paint::fill(style::GROUND)));
@@ -47,6 +54,7 @@ pub fn draw(map: &Map, options: &ViewOptions) -> Picture {
     } else {
         fine::draw(map, &page, &mut picture)
     };
+    more(&page, &mut picture);
     frame::draw(map, &page, options, &legend, &mut picture);
     picture
 }

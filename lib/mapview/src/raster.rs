@@ -23,27 +23,43 @@ impl Picture {
     /// # Errors
     /// [`RasterError`] where there is no memory for the pixels.
     pub fn to_png(&self) -> Result<Vec<u8>, RasterError> {
-        let [width, height] = [self.width_px, self.height_px].map(|v| v.ceil().max(1.0) as u32);
-        let mut pixels =
-            Pixmap::new(width, height).ok_or(RasterError::TooLarge(self.width_px, self.height_px))?;
-        pixels.fill(colour(PAPER));
-        for item in &self.items {
-            match item {
-                Item::Shape(shape) => paint(&mut pixels, shape),
-                Item::Text(text) => paint(&mut pixels, &letters::strokes(text)),
-            }
-        }
-        // The sheet is opaque: three channels say it all.
-        let rgb: Vec<u8> = pixels.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, width, height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&rgb)?;
-        writer.finish()?;
-        Ok(bytes)
+        let pixels = pixels(self)?;
+        encode(pixels.data(), [pixels.width(), pixels.height()])
     }
+}
+
+/// The pixels of a picture.
+pub(crate) fn pixels(picture: &Picture) -> Result<Pixmap, RasterError> {
+    let [width, height] = [picture.width_px, picture.height_px].map(|v| v.ceil().max(1.0) as u32);
+    let mut pixels =
+        Pixmap::new(width, height).ok_or(RasterError::TooLarge(picture.width_px, picture.height_px))?;
+    pixels.fill(colour(PAPER));
+    paint_all(&mut pixels, picture);
+    Ok(pixels)
+}
+
+/// Paints a picture over pixels.
+pub(crate) fn paint_all(pixels: &mut Pixmap, picture: &Picture) {
+    for item in &picture.items {
+        match item {
+            Item::Shape(shape) => paint(pixels, shape),
+            Item::Text(text) => paint(pixels, &letters::strokes(text)),
+        }
+    }
+}
+
+/// Opaque pixels (red, green, blue, opacity) as a PNG file.
+pub(crate) fn encode(rgba: &[u8], [width, height]: [u32; 2]) -> Result<Vec<u8>, RasterError> {
+    // The sheet is opaque: three channels say it all.
+    let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&rgb)?;
+    writer.finish()?;
+    Ok(bytes)
 }
 
 fn colour([r, g, b, a]: Colour) -> tiny_skia::Color {

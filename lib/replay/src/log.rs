@@ -7,7 +7,7 @@ use pipeline::{Job, StageError};
 use schema::AgentId;
 use schema::scene_info::SceneInfo;
 use schema::tables::{ActorRow, AgentRow, FrameRow, SignalRow, StateRow};
-use store::{StoreError, keys};
+use store::{Manifest, Store, StoreError, keys};
 
 /// The stage that writes the log.
 pub const SIMULATE: &str = "simulate-and-log";
@@ -62,7 +62,14 @@ impl SceneLog {
     /// # Errors
     /// A shard of the log is missing or broken.
     pub fn read(job: &Job<'_>) -> Result<Self, StageError> {
-        let (store, manifest, scene) = (job.store(), job.input(SIMULATE)?, job.scene());
+        Self::load(job.store(), job.input(SIMULATE)?, job.scene())
+    }
+
+    /// Reads the log of a scene that a manifest of [`SIMULATE`] describes.
+    ///
+    /// # Errors
+    /// A shard of the log is missing or broken.
+    pub fn load(store: &Store, manifest: &Manifest, scene: u32) -> Result<Self, StageError> {
         let key = |name: &str| keys::scene(scene, name);
         let info_key = key("log/scene.json");
         let info: SceneInfo = store

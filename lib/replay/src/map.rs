@@ -5,7 +5,7 @@ use std::io::Read;
 use opendrive::Map;
 use pipeline::{Job, StageError};
 use schema::tables::{PlanAgentRow, PlanSceneRow};
-use store::keys;
+use store::{Store, keys};
 
 const PLANNER: &str = "spawn-planner";
 
@@ -24,8 +24,8 @@ pub fn compress_map(text: &[u8]) -> Result<Vec<u8>, StageError> {
 ///
 /// # Errors
 /// It is missing, changed, or no OpenDRIVE file.
-pub fn read_map(job: &Job<'_>, name: &str, hash: &str) -> Result<Map, StageError> {
-    let (store, key) = (job.store(), keys::map(name));
+pub fn read_map(store: &Store, name: &str, hash: &str) -> Result<Map, StageError> {
+    let key = keys::map(name);
     let path = store.location(&key);
     let Some(packed) = store.read(&key)? else {
         return Err(StageError::Failed(format!("{path}: missing (run {PLANNER} with --force)")));

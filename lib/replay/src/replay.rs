@@ -26,7 +26,7 @@ impl Replay {
     /// The log or the map is missing or broken, or an actor has no mesh.
     pub fn open(job: &Job<'_>) -> Result<Self, StageError> {
         let log = SceneLog::read(job)?;
-        let map = read_map(job, &log.info.map, &log.info.map_hash)?;
+        let map = read_map(job.store(), &log.info.map, &log.info.map_hash)?;
         let world = World::new(&map, &log.actors).map_err(|e| StageError::failed(&e))?;
         Ok(Self { log, map, world })
     }

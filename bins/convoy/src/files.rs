@@ -1,0 +1,78 @@
+//! Files that commands write, and how commands fail.
+
+use std::path::{Path, PathBuf};
+
+use pipeline::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, say};
+
+/// Why a command failed.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Fault {
+    /// Something that the user can correct.
+    #[error("{0}")]
+    Usage(String),
+    /// A file cannot be used.
+    #[error("{}: {message}", path.display())]
+    File { path: PathBuf, message: String },
+    /// A file cannot be written or read.
+    #[error("{}: {source}", path.display())]
+    Io { path: PathBuf, source: std::io::Error },
+    /// A scene cannot be read.
+    #[error(transparent)]
+    Scene(#[from] pipeline::StageError),
+    /// A town cannot be built.
+    #[error("{name}: {source}")]
+    Town { name: String, source: town::TownError },
+}
+
+impl Fault {
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::Usage(_) | Self::Town { .. } => EXIT_USAGE,
+            Self::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => EXIT_USAGE,
+            Self::Io { source, .. } if source.kind() == std::io::ErrorKind::StorageFull => EXIT_TRY_AGAIN,
+            Self::Io { .. } | Self::File { .. } | Self::Scene(_) => EXIT_SOME_FAILED,
+        }
+    }
+}
+
+/// Says what went wrong; the exit code.
+pub(crate) fn exit_code(result: Result<(), Fault>) -> u8 {
+    match result {
+        Ok(()) => EXIT_DONE,
+        Err(fault) => {
+            tracing::error!("{fault}");
+            fault.exit_code()
+        }
+    }
+}
+
+/// Writes a file and says so.
+pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
+    save(path, bytes)?;
+    say(&format!("{} ({:.1} kB)", path.display(), bytes.len() as f64 / 1e3));
+    Ok(())
+}
+
+/// Writes a file whole or not at all, making its folder where needed.
+pub(crate) fn save(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
+    let io = |source| Fault::Io { path: path.to_owned(), source };
+    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(io)?;
+    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(io)?;
+    std::io::Write::write_all(&mut file, bytes).map_err(io)?;
+    readable_by_all(file.as_file()).map_err(io)?;
+    file.persist(path).map_err(|e| io(e.error))?;
+    Ok(())
+}
+
+/// Temporary files are private; finished ones are like any other file.
+fn readable_by_all(file: &std::fs::File) -> std::io::Result<()> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        file.set_permissions(std::fs::Permissions::from_mode(0o644))?;
+    }
+    #[cfg(not(unix))]
+    let _ = file;
+    Ok(())
+}

@@ -1,0 +1,223 @@
+//! A scene's log from above, as an animated picture.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use clap::Subcommand;
+use frames::{Object, Pose, World};
+use mapview::{Film, FilmWriter, Light, Look, StopBar, Thing, ViewOptions, Window, frame_png};
+use opendrive::Map;
+use replay::{SIMULATE, SceneLog};
+use schema::lights;
+use schema::tables::{ActorRow, SignalRow};
+use store::{Scope, Store};
+
+use crate::files::{Fault, exit_code, save, write_file};
+use crate::maps::point;
+
+/// Ground shown around the ways of the agents, metres, and the smallest half side of the picture.
+const MARGIN_M: f64 = 70.0;
+const LEAST_RADIUS_M: f64 = 60.0;
+
+/// Commands about scenes.
+#[derive(Debug, Subcommand)]
+pub(crate) enum FilmCommand {
+    /// Draws the log of a scene from above as an animated PNG: lanes, lights, vehicles, walkers, agents.
+    SceneVideo {
+        /// The store: a folder.
+        #[arg(long, value_name = "DIR")]
+        store: PathBuf,
+        /// Number of the scene.
+        #[arg(long, value_name = "N")]
+        scene: u32,
+        /// The file to write: .png (browsers play it).
+        #[arg(long, value_name = "FILE")]
+        out: PathBuf,
+        /// A folder for each frame as a picture of its own, too.
+        #[arg(long, value_name = "DIR")]
+        frames: Option<PathBuf>,
+        /// Middle of the picture, metres east and north; else the ways of the agents.
+        #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = point)]
+        around: Option<[f64; 2]>,
+        /// Half the side of the picture, metres.
+        #[arg(long, value_name = "M", default_value_t = 100.0, requires = "around")]
+        radius: f64,
+        /// Longer side of the map in the picture, pixels.
+        #[arg(long, value_name = "PX", default_value_t = 900, value_parser = clap::value_parser!(u32).range(120..=4000))]
+        size: u32,
+        /// Every which frame of the scene is drawn.
+        #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1000))]
+        every: u32,
+    },
+}
+
+/// Runs a command; its exit code.
+pub(crate) fn run(command: FilmCommand) -> u8 {
+    let FilmCommand::SceneVideo { store, scene, out, frames, around, radius, size, every } = command;
+    let window = around.map(|centre_m| Window { centre_m, radius_m: radius });
+    let options = ViewOptions { size_px: f64::from(size), window, title: None };
+    exit_code(film(&store, scene, options, every, &out, frames.as_deref()))
+}
+
+fn film(
+    folder: &Path,
+    scene: u32,
+    options: ViewOptions,
+    every: u32,
+    out: &Path,
+    frames: Option<&Path>,
+) -> Result<(), Fault> {
+    if out.extension().is_none_or(|e| e != "png") {
+        return Err(Fault::Usage(format!("{}: an animated picture must end in .png", out.display())));
+    }
+    let store = Store::on_disk(folder);
+    let manifest =
+        store.manifest(Scope::Scene(scene), SIMULATE).map_err(pipeline::StageError::from)?.ok_or_else(
+            || Fault::Usage(format!("{}: scene {scene} has no log: run {SIMULATE}", folder.display())),
+        )?;
+    let log = SceneLog::load(&store, &manifest, scene)?;
+    let map = replay::read_map(&store, &log.info.map, &log.info.map_hash)?;
+    let options = ViewOptions {
+        window: options.window.or_else(|| Some(around_agents(&log))),
+        title: Some(format!("{} scene {scene:04} {}", log.info.map, log.info.split)),
+        ..options
+    };
+    let picture = |e: mapview::RasterError| Fault::File { path: out.to_owned(), message: e.to_string() };
+    let cast = Cast::new(&log, &map);
+    let standing: Vec<Thing> = log.actors.iter().filter_map(standing).collect();
+    let film = Film::new(&map, &options, &standing).map_err(picture)?;
+    let shown: Vec<u32> = (0..log.frame_count()).step_by(every as usize).collect();
+    let millis = (1000.0 * f64::from(every) * schema::FRAME_PERIOD_S).round().clamp(1.0, 60_000.0) as u16;
+    let mut bytes = Vec::new();
+    let mut writer =
+        FilmWriter::new(&mut bytes, film.size_px(), shown.len() as u32, millis).map_err(picture)?;
+    for frame in shown {
+        let (bars, things) = cast.at(&log, frame);
+        let time_s = f64::from(frame) * schema::FRAME_PERIOD_S;
+        let pixels = film.frame(&bars, &things, &format!("{time_s:.2} s"));
+        if let Some(folder) = frames {
+            let png = frame_png(&pixels, film.size_px()).map_err(picture)?;
+            save(&folder.join(format!("{frame:04}.png")), &png)?;
+        }
+        writer.push(pixels).map_err(picture)?;
+    }
+    writer.finish().map_err(picture)?;
+    write_file(out, &bytes)
+}
+
+/// A square around the ways of all agents.
+fn around_agents(log: &SceneLog) -> Window {
+    let [mut low, mut high] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    for position in 0..log.agent_ids().len() {
+        for row in log.agent_rows(position) {
+            for axis in 0..2 {
+                low[axis] = low[axis].min(row.xyz_m[axis]);
+                high[axis] = high[axis].max(row.xyz_m[axis]);
+            }
+        }
+    }
+    if low[0] > high[0] {
+        return Window { centre_m: [0.0; 2], radius_m: 2.0 * LEAST_RADIUS_M };
+    }
+    let half = 0.5 * (high[0] - low[0]).max(high[1] - low[1]) + MARGIN_M;
+    Window { centre_m: [0, 1].map(|k| 0.5 * (low[k] + high[k])), radius_m: half.max(LEAST_RADIUS_M) }
+}
+
+fn heading_rad(quaternion: [f64; 4]) -> f64 {
+    Pose::<World, Object>::from_xyz_wxyz([0.0; 3], quaternion).rpy()[2]
+}
+
+/// A thing that never moves, as far as it is shown.
+fn standing(actor: &ActorRow) -> Option<Thing> {
+    let look = match actor.kind.as_str() {
+        _ if !actor.fixed => return None,
+        "building" => Look::Building,
+        "vegetation" => Look::Plant,
+        "parked" | "vehicle" => Look::Vehicle,
+        "rsu" => Look::Station,
+        "walker" => Look::Walker,
+        "prop" => Look::Furniture,
+        _ => return None,
+    };
+    Some(thing(actor, look, actor.xyz_m, heading_rad(actor.quaternion), 0))
+}
+
+fn thing(actor: &ActorRow, look: Look, xyz_m: [f64; 3], heading_rad: f64, lamps: u32) -> Thing {
+    let mut rgb = [150; 3];
+    rgb.iter_mut().zip(&actor.color).for_each(|(to, from)| *to = *from);
+    let is_agent = matches!(look, Look::Agent | Look::Station);
+    Thing {
+        look,
+        at_m: [xyz_m[0], xyz_m[1]],
+        heading_rad,
+        size_m: [actor.length_m, actor.width_m],
+        rgb,
+        brakes: lamps & lights::BRAKE != 0,
+        blinks: [lights::BLINK_LEFT, lights::BLINK_RIGHT].map(|lamp| lamps & lamp != 0),
+        label: is_agent.then(|| actor.role.clone()),
+    }
+}
+
+/// Who moves, and where the lights hold them.
+struct Cast<'a> {
+    actors: BTreeMap<u16, (&'a ActorRow, Look)>,
+    /// By the OpenDRIVE id of the signal.
+    bars: BTreeMap<&'a str, Vec<StopBar>>,
+}
+
+impl<'a> Cast<'a> {
+    fn new(log: &'a SceneLog, map: &'a Map) -> Self {
+        let is_true = |actor: &ActorRow, word: &str| {
+            serde_json::from_str::<BTreeMap<String, String>>(&actor.attributes)
+                .is_ok_and(|facts| facts.get(word).is_some_and(|v| v == "true"))
+        };
+        let look = |actor: &ActorRow| match actor.kind.as_str() {
+            "walker" => Look::Walker,
+            "prop" => Look::Obstacle,
+            _ if actor.role.starts_with("vehicle_") => Look::Agent,
+            _ if is_true(actor, "reckless") || is_true(actor, "distracted") => Look::Careless,
+            _ => Look::Vehicle,
+        };
+        let bars = map.signals().iter().enumerate().map(|(i, signal)| {
+            let bars = map.stop_points(i).into_iter().filter_map(|pos| {
+                let lane = map.lane(pos.lane)?;
+                let place = map.lane_point(pos.lane, lane.s_of_along(pos.along_m), 0.0)?;
+                Some(StopBar {
+                    at_m: [place.position.x, place.position.y],
+                    heading_rad: place.heading_rad,
+                    width_m: place.width_m,
+                    light: Light::Off,
+                })
+            });
+            (signal.id.as_str(), bars.collect())
+        });
+        Self {
+            actors: log.actors.iter().map(|actor| (actor.id, (actor, look(actor)))).collect(),
+            bars: bars.collect(),
+        }
+    }
+
+    fn at(&self, log: &SceneLog, frame: u32) -> (Vec<StopBar>, Vec<Thing>) {
+        let light = |row: &SignalRow| match row.state.as_str() {
+            "Red" => Light::Red,
+            "Yellow" => Light::Yellow,
+            "Green" => Light::Green,
+            _ => Light::Off,
+        };
+        let signals = log.signals_at(i64::from(frame)).iter();
+        let bars = signals.flat_map(|row| {
+            let bars = self.bars.get(row.opendrive_id.as_str()).into_iter().flatten();
+            bars.map(move |bar| StopBar { light: light(row), ..*bar })
+        });
+        let states = log.states_at(i64::from(frame)).iter();
+        let mut things: Vec<Thing> = states
+            .filter_map(|state| {
+                let (actor, look) = self.actors.get(&state.id)?;
+                Some(thing(actor, *look, state.xyz_m, heading_rad(state.quaternion), state.lights))
+            })
+            .collect();
+        // Agents and their names lie over the rest.
+        things.sort_by_key(|thing| thing.label.is_some());
+        (bars.collect(), things)
+    }
+}
