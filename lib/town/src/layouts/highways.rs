@@ -262,7 +262,6 @@ impl<'a> Highways<'a> {
         // The traffic that has just passed a crossing may turn back; that from the other side may not.
         let back = Ending { left: pocket(CROSSOVER_POCKET_M), ..Ending::default() };
         let right = Ending { right: pocket(RIGHT_POCKET_M), ..Ending::default() };
-        let none = Ending::default();
         let mut crossings = Vec::new();
         let mut before = start;
         let name = "Grand River Avenue";
@@ -290,7 +289,7 @@ impl<'a> Highways<'a> {
             before = turns[1];
             crossings.push(crossing);
         }
-        self.layout.edge(Edge::new(name, before, finish, shape).end(none));
+        self.layout.edge(Edge::new(name, before, finish, shape));
         let left = Ending { left: pocket(LEFT_POCKET_M), ..Ending::default() };
         let road = self.crossroad_shape();
         // Seen along the ring, the highway comes from the left.

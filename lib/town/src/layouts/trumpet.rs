@@ -1,6 +1,6 @@
 //! A trumpet: where a road ends at a motorway without a level crossing.
 
-use super::motorway::{Frame, Motorway, exit_lane, ramp_shape};
+use super::motorway::{Frame, LANE_M, Motorway, exit_lane, ramp_shape};
 use crate::layout::{Edge, Layout, Node, NodeId, NodeKind};
 use crate::section::{CrossSection, Side};
 
@@ -23,8 +23,9 @@ const FAR_BEND_M: [[f64; 2]; 2] = [[85.0, 25.0], [130.0, 30.0]];
 const NEAR_M: [f64; 2] = [20.0, -48.0];
 const NEAR_BEND_M: [f64; 2] = [105.0, 30.0];
 const RAMP_KMH: f64 = 50.0;
-/// Lanes of the road that ends here, its width of lane, shoulder and median, and its speed limit.
-const ROAD_LANES: u8 = 2;
+/// Lanes of each direction of the road that ends here, from its first seam on; its shoulder, median and speed limit.
+pub(super) const LANES: u8 = 2;
+const ROAD_SHOULDER_M: f64 = 2.0;
 const ROAD_MEDIAN_M: f64 = 4.0;
 const ROAD_KMH: f64 = 80.0;
 
@@ -39,7 +40,7 @@ pub(super) struct Trumpet {
 
 /// The cross-section of the road that ends here, with so many lanes each way.
 pub(super) fn road_shape(lanes: u8) -> CrossSection {
-    CrossSection::motorway(Side::open(lanes, super::motorway::LANE_M, 2.0), ROAD_MEDIAN_M, ROAD_KMH)
+    CrossSection::motorway(Side::open(lanes, LANE_M, ROAD_SHOULDER_M), ROAD_MEDIAN_M, ROAD_KMH)
 }
 
 /// Adds a trumpet's nodes and ramps; the motorway and the road's other end are the caller's.
@@ -83,6 +84,3 @@ impl Trumpet {
         layout.edge(motorway.edge(b, a, [0, 0]));
     }
 }
-
-/// The road from its first seam on has this many lanes each way.
-pub(super) const LANES: u8 = ROAD_LANES;
