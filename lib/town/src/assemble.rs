@@ -8,7 +8,7 @@ use crate::TownError;
 use crate::control::equip;
 use crate::decks::{decks, reach_m};
 use crate::heights::{EndHeight, elevation};
-use crate::junction::{self, junction};
+use crate::junction::{self, Gaps, junction};
 use crate::layout::{Layout, Node, NodeKind};
 use crate::limits::limit_sign;
 use crate::movements::{Movement, crossing};
@@ -185,6 +185,11 @@ fn build_junction(ids: &mut Ids, node: &Node, place: &Place, network: &mut Netwo
         name: &node.name,
         arms: &place.arms,
         kerb_radius_m: place.kerb_radius_m,
+        gaps: match node.kind {
+            NodeKind::Crossing(_) | NodeKind::Ring | NodeKind::DeadEnd { .. } => Gaps::Pave,
+            NodeKind::Seam { .. } => Gaps::Close,
+            _ => Gaps::Leave,
+        },
         circle_m: if let NodeKind::DeadEnd { radius_m } = node.kind { radius_m } else { 0.0 },
     };
     let mut built = junction(ids, &plan, movements(node, place));

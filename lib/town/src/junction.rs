@@ -2,14 +2,14 @@
 
 use frames::math::{acos, cos, sin_cos};
 use opendrive::{
-    Connection, ContactPoint, Curve, Junction, Lane, LaneLink, LaneSection, LaneType, MarkColour, MarkType,
-    Object, Orientation, Road, RoadLink, RoadMark,
+    Connection, ContactPoint, Junction, Lane, LaneLink, LaneSection, LaneType, MarkColour, MarkType, Object,
+    Orientation, Road, RoadLink, RoadMark,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::arm::{Arm, inner_m, next_to_the_right, opposite, runs};
 use crate::assemble::Ids;
-use crate::gore::{gore, wedges};
+use crate::fill::{close, fill};
 use crate::marks;
 use crate::movements::Movement;
 use crate::path::{Bend, Path, Piece};
@@ -35,12 +35,24 @@ pub(crate) fn lead_m(crosswalk: bool) -> f64 {
     LEAD_M[usize::from(!crosswalk)]
 }
 
+/// What is done about ground between the lanes of a junction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Gaps {
+    /// It is land.
+    Leave,
+    /// It is paved.
+    Pave,
+    /// Slits in the median are closed.
+    Close,
+}
+
 /// What a junction is built from.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan<'a> {
     pub(crate) name: &'a str,
     pub(crate) arms: &'a [Arm],
     pub(crate) kerb_radius_m: f64,
+    pub(crate) gaps: Gaps,
     /// Radius of the carriageway of a turning circle, metres; 0 where there is none.
     pub(crate) circle_m: f64,
 }
@@ -82,6 +94,20 @@ pub(crate) fn junction(ids: &mut Ids, plan: &Plan<'_>, movements: Vec<Movement>)
             ..Connection::default()
         });
         built.roads.push(road);
+    }
+    match plan.gaps {
+        Gaps::Leave => {}
+        Gaps::Pave => {
+            // What goes round a kerb first: there is nothing but pavement up to the lanes on the left.
+            let mut order: Vec<usize> = (0..built.roads.len()).collect();
+            let turn = |i: &usize| {
+                let movement = &built.movements[*i];
+                plan.arms[movement.from].turn_to(&plan.arms[movement.to])
+            };
+            order.sort_by_key(|i| !built.movements[*i].corner || turn(i) > -NEARLY_STRAIGHT_RAD);
+            fill(&mut built.roads, &order, plan.arms);
+        }
+        Gaps::Close => close(&mut built.roads, plan.arms),
     }
     for (index, arm) in plan.arms.iter().enumerate().filter(|(_, arm)| arm.crosswalk) {
         crosswalk(ids, &mut built, index, arm);
@@ -185,18 +211,6 @@ fn connecting_road(ids: &mut Ids, junction: &str, plan: &Plan<'_>, movement: &Mo
             let widths = vec![ramp(0.0, between[0], length, between[1])];
             let marks = vec![marks::none()];
             left.push(Lane { id: 1, lane_type: LaneType::Shoulder, widths, marks, ..Lane::default() });
-        } else if plan.circle_m > 0.0 {
-            left.extend(disc(&path));
-        } else if movement.corner && from.turn_to(to) < -NEARLY_STRAIGHT_RAD {
-            // Seen from this turn, other lanes of the street turn away: between them the pavement would have a hole.
-            let fork =
-                |arm: usize, lanes: usize| opposite(arms, arm).is_none() && lanes > movement.lanes.into();
-            let forks = [fork(movement.from, from.entering().len()), fork(movement.to, to.leaving().into())];
-            left.extend(gore(&path, forks, from.shape.entering(from.contact).lane_m));
-            if left.is_empty() && !movement.marked {
-                let gap = |lane: u8, k: usize| if lane == 0 { between[k].max(0.0) } else { 0.0 };
-                left.extend(wedges(length, [gap(movement.from_lane, 0), gap(movement.to_lane, 1)]));
-            }
         }
     }
     let mut section = LaneSection { left, right, ..LaneSection::default() };
@@ -311,22 +325,6 @@ fn bulb(plan: &Plan<'_>, arm: &Arm, inner: [f64; 2]) -> Path {
 pub(crate) fn bulb_reach_m(line_m: f64, circle_m: f64) -> f64 {
     let (sin, _) = sin_cos(neck_angle(line_m, circle_m, NECK_M));
     (circle_m + NECK_M) * sin + LEAD_M[1]
-}
-
-/// Asphalt inside a turning circle's lane.
-fn disc(path: &Path) -> Option<Lane> {
-    let arc = path.pieces.iter().find(|p| matches!(p.curve, Curve::Arc { curvature } if curvature > 0.0))?;
-    let Curve::Arc { curvature } = arc.curve else { return None };
-    let (width, taper) = (0.96 / curvature, 0.08 * arc.length_m);
-    let (start, end) = (arc.s, arc.s + arc.length_m);
-    let widths = vec![
-        opendrive::Cubic::constant(0.0),
-        ramp(start, 0.0, taper, width),
-        opendrive::Cubic { s: start + taper, ..opendrive::Cubic::constant(width) },
-        ramp(end - taper, width, taper, 0.0),
-        opendrive::Cubic { s: end, ..opendrive::Cubic::default() },
-    ];
-    Some(Lane { id: 1, lane_type: LaneType::Shoulder, widths, marks: vec![marks::none()], ..Lane::default() })
 }
 
 /// A crosswalk over an arm from kerb to kerb, on the straight part of a connecting road that uses the arm.

@@ -18,7 +18,7 @@ mod assemble;
 mod banking;
 mod control;
 mod decks;
-mod gore;
+mod fill;
 mod heights;
 mod junction;
 mod layout;

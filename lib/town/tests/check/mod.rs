@@ -4,6 +4,7 @@
 #![allow(dead_code)] // Each test program uses its part.
 
 mod curves;
+mod paving;
 mod signals;
 mod surfaces;
 
@@ -18,6 +19,7 @@ pub(crate) fn faults(network: &Network) -> Vec<String> {
     faults.extend(links(&map));
     faults.extend(graph(&map));
     faults.extend(surfaces::faults(&map));
+    faults.extend(paving::faults(&map));
     faults.extend(signals::faults(&map));
     faults
 }
