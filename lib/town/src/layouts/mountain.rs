@@ -41,6 +41,8 @@ const FACE_RAD: f64 = 0.56;
 const PASS_GRADE: f64 = 0.115;
 /// Radius of its hairpins, and distance between the legs that they join, metres.
 const HAIRPIN_M: [f64; 2] = [22.0, 50.0];
+/// Its tightest bend, metres: where the last hairpin leaves too little room before the pass, another layout is tried.
+const PASS_BEND_M: f64 = 12.0;
 /// Its distance from the summit where it begins to climb, and at the pass, metres.
 const FOOT_M: f64 = 320.0;
 const TOP_M: f64 = 64.0;
@@ -302,6 +304,7 @@ impl<'a> Town<'a> {
         let pass = Node::new(self.on_mountain(side, PASS_OUT_M), NodeKind::Crossing(Control::MinorYield));
         let pass = self.layout.node(pass.named("pass"));
         let mut edge = Edge::new("Pass Road", fork, pass, narrow)
+            .min_radius(PASS_BEND_M)
             .via(frame.at(-px + 75.0, py + 32.0), 160.0, 20.0)
             .via(frame.at(-px - 120.0, py - 20.0), 160.0, 20.0)
             .lifted(frame.at(-px + 12.0, py), STRAND_M)
@@ -311,7 +314,7 @@ impl<'a> Town<'a> {
             edge = edge.via(self.on_mountain(bend.bearing_rad, bend.out_m), bend.radius_m, 0.0);
         }
         self.layout.edge(edge);
-        let mut edge = Edge::new("Pass Road", pass, terminal, narrow);
+        let mut edge = Edge::new("Pass Road", pass, terminal, narrow).min_radius(PASS_BEND_M);
         for bend in west.iter().rev() {
             edge = edge.via(self.on_mountain(bend.bearing_rad, bend.out_m), bend.radius_m, 0.0);
         }

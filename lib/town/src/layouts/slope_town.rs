@@ -59,7 +59,7 @@ pub(super) fn slope_town(
     place: &dyn Fn(f64, f64) -> [f64; 2],
 ) {
     let rows = slope.rows.max(2);
-    let main = rows / 2;
+    let mut main = rows / 2;
     let gap = (2.0 * (slope.half_width_m - 30.0) / (rows as f64 - 1.0)).min(135.0);
     let (swing_m, phase) = (draws.uniform(16.0, 28.0), draws.uniform(0.0, TAU));
     // The streets wind with the slope and fan out along it.
@@ -79,6 +79,13 @@ pub(super) fn slope_town(
         let (own, inner) = (streets[j].from_m, streets[inner].from_m);
         streets[j].from_m = if own > inner + 1.0 { own.max(inner + BLOCK_M) } else { inner };
     }
+    // Those without room for a block are left out, and what lies beyond them.
+    let long = |j: &usize| streets[*j].from_m < slope.east_m - BLOCK_M;
+    let first = (0..main).rev().take_while(long).last().unwrap_or(main);
+    let last = (main + 1..rows).take_while(long).last().unwrap_or(main);
+    streets.truncate(last + 1);
+    streets.drain(..first);
+    main -= first;
     let narrow = |draws: &mut Stream| {
         let mut side = || {
             let parked = draws.chance(slope.parking_share);
@@ -91,7 +98,7 @@ pub(super) fn slope_town(
         let (left, right) = (side(), side());
         CrossSection { left, max_grade: GRADE, ..CrossSection::both_ways(right, STREET_KMH) }
     };
-    for j in 0..rows - 1 {
+    for j in 0..streets.len() - 1 {
         let from = streets[j].from_m.max(streets[j + 1].from_m);
         let mut x = from;
         let mut lane = 0;
@@ -100,7 +107,8 @@ pub(super) fn slope_town(
             let slant = if last || lane == 0 { 0.0 } else { draws.uniform(-26.0, 26.0) };
             let ends = [(j, x - slant, 1), (j + 1, x + slant, 0)];
             let free = ends.iter().all(|(row, x, _)| joint(&streets[*row], *x).is_some());
-            if free || last || lane == 0 {
+            let placed = free || last || lane == 0;
+            if placed {
                 let points = ends.map(|(row, x, side)| {
                     let street = &mut streets[row];
                     let found = joint(street, x).flatten();
@@ -119,7 +127,7 @@ pub(super) fn slope_town(
             if last {
                 break;
             }
-            x += if free { draws.uniform(78.0, 125.0) } else { 12.0 };
+            x += if placed { draws.uniform(78.0, 125.0) } else { 12.0 };
             // The last lane closes the block at the end.
             if x > slope.east_m - 70.0 {
                 x = slope.east_m;
