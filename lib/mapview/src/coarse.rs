@@ -1,8 +1,8 @@
 //! Small scales: roads as lines, coloured by their kind.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
-use opendrive::{LaneType, Map, Road};
+use opendrive::{LaneType, Map, Road, RoadLink};
 
 use crate::page::Page;
 use crate::picture::{Paint, Picture, Shape};
@@ -32,9 +32,16 @@ pub(crate) fn draw(map: &Map, page: &Page, picture: &mut Picture) -> BTreeSet<Ke
 
     // Level, whether covered by its casing, class, then the line itself: sorted, this is the painting order.
     let mut lines: Vec<(i8, bool, RoadClass, Line)> = Vec::new();
+    let mut classes: BTreeMap<&str, RoadClass> = BTreeMap::new();
+    let road_of = |stretch: &Stretch| map.network().roads.get(stretch.road as usize);
     for stretch in &stretches {
-        let Some(road) = map.network().roads.get(stretch.road as usize) else { continue };
-        let class = class_of(map, stretch, road);
+        let Some(road) = road_of(stretch) else { continue };
+        classes.insert(&road.id, class_of(map, stretch, road));
+    }
+    for stretch in &stretches {
+        let Some(road) = road_of(stretch) else { continue };
+        let own = class_of(map, stretch, road);
+        let class = joined_class(road, &classes).unwrap_or(own);
         for run in stretch.runs() {
             let line = Line::new(stretch, &run, page, class);
             lines.push((run.level, false, class, line.clone()));
@@ -60,7 +67,11 @@ struct Line {
 
 impl Line {
     fn new(stretch: &Stretch, run: &Piece, page: &Page, class: RoadClass) -> Self {
-        let wheels = |c: Class| matches!(c, Class::Asphalt | Class::Junction | Class::Bus | Class::Rail);
+        // The directions of a motorway have ways of their own at a seam: they meet in its median.
+        let wheels = |c: Class| {
+            matches!(c, Class::Asphalt | Class::Junction | Class::Bus | Class::Rail)
+                || (stretch.in_junction && c == Class::Median)
+        };
         let (chain, width_m) = centre(stretch, run, page, wheels);
         // Half-pixel steps: fewer kinds of line, shorter files.
         let width_px = (2.0 * page.px_min(width_m, class.least_px())).round() / 2.0;
@@ -118,7 +129,17 @@ fn centre(
     (chain, width_m)
 }
 
-/// The kind of a road; that of a connecting road is the lesser of the roads it joins.
+/// The kind of a connecting road: the lesser of the roads it joins, as far as they are drawn.
+fn joined_class(road: &Road, classes: &BTreeMap<&str, RoadClass>) -> Option<RoadClass> {
+    road.junction.as_ref()?;
+    let joined = [&road.predecessor, &road.successor].into_iter().flatten().filter_map(|link| match link {
+        RoadLink::Road { id, .. } => classes.get(id.as_str()).copied(),
+        _ => None,
+    });
+    joined.min()
+}
+
+/// The kind of a road by itself.
 fn class_of(map: &Map, stretch: &Stretch, road: &Road) -> RoadClass {
     if stretch.bands.iter().all(|b| b.class == Class::Rail || b.class == Class::Verge) {
         return RoadClass::Rail;

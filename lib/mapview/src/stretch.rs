@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use nalgebra::Point3;
-use opendrive::{LanePolyline, Map, Road};
+use opendrive::{LaneInfo, LanePolyline, LaneType, Map, Road};
 
 use crate::page::Page;
 use crate::style::Class;
@@ -69,7 +69,11 @@ pub(crate) fn stretches(map: &Map, page: &Page) -> Vec<Stretch> {
             let in_junction = first.junction.is_some();
             let bands = lanes.iter().map(|lane| Band {
                 lane: lane.id.lane,
-                class: Class::of(lane.lane_type, in_junction),
+                class: if in_junction && is_mere_paving(road, lane) {
+                    Class::Junction
+                } else {
+                    Class::of(lane.lane_type, in_junction)
+                },
                 line: map.lane_polyline_at(lane.id, &s),
             });
             let mut stretch = Stretch {
@@ -85,6 +89,15 @@ pub(crate) fn stretches(map: &Map, page: &Page) -> Vec<Stretch> {
             (!stretch.bands.is_empty()).then_some(stretch)
         })
         .collect()
+}
+
+/// Whether a lane of a connecting road is a shoulder of no road: pavement between the ways through a junction.
+fn is_mere_paving(road: &Road, lane: &LaneInfo) -> bool {
+    let section = road.sections.get(usize::from(lane.id.section));
+    let mut lanes = section.into_iter().flat_map(|section| section.left.iter().chain(&section.right));
+    let own = lanes.find(|l| l.id == lane.id.lane);
+    lane.lane_type == LaneType::Shoulder
+        && own.is_some_and(|l| l.predecessors.is_empty() && l.successors.is_empty())
 }
 
 /// Samples no farther apart than [`PIECE_M`], and which of them were there before.

@@ -2,13 +2,15 @@
 
 use mapview::{Picture, ViewOptions, Window, draw};
 use opendrive::{
-    Bridge, Cubic, Geometry, Lane, LaneSection, LaneType, Map, MarkColour, MarkType, Network, Object,
-    Outline, Road, RoadMark, RoadType, Tunnel,
+    Bridge, ContactPoint, Cubic, Geometry, Junction, Lane, LaneSection, LaneType, Map, MarkColour, MarkType,
+    Network, Object, Outline, Road, RoadLink, RoadMark, RoadType, Tunnel,
 };
 
 const GROUND: [u8; 3] = [226, 234, 210];
 const BUILT_UP: [u8; 3] = [240, 235, 224];
 const ASPHALT: [u8; 3] = [118, 118, 124];
+const JUNCTION: [u8; 3] = [126, 126, 131];
+const SHOULDER: [u8; 3] = [148, 148, 148];
 const SIDEWALK: [u8; 3] = [217, 208, 194];
 const TUNNEL: [u8; 3] = [205, 202, 196];
 const WATER: [u8; 3] = [168, 207, 229];
@@ -169,6 +171,45 @@ fn small_scales_show_roads_as_lines_and_decks_above() {
     let svg = picture.to_svg();
     assert!(svg.contains("Motorway") && svg.contains("Street") && svg.contains("Bridge"), "{svg}");
     assert!(!svg.contains("Sidewalk"), "lanes are too fine for this scale");
+}
+
+/// A way through a junction, 20 m to the east, with a shoulder of 3 m that goes on from a road and one that is of no
+/// road.
+fn way() -> Road {
+    let mut own = road("2", [0.0, 0.0], 0.0, 20.0, 0.0);
+    let shoulder = Lane { predecessors: vec![-2], ..lane(-2, LaneType::Shoulder, 3.0) };
+    own.sections = vec![LaneSection {
+        left: vec![lane(1, LaneType::Shoulder, 3.0)],
+        right: vec![lane(-1, LaneType::Driving, 4.0), shoulder],
+        ..LaneSection::default()
+    }];
+    own.junction = Some("9".into());
+    own.predecessor = Some(RoadLink::Road { id: "1".into(), contact: ContactPoint::End });
+    own
+}
+
+#[test]
+fn mere_paving_looks_like_the_ways_through_a_junction() {
+    let junctions = vec![Junction { id: "9".into(), ..Junction::default() }];
+    let pixels = close_up(Network { roads: vec![way()], junctions, ..Network::default() });
+    assert_eq!(pixels.at(10.0, 1.5), JUNCTION);
+    assert_eq!(pixels.at(10.0, -2.0), JUNCTION);
+    assert_eq!(pixels.at(10.0, -5.5), SHOULDER);
+}
+
+#[test]
+fn on_small_scales_ways_through_junctions_are_of_the_kind_of_their_roads() {
+    // The way has no sidewalks: by itself it would be one of the country.
+    let options = ViewOptions {
+        size_px: 120.0,
+        window: Some(Window { centre_m: [0.0; 2], radius_m: 150.0 }),
+        title: None,
+    };
+    let sheet =
+        |roads: Vec<Road>| draw(&Map::new(Network { roads, ..Network::default() }), &options).to_svg();
+    let street = road("1", [-100.0, 0.0], 0.0, 100.0, 0.0);
+    assert!(!sheet(vec![street.clone(), way()]).contains("Country road"));
+    assert!(sheet(vec![street, Road { predecessor: None, ..way() }]).contains("Country road"));
 }
 
 #[test]
