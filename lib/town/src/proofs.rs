@@ -140,9 +140,9 @@ fn roundabouts_of_one_and_two_lanes() {
     }
 }
 
-/// A ring of motorway with a diamond interchange over it.
-fn interchange() -> Layout {
-    let mut layout = Layout::new("interchange", Terrain::flat());
+/// A ring of motorway with a diamond interchange over it, and what is at the ends of its ramps.
+fn interchange(name: &str, kind: NodeKind) -> Layout {
+    let mut layout = Layout::new(name, Terrain::flat());
     let seam = |x: f64| Node::new([x, 0.0], NodeKind::Seam { length_m: 70.0 });
     let [drop_west, west, east, drop_east] = [-640.0, -330.0, 330.0, 640.0].map(|x| layout.node(seam(x)));
     let top = layout.node(Node::new([0.0, 700.0], NodeKind::Seam { length_m: 60.0 }));
@@ -165,7 +165,7 @@ fn interchange() -> Layout {
         60.0,
     ));
 
-    let terminal = |y: f64| Node::new([0.0, y], NodeKind::Crossing(Control::Signals)).lifted(3.0);
+    let terminal = |y: f64| Node::new([0.0, y], kind).lifted(3.0);
     let [south, north] = [-130.0, 130.0].map(|y| layout.node(terminal(y)));
     let ramp = CrossSection::ramp(1, 4.0, 60.0);
     layout.edge(
@@ -189,7 +189,7 @@ fn interchange() -> Layout {
 
 #[test]
 fn a_motorway_has_exits_entries_and_an_overpass() {
-    let network = built(&interchange());
+    let network = built(&interchange("interchange", NodeKind::Crossing(Control::Signals)));
     let bridges: Vec<&str> =
         network.roads.iter().filter(|r| !r.bridges.is_empty()).map(|r| r.name.as_str()).collect();
     assert_eq!(bridges, ["overpass"]);
@@ -203,8 +203,19 @@ fn a_motorway_has_exits_entries_and_an_overpass() {
 }
 
 #[test]
+fn ramps_lead_to_roundabouts() {
+    for island_m in [14.0, 16.0, 24.0] {
+        let kind = NodeKind::Roundabout { island_m, lanes: 1 };
+        let network = built(&interchange(&format!("interchange-{island_m}"), kind));
+        // Two streets and an exit enter each of the two, all of them yield.
+        let yields = network.roads.iter().flat_map(|r| &r.signals).filter(|s| s.kind == "205").count();
+        assert_eq!(yields, 6);
+    }
+}
+
+#[test]
 fn too_little_height_over_a_road_is_refused() {
-    let mut layout = interchange();
+    let mut layout = interchange("interchange", NodeKind::Crossing(Control::Signals));
     if let Some(edge) = layout.edges.iter_mut().find(|e| e.name == "overpass") {
         edge.anchors[0].lift_m = 4.5;
     }

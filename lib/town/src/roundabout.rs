@@ -87,12 +87,15 @@ fn ring(
             // What turns into the ring is as wide as it is on the street, or as there.
             let sides = [&strips.entering, &strips.leaving].map(|s| {
                 let common = runs(s).count().min(lanes.into()) as f64;
-                let inner = inner_m(s, 0);
-                (inner, (paved_m(s) - inner).max(common * lane_m + 0.5))
+                let inner_m = inner_m(s, 0);
+                let paved_m = (paved_m(s) - inner_m).max(common * lane_m + 0.5);
+                // Where no lanes turn, the mere kerb leads round the corner from the ring's outer edge.
+                let ring_m = island_m + if common > 0.0 { 0.0 } else { f64::from(lanes) * lane_m };
+                Corner { ring_m, inner_m, paved_m }
             });
             let beyond_m = edge.shape.right.beyond_kerb_m().max(edge.shape.left.beyond_kerb_m());
-            let (half_rad, reach_m) = fit(island_m, sides, beyond_m)
-                .ok_or_else(|| problem("the roundabout is too small for its streets"))?;
+            let (half_rad, reach_m) =
+                fit(sides, beyond_m).ok_or_else(|| problem("the roundabout is too small for its streets"))?;
             let kerb_m = island_m + f64::from(lanes) * lane_m + 0.5;
             let distance_m = reach_m.max(kerb_m + 1.0) + lead_m(walked);
             streets.push(Street { edge: i, contact, heading_rad, half_rad, distance_m });
@@ -148,26 +151,38 @@ fn ring(
     Ok(())
 }
 
+/// One side of a street at a roundabout.
+#[derive(Clone, Copy, Debug)]
+struct Corner {
+    /// Radius of the circle that its traffic turns into or out of, metres.
+    ring_m: f64,
+    /// From the street's axis to its innermost lane, metres.
+    inner_m: f64,
+    /// From there to the kerb, metres.
+    paved_m: f64,
+}
+
 /// Half the angle of a street's junction on the ring, and how far from the centre the street's straight part may begin:
-/// the smallest angle at which entry and exit turn round the kerb with room for the sidewalk. `sides`: distance from
-/// the street's axis to its innermost lane, and from there to the kerb, entering and leaving.
+/// the smallest angle at which entry and exit turn round the kerb with room for the sidewalk. `sides`: entering and
+/// leaving.
 ///
 /// In the street's frame (x outwards, y to the entering side) the entry comes in along y = e and meets the tangent of
 /// the ring at angle a, x = (r - e sin a) / cos a; from there it is u = (r sin a - e) / cos a along the ring's tangent to
 /// the ring, and the turn is a quarter less a.
-fn fit(ring_m: f64, sides: [(f64, f64); 2], beyond_m: f64) -> Option<(f64, f64)> {
-    let least = sides.iter().map(|(inner, _)| inner + 2.5).fold(0.0, f64::max) / ring_m;
+fn fit(sides: [Corner; 2], beyond_m: f64) -> Option<(f64, f64)> {
+    let least = sides.iter().map(|side| (side.inner_m + 2.5) / side.ring_m).fold(0.0, f64::max);
     if least >= 1.0 {
         return None;
     }
     let mut angle = asin(least);
     while angle < 1.2 {
         let mut reach = 0.0f64;
-        let fits = sides.iter().all(|(inner, paved)| {
-            let leg = (ring_m * sin(angle) - inner) / cos(angle);
+        let fits = sides.iter().all(|side| {
+            let Corner { ring_m, inner_m, paved_m } = *side;
+            let leg = (ring_m * sin(angle) - inner_m) / cos(angle);
             let radius = leg / tan(0.5 * (FRAC_PI_2 - angle));
-            reach = reach.max((ring_m - inner * sin(angle)) / cos(angle) + leg);
-            radius - paved - beyond_m >= LEAST_M
+            reach = reach.max((ring_m - inner_m * sin(angle)) / cos(angle) + leg);
+            radius - paved_m - beyond_m >= LEAST_M
         });
         if fits {
             return Some((angle, reach));
