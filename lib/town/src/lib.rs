@@ -47,7 +47,8 @@ mod proofs;
 
 pub use layouts::{
     CityParameters, CommercialParameters, DowntownParameters, GridParameters, HighwaysParameters,
-    MountainParameters, OldTownParameters, RiverParameters, RuralParameters, Style, ViaductParameters,
+    MountainParameters, OldTownParameters, RegionParameters, RiverParameters, RuralParameters, Style,
+    ViaductParameters,
 };
 pub use parameters::{TownError, TownParameters, named, names};
 

@@ -4,7 +4,8 @@ use serde::Deserialize;
 
 use crate::layouts::{
     CityParameters, CommercialParameters, DowntownParameters, GridParameters, HighwaysParameters,
-    MountainParameters, OldTownParameters, RiverParameters, RuralParameters, Style, ViaductParameters,
+    MountainParameters, OldTownParameters, RegionParameters, RiverParameters, RuralParameters, Style,
+    ViaductParameters,
 };
 
 /// The towns that have a name, and their parameters.
@@ -18,6 +19,8 @@ const TOWNS: &[(&str, &str)] = &[
     ("convoy/06", include_str!("../towns/06.toml")),
     ("convoy/07", include_str!("../towns/07.toml")),
     ("convoy/08", include_str!("../towns/08.toml")),
+    ("convoy/09", include_str!("../towns/09.toml")),
+    ("convoy/10", include_str!("../towns/10.toml")),
     ("convoy/11", include_str!("../towns/11.toml")),
 ];
 
@@ -135,6 +138,8 @@ pub struct TownParameters {
     pub oldtown: OldTownParameters,
     /// What is particular to `style = "mountain"`.
     pub mountain: MountainParameters,
+    /// What is particular to `style = "region"`.
+    pub region: RegionParameters,
 }
 
 impl Default for TownParameters {
@@ -158,6 +163,7 @@ impl Default for TownParameters {
             rural: RuralParameters::default(),
             oldtown: OldTownParameters::default(),
             mountain: MountainParameters::default(),
+            region: RegionParameters::default(),
         }
     }
 }

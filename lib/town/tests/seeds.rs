@@ -31,3 +31,8 @@ fn cities_with_a_viaduct() {
 fn highways() {
     sound_with_any_seed("convoy/06");
 }
+
+#[test]
+fn mountain_towns() {
+    sound_with_any_seed("convoy/04");
+}

@@ -8,6 +8,7 @@ mod blocks;
 mod carriageways;
 mod city;
 mod commercial;
+mod country;
 mod downtown;
 mod graph;
 mod grid;
@@ -15,6 +16,11 @@ mod highways;
 mod motorway;
 mod mountain;
 mod old_town;
+mod patch;
+mod plane;
+mod region;
+mod region_land;
+mod region_roads;
 mod river;
 mod rural;
 mod slope_town;
@@ -28,6 +34,7 @@ pub use grid::GridParameters;
 pub use highways::HighwaysParameters;
 pub use mountain::MountainParameters;
 pub use old_town::OldTownParameters;
+pub use region::RegionParameters;
 pub use river::RiverParameters;
 pub use rural::RuralParameters;
 pub use viaduct::ViaductParameters;
@@ -62,11 +69,13 @@ pub enum Style {
     OldTown,
     /// A motorway in a figure of eight round a town and a mountain.
     Mountain,
+    /// Several towns, farmland and a motorway.
+    Region,
 }
 
 impl Style {
     /// Every style.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Grid,
         Self::City,
         Self::Downtown,
@@ -77,6 +86,7 @@ impl Style {
         Self::Rural,
         Self::OldTown,
         Self::Mountain,
+        Self::Region,
     ];
 
     /// Its name in a parameter file: the value of `style`, and the name of its table.
@@ -93,6 +103,7 @@ impl Style {
             Self::Rural => "rural",
             Self::OldTown => "oldtown",
             Self::Mountain => "mountain",
+            Self::Region => "region",
         }
     }
 
@@ -108,6 +119,7 @@ impl Style {
             Self::Rural => parameters.rural.check(),
             Self::OldTown => parameters.oldtown.check(),
             Self::Mountain => parameters.mountain.check(),
+            Self::Region => parameters.region.check(),
         }
     }
 
@@ -123,6 +135,7 @@ impl Style {
             Self::Rural => Ok(rural::layout(parameters)),
             Self::OldTown => Ok(old_town::layout(parameters)),
             Self::Mountain => Ok(mountain::layout(parameters)),
+            Self::Region => region::layout(parameters),
         }
     }
 }
