@@ -47,6 +47,12 @@ fn parameter_files_are_checked() {
     let ok = read("seed = 4\nstyle = \"city\"\n[city]\ncolumns = 8\n").unwrap();
     assert_eq!((ok.seed, ok.city.columns), (4, 8));
     assert!(matches!(read("[grid]\ncolumns = 0"), Err(TownError::Parameter { name: "grid.columns", .. })));
+    let region = |keys: &str| read(&format!("style = \"region\"\n[region]\n{keys}"));
+    assert!(region("river = true\nrelief_m = 8.0").is_ok());
+    let steep = region("coast = true\nrelief_m = 9.0");
+    assert!(matches!(steep, Err(TownError::Parameter { name: "region.relief_m", .. })));
+    let inside = region("towns = [\"grid\", \"river\"]");
+    assert!(matches!(inside, Err(TownError::Layout { problem, .. }) if problem.contains("river")));
     for (text, word) in [
         ("sede = 4", "sede"),
         ("style = \"grid\"\n[grid]\ncollums = 3", "collums"),

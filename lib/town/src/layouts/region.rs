@@ -6,6 +6,7 @@ use serde::Deserialize;
 use super::Style;
 use super::patch::extent;
 use super::region_land::Region;
+use crate::assemble::assemble;
 use crate::layout::Layout;
 use crate::parameters::within;
 use crate::terrain::Terrain;
@@ -110,14 +111,17 @@ pub(crate) fn layout(parameters: &TownParameters) -> Result<Layout, TownError> {
         place: "region".into(),
         problem: "no road leads to one of its towns; another seed or fewer towns may help".into(),
     };
+    let mut steep = None;
     for attempt in 0..ATTEMPTS {
         let Some(layout) = Region::new(parameters, attempt).layout(&towns) else { continue };
-        match layout.build() {
+        match assemble(&layout) {
             Ok(_) => return Ok(layout),
+            Err(TownError::TooSteep { .. }) if steep.is_none() => steep = Some(layout),
             Err(e) => error = e,
         }
     }
-    Err(error)
+    // The ground gets flatter for one street only where no other draw goes without.
+    steep.ok_or(error)
 }
 
 /// The region's towns, each about its own origin, the largest first.
