@@ -61,7 +61,7 @@ impl Class {
             LaneType::Parking => Self::Parking,
             LaneType::Biking => Self::Bike,
             LaneType::Bus | LaneType::Taxi | LaneType::Hov => Self::Bus,
-            LaneType::Rail | LaneType::Tram => Self::Rail,
+            track if track.is_track() => Self::Rail,
             _ if in_junction => Self::Junction,
             _ => Self::Asphalt,
         }

@@ -45,7 +45,7 @@ fn kind(object: &ObjectInfo) -> Kind {
         "barrier" | "railing" | "soundbarrier" | "wall" => Kind::Barrier,
         _ if named(&["crosswalk"]) => Kind::Crosswalk,
         _ if named(&["stopline", "stop line", "stop_line"]) => Kind::StopLine,
-        _ if named(&["water", "river", "lake", "pond", "canal"]) => Kind::Water,
+        _ if object.is_water() => Kind::Water,
         _ => Kind::Other,
     }
 }

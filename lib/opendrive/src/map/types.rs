@@ -263,6 +263,16 @@ pub struct ObjectInfo {
     pub outlines: Vec<OutlineInfo>,
 }
 
+impl ObjectInfo {
+    /// Whether it is water. OpenDRIVE has no type for it: type or name contain `water`, `river`, `lake`, `pond` or
+    /// `canal`.
+    #[must_use]
+    pub fn is_water(&self) -> bool {
+        let (kind, name) = (self.kind.to_ascii_lowercase(), self.name.to_ascii_lowercase());
+        ["water", "river", "lake", "pond", "canal"].iter().any(|w| kind.contains(w) || name.contains(w))
+    }
+}
+
 /// A traffic light or sign, in the world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalInfo {

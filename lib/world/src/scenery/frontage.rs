@@ -1,4 +1,4 @@
-//! The outer edges of streets: where land begins.
+//! The outer edges of streets and railways: where land begins.
 
 use nalgebra::{Point3, Vector3};
 
@@ -15,6 +15,8 @@ pub(super) struct Frontage {
     along_m: Vec<f64>,
     /// Speed limit of the road, m/s (0: unknown).
     pub(super) speed_mps: f64,
+    /// Whether a railway runs at the edge.
+    pub(super) track: bool,
 }
 
 /// A place on a frontage.
@@ -74,6 +76,7 @@ pub(super) fn frontages(sections: &[Section]) -> Vec<Frontage> {
                     walk_m: Vec::new(),
                     along_m: Vec::new(),
                     speed_mps: 0.0,
+                    track: strip.ground == Ground::Track,
                 });
             }
             let Some(front) = found.last_mut() else { continue };

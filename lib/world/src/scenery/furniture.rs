@@ -11,6 +11,7 @@ use super::frontage::Frontage;
 use super::land::{Land, Rect};
 use super::{Draft, Site};
 use crate::actors::{LAMP_FAILED, LightMount};
+use crate::surfaces::Ground;
 
 /// Housing of a traffic light: length, width, height, metres.
 const HOUSING_M: [f64; 3] = [0.36, 0.42, 1.10];
@@ -141,7 +142,7 @@ fn board(site: &Site<'_>, foot: Point3<f64>, yaw: f64, kind: &str, land: &mut La
 pub(super) fn lamps(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_>, drafts: &mut Vec<Draft>) {
     let spacing = site.settings.lamp_spacing_m.max(5.0);
     let failure = LightSettings::default().street_lamp_failure;
-    for front in fronts {
+    for front in fronts.iter().filter(|f| !f.track) {
         let mut random = Stream::new(site.seed, 0, "world/lamps", front.entity);
         // Lamps of the two sides stand in turn.
         let mut along = if front.entity % 2 == 0 { 0.25 } else { 0.75 } * spacing;
@@ -154,7 +155,7 @@ pub(super) fn lamps(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_>, d
             let foot = spot.beside(pole, 0.0);
             let middle = spot.beside(pole - 0.5 * LAMP_M[0] + 0.13, 0.0);
             let rect = Rect::around(foot.x, foot.y, 0.3);
-            let on_lane = site.ground.cover.at(foot.x, foot.y).any(|(f, _)| f.paved);
+            let on_lane = site.ground.cover.at(foot.x, foot.y).any(|(f, _)| f.ground == Ground::Paved);
             if on_lane || !site.near(foot.x, foot.y) || !land.unused(&rect) {
                 continue;
             }

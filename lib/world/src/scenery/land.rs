@@ -2,8 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::surfaces::Cover;
+use crate::surfaces::{Ground, GroundLevels};
 
+/// Things stand this far from water, metres.
+const SHORE_M: f64 = 3.0;
 /// Side of a search cell, metres.
 const CELL_M: f64 = 16.0;
 
@@ -55,6 +57,14 @@ impl Rect {
         })
     }
 
+    /// Points every half metre or less over the whole of it, edges included.
+    fn samples(&self) -> impl Iterator<Item = [f64; 2]> {
+        let steps = self.half.map(|h| (2.0 * h / 0.5).ceil().clamp(1.0, 400.0) as usize);
+        let share = |k: usize, n: usize| 2.0 * k as f64 / n as f64 - 1.0;
+        (0..=steps[0])
+            .flat_map(move |i| (0..=steps[1]).map(move |j| self.at(share(i, steps[0]), share(j, steps[1]))))
+    }
+
     fn cells(&self) -> impl Iterator<Item = (i32, i32)> {
         let [ex, ey] = self.extent();
         let of = |v: f64| (v / CELL_M).floor() as i32;
@@ -66,14 +76,16 @@ impl Rect {
 
 /// The land of a region with what stands on it so far.
 pub(super) struct Land<'a> {
-    cover: &'a Cover,
+    ground: &'a GroundLevels,
+    /// Whether there are railways.
+    tracks: bool,
     taken: Vec<Rect>,
     cells: BTreeMap<(i32, i32), Vec<usize>>,
 }
 
 impl<'a> Land<'a> {
-    pub(super) fn new(cover: &'a Cover) -> Self {
-        Self { cover, taken: Vec::new(), cells: BTreeMap::new() }
+    pub(super) fn new(ground: &'a GroundLevels, tracks: bool) -> Self {
+        Self { ground, tracks, taken: Vec::new(), cells: BTreeMap::new() }
     }
 
     /// Whether nothing stands on a rectangle.
@@ -84,18 +96,27 @@ impl<'a> Land<'a> {
 
     /// Whether no lane of any kind lies on a rectangle (sampled every half metre).
     pub(super) fn off_road(&self, rect: &Rect) -> bool {
-        let steps = rect.half.map(|h| (2.0 * h / 0.5).ceil().clamp(1.0, 400.0) as usize);
-        (0..=steps[0]).all(|i| {
-            (0..=steps[1]).all(|j| {
-                let share = |k: usize, n: usize| 2.0 * k as f64 / n as f64 - 1.0;
-                let [x, y] = rect.at(share(i, steps[0]), share(j, steps[1]));
-                !self.cover.any(x, y)
-            })
-        })
+        rect.samples().all(|[x, y]| !self.ground.cover.any(x, y))
     }
 
+    /// Whether a rectangle keeps off all water (measured from the circle around it).
+    pub(super) fn is_dry(&self, rect: &Rect) -> bool {
+        let reach = SHORE_M + (rect.half[0] * rect.half[0] + rect.half[1] * rect.half[1]).sqrt();
+        let [x, y] = rect.centre;
+        self.ground.waters.iter().all(|water| water.clearance_m(x, y, reach) >= reach)
+    }
+
+    /// Whether no railway runs through a rectangle (sampled every half metre).
+    pub(super) fn off_tracks(&self, rect: &Rect) -> bool {
+        !self.tracks
+            || rect
+                .samples()
+                .all(|[x, y]| !self.ground.cover.at(x, y).any(|(f, _)| f.ground == Ground::Track))
+    }
+
+    /// Whether nothing stands on a rectangle, and neither lanes nor water lie there.
     pub(super) fn free(&self, rect: &Rect) -> bool {
-        self.unused(rect) && self.off_road(rect)
+        self.unused(rect) && self.off_road(rect) && self.is_dry(rect)
     }
 
     pub(super) fn take(&mut self, rect: Rect) {

@@ -12,6 +12,8 @@ use crate::actors::{BUILDINGS, BuildingKind, TREES};
 const STOREY_M: f64 = 3.0;
 /// Most that the ground may differ under a building, metres.
 const LEVEL_M: f64 = 3.5;
+/// Buildings stand this much farther from water than other things, metres.
+const SHORE_M: f64 = 4.0;
 /// Above this limit a road is a highway: few buildings stand at it, m/s.
 const HIGHWAY_MPS: f64 = 19.0;
 
@@ -20,7 +22,7 @@ const TOWN: [f64; 5] = [0.42, 0.16, 0.14, 0.22, 0.06];
 const COUNTRY: [f64; 5] = [0.04, 0.0, 0.70, 0.08, 0.18];
 
 pub(super) fn buildings(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_>, drafts: &mut Vec<Draft>) {
-    for front in fronts {
+    for front in fronts.iter().filter(|f| !f.track) {
         let mut random = Stream::new(site.seed, 0, "world/buildings", front.entity);
         let mut along = 2.0;
         while along < front.length_m() - 4.0 {
@@ -51,7 +53,7 @@ pub(super) fn buildings(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_
                     axis: [-spot.away.x, -spot.away.y],
                     half: size.map(|v| 0.5 * v),
                 };
-                land.free(&rect.grown(0.6)).then_some((rect, size))
+                (land.free(&rect.grown(0.6)) && land.is_dry(&rect.grown(SHORE_M))).then_some((rect, size))
             });
             let Some((rect, size)) = placed else {
                 along += 5.0;
@@ -208,10 +210,11 @@ fn tree(
     let yaw = random.uniform(-3.0, 3.0);
     let at = spot.beside(far_m, 0.0);
     let width = (4.0 * crown * height).round() / 4.0;
-    // The crown may reach over the sidewalk, not into a wall; the trunk stands on land.
+    // The crown may reach over the sidewalk, not into a wall or over rails; the trunk stands on land.
     let trunk = Rect::around(at.x, at.y, 0.45);
     let room = Rect::around(at.x, at.y, (0.3 * width).min(1.2));
-    if site.near(at.x, at.y) && land.off_road(&trunk) && land.unused(&room) {
+    let crown = Rect::around(at.x, at.y, 0.5 * width);
+    if site.near(at.x, at.y) && land.free(&trunk) && land.unused(&room) && land.off_tracks(&crown) {
         let z = site.ground.height(at.x, at.y, spot.point.z) - 0.05;
         let mut draft =
             Draft::new("vegetation", model, Tag::Vegetation, [width, width, height], [at.x, at.y, z], yaw);

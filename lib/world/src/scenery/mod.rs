@@ -13,7 +13,7 @@ use schema::tables::ActorRow;
 use schema::{ObjectId, Tag};
 
 use crate::WorldError;
-use crate::surfaces::{self, GroundLevels, Layer, Region};
+use crate::surfaces::{self, Ground, GroundLevels, Layer, Region};
 use land::Land;
 
 /// Most scenery objects of a scene.
@@ -104,10 +104,11 @@ pub fn place(
     if sections.is_empty() {
         return Err(WorldError::NoRoads { radius_m: settings.radius_m });
     }
-    let ground = surfaces::levels(&sections, &region);
+    let ground = surfaces::levels(map, &sections, &region);
     let site = Site { map, settings, seed, centres, ground: &ground };
-    let mut land = Land::new(&ground.cover);
-    let mut drafts = surface_drafts(&region);
+    let tracks = sections.iter().flat_map(|s| &s.strips).any(|s| s.ground == Ground::Track);
+    let mut land = Land::new(&ground, tracks);
+    let mut drafts = surface_drafts(&region, tracks, !ground.waters.is_empty());
     furniture::signals(&site, &mut land, &mut drafts);
     parked::parked(&site, &mut land, &mut drafts);
     let fronts = frontage::frontages(&sections);
@@ -137,11 +138,18 @@ fn region(centres: &[[f64; 3]], reach_m: f64) -> Region {
     Region { min: [low(0), low(1)], max: [high(0), high(1)] }
 }
 
-fn surface_drafts(region: &Region) -> Vec<Draft> {
+fn surface_drafts(region: &Region, tracks: bool, waters: bool) -> Vec<Draft> {
+    // Ids are for what is there.
+    let wanted = |layer: &Layer| match layer {
+        Layer::Track => tracks,
+        Layer::Water => waters,
+        _ => true,
+    };
     let middle = [0, 1].map(|k| 0.5 * (region.min[k] + region.max[k]));
     let extent = [0, 1].map(|k| region.max[k] - region.min[k]);
     Layer::ALL
         .into_iter()
+        .filter(wanted)
         .map(|layer| {
             let (xyz, size) = ([middle[0], middle[1], 0.0], [extent[0], extent[1], 0.0]);
             Draft::new("surface", layer.model(), layer.tag(), size, xyz, 0.0)

@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use super::Region;
+use super::{Ground, Region};
 
 /// Side of a grid cell, metres.
 const CELL_M: f64 = 8.0;
@@ -15,8 +15,7 @@ pub(crate) struct Facet {
     pub(crate) corners: [Point3<f64>; 3],
     /// Index of its road.
     pub(crate) road: u32,
-    /// Whether vehicles drive, stop or park on it (else it is for walking, or a median).
-    pub(crate) paved: bool,
+    pub(crate) ground: Ground,
 }
 
 /// All lane surfaces of a region.
@@ -71,7 +70,7 @@ impl Cover {
 
     /// Height of the paved facet nearest to a height.
     pub(crate) fn paved_near(&self, x: f64, y: f64, z: f64) -> Option<f64> {
-        let paved = self.at(x, y).filter(|(f, _)| f.paved).map(|(_, h)| h);
+        let paved = self.at(x, y).filter(|(f, _)| f.ground == Ground::Paved).map(|(_, h)| h);
         paved.min_by(|a, b| (a - z).abs().total_cmp(&(b - z).abs()))
     }
 }

@@ -13,6 +13,7 @@ use crate::build::part;
 const ASPHALT: Part = part(Tag::Road, Surface::Asphalt, [0.085, 0.085, 0.09]);
 const WASTE: Part = part(Tag::Ground, Surface::Asphalt, [0.12, 0.12, 0.12]);
 const PAVEMENT: Part = part(Tag::Sidewalk, Surface::Concrete, [0.34, 0.33, 0.31]);
+const BALLAST: Part = part(Tag::RailTrack, Surface::Plain, [0.17, 0.155, 0.14]);
 const KERB: Part = part(Tag::Sidewalk, Surface::Concrete, [0.42, 0.42, 0.41]);
 const MEDIAN: Part = part(Tag::Ground, Surface::Concrete, [0.30, 0.29, 0.27]);
 const VERGE: Part = part(Tag::Terrain, Surface::Grass, super::terrain::GRASS_RGB);
@@ -23,7 +24,8 @@ const SAME_LEVEL_M: f64 = 2.0;
 /// Cross-section of the grass beside a road: distance from the edge and drop, metres.
 const VERGE_PROFILE: [(f64, f64); 3] = [(0.0, 0.02), (1.0, 0.10), (3.2, 0.85)];
 
-/// Lane surfaces for point queries. Raised strips are left out where vehicles of another road drive over them.
+/// Lane surfaces for point queries. Those of no use to vehicles are left out where vehicles of another road drive over
+/// them.
 pub(crate) fn cover(sections: &[Section], region: &Region) -> Cover {
     let mut cover = Cover::new(region.grown(10.0));
     let mut add = |keep: &dyn Fn(&Section, &Strip, usize, &Cover) -> bool, ground: fn(Ground) -> bool| {
@@ -33,11 +35,7 @@ pub(crate) fn cover(sections: &[Section], region: &Region) -> Cover {
                 for i in 0..section.s.len() - 1 {
                     if section.inside(i, &region.grown(10.0)) && keep(section, strip, i, &cover) {
                         let [a, b, c, d] = corners(strip, i);
-                        let facet = |corners| Facet {
-                            corners,
-                            road: section.road,
-                            paved: strip.ground == Ground::Paved,
-                        };
+                        let facet = |corners| Facet { corners, road: section.road, ground: strip.ground };
                         facets.extend([facet([a, b, c]), facet([a, c, d])]);
                     }
                 }
@@ -49,7 +47,7 @@ pub(crate) fn cover(sections: &[Section], region: &Region) -> Cover {
     };
     add(&|_, _, _, _| true, |g| g == Ground::Paved);
     add(&|section, strip, i, cover| free_of_traffic(section, strip, i, cover), |g| {
-        matches!(g, Ground::Walk | Ground::Median | Ground::Waste)
+        matches!(g, Ground::Walk | Ground::Median | Ground::Track | Ground::Waste)
     });
     cover
 }
@@ -59,8 +57,8 @@ fn corners(strip: &Strip, i: usize) -> [Point3<f64>; 4] {
     [strip.right[i], strip.right[i + 1], strip.left[i + 1], strip.left[i]]
 }
 
-/// Whether no paved surface of another road at the same level meets a piece of a raised strip.
-fn free_of_traffic(section: &Section, strip: &Strip, i: usize, cover: &Cover) -> bool {
+/// Whether no paved surface of another road at the same level meets a piece of a strip that is of no use to vehicles.
+pub(super) fn free_of_traffic(section: &Section, strip: &Strip, i: usize, cover: &Cover) -> bool {
     if strip.ground == Ground::Paved {
         return true;
     }
@@ -71,7 +69,9 @@ fn free_of_traffic(section: &Section, strip: &Strip, i: usize, cover: &Cover) ->
     probes.push(middle);
     probes.extend((0..4).map(|k| middle + ((quad[k] + (quad[(k + 1) % 4] - quad[k]) * 0.5) - middle) * 0.94));
     !probes.iter().any(|p| {
-        cover.at(p.x, p.y).any(|(f, z)| f.paved && f.road != section.road && (z - p.z).abs() < SAME_LEVEL_M)
+        cover.at(p.x, p.y).any(|(f, z)| {
+            f.ground == Ground::Paved && f.road != section.road && (z - p.z).abs() < SAME_LEVEL_M
+        })
     })
 }
 
@@ -81,6 +81,7 @@ pub(crate) fn build(sections: &[Section], region: &Region, ground: &GroundLevels
             let (layer, top) = match strip.ground {
                 Ground::Paved => (Layer::Road, ASPHALT),
                 Ground::Waste => (Layer::Road, WASTE),
+                Ground::Track => (Layer::Track, BALLAST),
                 Ground::Walk => (Layer::Sidewalk, PAVEMENT),
                 Ground::Median => (Layer::Median, MEDIAN),
                 Ground::Land => continue,

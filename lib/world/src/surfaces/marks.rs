@@ -118,9 +118,9 @@ fn lane_marking(section: &Section, stripe: &Stripe, region: &Region, cover: &Cov
             let middle = Point3::from(0.5 * (before[0].coords + after[1].coords));
             // In a junction other connecting lanes run across: their asphalt has no lines.
             let hidden = section.junction
-                && cover
-                    .at(middle.x, middle.y)
-                    .any(|(f, z)| f.paved && f.road != section.road && (z - middle.z).abs() < 1.0);
+                && cover.at(middle.x, middle.y).any(|(f, z)| {
+                    f.ground == Ground::Paved && f.road != section.road && (z - middle.z).abs() < 1.0
+                });
             if region.contains(middle.x, middle.y) && !hidden {
                 tiles.quad(Layer::Marking, paint, [before[0], after[0], after[1], before[1]]);
             }

@@ -8,6 +8,8 @@ mod marks;
 mod sections;
 mod terrain;
 mod tiles;
+mod tracks;
+mod water;
 
 use opendrive::Map;
 use schema::Tag;
@@ -17,6 +19,7 @@ pub use sections::lane_raise_m;
 pub(crate) use sections::{Ground, Section, sections};
 pub(crate) use terrain::Terrain;
 pub(crate) use tiles::TileMesh;
+pub(crate) use water::Water;
 
 /// An area of the plan, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,10 +48,12 @@ pub(crate) enum Layer {
     Terrain,
     Bridge,
     GuardRail,
+    Track,
+    Water,
 }
 
 impl Layer {
-    pub(crate) const ALL: [Self; 7] = [
+    pub(crate) const ALL: [Self; 9] = [
         Self::Road,
         Self::Marking,
         Self::Sidewalk,
@@ -56,6 +61,8 @@ impl Layer {
         Self::Terrain,
         Self::Bridge,
         Self::GuardRail,
+        Self::Track,
+        Self::Water,
     ];
 
     /// Model name of its row.
@@ -68,6 +75,8 @@ impl Layer {
             Self::Terrain => "surface.terrain",
             Self::Bridge => "surface.bridge",
             Self::GuardRail => "surface.guard_rail",
+            Self::Track => "surface.track",
+            Self::Water => "surface.water",
         }
     }
 
@@ -85,6 +94,8 @@ impl Layer {
             Self::Terrain => Tag::Terrain,
             Self::Bridge => Tag::Bridge,
             Self::GuardRail => Tag::GuardRail,
+            Self::Track => Tag::RailTrack,
+            Self::Water => Tag::Water,
         }
     }
 }
@@ -101,6 +112,7 @@ pub(crate) struct Surfaces {
 pub(crate) struct GroundLevels {
     pub(crate) cover: Cover,
     pub(crate) terrain: Terrain,
+    pub(crate) waters: Vec<Water>,
 }
 
 /// Surfaces this far above or below the height asked for count as the same level, metres.
@@ -121,22 +133,25 @@ impl GroundLevels {
     }
 }
 
-/// Lane surfaces and terrain heights alone: what scenery is placed by.
-pub(crate) fn levels(sections: &[Section], region: &Region) -> GroundLevels {
+/// Lane surfaces, terrain heights and waters alone: what scenery is placed by.
+pub(crate) fn levels(map: &Map, sections: &[Section], region: &Region) -> GroundLevels {
     let cover = lanes::cover(sections, region);
-    let terrain = Terrain::new(sections, region);
-    GroundLevels { cover, terrain }
+    let waters = water::waters(map, region);
+    let terrain = Terrain::new(sections, &waters, region);
+    GroundLevels { cover, terrain, waters }
 }
 
 /// Builds the surfaces of a region.
 pub(crate) fn build(map: &Map, region: &Region) -> Surfaces {
     let sections = sections(map, region);
-    let ground = levels(&sections, region);
+    let ground = levels(map, &sections, region);
     let mut tiles = tiles::Tiles::default();
     lanes::build(&sections, region, &ground, &mut tiles);
     holes::fill(map, region, &ground.cover, &mut tiles);
     marks::build(map, &sections, region, &ground.cover, &mut tiles);
     bridges::build(&sections, region, &ground, &mut tiles);
+    tracks::build(&sections, region, &ground, &mut tiles);
     ground.terrain.build(&mut tiles);
+    water::build(&ground.waters, &ground.terrain, &mut tiles);
     Surfaces { tiles: tiles.finish(), ground }
 }

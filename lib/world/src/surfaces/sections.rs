@@ -23,6 +23,8 @@ pub(crate) enum Ground {
     Walk,
     /// Raised, between the carriageways.
     Median,
+    /// The bed of a railway.
+    Track,
     /// Flat, without use, between other lanes.
     Waste,
     /// Not built: land beside the road.
@@ -34,6 +36,7 @@ impl Ground {
         match lane {
             LaneType::Sidewalk | LaneType::Walking | LaneType::Curb => Self::Walk,
             LaneType::Median => Self::Median,
+            track if track.is_track() => Self::Track,
             LaneType::None => Self::Waste,
             _ => Self::Paved,
         }

@@ -6,7 +6,7 @@ use schema::geometry::{Part, Surface};
 
 use super::sections::{Ground, Section};
 use super::tiles::Tiles;
-use super::{Layer, Region};
+use super::{Layer, Region, Water};
 use crate::build::part;
 
 /// Colour of grass, linear RGB.
@@ -20,6 +20,8 @@ const MAX_NODES: f64 = 700.0;
 const UNDER_M: f64 = 0.09;
 /// Steepest land (rise over run).
 const SLOPE: f64 = 0.5;
+/// The beds of waters lie this far under their level, metres.
+const BED_M: f64 = 1.5;
 /// Lanes are sampled this densely across and along, metres.
 const SAMPLE_M: f64 = 1.0;
 
@@ -34,15 +36,16 @@ pub(crate) struct Terrain {
 }
 
 impl Terrain {
-    /// The land of a region, from the lanes of its sections.
-    pub(crate) fn new(sections: &[Section], region: &Region) -> Self {
+    /// The land of a region, from the lanes of its sections and the waters in it.
+    pub(crate) fn new(sections: &[Section], waters: &[Water], region: &Region) -> Self {
         let extent = (region.max[0] - region.min[0]).max(region.max[1] - region.min[1]);
         let cell = CELL_M.max(extent / MAX_NODES);
         let nodes = |low: f64, high: f64| ((high - low) / cell).ceil().max(1.0) as usize + 1;
         let columns = nodes(region.min[0], region.max[0]);
         let rows = nodes(region.min[1], region.max[1]);
         let mut terrain = Self { origin: region.min, cell, columns, rows, heights: Vec::new() };
-        let caps = terrain.caps(sections);
+        let mut caps = terrain.caps(sections);
+        terrain.sink(&mut caps, waters);
         terrain.heights = filled(caps, columns, rows);
         terrain.limit_slope();
         terrain
@@ -73,6 +76,21 @@ impl Terrain {
             }
         }
         caps
+    }
+
+    /// Lowers the nodes in and beside waters, so that land falls through their level at their edge.
+    fn sink(&self, caps: &mut [f64], waters: &[Water]) {
+        let reach = 2.0 * self.cell;
+        for water in waters {
+            for (i, cap) in caps.iter_mut().enumerate() {
+                let (c, r) = (i % self.columns, i / self.columns);
+                let [x, y] = [(c, 0), (r, 1)].map(|(k, axis)| self.origin[axis] + k as f64 * self.cell);
+                let clearance = water.clearance_m(x, y, reach);
+                if clearance < reach {
+                    *cap = cap.min(water.z_m + (SLOPE * clearance).max(-BED_M));
+                }
+            }
+        }
     }
 
     /// Lowers the nodes of the cells that a point, or a point half a sample away, lies in.
@@ -149,13 +167,16 @@ impl Terrain {
         }
     }
 
+    /// The corners of every cell, counter-clockwise from its south-west.
+    pub(super) fn cells(&self) -> impl Iterator<Item = [Point3<f64>; 4]> {
+        let corners =
+            |c, r| [self.node(c, r), self.node(c + 1, r), self.node(c + 1, r + 1), self.node(c, r + 1)];
+        (0..self.rows - 1).flat_map(move |r| (0..self.columns - 1).map(move |c| corners(c, r)))
+    }
+
     pub(crate) fn build(&self, tiles: &mut Tiles) {
-        for r in 0..self.rows - 1 {
-            for c in 0..self.columns - 1 {
-                let (a, b, d, e) =
-                    (self.node(c, r), self.node(c + 1, r), self.node(c + 1, r + 1), self.node(c, r + 1));
-                tiles.quad(Layer::Terrain, GRASS, [a, b, d, e]);
-            }
+        for corners in self.cells() {
+            tiles.quad(Layer::Terrain, GRASS, corners);
         }
     }
 }

@@ -84,6 +84,12 @@ impl LaneType {
         )
     }
 
+    /// Whether it is for trains or trams.
+    #[must_use]
+    pub fn is_track(self) -> bool {
+        matches!(self, Self::Rail | Self::Tram)
+    }
+
     /// Whether pedestrians walk here.
     #[must_use]
     pub fn is_walkable(self) -> bool {
