@@ -1,77 +1,18 @@
 //! A whole town: scenery keeps off the roads, lanes are covered by road, nothing hangs over them.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests may stop and say that they were skipped.
 
+mod common;
+
 use std::collections::BTreeSet;
 
+use common::{carla, column, demo, empty_moment, named, settings, start};
 use frames::{Object, Pose, World as WorldFrame};
-use glam::Vec3;
 use nalgebra::Point3;
 use opendrive::{LaneInfo, LaneType, Map};
 use random::Stream;
 use schema::Tag;
-use schema::geometry::Snapshot;
-use schema::settings::WorldSettings;
 use schema::tables::{ActorRow, FrameRow, SignalRow, StateRow};
 use world::{Moment, World, WorldError, place};
-
-fn demo() -> Map {
-    Map::new(town::generate(&town::named("convoy/demo").unwrap()).unwrap())
-}
-
-fn carla(name: &str) -> Option<Map> {
-    let path = format!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/maps/carla/{}.xodr"), name);
-    match std::fs::read(&path) {
-        Ok(bytes) => Some(Map::new(opendrive::read_bytes(&bytes).unwrap())),
-        Err(_) => {
-            println!("skipped: no map {path}");
-            None
-        }
-    }
-}
-
-fn settings() -> WorldSettings {
-    WorldSettings { radius_m: 150.0, ..WorldSettings::default() }
-}
-
-/// Some place on a driving lane.
-fn start(map: &Map) -> [f64; 3] {
-    let hit = map.nearest_driving_lane(Point3::origin()).unwrap();
-    map.lane_point(hit.lane, hit.s, 0.0).unwrap().position.coords.into()
-}
-
-fn empty_moment(frame: &FrameRow) -> Moment<'_> {
-    Moment { states: &[], previous: &[], signals: &[], frame }
-}
-
-/// Heights and tags of everything on a vertical line, by brute force.
-fn column(snapshot: &Snapshot, x: f64, y: f64) -> Vec<(f64, Tag)> {
-    let p = snapshot.origin.local_from_world([x, y, 0.0]);
-    let base = snapshot.origin.world_xyz()[2];
-    let mut hits = Vec::new();
-    for instance in &snapshot.instances {
-        let mesh = snapshot.mesh(instance);
-        let bounds = frames::Aabb::from_points(
-            &mesh.aabb().corners().map(|c| instance.local_from_object.transform_point3(c)),
-        );
-        if p.x < bounds.min.x || p.x > bounds.max.x || p.y < bounds.min.y || p.y > bounds.max.y {
-            continue;
-        }
-        for i in 0..mesh.triangles.len() {
-            let [a, b, c] = mesh.corners(i).map(|v| instance.local_from_object.transform_point3(v));
-            let det = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-            if det.abs() < 1e-9 {
-                continue;
-            }
-            let u = ((p.x - a.x) * (c.y - a.y) - (c.x - a.x) * (p.y - a.y)) / det;
-            let v = ((b.x - a.x) * (p.y - a.y) - (p.x - a.x) * (b.y - a.y)) / det;
-            if u >= -1e-4 && v >= -1e-4 && u + v <= 1.0001 {
-                let z: Vec3 = a + (b - a) * u + (c - a) * v;
-                hits.push((f64::from(z.z) + base, mesh.part(i).tag));
-            }
-        }
-    }
-    hits
-}
 
 fn check_town(map: &Map, name: &str) {
     let centre = start(map);
@@ -150,122 +91,7 @@ fn check_town(map: &Map, name: &str) {
 #[test]
 fn generated_towns_are_sound() {
     for name in ["convoy/demo", "convoy/01", "convoy/03", "convoy/11"] {
-        check_town(&Map::new(town::generate(&town::named(name).unwrap()).unwrap()), name);
-    }
-}
-
-/// The world around a place of a generated town.
-fn around(map: &Map, centre: [f64; 3]) -> (Vec<ActorRow>, World) {
-    let actors = place(map, &settings(), 5, &[centre], 10).unwrap();
-    let world = World::new(map, &actors).unwrap();
-    (actors, world)
-}
-
-#[test]
-fn rivers_lie_under_bridges() {
-    let map = Map::new(town::generate(&town::named("convoy/01").unwrap()).unwrap());
-    let river = map.objects().iter().find(|o| o.is_water()).unwrap();
-    let water_m = river.outlines[0].base[0].z;
-    let bridged = map.network().roads.iter().position(|r| !r.bridges.is_empty()).unwrap();
-    let bridge = &map.network().roads[bridged].bridges[0];
-    let at = |s: f64, t: f64| map.road_point(bridged as u32, s, t, 0.0).unwrap();
-    let middle = at(bridge.s + 0.5 * bridge.length_m, 1.5);
-    let (actors, world) = around(&map, middle.coords.into());
-    let frame = FrameRow::default();
-    let snapshot = world.snapshot(&empty_moment(&frame), middle.coords.into(), 400.0);
-    let heights = |hits: &[(f64, Tag)], tag: Tag| -> Vec<f64> {
-        hits.iter().filter(|(_, t)| *t == tag).map(|(z, _)| *z).collect()
-    };
-
-    let hits = column(&snapshot, middle.x, middle.y);
-    assert!(heights(&hits, Tag::Road).iter().any(|z| (z - middle.z).abs() < 0.02), "{hits:?}");
-    assert!(heights(&hits, Tag::Water).iter().any(|z| (z - water_m).abs() < 0.01), "{hits:?}");
-    assert!(heights(&hits, Tag::Terrain).iter().all(|z| *z < water_m), "{hits:?}");
-    assert!(middle.z - water_m > 3.0, "the deck is {} m over the water", middle.z - water_m);
-    assert!(!heights(&hits, Tag::Bridge).is_empty(), "{hits:?}");
-
-    // Beside the bridge there is water, and nothing over it.
-    let beside = at(bridge.s + 0.5 * bridge.length_m, 20.0);
-    let hits = column(&snapshot, beside.x, beside.y);
-    let top = hits.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
-    assert_eq!(top.1, Tag::Water, "{hits:?}");
-    // The shore follows the outline, and nothing stands in the water.
-    let ring: Vec<Point3<f64>> = river.outlines[0].base.clone();
-    let mut tested = 0;
-    for (a, b) in ring.iter().zip(&ring[1..]) {
-        let along = (b - a) / (b - a).norm();
-        let left = nalgebra::Vector3::new(-along.y, along.x, 0.0);
-        let edge = nalgebra::center(a, b);
-        if (edge - middle).norm() > 140.0 {
-            continue;
-        }
-        let tops = [-1.2, 1.2].map(|aside| {
-            let p = edge + left * aside;
-            column(&snapshot, p.x, p.y).into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
-        });
-        if tops.iter().all(|(_, t)| matches!(t, Tag::Water | Tag::Terrain)) {
-            tested += 1;
-            let water = tops.iter().filter(|(_, t)| *t == Tag::Water).count();
-            assert_eq!(water, 1, "at {edge} {tops:?}");
-            let [right, left] = tops.map(|(z, _)| z);
-            assert!((left - right).abs() < 1.5, "the shore at {edge} is a step: {tops:?}");
-        }
-    }
-    assert!(tested > 10, "only {tested} places on the shore");
-    let wet = |x: f64, y: f64| column(&snapshot, x, y).iter().any(|(_, t)| *t == Tag::Water);
-    for thing in actors.iter().filter(|a| a.kind != "surface" && a.kind != "sign") {
-        let pose = Pose::<WorldFrame, Object>::from_xyz_wxyz(thing.xyz_m, thing.quaternion);
-        let share = if thing.kind == "building" { 0.5 } else { 0.0 };
-        for (u, v) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (0.0, 0.0)] {
-            let p = pose * Point3::new(share * u * thing.length_m, share * v * thing.width_m, 0.0);
-            assert!(
-                !wet(p.x, p.y) || p.z > water_m + 2.0,
-                "{} {} stands in the river",
-                thing.model,
-                thing.id
-            );
-        }
-    }
-}
-
-#[test]
-fn rails_lie_on_their_beds_and_in_level_crossings() {
-    let map = Map::new(town::generate(&town::named("convoy/07").unwrap()).unwrap());
-    let tracks: Vec<&LaneInfo> = map.lanes().iter().filter(|l| l.lane_type == LaneType::Rail).collect();
-    let crossing = tracks.iter().find(|l| l.junction.is_some()).unwrap();
-    let middle =
-        |l: &LaneInfo, t: f64| map.lane_point(l.id, 0.5 * (l.s_start + l.s_end), t).unwrap().position;
-    let centre = middle(crossing, 0.0);
-    let (actors, world) = around(&map, centre.coords.into());
-    let frame = FrameRow::default();
-    let snapshot = world.snapshot(&empty_moment(&frame), centre.coords.into(), 400.0);
-    let top = |p: Point3<f64>| {
-        let hits = column(&snapshot, p.x, p.y);
-        hits.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
-    };
-    // Half of 1505 mm to either side of the middle.
-    for side in [-0.7525, 0.7525] {
-        let rail = middle(crossing, side);
-        let (z, tag) = top(rail);
-        assert!(tag == Tag::RailTrack && (0.0..0.02).contains(&(z - rail.z)), "{tag:?} {}", z - rail.z);
-    }
-    assert_eq!(top(centre).1, Tag::Road, "between the rails of a crossing is road");
-    let reach = |l: &&&LaneInfo| (middle(l, 0.0) - centre).norm() < 140.0 && l.junction.is_none();
-    let open = tracks.iter().find(reach).unwrap();
-    let rail = middle(open, 0.7525);
-    let (z, tag) = top(rail);
-    assert!(tag == Tag::RailTrack && (z - rail.z - 0.17).abs() < 0.02, "{tag:?} {}", z - rail.z);
-    assert_eq!(top(middle(open, 0.0)).1, Tag::RailTrack, "ballast or a sleeper");
-    // Neither crowns nor lamps reach over the rails, and no house looks at them.
-    let track = |l: &LaneInfo| l.lane_type == LaneType::Rail;
-    for thing in actors.iter().filter(|a| matches!(a.kind.as_str(), "vegetation" | "pole" | "building")) {
-        let reach = 0.5 * thing.length_m.max(thing.width_m);
-        let at = Point3::from(thing.xyz_m);
-        for hit in map.lanes_within(at, reach + 3.0, track) {
-            let clear = hit.distance_m - 0.5 * hit.width_m;
-            let needed = if thing.kind == "vegetation" { 0.9 * reach } else { 0.3 };
-            assert!(clear > needed, "{} {} is {clear:.2} m from the rails", thing.model, thing.id);
-        }
+        check_town(&named(name), name);
     }
 }
 

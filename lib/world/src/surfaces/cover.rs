@@ -9,13 +9,20 @@ const CELL_M: f64 = 8.0;
 /// Points this far outside a triangle still count, as a share of its extent: shared edges have no gaps.
 const EDGE: f64 = 1e-9;
 
-/// A triangle of a lane's surface.
+/// A triangle of a lane's surface, or of paving between lanes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Facet {
     pub(crate) corners: [Point3<f64>; 3],
-    /// Index of its road.
-    pub(crate) road: u32,
+    /// Index of its road; none between lanes.
+    pub(crate) road: Option<u32>,
     pub(crate) ground: Ground,
+}
+
+impl Facet {
+    /// Whether vehicles drive, stop or park on it, on another road than the one named.
+    pub(crate) fn is_driven_by_others(&self, road: u32) -> bool {
+        self.ground == Ground::Paved && self.road.is_some_and(|own| own != road)
+    }
 }
 
 /// All lane surfaces of a region.
@@ -54,6 +61,28 @@ impl Cover {
         }
     }
 
+    /// All facets.
+    pub(crate) fn facets(&self) -> &[Facet] {
+        &self.facets
+    }
+
+    /// The cells of the search grid that meet a region, each with the facets that meet it.
+    pub(crate) fn areas<'a>(
+        &'a self,
+        region: Region,
+    ) -> impl Iterator<Item = (Region, impl Iterator<Item = &'a Facet>)> + use<'a> {
+        let [c0, r0] = self.cell(region.min[0], region.min[1]);
+        let [c1, r1] = self.cell(region.max[0], region.max[1]);
+        (r0..=r1).flat_map(move |row| {
+            (c0..=c1).map(move |column| {
+                let at = |k: usize, n: usize| self.region.min[k] + n as f64 * CELL_M;
+                let (min, max) = ([at(0, column), at(1, row)], [at(0, column + 1), at(1, row + 1)]);
+                let facets = &self.cells[row * self.columns + column];
+                (Region { min, max }, facets.iter().map(|i| &self.facets[*i as usize]))
+            })
+        })
+    }
+
     /// All facets over a point with their heights there.
     pub(crate) fn at(&self, x: f64, y: f64) -> impl Iterator<Item = (&Facet, f64)> {
         let [column, row] = self.cell(x, y);
@@ -68,10 +97,10 @@ impl Cover {
         self.at(x, y).next().is_some()
     }
 
-    /// Height of the paved facet nearest to a height.
-    pub(crate) fn paved_near(&self, x: f64, y: f64, z: f64) -> Option<f64> {
-        let paved = self.at(x, y).filter(|(f, _)| f.ground == Ground::Paved).map(|(_, h)| h);
-        paved.min_by(|a, b| (a - z).abs().total_cmp(&(b - z).abs()))
+    /// Height of the road's visible surface within a metre of a height: of all that is not raised the highest.
+    pub(crate) fn road_near(&self, x: f64, y: f64, z: f64) -> Option<f64> {
+        let flat = self.at(x, y).filter(|(f, h)| f.ground.is_road() && (h - z).abs() < 1.0);
+        flat.map(|(_, h)| h).max_by(f64::total_cmp)
     }
 }
 
@@ -83,6 +112,10 @@ pub(crate) fn height_in(corners: &[Point3<f64>; 3], x: f64, y: f64) -> Option<f6
         return None;
     }
     let u = ((x - a.x) * (c.y - a.y) - (c.x - a.x) * (y - a.y)) / det;
+    // Most points are refused here.
+    if !(-EDGE..=1.0 + 2.0 * EDGE).contains(&u) {
+        return None;
+    }
     let v = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) / det;
-    (u >= -EDGE && v >= -EDGE && u + v <= 1.0 + EDGE).then(|| a.z + u * (b.z - a.z) + v * (c.z - a.z))
+    (v >= -EDGE && u + v <= 1.0 + EDGE).then(|| a.z + u * (b.z - a.z) + v * (c.z - a.z))
 }

@@ -1,119 +1,369 @@
-//! Asphalt for the places of a junction that its connecting lanes surround without covering them.
+//! Paving for the places in and around junctions that lanes surround, or leave a narrow gap between, without covering
+//! them.
 
-use std::collections::VecDeque;
+use std::ops::Range;
 
 use nalgebra::Point3;
-use opendrive::{JunctionInfo, Map};
-use schema::Tag;
-use schema::geometry::{Part, Surface};
+use opendrive::Map;
 
-use super::cover::Cover;
+use super::cover::{Cover, Facet};
+use super::lanes::{ASPHALT, PAVEMENT};
+use super::raster::Raster;
 use super::tiles::Tiles;
-use super::{Layer, Region};
-use crate::build::part;
+use super::{Ground, Layer, Region};
 
-/// Side of a test cell, metres.
-const CELL_M: f64 = 1.0;
-/// Larger junctions have islands rather than holes.
-const MAX_CELLS: usize = 160 * 160;
-/// Patches lie this far under the lanes around them, metres.
-const BELOW_M: f64 = 0.015;
-/// Larger enclosed areas are land, square metres.
-const MAX_AREA_M2: usize = 150;
+/// Side of a cell, metres.
+const CELL_M: f64 = 0.5;
+/// Land that is nowhere farther than this from lanes is a gap, metres.
+const GAP_M: f32 = 0.9;
+/// Enclosed land of which more than this is farther than [`GAP_M`] from lanes is an island, square metres.
+const ISLAND_M2: f64 = 110.0;
+/// Gaps reach this far out of a junction, metres.
+const MARGIN_M: f64 = 6.0;
+/// Junctions that differ more in height, and decks over one another, are no matter for paving at one level, metres.
+const LEVEL_M: f64 = 3.0;
+/// Larger groups of junctions are looked at one by one.
+const MAX_CELLS: f64 = 1e6;
+/// Patches lie this far under the lanes around them, metres: less than paint lies over them.
+const BELOW_M: f64 = 0.003;
 
-const ASPHALT: Part = part(Tag::Road, Surface::Asphalt, [0.085, 0.085, 0.09]);
+/// Junctions that are looked at together: islands often lie between several.
+#[derive(Clone, Copy, Debug)]
+struct Window {
+    region: Region,
+    z_m: [f64; 2],
+}
 
-pub(crate) fn fill(map: &Map, region: &Region, cover: &Cover, tiles: &mut Tiles) {
-    for junction in map.junctions() {
-        let [low, high] = junction.bounds;
-        if region.contains(low.x, low.y) && region.contains(high.x, high.y) {
-            fill_one(junction, cover, tiles);
+impl Window {
+    fn with(&self, other: &Self) -> Self {
+        let min = [0, 1].map(|k| self.region.min[k].min(other.region.min[k]));
+        let max = [0, 1].map(|k| self.region.max[k].max(other.region.max[k]));
+        let z_m = [self.z_m[0].min(other.z_m[0]), self.z_m[1].max(other.z_m[1])];
+        Self { region: Region { min, max }, z_m }
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        (0..2).all(|k| self.region.min[k] <= other.region.max[k] && self.region.max[k] >= other.region.min[k])
+    }
+
+    /// Whether it is small and level enough for one look.
+    fn is_usable(&self) -> bool {
+        let [x, y] = [0, 1].map(|k| (self.region.max[k] - self.region.min[k]) / CELL_M);
+        x * y <= MAX_CELLS && self.z_m[1] - self.z_m[0] <= LEVEL_M
+    }
+}
+
+/// A window for every junction that lies in a region.
+fn windows(map: &Map, region: &Region) -> impl Iterator<Item = Window> {
+    map.junctions().iter().map(|j| j.bounds).filter_map(|[low, high]| {
+        let bounds = Region { min: [low.x, low.y], max: [high.x, high.y] };
+        let inside = region.contains(low.x, low.y) && region.contains(high.x, high.y);
+        inside.then_some(Window { region: bounds.grown(MARGIN_M), z_m: [low.z, high.z] })
+    })
+}
+
+/// The usable ones of some windows, joined where they meet, so that no gap is paved twice.
+fn joined(windows: impl Iterator<Item = Window>) -> Vec<Window> {
+    let mut found: Vec<Window> = Vec::new();
+    for mut window in windows.filter(Window::is_usable) {
+        // What is joined may meet what was apart from both before.
+        while let Some(i) = found.iter().position(|w| w.meets(&window) && w.with(&window).is_usable()) {
+            window = window.with(&found.swap_remove(i));
+        }
+        found.push(window);
+    }
+    found
+}
+
+/// The patches of a region: facets of no road.
+pub(super) fn patches(map: &Map, region: &Region, cover: &Cover) -> Vec<Facet> {
+    joined(windows(map, region)).iter().flat_map(|w| in_window(w, cover)).collect()
+}
+
+fn in_window(window: &Window, cover: &Cover) -> Vec<Facet> {
+    let raster = Raster::new(&window.region, CELL_M);
+    let z_m = [window.z_m[0] - 0.5 * LEVEL_M, window.z_m[1] + 0.5 * LEVEL_M];
+    let mut covered = vec![false; raster.len()];
+    for (area, facets) in cover.areas(window.region) {
+        let [columns, rows] = raster.span(&area);
+        for facet in facets.filter(|f| f.corners.iter().any(|p| p.z > z_m[0] && p.z < z_m[1])) {
+            raster.under(&facet.corners, columns, rows, |i| covered[i] = true);
+        }
+    }
+    let far_m = raster.distances_m(|i| covered[i]);
+    // Land is what can be reached in strides wider than a gap from outside or from the middle of an island.
+    let mut open = vec![false; raster.len()];
+    for core in raster.groups(|i| far_m[i] > GAP_M) {
+        let cells: usize = core.iter().map(Range::len).sum();
+        if cells as f64 * CELL_M * CELL_M > ISLAND_M2 || core.iter().any(|run| raster.at_edge(run)) {
+            core.into_iter().for_each(|run| open[run].fill(true));
+        }
+    }
+    // The factor makes up for diagonal steps.
+    let land_m = raster.distances_m(|i| open[i]);
+    let gaps = raster.groups(|i| !covered[i] && land_m[i] > 1.09 * GAP_M);
+    let cells = gaps.into_iter().map(|runs| runs.into_iter().flatten().collect::<Vec<usize>>());
+    cells
+        .filter_map(|gap| {
+            Some(Patch::new(&raster, &gap, &covered, cover, z_m)?.facets(&raster, &gap, &covered))
+        })
+        .flatten()
+        .collect()
+}
+
+/// How one gap is paved.
+struct Patch<'a> {
+    cover: &'a Cover,
+    ground: Ground,
+    z_m: [f64; 2],
+    /// A point of a plane through the lanes around, and its slopes along x and y.
+    middle: Point3<f64>,
+    slope: [f64; 2],
+    /// Lowest and highest place of the lanes around, metres.
+    range_m: [f64; 2],
+}
+
+impl<'a> Patch<'a> {
+    /// None where a single cell is open to land, or the lanes around lie on several levels.
+    fn new(
+        raster: &Raster,
+        gap: &[usize],
+        covered: &[bool],
+        cover: &'a Cover,
+        z_m: [f64; 2],
+    ) -> Option<Self> {
+        let mut around: Vec<usize> =
+            gap.iter().flat_map(|i| raster.beside(*i)).filter(|i| covered[*i]).collect();
+        around.sort_unstable();
+        around.dedup();
+        if around.is_empty() || (gap.len() == 1 && around.len() < 4) {
+            return None;
+        }
+        let found: Vec<(Ground, Point3<f64>)> = around
+            .iter()
+            .flat_map(|i| {
+                let [x, y] = raster.middle(*i);
+                cover.at(x, y).map(move |(f, z)| (f.ground, Point3::new(x, y, z)))
+            })
+            .filter(|(_, p)| p.z > z_m[0] && p.z < z_m[1])
+            .collect();
+        let of = |ground: Ground| found.iter().filter(|(g, _)| *g == ground).count();
+        let ground = if of(Ground::Walk) > 2 * of(Ground::Paved) { Ground::Walk } else { Ground::Paved };
+        let mut points: Vec<Point3<f64>> =
+            found.iter().filter(|(g, _)| *g == ground).map(|(_, p)| *p).collect();
+        if points.is_empty() {
+            points = found.iter().map(|(_, p)| *p).collect();
+        }
+        let middle = Point3::from(
+            points.iter().map(|p| p.coords).sum::<nalgebra::Vector3<f64>>() / points.len() as f64,
+        );
+        // Least squares; the constant keeps gaps in line, which do not tell the slope across, from tilting.
+        let [mut xx, mut xy, mut yy, mut xz, mut yz] = [0.0; 5];
+        for d in points.iter().map(|p| p - middle) {
+            (xx, xy, yy) = (xx + d.x * d.x, xy + d.x * d.y, yy + d.y * d.y);
+            (xz, yz) = (xz + d.x * d.z, yz + d.y * d.z);
+        }
+        let more = 0.1 * points.len() as f64;
+        let (xx, yy) = (xx + more, yy + more);
+        let det = xx * yy - xy * xy;
+        let slope = [(yy * xz - xy * yz) / det, (xx * yz - xy * xz) / det];
+        let off = |p: &Point3<f64>| {
+            (p.z - middle.z - slope[0] * (p.x - middle.x) - slope[1] * (p.y - middle.y)).abs()
+        };
+        let fold = |pick: fn(f64, f64) -> f64| points.iter().map(|p| p.z).fold(middle.z, pick);
+        let range_m = [fold(f64::min), fold(f64::max)];
+        (points.iter().map(off).fold(0.0, f64::max) < 1.0).then_some(Self {
+            cover,
+            ground,
+            z_m,
+            middle,
+            slope,
+            range_m,
+        })
+    }
+
+    /// A corner of the patch: under the lanes that lie there, else on the plane through those around.
+    fn corner(&self, [x, y]: [f64; 2]) -> Point3<f64> {
+        let plane = self.middle.z + self.slope[0] * (x - self.middle.x) + self.slope[1] * (y - self.middle.y);
+        let plane = plane.clamp(self.range_m[0], self.range_m[1]);
+        let over = |ground: Ground| {
+            let heights = self.cover.at(x, y).filter(|(f, _)| f.ground == ground).map(|(_, z)| z);
+            let level = heights.filter(|z| *z > self.z_m[0] && *z < self.z_m[1]);
+            level.min_by(|a, b| (a - plane).abs().total_cmp(&(b - plane).abs()))
+        };
+        // Pavement falls to the road; the road does not climb onto pavement.
+        let z = over(self.ground).or_else(|| over(Ground::Paved)).unwrap_or(plane);
+        Point3::new(x, y, z - BELOW_M)
+    }
+
+    /// The gap and a cell more under the lanes around, row by row.
+    fn facets(&self, raster: &Raster, gap: &[usize], covered: &[bool]) -> Vec<Facet> {
+        let mut cells: Vec<usize> = gap
+            .iter()
+            .flat_map(|i| raster.beside(*i).filter(|n| covered[*n]))
+            .chain(gap.iter().copied())
+            .collect();
+        cells.sort_unstable();
+        cells.dedup();
+        let in_row = |a: &usize, b: &usize| *b == a + 1 && !b.is_multiple_of(raster.columns);
+        let runs = cells.chunk_by(in_row).filter_map(|run| Some((*run.first()?, run.len())));
+        runs.flat_map(|(first, count)| {
+            let (column, row) = (first % raster.columns, first / raster.columns);
+            let [a, b, c, d] = [(0, 0), (count, 0), (count, 1), (0, 1)]
+                .map(|(right, up)| self.corner(raster.corner(column + right, row + up)));
+            [[a, b, c], [a, c, d]].map(|corners| Facet { corners, road: None, ground: self.ground })
+        })
+        .collect()
+    }
+}
+
+/// Draws the patches of a cover.
+pub(super) fn build(cover: &Cover, tiles: &mut Tiles) {
+    for facet in cover.facets().iter().filter(|f| f.road.is_none()) {
+        match facet.ground {
+            Ground::Walk => tiles.triangle(Layer::Sidewalk, PAVEMENT, facet.corners),
+            _ => tiles.triangle(Layer::Road, ASPHALT, facet.corners),
         }
     }
 }
 
-fn fill_one(junction: &JunctionInfo, cover: &Cover, tiles: &mut Tiles) {
-    let [low, high] = junction.bounds;
-    let (x0, y0) = (low.x.floor() - 1.0, low.y.floor() - 1.0);
-    let columns = ((high.x - x0) / CELL_M).ceil() as usize + 2;
-    let rows = ((high.y - y0) / CELL_M).ceil() as usize + 2;
-    // Decks over one another are no matter for patches at one height.
-    if columns * rows > MAX_CELLS || high.z - low.z > 3.0 {
-        return;
+#[cfg(test)]
+mod tests {
+    use super::super::cover::height_in;
+    use super::*;
+
+    const REGION: Region = Region { min: [-30.0; 2], max: [30.0; 2] };
+
+    fn plane(x: f64, y: f64) -> f64 {
+        5.0 + 0.02 * x - 0.01 * y
     }
-    let middle =
-        |i: usize| (x0 + ((i % columns) as f64 + 0.5) * CELL_M, y0 + ((i / columns) as f64 + 0.5) * CELL_M);
-    let heights: Vec<Option<f64>> = (0..columns * rows)
-        .map(|i| {
-            let (x, y) = middle(i);
-            let near = cover.at(x, y).map(|(_, z)| z).filter(|z| (z - junction.centre.z).abs() < 4.0);
-            near.min_by(f64::total_cmp)
-        })
-        .collect();
-    let neighbours = |i: usize| {
-        let (c, r) = (i % columns, i / columns);
-        let mut near = Vec::with_capacity(4);
-        if c > 0 {
-            near.push(i - 1);
-        }
-        if c + 1 < columns {
-            near.push(i + 1);
-        }
-        if r > 0 {
-            near.push(i - columns);
-        }
-        if r + 1 < rows {
-            near.push(i + columns);
-        }
-        near
-    };
-    // What can be reached from outside is land; other uncovered cells are holes.
-    let mut seen: Vec<bool> = heights.iter().map(Option::is_some).collect();
-    let mut flood = |start: usize| -> Vec<usize> {
-        let mut found = Vec::new();
-        if std::mem::replace(&mut seen[start], true) {
-            return found;
-        }
-        let mut queue = VecDeque::from([start]);
-        while let Some(i) = queue.pop_front() {
-            found.push(i);
-            for n in neighbours(i) {
-                if !std::mem::replace(&mut seen[n], true) {
-                    queue.push_back(n);
-                }
+
+    /// A cover of upright rectangles `[x0, x1, y0, y1]`, raised over the plane.
+    fn cover(rectangles: &[([f64; 4], Ground, f64)]) -> Cover {
+        let mut cover = Cover::new(REGION.grown(10.0));
+        for ([x0, x1, y0, y1], ground, raise) in rectangles {
+            let [a, b, c, d] = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+                .map(|(x, y)| Point3::new(*x, *y, plane(*x, *y) + raise));
+            for corners in [[a, b, c], [a, c, d]] {
+                cover.add(Facet { corners, road: Some(0), ground: *ground });
             }
         }
-        found
-    };
-    for i in (0..heights.len()).filter(|i| {
-        let (c, r) = (i % columns, i / columns);
-        c == 0 || r == 0 || c + 1 == columns || r + 1 == rows
-    }) {
-        flood(i);
+        cover
     }
-    let holes: Vec<Vec<usize>> = (0..heights.len()).map(&mut flood).filter(|h| !h.is_empty()).collect();
-    for hole in holes.into_iter().filter(|h| h.len() <= MAX_AREA_M2) {
-        let around: Vec<f64> = hole.iter().flat_map(|i| neighbours(*i)).filter_map(|n| heights[n]).collect();
-        if around.is_empty() {
-            continue;
+
+    /// A frame 8 m wide around a hole that begins at (0.1, 0.2).
+    fn frame(width: f64, height: f64, ground: Ground, raise: f64) -> Cover {
+        let (x0, x1, y0, y1) = (0.1, 0.1 + width, 0.2, 0.2 + height);
+        let sides = [
+            [x0 - 8.0, x1 + 8.0, y0 - 8.0, y0],
+            [x0 - 8.0, x1 + 8.0, y1, y1 + 8.0],
+            [x0 - 8.0, x0, y0, y1],
+            [x1, x1 + 8.0, y0, y1],
+        ];
+        cover(&sides.map(|side| (side, ground, raise)))
+    }
+
+    fn patches(cover: &Cover) -> Vec<Facet> {
+        in_window(&Window { region: REGION, z_m: [4.5, 5.5] }, cover)
+    }
+
+    /// Ground and height of the patches over a point.
+    fn over(patches: &[Facet], x: f64, y: f64) -> Vec<(Ground, f64)> {
+        patches.iter().filter_map(|f| Some((f.ground, height_in(&f.corners, x, y)?))).collect()
+    }
+
+    #[test]
+    fn enclosed_gaps_are_paved_in_the_plane_of_the_lanes_around() {
+        for (width, height) in [(4.3, 6.1), (0.7, 5.0), (11.0, 11.0)] {
+            let cover = frame(width, height, Ground::Paved, 0.0);
+            let patches = patches(&cover);
+            for i in 1..40 {
+                for j in 1..40 {
+                    let (x, y) = (0.1 + width * f64::from(i) / 40.0, 0.2 + height * f64::from(j) / 40.0);
+                    let found = over(&patches, x, y);
+                    assert!(!found.is_empty(), "a hole of {width} by {height} is open at {x}, {y}");
+                    for (ground, z) in found {
+                        assert_eq!(ground, Ground::Paved);
+                        assert!((z + BELOW_M - plane(x, y)).abs() < 1e-3, "{z} at {x}, {y}");
+                    }
+                }
+            }
+            for p in patches.iter().flat_map(|f| f.corners) {
+                let inside = p.x > -1.0 && p.x < width + 1.2 && p.y > -1.0 && p.y < height + 1.3;
+                assert!(inside, "a patch reaches to {p}");
+            }
         }
-        // One cell more on every side, under the lanes' edges.
-        let mut cells: Vec<usize> =
-            hole.iter().flat_map(|i| neighbours(*i)).chain(hole.iter().copied()).collect();
-        cells.sort_unstable();
-        cells.dedup();
-        let fallback = around.iter().sum::<f64>() / around.len() as f64;
-        let corner = |x: f64, y: f64| {
-            let covered =
-                cover.at(x, y).map(|(_, z)| z).filter(|z| (z - fallback).abs() < 2.0).min_by(f64::total_cmp);
-            Point3::new(x, y, covered.unwrap_or(fallback) - BELOW_M)
+    }
+
+    #[test]
+    fn windows_that_meet_are_joined_unless_too_large_or_on_another_level() {
+        let window = |x0: f64, x1: f64, z: f64| Window {
+            region: Region { min: [x0, 0.0], max: [x1, 10.0] },
+            z_m: [z, z + 0.5],
         };
-        for i in cells {
-            let (x, y) = middle(i);
-            let h = 0.5 * CELL_M;
-            let quad =
-                [corner(x - h, y - h), corner(x + h, y - h), corner(x + h, y + h), corner(x - h, y + h)];
-            tiles.quad(Layer::Road, ASPHALT, quad);
+        // The third meets both before it; the fourth lies over them; the fifth would make the first too long; the
+        // sixth is too high by itself.
+        let mut tall = window(0.0, 10.0, 0.0);
+        tall.z_m[1] = 4.0;
+        let long = 10.0 + MAX_CELLS * CELL_M * CELL_M / 10.0;
+        let all = [
+            window(0.0, 10.0, 0.0),
+            window(20.0, 30.0, 1.0),
+            window(9.0, 21.0, 0.0),
+            window(5.0, 15.0, 7.0),
+            window(29.0, long, 0.0),
+            tall,
+        ];
+        let mut found: Vec<[f64; 3]> =
+            joined(all.into_iter()).iter().map(|w| [w.region.min[0], w.region.max[0], w.z_m[0]]).collect();
+        found.sort_by(|a, b| a[2].total_cmp(&b[2]).then(a[0].total_cmp(&b[0])));
+        assert_eq!(found, [[0.0, 30.0, 0.0], [29.0, long, 0.0], [5.0, 15.0, 7.0]]);
+    }
+
+    #[test]
+    fn islands_and_open_land_stay() {
+        assert!(patches(&frame(14.0, 14.0, Ground::Paved, 0.0)).is_empty());
+        let road = |y0: f64| ([-60.0, 60.0, y0, y0 + 7.0], Ground::Paved, 0.0);
+        assert!(patches(&cover(&[road(0.1)])).is_empty());
+        assert!(patches(&cover(&[road(0.1), road(9.6)])).is_empty());
+        // A corner between two roads is no gap either.
+        let corner =
+            [([-60.0, 60.0, 0.1, 7.0], Ground::Walk, 0.1), ([0.2, 7.0, 7.0, 60.0], Ground::Walk, 0.1)];
+        assert!(patches(&cover(&corner)).is_empty());
+    }
+
+    #[test]
+    fn narrow_gaps_are_paved_though_their_ends_are_open() {
+        let gap = cover(&[
+            ([-20.0, 20.0, 0.1, 7.0], Ground::Paved, 0.0),
+            ([-20.0, 20.0, 7.8, 12.0], Ground::Paved, 0.0),
+        ]);
+        let patches = patches(&gap);
+        for i in -18..=18 {
+            let found = over(&patches, f64::from(i), 7.4);
+            assert!(found.iter().any(|(_, z)| (z + BELOW_M - plane(f64::from(i), 7.4)).abs() < 1e-3));
+        }
+        assert!(over(&patches, 25.0, 7.4).is_empty());
+    }
+
+    #[test]
+    fn gaps_among_pavement_become_pavement_and_others_lie_at_the_road() {
+        let patches_of = |cover: Cover| patches(&cover);
+        let walk = patches_of(frame(3.0, 3.0, Ground::Walk, 0.12));
+        let found = over(&walk, 1.6, 1.7);
+        assert!(!found.is_empty());
+        for (ground, z) in found {
+            assert!(ground == Ground::Walk && (z + BELOW_M - plane(1.6, 1.7) - 0.12).abs() < 1e-3);
+        }
+        // Between a kerb and a road.
+        let mixed = patches_of(cover(&[
+            ([-20.0, 20.0, 0.1, 7.0], Ground::Paved, 0.0),
+            ([-20.0, 20.0, 7.8, 12.0], Ground::Walk, 0.12),
+        ]));
+        let found = over(&mixed, 1.0, 7.4);
+        assert!(!found.is_empty());
+        for (ground, z) in found {
+            assert!(ground == Ground::Paved && (z + BELOW_M - plane(1.0, 7.4)).abs() < 0.01, "{z}");
         }
     }
 }

@@ -10,9 +10,9 @@ use super::tiles::Tiles;
 use super::{GroundLevels, Layer, Region};
 use crate::build::part;
 
-const ASPHALT: Part = part(Tag::Road, Surface::Asphalt, [0.085, 0.085, 0.09]);
+pub(super) const ASPHALT: Part = part(Tag::Road, Surface::Asphalt, [0.085, 0.085, 0.09]);
 const WASTE: Part = part(Tag::Ground, Surface::Asphalt, [0.12, 0.12, 0.12]);
-const PAVEMENT: Part = part(Tag::Sidewalk, Surface::Concrete, [0.34, 0.33, 0.31]);
+pub(super) const PAVEMENT: Part = part(Tag::Sidewalk, Surface::Concrete, [0.34, 0.33, 0.31]);
 const BALLAST: Part = part(Tag::RailTrack, Surface::Plain, [0.17, 0.155, 0.14]);
 const KERB: Part = part(Tag::Sidewalk, Surface::Concrete, [0.42, 0.42, 0.41]);
 const MEDIAN: Part = part(Tag::Ground, Surface::Concrete, [0.30, 0.29, 0.27]);
@@ -35,7 +35,8 @@ pub(crate) fn cover(sections: &[Section], region: &Region) -> Cover {
                 for i in 0..section.s.len() - 1 {
                     if section.inside(i, &region.grown(10.0)) && keep(section, strip, i, &cover) {
                         let [a, b, c, d] = corners(strip, i);
-                        let facet = |corners| Facet { corners, road: section.road, ground: strip.ground };
+                        let facet =
+                            |corners| Facet { corners, road: Some(section.road), ground: strip.ground };
                         facets.extend([facet([a, b, c]), facet([a, c, d])]);
                     }
                 }
@@ -69,9 +70,7 @@ pub(super) fn free_of_traffic(section: &Section, strip: &Strip, i: usize, cover:
     probes.push(middle);
     probes.extend((0..4).map(|k| middle + ((quad[k] + (quad[(k + 1) % 4] - quad[k]) * 0.5) - middle) * 0.94));
     !probes.iter().any(|p| {
-        cover.at(p.x, p.y).any(|(f, z)| {
-            f.ground == Ground::Paved && f.road != section.road && (z - p.z).abs() < SAME_LEVEL_M
-        })
+        cover.at(p.x, p.y).any(|(f, z)| f.is_driven_by_others(section.road) && (z - p.z).abs() < SAME_LEVEL_M)
     })
 }
 

@@ -118,9 +118,9 @@ fn lane_marking(section: &Section, stripe: &Stripe, region: &Region, cover: &Cov
             let middle = Point3::from(0.5 * (before[0].coords + after[1].coords));
             // In a junction other connecting lanes run across: their asphalt has no lines.
             let hidden = section.junction
-                && cover.at(middle.x, middle.y).any(|(f, z)| {
-                    f.ground == Ground::Paved && f.road != section.road && (z - middle.z).abs() < 1.0
-                });
+                && cover
+                    .at(middle.x, middle.y)
+                    .any(|(f, z)| f.is_driven_by_others(section.road) && (z - middle.z).abs() < 1.0);
             if region.contains(middle.x, middle.y) && !hidden {
                 tiles.quad(Layer::Marking, paint, [before[0], after[0], after[1], before[1]]);
             }
@@ -143,8 +143,8 @@ impl Painter<'_> {
             return;
         }
         let lift = |p: &[f64; 2]| {
-            let ground = self.cover.paved_near(p[0], p[1], z).filter(|h| (h - z).abs() < 1.0);
-            Point3::new(p[0], p[1], ground.unwrap_or(z) + PAINT_M)
+            let road = self.cover.road_near(p[0], p[1], z);
+            Point3::new(p[0], p[1], road.unwrap_or(z) + PAINT_M)
         };
         let points: Vec<Point3<f64>> = polygon.iter().map(lift).collect();
         for i in 1..points.len() - 1 {

@@ -5,6 +5,7 @@ mod cover;
 mod holes;
 mod lanes;
 mod marks;
+mod raster;
 mod sections;
 mod terrain;
 mod tiles;
@@ -135,9 +136,11 @@ impl GroundLevels {
 
 /// Lane surfaces, terrain heights and waters alone: what scenery is placed by.
 pub(crate) fn levels(map: &Map, sections: &[Section], region: &Region) -> GroundLevels {
-    let cover = lanes::cover(sections, region);
+    let mut cover = lanes::cover(sections, region);
+    let patches = holes::patches(map, region, &cover);
     let waters = water::waters(map, region);
-    let terrain = Terrain::new(sections, &waters, region);
+    let terrain = Terrain::new(sections, &patches, &waters, region);
+    patches.into_iter().for_each(|facet| cover.add(facet));
     GroundLevels { cover, terrain, waters }
 }
 
@@ -147,7 +150,7 @@ pub(crate) fn build(map: &Map, region: &Region) -> Surfaces {
     let ground = levels(map, &sections, region);
     let mut tiles = tiles::Tiles::default();
     lanes::build(&sections, region, &ground, &mut tiles);
-    holes::fill(map, region, &ground.cover, &mut tiles);
+    holes::build(&ground.cover, &mut tiles);
     marks::build(map, &sections, region, &ground.cover, &mut tiles);
     bridges::build(&sections, region, &ground, &mut tiles);
     tracks::build(&sections, region, &ground, &mut tiles);

@@ -45,6 +45,11 @@ impl Ground {
     pub(crate) fn raised(self) -> bool {
         matches!(self, Self::Walk | Self::Median)
     }
+
+    /// Whether paint can lie on it.
+    pub(crate) fn is_road(self) -> bool {
+        matches!(self, Self::Paved | Self::Waste)
+    }
 }
 
 /// How far a lane of a map is raised over its road's surface at its inner and outer border, metres: as the map states it, else a

@@ -4,6 +4,7 @@ use nalgebra::Point3;
 use schema::Tag;
 use schema::geometry::{Part, Surface};
 
+use super::cover::Facet;
 use super::sections::{Ground, Section};
 use super::tiles::Tiles;
 use super::{Layer, Region, Water};
@@ -36,8 +37,8 @@ pub(crate) struct Terrain {
 }
 
 impl Terrain {
-    /// The land of a region, from the lanes of its sections and the waters in it.
-    pub(crate) fn new(sections: &[Section], waters: &[Water], region: &Region) -> Self {
+    /// The land of a region, from the lanes of its sections, the patches between them and the waters.
+    pub(crate) fn new(sections: &[Section], patches: &[Facet], waters: &[Water], region: &Region) -> Self {
         let extent = (region.max[0] - region.min[0]).max(region.max[1] - region.min[1]);
         let cell = CELL_M.max(extent / MAX_NODES);
         let nodes = |low: f64, high: f64| ((high - low) / cell).ceil().max(1.0) as usize + 1;
@@ -45,6 +46,7 @@ impl Terrain {
         let rows = nodes(region.min[1], region.max[1]);
         let mut terrain = Self { origin: region.min, cell, columns, rows, heights: Vec::new() };
         let mut caps = terrain.caps(sections);
+        terrain.stay_under(&mut caps, patches);
         terrain.sink(&mut caps, waters);
         terrain.heights = filled(caps, columns, rows);
         terrain.limit_slope();
@@ -78,6 +80,20 @@ impl Terrain {
         caps
     }
 
+    /// Lowers the nodes around facets, which are narrow.
+    fn stay_under(&self, caps: &mut [f64], facets: &[Facet]) {
+        for facet in facets {
+            for k in 0..3 {
+                let (a, b) = (facet.corners[k], facet.corners[(k + 1) % 3]);
+                let pieces = ((b - a).norm() / SAMPLE_M).ceil().clamp(1.0, 200.0) as usize;
+                for i in 0..pieces {
+                    let p = a + (b - a) * (i as f64 / pieces as f64);
+                    self.cap(caps, p, p.z - UNDER_M);
+                }
+            }
+        }
+    }
+
     /// Lowers the nodes in and beside waters, so that land falls through their level at their edge.
     fn sink(&self, caps: &mut [f64], waters: &[Water]) {
         let reach = 2.0 * self.cell;
@@ -95,24 +111,18 @@ impl Terrain {
 
     /// Lowers the nodes of the cells that a point, or a point half a sample away, lies in.
     fn cap(&self, caps: &mut [f64], p: Point3<f64>, z: f64) {
-        let index = |v: f64, low: f64, n: usize| {
-            let c = ((v - low) / self.cell).floor();
-            (c >= 0.0 && c < (n - 1) as f64).then_some(c as usize)
+        // The first and last nodes of the cells.
+        let nodes = |v: f64, low: f64, n: usize| {
+            let [first, last] = [-0.6, 0.6].map(|by| ((v + by * SAMPLE_M - low) / self.cell).floor());
+            let last = (last + 1.0).min((n - 1) as f64);
+            (first < last && last > 0.0).then(|| (first.max(0.0) as usize, last as usize))
         };
-        for dx in [-0.6 * SAMPLE_M, 0.6 * SAMPLE_M] {
-            for dy in [-0.6 * SAMPLE_M, 0.6 * SAMPLE_M] {
-                let column = index(p.x + dx, self.origin[0], self.columns);
-                let row = index(p.y + dy, self.origin[1], self.rows);
-                if let (Some(c), Some(r)) = (column, row) {
-                    for node in [
-                        r * self.columns + c,
-                        r * self.columns + c + 1,
-                        (r + 1) * self.columns + c,
-                        (r + 1) * self.columns + c + 1,
-                    ] {
-                        caps[node] = caps[node].min(z);
-                    }
-                }
+        let columns = nodes(p.x, self.origin[0], self.columns);
+        let rows = nodes(p.y, self.origin[1], self.rows);
+        let (Some((c0, c1)), Some((r0, r1))) = (columns, rows) else { return };
+        for row in r0..=r1 {
+            for cap in &mut caps[row * self.columns + c0..=row * self.columns + c1] {
+                *cap = cap.min(z);
             }
         }
     }
