@@ -8,7 +8,7 @@ use frames::{Object, Pose, World as WorldFrame};
 use nalgebra::Point3;
 use opendrive::{JunctionInfo, LaneInfo, LaneType, Map};
 use schema::Tag;
-use schema::tables::FrameRow;
+use schema::tables::{ActorRow, FrameRow};
 
 #[test]
 fn rivers_lie_under_bridges() {
@@ -116,6 +116,26 @@ fn rails_lie_on_their_beds_and_in_level_crossings() {
             assert!(clear > needed, "{} {} is {clear:.2} m from the rails", thing.model, thing.id);
         }
     }
+}
+
+#[test]
+fn nobody_lives_on_the_island_of_a_roundabout() {
+    let map = named("convoy/03");
+    let ring: Vec<Point3<f64>> = (map.network().roads.iter().enumerate())
+        .filter(|(_, road)| road.name.ends_with("ring"))
+        .filter_map(|(i, road)| map.road_point(i as u32, 0.5 * road.length_m, 0.0, 0.0))
+        .collect();
+    let corners = ring.iter().fold([ring[0]; 2], |[low, high], p| [low.inf(p), high.sup(p)]);
+    let centre = nalgebra::center(&corners[0], &corners[1]);
+    assert!(ring.len() > 2 && ring.iter().all(|p| (p - centre).norm() < 22.0), "{ring:?}");
+    let (actors, _) = around(&map, centre.coords.into());
+    let near: Vec<&ActorRow> = actors
+        .iter()
+        .filter(|a| a.kind == "building")
+        .filter(|a| (a.xyz_m[0] - centre.x).abs() + (a.xyz_m[1] - centre.y).abs() < 20.0)
+        .collect();
+    assert!(near.is_empty(), "{near:?}");
+    assert!(actors.iter().filter(|a| a.kind == "building").count() > 20);
 }
 
 /// Patches of land in view that other ground surrounds: area and a place of each.

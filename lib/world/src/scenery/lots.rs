@@ -4,6 +4,7 @@ use random::Stream;
 use schema::Tag;
 
 use super::frontage::{Frontage, Spot};
+use super::islands::Islands;
 use super::land::{Land, Rect};
 use super::{Draft, Site};
 use crate::actors::{BUILDINGS, BuildingKind, TREES};
@@ -21,7 +22,13 @@ const HIGHWAY_MPS: f64 = 19.0;
 const TOWN: [f64; 5] = [0.42, 0.16, 0.14, 0.22, 0.06];
 const COUNTRY: [f64; 5] = [0.04, 0.0, 0.70, 0.08, 0.18];
 
-pub(super) fn buildings(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_>, drafts: &mut Vec<Draft>) {
+pub(super) fn buildings(
+    site: &Site<'_>,
+    fronts: &[Frontage],
+    islands: &Islands,
+    land: &mut Land<'_>,
+    drafts: &mut Vec<Draft>,
+) {
     for front in fronts.iter().filter(|f| !f.track) {
         let mut random = Stream::new(site.seed, 0, "world/buildings", front.entity);
         let mut along = 2.0;
@@ -53,7 +60,10 @@ pub(super) fn buildings(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_
                     axis: [-spot.away.x, -spot.away.y],
                     half: size.map(|v| 0.5 * v),
                 };
-                (land.free(&rect.grown(0.6)) && land.is_dry(&rect.grown(SHORE_M))).then_some((rect, size))
+                let fits = land.free(&rect.grown(0.6))
+                    && land.is_dry(&rect.grown(SHORE_M))
+                    && !islands.holds(centre.x, centre.y);
+                fits.then_some((rect, size))
             });
             let Some((rect, size)) = placed else {
                 along += 5.0;

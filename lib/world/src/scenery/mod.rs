@@ -2,6 +2,7 @@
 
 mod frontage;
 mod furniture;
+mod islands;
 mod land;
 mod lots;
 mod parked;
@@ -14,6 +15,7 @@ use schema::{ObjectId, Tag};
 
 use crate::WorldError;
 use crate::surfaces::{self, Ground, GroundLevels, Layer, Region};
+use islands::Islands;
 use land::Land;
 
 /// Most scenery objects of a scene.
@@ -113,7 +115,8 @@ pub fn place(
     parked::parked(&site, &mut land, &mut drafts);
     let fronts = frontage::frontages(&sections);
     furniture::lamps(&site, &fronts, &mut land, &mut drafts);
-    lots::buildings(&site, &fronts, &mut land, &mut drafts);
+    let islands = Islands::new(&ground.cover, &region);
+    lots::buildings(&site, &fronts, &islands, &mut land, &mut drafts);
     lots::trees(&site, &fronts, &mut land, &mut drafts);
     furniture::small_things(&site, &fronts, &mut land, &mut drafts);
     if drafts.len() > MAX_OBJECTS {

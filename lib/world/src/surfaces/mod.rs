@@ -16,6 +16,9 @@ use opendrive::Map;
 use schema::Tag;
 
 pub(crate) use cover::Cover;
+#[cfg(test)]
+pub(crate) use cover::Facet;
+pub(crate) use raster::Raster;
 pub use sections::lane_raise_m;
 pub(crate) use sections::{Ground, Section, sections};
 pub(crate) use terrain::Terrain;

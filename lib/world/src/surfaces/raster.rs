@@ -35,6 +35,15 @@ impl Raster {
         self.corner(cell % self.columns, cell / self.columns).map(|v| v + 0.5 * self.cell_m)
     }
 
+    /// The cell that a point lies in.
+    pub(crate) fn cell(&self, x: f64, y: f64) -> Option<usize> {
+        let of = |v: f64, low: f64, n: usize| {
+            let at = ((v - low) / self.cell_m).floor();
+            (at >= 0.0 && at < n as f64).then_some(at as usize)
+        };
+        Some(of(y, self.low[1], self.rows)? * self.columns + of(x, self.low[0], self.columns)?)
+    }
+
     /// The columns and rows (first to before last) of the cells whose middles lie in a region, its northern and eastern
     /// sides not included.
     pub(crate) fn span(&self, region: &Region) -> [[usize; 2]; 2] {
@@ -178,6 +187,29 @@ impl Raster {
             || run.start.is_multiple_of(self.columns)
             || run.end.is_multiple_of(self.columns)
     }
+
+    /// The part of the grid that holds some runs and a cell more on each side where there is one, and for each of its
+    /// cells whether the runs hold it.
+    pub(crate) fn around(&self, runs: &[Range<usize>]) -> (Self, Vec<bool>) {
+        let fold = |of: fn(&Range<usize>, usize) -> usize, pick: fn(usize, usize) -> usize, start: usize| {
+            runs.iter().map(|r| of(r, self.columns)).fold(start, pick)
+        };
+        let low = [
+            fold(|r, n| r.start % n, usize::min, self.columns).saturating_sub(1),
+            fold(|r, n| r.start / n, usize::min, self.rows).saturating_sub(1),
+        ];
+        let high = [
+            (fold(|r, n| (r.end - 1) % n, usize::max, 0) + 2).min(self.columns),
+            (fold(|r, n| (r.end - 1) / n, usize::max, 0) + 2).min(self.rows),
+        ];
+        let (columns, rows) = (high[0] - low[0], high[1] - low[1]);
+        let part = Self { low: self.corner(low[0], low[1]), cell_m: self.cell_m, columns, rows };
+        let mut held = vec![false; part.len()];
+        for cell in runs.iter().cloned().flatten() {
+            held[(cell / self.columns - low[1]) * columns + cell % self.columns - low[0]] = true;
+        }
+        (part, held)
+    }
 }
 
 /// The run that names itself at the end of a chain, which is shortened on the way.
@@ -212,6 +244,7 @@ mod tests {
             raster.under(&corners, [0, raster.columns], [0, raster.rows], |i| under[i] += 1);
             for (i, times) in under.iter().enumerate() {
                 let [x, y] = raster.middle(i);
+                assert_eq!(raster.cell(x, y), Some(i));
                 assert_eq!(*times, i32::from(height_in(&corners, x, y).is_some()), "{corners:?} {x} {y}");
                 marked += times;
             }
@@ -267,6 +300,13 @@ mod tests {
                 assert_eq!(group.iter().cloned().flatten().collect::<Vec<_>>(), flood);
                 let edge = |i: &usize| raster.beside(*i).count() < 4;
                 assert_eq!(group.iter().any(|r| raster.at_edge(r)), flood.iter().any(edge));
+
+                let (part, held) = raster.around(group);
+                let cells = (0..part.len()).filter(|i| held[*i]).map(|i| {
+                    let [x, y] = part.middle(i);
+                    raster.cell(x, y).unwrap()
+                });
+                assert_eq!(cells.collect::<Vec<_>>(), flood);
             }
             assert_eq!(seen, wanted);
         }
