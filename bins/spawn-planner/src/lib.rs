@@ -1,20 +1,19 @@
 //! The planning stage: reads maps, plans scenes, keeps everything a store needs to be complete by itself.
 
-use std::collections::BTreeMap;
-use std::io::Read;
-use std::path::{Path, PathBuf};
+mod maps;
 
-use opendrive::Map;
+use std::collections::BTreeMap;
+
 use pipeline::{Job, Stage, StageError};
-use plan::{Plan, PlanMap};
+use plan::{Plan, PlanMap, Roster, SceneSlot};
 use schema::settings::DatasetSettings;
 use schema::table::Row;
 use schema::tables::{PlanAgentRow, PlanSceneRow};
 use serde::Serialize;
-use store::keys;
+use store::{Scope, Store, keys};
 
 /// The stage.
-pub const STAGE: Stage = Stage { name: "spawn-planner", run, sources: map_digests };
+pub const STAGE: Stage = Stage { name: "spawn-planner", run, sources: maps::digests };
 
 /// `dataset.json`.
 #[derive(Serialize)]
@@ -26,24 +25,28 @@ struct DatasetRecord<'a> {
 
 fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     let as_written = job.settings().clone();
-    let texts = map_texts(&as_written, job.maps_folder())?;
     let mut settings = as_written.clone();
     for wish in &mut settings.scenes {
-        wish.map = name_in_store(&wish.map).to_owned();
+        wish.map = maps::name_in_store(&wish.map).to_owned();
     }
+    let roster = enrol(job.store(), &settings)?;
+    let texts = maps::texts(&as_written, &roster.slots, job.maps_folder(), job.store())?;
     let mut maps = BTreeMap::new();
     for (name, source) in &texts {
         let hash = store::hash_bytes(&source.text);
-        maps.insert(name.clone(), PlanMap { map: parse_map(source)?, hash });
+        maps.insert(name.clone(), PlanMap { map: maps::parse(source)?, hash });
     }
-    let plan = plan::plan(&settings, &maps).map_err(|e| StageError::failed(&e))?;
-    for warning in &plan.warnings {
+    let plan = plan::plan_slots(&settings, &roster.slots, &maps).map_err(|e| StageError::failed(&e))?;
+    for warning in roster.warnings.iter().chain(&plan.warnings) {
         tracing::warn!("{warning}");
     }
     for scene in &plan.scenes {
         job.plan_scene(scene.scene, scene_digest(scene, &plan));
     }
+    let store = job.store().clone();
     if let Some(mut unit) = job.unit("plan")? {
+        // Before the old plan is touched, so that a run that is killed here gives the same numbers next time.
+        store.write_json(keys::ROSTER, STAGE.name, &roster.slots)?;
         let record = DatasetRecord {
             format_version: schema::FORMAT_VERSION,
             code_version: pipeline::code_version(STAGE.name),
@@ -57,6 +60,9 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
                 unit.rows(&keys::vector_map(name), &vectormap::rows(&own.map))?;
             }
         }
+        let mut json = serde_json::to_vec_pretty(&roster.slots).map_err(|e| StageError::failed(&e))?;
+        json.push(b'\n');
+        unit.bytes(keys::ROSTER, &json, roster.slots.len() as u64)?;
         unit.rows(keys::PLAN_SCENES, &plan.scenes)?;
         unit.rows(keys::PLAN_AGENTS, &plan.agents)?;
         unit.finish()?;
@@ -64,132 +70,18 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     Ok(())
 }
 
-/// Digests of the map files, by name in the store. Our own towns are part of the code; a file that is not found now is
-/// in the store already, or missed with a message when it is needed.
-fn map_digests(settings: &DatasetSettings, folder: Option<&Path>) -> BTreeMap<String, String> {
-    let maps = settings.scenes.iter().filter(|s| s.count > 0).map(|s| s.map.as_str());
-    maps.filter(|written| town::named(written).is_none())
-        .filter_map(|written| {
-            let source = read_map_file(written, folder).ok()?;
-            Some((keys::map(name_in_store(written)), store::hash_bytes(&source.text)))
-        })
-        .collect()
-}
-
-/// A map's OpenDRIVE text and where it comes from, for messages.
-struct MapSource {
-    text: Vec<u8>,
-    origin: String,
-}
-
-/// What a map of the configuration is called in the store: a file is called by its stem, all others as written.
-fn name_in_store(written: &str) -> &str {
-    match file_stem(written) {
-        Some(stem) => stem.rsplit(['/', '\\']).next().unwrap_or(stem),
-        None => written,
-    }
-}
-
-/// The path without its ending, where it is one of a map file.
-fn file_stem(written: &str) -> Option<&str> {
-    ENDINGS.iter().find_map(|ending| written.strip_suffix(ending))
-}
-
-/// Endings of map files.
-const ENDINGS: [&str; 2] = [".xodr", ".xodr.gz"];
-
-/// The OpenDRIVE text of every map the settings name, by its name in the store: our own towns are generated, others
-/// read from files.
-fn map_texts(
-    settings: &DatasetSettings,
-    folder: Option<&Path>,
-) -> Result<BTreeMap<String, MapSource>, StageError> {
-    let mut texts = BTreeMap::new();
-    let mut written_as: BTreeMap<&str, &str> = BTreeMap::new();
-    for written in settings.scenes.iter().filter(|s| s.count > 0).map(|s| s.map.as_str()) {
-        let name = name_in_store(written);
-        if let Some(other) = written_as.insert(name, written) {
-            if other == written {
-                continue;
-            }
-            return Err(StageError::Usage(format!(
-                "maps `{other}` and `{written}` are both called `{name}`: rename one of the files"
-            )));
-        }
-        let source = match town::named(written) {
-            Some(parameters) => {
-                let network = town::generate(&parameters).map_err(|e| StageError::failed(&e))?;
-                MapSource { text: opendrive::write(&network).into_bytes(), origin: written.to_owned() }
-            }
-            None => read_map_file(written, folder)?,
-        };
-        texts.insert(name.to_owned(), source);
-    }
-    Ok(texts)
-}
-
-/// Reads a map from the path that was written, below the maps folder or from where the program runs; or, where no
-/// ending was written, from the file of that stem in the maps folder.
-fn read_map_file(written: &str, folder: Option<&Path>) -> Result<MapSource, StageError> {
-    let own = town::names().join(", ");
-    let paths: Vec<PathBuf> = if file_stem(written).is_some() {
-        let below = folder.map(|f| f.join(written));
-        below.into_iter().chain([PathBuf::from(written)]).collect()
-    } else {
-        let Some(folder) = folder else {
-            return Err(StageError::Usage(format!(
-                "map `{written}` is none of our own towns ({own}): give the path of its .xodr file instead, or say \
-                 in which folder it is with --maps FOLDER"
-            )));
-        };
-        if written.split(['/', '\\']).any(|part| part.is_empty() || part.starts_with('.')) {
-            return Err(StageError::Usage(format!(
-                "map `{written}` is not a plain name: give the whole path of the file, with its ending .xodr"
-            )));
-        }
-        ENDINGS.iter().map(|ending| folder.join(format!("{written}{ending}"))).collect()
-    };
-    for path in &paths {
-        match std::fs::read(path) {
-            Ok(bytes) => {
-                let text = unpack(bytes, path)?;
-                return Ok(MapSource { text, origin: path.display().to_string() });
-            }
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => {}
-            Err(e) => return Err(StageError::Usage(format!("{}: cannot read the map: {e}", path.display()))),
+/// Numbers for the scenes of the settings: those of an earlier plan of this store stand.
+fn enrol(store: &Store, settings: &DatasetSettings) -> Result<Roster, StageError> {
+    let existing: Vec<SceneSlot> = store.read_json(keys::ROSTER)?.unwrap_or_default();
+    let mut made = Vec::new();
+    for slot in &existing {
+        // The record of a failure is nothing to keep.
+        let files = store.backend().list(&Scope::Scene(slot.scene).folder())?;
+        if files.iter().any(|key| !key.ends_with(".failed.json")) {
+            made.push(slot.scene);
         }
     }
-    let looked: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
-    let looked = looked.join(" nor ");
-    Err(StageError::Usage(format!("map `{written}`: there is no {looked}; our own towns are {own}")))
-}
-
-/// The text of a map file that may be gzipped: the store keeps the text, so its hash does not depend on packing.
-fn unpack(bytes: Vec<u8>, path: &Path) -> Result<Vec<u8>, StageError> {
-    const LARGEST: u64 = 1 << 30;
-    if !bytes.starts_with(&[0x1f, 0x8b]) {
-        return Ok(bytes);
-    }
-    let mut text = Vec::new();
-    flate2::read::GzDecoder::new(bytes.as_slice())
-        .take(LARGEST)
-        .read_to_end(&mut text)
-        .map_err(|e| StageError::Failed(format!("{}: broken gzip file: {e}", path.display())))?;
-    Ok(text)
-}
-
-fn parse_map(source: &MapSource) -> Result<Map, StageError> {
-    let origin = &source.origin;
-    let network =
-        opendrive::read_bytes(&source.text).map_err(|e| StageError::Failed(format!("{origin}: {e}")))?;
-    if !network.warnings.is_empty() {
-        let count = network.warnings.len();
-        tracing::info!("{origin}: {count} peculiarities in the file (CONVOY_LOG=debug lists them)");
-        for warning in &network.warnings {
-            tracing::debug!("{origin}: {warning}");
-        }
-    }
-    Ok(Map::new(network))
+    plan::enrol(settings, &existing, &|scene| made.contains(&scene)).map_err(|e| StageError::failed(&e))
 }
 
 /// Digest of everything the plan says about one scene: the simulation of a scene depends on nothing else of it.
@@ -198,22 +90,4 @@ fn scene_digest(scene: &PlanSceneRow, plan: &Plan) -> String {
     let scene = PlanSceneRow::to_columns(std::slice::from_ref(scene));
     // Debug prints every bit of every number that matters: shortest text that reads back the same.
     store::hash_bytes(format!("{scene:?}\n{:?}", PlanAgentRow::to_columns(&agents)).as_bytes())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::name_in_store;
-
-    #[test]
-    fn files_are_called_by_their_stem() {
-        for (written, name) in [
-            ("convoy/03", "convoy/03"),
-            ("Town03", "Town03"),
-            ("Town03.xodr", "Town03"),
-            ("../maps/north side.xodr.gz", "north side"),
-            ("/data/v1.2/town.xodr", "town"),
-        ] {
-            assert_eq!(name_in_store(written), name);
-        }
-    }
 }

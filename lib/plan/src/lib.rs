@@ -2,11 +2,12 @@
 //!
 //! [`plan`] turns a dataset's settings and its maps into one row per scene and agent. Each scene depends on the
 //! dataset's seed, its own number, its map and the settings alone, so [`plan_scene`] gives the same rows as the whole
-//! plan does. Every topic (durations, weather, vehicles, ...) draws from its own named random stream.
+//! plan does. [`enrol`] gives scenes their numbers, so that a dataset can grow. Every topic (durations, weather, vehicles, ...) draws from its own named random stream.
 
 mod agents;
 mod error;
 mod pool;
+mod roster;
 mod scene;
 mod timing;
 mod weather;
@@ -14,6 +15,7 @@ mod weather;
 pub use agents::RSU_MODEL;
 pub use error::PlanError;
 pub use pool::{SpawnPoint, SpawnPool};
-pub use scene::{Plan, PlanMap, PlannedScene, SceneSlot, plan, plan_scene, scene_slots};
+pub use roster::{Roster, SceneSlot, enrol, scene_slots};
+pub use scene::{Plan, PlanMap, PlannedScene, plan, plan_scene, plan_slots};
 pub use timing::{background_radius_m, draw_duration_s, frame_count};
 pub use weather::{draw_weather, plan_weather};

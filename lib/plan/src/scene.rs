@@ -5,17 +5,15 @@ use std::collections::BTreeMap;
 use opendrive::Map;
 use random::Stream;
 use schema::AgentId;
-use schema::settings::{DatasetSettings, SpawnMode, Split};
+use schema::settings::{DatasetSettings, SpawnMode};
 use schema::tables::{PlanAgentRow, PlanSceneRow};
 
 use crate::PlanError;
 use crate::agents::{draw_driver, place_rsus, place_vehicles, vehicle_models};
 use crate::pool::SpawnPool;
+use crate::roster::{SceneSlot, scene_slots};
 use crate::timing::{background_radius_m, draw_duration_s, frame_count};
 use crate::weather::plan_weather;
-
-/// Most scenes of a dataset.
-const MAX_SCENES: u32 = 1_000_000;
 
 /// A map to plan on.
 #[derive(Debug)]
@@ -48,45 +46,26 @@ pub struct PlannedScene {
     pub warnings: Vec<String>,
 }
 
-/// Number, split and map of a scene.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SceneSlot {
-    /// Scene number.
-    pub scene: u32,
-    /// Its split.
-    pub split: Split,
-    /// Map name.
-    pub map: String,
-}
-
-/// The scenes that the settings ask for, numbered from 0: train, val, test, and within each in the order of the
-/// settings.
-///
-/// # Errors
-/// When they are too many to number.
-pub fn scene_slots(settings: &DatasetSettings) -> Result<Vec<SceneSlot>, PlanError> {
-    let mut slots = Vec::new();
-    for split in Split::ALL {
-        for wish in settings.scenes.iter().filter(|w| w.split == split) {
-            if u64::from(wish.count) + slots.len() as u64 > u64::from(MAX_SCENES) {
-                return Err(PlanError::TooManyScenes { limit: MAX_SCENES });
-            }
-            for _ in 0..wish.count {
-                slots.push(SceneSlot { scene: slots.len() as u32, split, map: wish.map.clone() });
-            }
-        }
-    }
-    Ok(slots)
-}
-
-/// Plans a whole dataset.
+/// Plans a new dataset.
 ///
 /// # Errors
 /// When a map is missing or has no place for vehicles, or a setting cannot be followed.
 pub fn plan(settings: &DatasetSettings, maps: &BTreeMap<String, PlanMap>) -> Result<Plan, PlanError> {
+    plan_slots(settings, &scene_slots(settings)?, maps)
+}
+
+/// Plans the scenes of a roster.
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_slots(
+    settings: &DatasetSettings,
+    slots: &[SceneSlot],
+    maps: &BTreeMap<String, PlanMap>,
+) -> Result<Plan, PlanError> {
     let mut pools: BTreeMap<&str, SpawnPool> = BTreeMap::new();
     let mut plan = Plan::default();
-    for slot in &scene_slots(settings)? {
+    for slot in slots {
         let Some((name, map)) = maps.get_key_value(&slot.map) else {
             let known = maps.keys().cloned().collect::<Vec<_>>().join(", ");
             return Err(PlanError::UnknownMap { map: slot.map.clone(), known });
@@ -119,11 +98,12 @@ pub fn plan_scene(
     }
     let models = vehicle_models(&settings.agents)?;
     let number = slot.scene;
-    let stream = |topic, entity| Stream::new(settings.seed, u64::from(number), topic, entity);
+    let seed = slot.seed(settings.seed);
+    let stream = |topic, entity| Stream::new(seed, u64::from(number), topic, entity);
 
     let duration_s = draw_duration_s(&settings.timing, &mut stream("plan/duration", 0));
     let warmup_s = settings.timing.warmup_s.max(0.0);
-    let [initial, last] = plan_weather(&settings.weather, settings.seed, number, pool.is_high_ground());
+    let [initial, last] = plan_weather(&settings.weather, seed, number, pool.is_high_ground());
 
     let mut counts = stream("plan/counts", 0);
     let between = |stream: &mut Stream, low: u32, high: u32| {
@@ -183,7 +163,7 @@ pub fn plan_scene(
         split: slot.split.name().into(),
         map: slot.map.clone(),
         map_hash: map.hash.clone(),
-        seed: settings.seed.wrapping_add(u64::from(number)),
+        seed: seed.wrapping_add(u64::from(number)),
         duration_s,
         frames: frame_count(duration_s),
         warmup_s,

@@ -9,34 +9,11 @@ use opendrive::{
 };
 use plan::{PlanError, PlanMap, SceneSlot, SpawnPool, plan, plan_scene, scene_slots};
 use proptest::prelude::*;
-use schema::settings::{
-    AgentSettings, AnnotationSettings, BevSettings, DatasetSettings, LightSettings, OccupancySettings, Rig,
-    SceneCount, SpawnMode, Split, TimingSettings, TrafficSettings, WalkerSettings, WeatherSettings,
-    WorldSettings,
-};
+use schema::settings::{DatasetSettings, SceneCount, SpawnMode, Split};
 
 fn settings(scenes: &[(Split, &str, u32)]) -> DatasetSettings {
-    DatasetSettings {
-        name: "test".into(),
-        seed: 27,
-        scenes: scenes
-            .iter()
-            .map(|&(split, map, count)| SceneCount { split, map: map.into(), count })
-            .collect(),
-        agents: AgentSettings::default(),
-        timing: TimingSettings::default(),
-        traffic: TrafficSettings::default(),
-        walkers: WalkerSettings::default(),
-        weather: WeatherSettings::default(),
-        lights: LightSettings::default(),
-        world: WorldSettings::default(),
-        vehicle_rig: Rig::vehicle(),
-        rsu_rig: Rig::rsu(),
-        annotation: AnnotationSettings::default(),
-        bev: BevSettings::default(),
-        vehicle_occupancy: OccupancySettings::default(),
-        rsu_occupancy: OccupancySettings::default(),
-    }
+    let count = |&(split, map, count): &(Split, &str, u32)| SceneCount { split, map: map.into(), count };
+    DatasetSettings::with_scenes(scenes.iter().map(count).collect())
 }
 
 /// A straight road to the east with one lane each way.
@@ -257,7 +234,7 @@ proptest! {
         settings.agents.max_vehicles = count;
         let map = PlanMap { map: straight(length, LaneType::Driving), hash: String::new() };
         let pool = SpawnPool::new(&map.map, 24.0);
-        let slot = SceneSlot { scene: 5, split: Split::Val, map: "road".into() };
+        let slot = SceneSlot { scene: 5, split: Split::Val, map: "road".into(), draw: 0 };
         let planned = plan_scene(&settings, &slot, &map, &pool).expect("a scene");
         let at = positions(&planned);
         prop_assert!(!at.is_empty() && at.len() <= count as usize);

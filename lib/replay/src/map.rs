@@ -20,22 +20,32 @@ pub fn compress_map(text: &[u8]) -> Result<Vec<u8>, StageError> {
     zstd::bulk::compress(text, 9).map_err(|e| StageError::Failed(format!("cannot compress a map: {e}")))
 }
 
+/// The OpenDRIVE text of a map of the store, by its name; `None` when the store has no such map.
+///
+/// # Errors
+/// It cannot be read or unpacked.
+pub fn read_map_text(store: &Store, name: &str) -> Result<Option<Vec<u8>>, StageError> {
+    let key = keys::map(name);
+    let Some(packed) = store.read(&key)? else { return Ok(None) };
+    let mut text = Vec::new();
+    zstd::Decoder::new(packed.as_slice())
+        .and_then(|decoder| decoder.take(MAX_MAP_BYTES).read_to_end(&mut text))
+        .map_err(|e| {
+            let path = store.location(&key);
+            StageError::Failed(format!("{path}: cannot decompress: {e} (run {PLANNER} with --force)"))
+        })?;
+    Ok(Some(text))
+}
+
 /// Reads a map of the store by its name.
 ///
 /// # Errors
 /// It is missing, changed, or no OpenDRIVE file.
 pub fn read_map(store: &Store, name: &str, hash: &str) -> Result<Map, StageError> {
-    let key = keys::map(name);
-    let path = store.location(&key);
-    let Some(packed) = store.read(&key)? else {
+    let path = store.location(&keys::map(name));
+    let Some(text) = read_map_text(store, name)? else {
         return Err(StageError::Failed(format!("{path}: missing (run {PLANNER} with --force)")));
     };
-    let mut text = Vec::new();
-    zstd::Decoder::new(packed.as_slice())
-        .and_then(|decoder| decoder.take(MAX_MAP_BYTES).read_to_end(&mut text))
-        .map_err(|e| {
-            StageError::Failed(format!("{path}: cannot decompress: {e} (run {PLANNER} with --force)"))
-        })?;
     if store::hash_bytes(&text) != hash {
         return Err(StageError::Failed(format!(
             "{path}: is not the map of the plan (run {PLANNER} with --force)"

@@ -69,6 +69,8 @@ impl Scope {
 
 /// Format version, resolved configuration, code version.
 pub const DATASET: &str = "dataset.json";
+/// Which scene has which number, split and map: what an expansion goes on from.
+pub const ROSTER: &str = "plan/roster.json";
 /// Planned scenes.
 pub const PLAN_SCENES: &str = "plan/scenes.parquet";
 /// Planned agents.

@@ -41,7 +41,7 @@ pub fn config_keys() -> Vec<ConfigKey> {
 fn dataset(root: &Section<'_>) -> DatasetSettings {
     let name = root.text("name", "dataset", "name of the dataset, in reports");
     let seed = root.integer("seed", 27, 0, i64::MAX, "seed of every random stream") as u64;
-    let scenes = scenario::scenes(root);
+    let (scenes, redraw) = scenario::scenes(root);
     let annotation = annotation(&root.section("annotation", "which objects are annotated"));
     let bev = bev(&root.section("bev", "bird's-eye-view masks"));
     let (vehicle_rig, vehicle_occupancy) =
@@ -51,6 +51,7 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
         name,
         seed,
         scenes,
+        redraw,
         agents: scenario::agents(&root.section("agents", "data-collection vehicles and RSUs")),
         timing: scenario::timing(&root.section("timing", "warm-up and durations")),
         traffic: scenario::traffic(&root.section("traffic", "background vehicles and drivers")),

@@ -10,7 +10,8 @@ use super::reader::Section;
 
 const DRAWN_PER_DRIVER: &str = "drawn per driver";
 
-pub(crate) fn scenes(root: &Section<'_>) -> Vec<SceneCount> {
+/// How many scenes on which map, and which of them are drawn anew.
+pub(crate) fn scenes(root: &Section<'_>) -> (Vec<SceneCount>, Vec<(u32, u32)>) {
     let section = root.section("scenes", "how many scenes on which map");
     let mut scenes = Vec::new();
     for split in Split::ALL {
@@ -30,7 +31,25 @@ pub(crate) fn scenes(root: &Section<'_>) -> Vec<SceneCount> {
             "no scenes: add a table such as [scenes.train] with \"convoy/demo\" = 2".into(),
         );
     }
-    scenes
+    (scenes, redraw(&section))
+}
+
+fn redraw(scenes: &Section<'_>) -> Vec<(u32, u32)> {
+    let section = scenes.section(
+        "redraw",
+        "scenes to replace by other ones of the same split and map; keys are scene numbers",
+    );
+    let doc =
+        "which further draw of the scene is meant: each number gives another scene, 0 the first one again";
+    let draws = section.free_integers("\"SCENE\"", 0, u32::MAX.into(), doc);
+    let read = |(key, draw): (String, i64)| match key.parse::<u32>() {
+        Ok(scene) => Some((scene, draw as u32)),
+        Err(_) => {
+            section.fault_at(&key, format!("`{}`: `{key}` is no scene number", section.path()));
+            None
+        }
+    };
+    draws.into_iter().filter_map(read).collect()
 }
 
 pub(crate) fn agents(s: &Section<'_>) -> AgentSettings {

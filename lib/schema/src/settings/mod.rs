@@ -23,6 +23,8 @@ pub struct DatasetSettings {
     pub seed: u64,
     /// How many scenes on which map, in split order.
     pub scenes: Vec<SceneCount>,
+    /// Scenes to draw anew, by number: which further draw is meant, from 1.
+    pub redraw: Vec<(u32, u32)>,
     /// Data-collection vehicles and RSUs.
     pub agents: AgentSettings,
     /// Warm-up and durations.
@@ -49,6 +51,32 @@ pub struct DatasetSettings {
     pub vehicle_occupancy: OccupancySettings,
     /// Voxel grids of RSUs.
     pub rsu_occupancy: OccupancySettings,
+}
+
+impl DatasetSettings {
+    /// The published settings for some scenes.
+    #[must_use]
+    pub fn with_scenes(scenes: Vec<SceneCount>) -> Self {
+        Self {
+            name: "dataset".into(),
+            seed: 27,
+            scenes,
+            redraw: Vec::new(),
+            agents: AgentSettings::default(),
+            timing: TimingSettings::default(),
+            traffic: TrafficSettings::default(),
+            walkers: WalkerSettings::default(),
+            weather: WeatherSettings::default(),
+            lights: LightSettings::default(),
+            world: WorldSettings::default(),
+            vehicle_rig: Rig::vehicle(),
+            rsu_rig: Rig::rsu(),
+            annotation: AnnotationSettings::default(),
+            bev: BevSettings::default(),
+            vehicle_occupancy: OccupancySettings::default(),
+            rsu_occupancy: OccupancySettings::default(),
+        }
+    }
 }
 
 /// Which objects are annotated.

@@ -1,9 +1,9 @@
 //! What happens in a scene.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Part of a dataset.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[allow(missing_docs)] // The names are their own documentation.
 pub enum Split {

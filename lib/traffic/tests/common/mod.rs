@@ -11,35 +11,18 @@ use opendrive::{
     LaneSection, LaneType, LaneValidity, Map, Network, Road, RoadLink, RoadType, Signal, Speed, SpeedUnit,
     read_bytes,
 };
-use schema::settings::{
-    AgentSettings, AnnotationSettings, BevSettings, DatasetSettings, LightSettings, OccupancySettings, Rig,
-    TimingSettings, TrafficSettings, WalkerSettings, WeatherSettings, WorldSettings,
-};
+use schema::settings::{DatasetSettings, TrafficSettings};
 use schema::tables::{ActorRow, PlanAgentRow, PlanSceneRow, StateRow, Weather};
 use traffic::{SceneInput, SceneLog, simulate};
 
 pub(crate) fn settings() -> DatasetSettings {
     DatasetSettings {
-        name: "test".into(),
-        seed: 27,
-        scenes: Vec::new(),
-        agents: AgentSettings::default(),
-        timing: TimingSettings::default(),
         traffic: TrafficSettings {
             reckless_background: 0.0,
             distracted_background: 0.0,
             ..TrafficSettings::default()
         },
-        walkers: WalkerSettings::default(),
-        weather: WeatherSettings::default(),
-        lights: LightSettings::default(),
-        world: WorldSettings::default(),
-        vehicle_rig: Rig::vehicle(),
-        rsu_rig: Rig::rsu(),
-        annotation: AnnotationSettings::default(),
-        bev: BevSettings::default(),
-        vehicle_occupancy: OccupancySettings::default(),
-        rsu_occupancy: OccupancySettings::default(),
+        ..DatasetSettings::with_scenes(Vec::new())
     }
 }
 

@@ -1,0 +1,170 @@
+//! The maps of a plan: our own towns are generated, others read from files, those of older scenes from the store.
+
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use opendrive::Map;
+use pipeline::StageError;
+use plan::SceneSlot;
+use schema::settings::DatasetSettings;
+use store::{Store, keys};
+
+/// Digests of the map files, by name in the store. Our own towns are part of the code; a file that is not found now is
+/// in the store already, or missed with a message when it is needed.
+pub(crate) fn digests(settings: &DatasetSettings, folder: Option<&Path>) -> BTreeMap<String, String> {
+    let maps = settings.scenes.iter().filter(|s| s.count > 0).map(|s| s.map.as_str());
+    maps.filter(|written| town::named(written).is_none())
+        .filter_map(|written| {
+            let source = read_map_file(written, folder).ok()?;
+            Some((keys::map(name_in_store(written)), store::hash_bytes(&source.text)))
+        })
+        .collect()
+}
+
+/// A map's OpenDRIVE text and where it comes from, for messages.
+pub(crate) struct MapSource {
+    pub(crate) text: Vec<u8>,
+    origin: String,
+}
+
+/// What a map of the configuration is called in the store: a file is called by its stem, all others as written.
+pub(crate) fn name_in_store(written: &str) -> &str {
+    match file_stem(written) {
+        Some(stem) => stem.rsplit(['/', '\\']).next().unwrap_or(stem),
+        None => written,
+    }
+}
+
+/// The path without its ending, where it is one of a map file.
+fn file_stem(written: &str) -> Option<&str> {
+    ENDINGS.iter().find_map(|ending| written.strip_suffix(ending))
+}
+
+/// Endings of map files.
+const ENDINGS: [&str; 2] = [".xodr", ".xodr.gz"];
+
+/// The OpenDRIVE text of every map that a scene stands on, by its name in the store.
+pub(crate) fn texts(
+    settings: &DatasetSettings,
+    slots: &[SceneSlot],
+    folder: Option<&Path>,
+    store: &Store,
+) -> Result<BTreeMap<String, MapSource>, StageError> {
+    let mut written_as: BTreeMap<&str, &str> = BTreeMap::new();
+    for written in settings.scenes.iter().filter(|s| s.count > 0).map(|s| s.map.as_str()) {
+        let name = name_in_store(written);
+        if let Some(other) = written_as.insert(name, written)
+            && other != written
+        {
+            return Err(StageError::Usage(format!(
+                "maps `{other}` and `{written}` are both called `{name}`: rename one of the files"
+            )));
+        }
+    }
+    let mut texts = BTreeMap::new();
+    for name in slots.iter().map(|slot| slot.map.as_str()) {
+        if texts.contains_key(name) {
+            continue;
+        }
+        let written = written_as.get(name).copied();
+        let source = match (town::named(name), written) {
+            (Some(parameters), _) => {
+                let network = town::generate(&parameters).map_err(|e| StageError::failed(&e))?;
+                MapSource { text: opendrive::write(&network).into_bytes(), origin: name.to_owned() }
+            }
+            (None, Some(written)) => read_map_file(written, folder)?,
+            (None, None) => {
+                let origin = store.location(&keys::map(name));
+                let text = replay::read_map_text(store, name)?.ok_or_else(|| {
+                    StageError::Failed(format!("{origin}: missing, and older scenes stand on this map"))
+                })?;
+                MapSource { text, origin }
+            }
+        };
+        texts.insert(name.to_owned(), source);
+    }
+    Ok(texts)
+}
+
+/// Reads a map from the path that was written, below the maps folder or from where the program runs; or, where no
+/// ending was written, from the file of that stem in the maps folder.
+fn read_map_file(written: &str, folder: Option<&Path>) -> Result<MapSource, StageError> {
+    let own = town::names().join(", ");
+    let paths: Vec<PathBuf> = if file_stem(written).is_some() {
+        let below = folder.map(|f| f.join(written));
+        below.into_iter().chain([PathBuf::from(written)]).collect()
+    } else {
+        let Some(folder) = folder else {
+            return Err(StageError::Usage(format!(
+                "map `{written}` is none of our own towns ({own}): give the path of its .xodr file instead, or say \
+                 in which folder it is with --maps FOLDER"
+            )));
+        };
+        if written.split(['/', '\\']).any(|part| part.is_empty() || part.starts_with('.')) {
+            return Err(StageError::Usage(format!(
+                "map `{written}` is not a plain name: give the whole path of the file, with its ending .xodr"
+            )));
+        }
+        ENDINGS.iter().map(|ending| folder.join(format!("{written}{ending}"))).collect()
+    };
+    for path in &paths {
+        match std::fs::read(path) {
+            Ok(bytes) => {
+                let text = unpack(bytes, path)?;
+                return Ok(MapSource { text, origin: path.display().to_string() });
+            }
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => {}
+            Err(e) => return Err(StageError::Usage(format!("{}: cannot read the map: {e}", path.display()))),
+        }
+    }
+    let looked: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
+    let looked = looked.join(" nor ");
+    Err(StageError::Usage(format!("map `{written}`: there is no {looked}; our own towns are {own}")))
+}
+
+/// The text of a map file that may be gzipped: the store keeps the text, so its hash does not depend on packing.
+fn unpack(bytes: Vec<u8>, path: &Path) -> Result<Vec<u8>, StageError> {
+    const LARGEST: u64 = 1 << 30;
+    if !bytes.starts_with(&[0x1f, 0x8b]) {
+        return Ok(bytes);
+    }
+    let mut text = Vec::new();
+    flate2::read::GzDecoder::new(bytes.as_slice())
+        .take(LARGEST)
+        .read_to_end(&mut text)
+        .map_err(|e| StageError::Failed(format!("{}: broken gzip file: {e}", path.display())))?;
+    Ok(text)
+}
+
+pub(crate) fn parse(source: &MapSource) -> Result<Map, StageError> {
+    let origin = &source.origin;
+    let network =
+        opendrive::read_bytes(&source.text).map_err(|e| StageError::Failed(format!("{origin}: {e}")))?;
+    if !network.warnings.is_empty() {
+        let count = network.warnings.len();
+        tracing::info!("{origin}: {count} peculiarities in the file (CONVOY_LOG=debug lists them)");
+        for warning in &network.warnings {
+            tracing::debug!("{origin}: {warning}");
+        }
+    }
+    Ok(Map::new(network))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::name_in_store;
+
+    #[test]
+    fn files_are_called_by_their_stem() {
+        for (written, name) in [
+            ("convoy/03", "convoy/03"),
+            ("Town03", "Town03"),
+            ("Town03.xodr", "Town03"),
+            ("../maps/north side.xodr.gz", "north side"),
+            ("/data/v1.2/town.xodr", "town"),
+        ] {
+            assert_eq!(name_in_store(written), name);
+        }
+    }
+}

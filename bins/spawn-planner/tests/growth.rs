@@ -1,0 +1,128 @@
+//! Datasets that grow, shrink and have scenes replaced, by the real program.
+
+mod common;
+
+use common::Bench;
+
+fn config(scenes: &str) -> String {
+    format!("name = \"grows\"\nseed = 5\n{scenes}[agents]\nmax_vehicles = 3\n")
+}
+
+const FIRST: &str = "[scenes.train]\n\"convoy/demo\" = 2\n[scenes.val]\n\"convoy/demo\" = 1\n";
+
+fn short(bench: &Bench) -> Vec<(u32, String, String)> {
+    bench.scenes().into_iter().map(|s| (s.scene, s.split, s.map)).collect()
+}
+
+fn slot(scene: u32, split: &str, map: &str) -> (u32, String, String) {
+    (scene, split.into(), map.into())
+}
+
+#[test]
+fn a_dataset_grows_at_its_end() {
+    let bench = Bench::new();
+    bench.plan(&config(FIRST));
+    let before = bench.digests();
+    let first = short(&bench);
+    assert_eq!(
+        first,
+        [slot(0, "train", "convoy/demo"), slot(1, "train", "convoy/demo"), slot(2, "val", "convoy/demo")]
+    );
+
+    let wider = "[scenes.train]\n\"convoy/01\" = 1\n\"convoy/demo\" = 3\n[scenes.val]\n\"convoy/demo\" = 1\n";
+    bench.plan(&config(wider));
+    let after = short(&bench);
+    assert_eq!(after[..3], first);
+    assert_eq!(after[3..], [slot(3, "train", "convoy/01"), slot(4, "train", "convoy/demo")]);
+    // What was made of the older scenes still holds: later stages remember these digests.
+    let digests = bench.digests();
+    assert!(before.iter().all(|(scene, digest)| digests.get(scene) == Some(digest)));
+    assert_eq!(digests.len(), 5);
+
+    // Again: nothing to do, and not one byte changes even when forced to.
+    let plan = bench.scenes();
+    let outcome = bench.run("config.toml", &config(wider), &["--force"]);
+    assert_eq!(outcome.code, 0, "{outcome:?}");
+    assert_eq!((bench.scenes(), bench.digests()), (plan, digests));
+}
+
+#[test]
+fn a_killed_expansion_gives_the_same_numbers() {
+    let whole = Bench::new();
+    whole.plan(&config(FIRST));
+    let wider = config(&FIRST.replace("= 2", "= 3"));
+    whole.plan(&wider);
+    // As if killed after the roster was written and the old manifest taken away.
+    std::fs::remove_file(whole.folder.path().join("store/plan/_manifest.json")).expect("removes");
+    let (plan, agents) = {
+        let fresh = Bench::new();
+        fresh.plan(&config(FIRST));
+        fresh.plan(&wider);
+        (fresh.scenes(), fresh.agents())
+    };
+    whole.plan(&wider);
+    assert_eq!((whole.scenes(), whole.agents()), (plan, agents));
+}
+
+#[test]
+fn what_was_made_is_never_removed() {
+    let bench = Bench::new();
+    let two_maps = "[scenes.train]\n\"convoy/demo\" = 2\n\"convoy/01\" = 2\n";
+    bench.plan(&config(two_maps));
+    bench.pretend_made(1);
+    bench.pretend_made(3);
+    let before = bench.digests();
+    let said = bench.plan(&config("[scenes.train]\n\"convoy/demo\" = 1\n"));
+    // Of the demo town the made scene stays and fulfils the wish; of the other one the made scene stays, too.
+    assert_eq!(short(&bench), [slot(1, "train", "convoy/demo"), slot(3, "train", "convoy/01")]);
+    assert!(said.contains("train on convoy/01") && said.contains("scenes 3;"), "{said}");
+    assert!(bench.digests().iter().all(|(scene, digest)| before.get(scene) == Some(digest)));
+    assert!(bench.manifest().output("maps/convoy/01.xodr.zst").is_some());
+}
+
+#[test]
+fn the_map_file_of_older_scenes_may_be_gone() {
+    let bench = Bench::new();
+    let network = town::generate(&town::named("convoy/demo").expect("is known")).expect("is sound");
+    let file = bench.folder.path().join("elsewhere.xodr");
+    std::fs::write(&file, opendrive::write(&network)).expect("writes");
+    let wish = format!("[scenes.train]\n\"{}\" = 1\n", file.display());
+    bench.plan(&config(&wish));
+    bench.pretend_made(0);
+    let before = bench.digests();
+    std::fs::remove_file(&file).expect("removes");
+    bench.plan(&config("[scenes.test]\n\"convoy/demo\" = 1\n"));
+    assert_eq!(short(&bench), [slot(0, "train", "elsewhere"), slot(1, "test", "convoy/demo")]);
+    assert_eq!(bench.digests().get("scene/0000"), before.get("scene/0000"));
+}
+
+#[test]
+fn replacing_scenes_touches_no_other() {
+    let bench = Bench::new();
+    bench.plan(&config(FIRST));
+    let (before, old) = (bench.digests(), bench.scenes());
+    let redrawn = |draws: &str| config(&format!("{FIRST}[scenes.redraw]\n{draws}\n"));
+    bench.plan(&redrawn("1 = 1"));
+    let changed = |now: &std::collections::BTreeMap<String, String>| -> Vec<String> {
+        now.iter().filter(|(k, v)| before.get(*k) != Some(*v)).map(|(k, _)| k.clone()).collect()
+    };
+    let first_draw = bench.digests();
+    assert_eq!(changed(&first_draw), ["scene/0001"]);
+    let new = bench.scenes();
+    assert_eq!((&new[1].split, &new[1].map), (&old[1].split, &old[1].map));
+    assert!(new[1].seed != old[1].seed && new[1].initial_weather != old[1].initial_weather);
+    bench.plan(&redrawn("1 = 2\n2 = 1"));
+    let second_draw = bench.digests();
+    assert_eq!(changed(&second_draw), ["scene/0001", "scene/0002"]);
+    assert_ne!(first_draw["scene/0001"], second_draw["scene/0001"]);
+    // Taken back: the first scenes again.
+    bench.plan(&config(FIRST));
+    assert_eq!(bench.digests(), before);
+    // Mistakes are named.
+    let outcome = bench.run("config.toml", &redrawn("one = 1"), &[]);
+    assert!(
+        outcome.code == 2 && outcome.err.contains("`scenes.redraw`: `one` is no scene number"),
+        "{outcome:?}"
+    );
+    assert!(bench.plan(&redrawn("77 = 1")).contains("there is no scene 77"));
+}
