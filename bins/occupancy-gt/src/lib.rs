@@ -3,8 +3,8 @@
 use formats::{DEFAULT_LEVEL, NpzWriter, Scalar, encode_member, frame_member};
 use pipeline::{Job, Pulse, Stage, StageError};
 use replay::{Replay, Spare, in_frame_order};
+use schema::ObjectId;
 use schema::settings::OccupancySettings;
-use schema::{AgentKind, ObjectId};
 use store::{Finished, Unit, keys};
 use truth::counts::{Counts, Filling};
 use truth::voxels::{VoxelGrid, Voxelizer};
@@ -20,10 +20,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     job.pulse().set_total(u64::from(frames) * agents.len() as u64);
 
     for (position, agent) in agents.iter().enumerate() {
-        let settings = match agent.kind {
-            AgentKind::Vehicle => &settings.vehicle_occupancy,
-            AgentKind::Rsu => &settings.rsu_occupancy,
-        };
+        let settings = settings.occupancy_of(*agent);
         if !settings.enabled {
             continue;
         }

@@ -7,10 +7,10 @@ use std::collections::BTreeMap;
 
 use pipeline::{Job, Stage, StageError};
 use replay::SIMULATE;
+use schema::AgentId;
 use schema::scene_info::SceneInfo;
-use schema::settings::{DatasetSettings, OccupancySettings, Rig};
+use schema::settings::{DatasetSettings, Rig};
 use schema::tables::{AgentRow, BoxRow, VISIBLE_TABLE, ValidBoxRow, VisibleRow};
-use schema::{AgentId, AgentKind};
 use store::{StoreError, keys};
 use truth::validity::{Evidence, PixelCounts};
 
@@ -25,12 +25,12 @@ pub(crate) const OCCUPANCY: &str = "occupancy-gt";
 fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     let (settings, scene) = (job.settings().clone(), job.scene());
     let agents = agents_of(job)?;
-    let occupied: Vec<&AgentId> = agents.iter().filter(|a| occupancy_of(&settings, a.kind).enabled).collect();
+    let occupied: Vec<&AgentId> = agents.iter().filter(|a| settings.occupancy_of(**a).enabled).collect();
     let frames = frames_of(job)?;
     job.pulse().set_total(u64::from(frames) * (agents.len() + occupied.len()) as u64);
 
     for agent in &occupied {
-        filling::fill_agent(job, **agent, occupancy_of(&settings, agent.kind))?;
+        filling::fill_agent(job, **agent, settings.occupancy_of(**agent))?;
     }
     let boxes: Vec<BoxRow> =
         job.store().read_rows(job.input(SIMULATE)?, &keys::scene(scene, "boxes.parquet"))?;
@@ -57,20 +57,6 @@ fn frames_of(job: &Job<'_>) -> Result<u32, StageError> {
     Ok(scene_info(job)?.frames)
 }
 
-fn occupancy_of(settings: &DatasetSettings, kind: AgentKind) -> &OccupancySettings {
-    match kind {
-        AgentKind::Vehicle => &settings.vehicle_occupancy,
-        AgentKind::Rsu => &settings.rsu_occupancy,
-    }
-}
-
-fn rig_of(settings: &DatasetSettings, kind: AgentKind) -> &Rig {
-    match kind {
-        AgentKind::Vehicle => &settings.vehicle_rig,
-        AgentKind::Rsu => &settings.rsu_rig,
-    }
-}
-
 /// One row per row of `boxes`, in the same order.
 fn validate_all(
     job: &Job<'_>,
@@ -84,7 +70,7 @@ fn validate_all(
     let mut valid: Vec<Option<ValidBoxRow>> = vec![None; boxes.len()];
     for agent in agents {
         let name = agent.to_string();
-        let rig = rig_of(settings, agent.kind);
+        let rig = settings.rig_of(*agent);
         let mut by_frame: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for (row, _) in boxes.iter().enumerate().filter(|(_, b)| b.agent == name) {
             by_frame.entry(boxes[row].frame).or_default().push(row);

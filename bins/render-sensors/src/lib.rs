@@ -5,7 +5,6 @@ mod shards;
 
 use pipeline::{Job, Stage, StageError};
 use replay::{Replay, in_frame_order};
-use schema::AgentKind;
 use sensors::GeoOrigin;
 use store::keys;
 use visibility::Meshes;
@@ -26,10 +25,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     job.pulse().set_total(u64::from(frames) * agents.len() as u64);
 
     for (position, agent) in agents.iter().enumerate() {
-        let rig = match agent.kind {
-            AgentKind::Vehicle => &settings.vehicle_rig,
-            AgentKind::Rsu => &settings.rsu_rig,
-        };
+        let rig = settings.rig_of(*agent);
         let Some((mut unit, pulse)) = job.unit_and_pulse(&agent.to_string())? else { continue };
         let station = Station::new(&replay, &meshes, position, rig, settings.seed, geo_origin)?;
         let mut shards = Shards::create(&unit, scene, *agent, rig)?;

@@ -29,6 +29,9 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     for wish in &mut settings.scenes {
         wish.map = maps::name_in_store(&wish.map).to_owned();
     }
+    for start in &mut settings.agents.starts {
+        start.map = maps::name_in_store(&start.map).to_owned();
+    }
     let roster = enrol(job.store(), &settings)?;
     let texts = maps::texts(&as_written, &roster.slots, job.maps_folder(), job.store())?;
     let mut maps = BTreeMap::new();

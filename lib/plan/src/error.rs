@@ -29,6 +29,18 @@ pub enum PlanError {
         /// Driving lanes it has.
         lanes: usize,
     },
+    /// A start that the user gave is off the road.
+    #[error(
+        "agents.starts: map `{map}` has no driving lane outside junctions that runs its way within {reach_m} m of {xyz_m:?}"
+    )]
+    NoLaneThere {
+        /// Map name.
+        map: String,
+        /// The start, metres.
+        xyz_m: [f64; 3],
+        /// How far away a lane may be, metres.
+        reach_m: f64,
+    },
     /// A vehicle model that the catalogue does not have.
     #[error("agents.vehicle_models: `{model}` is no vehicle of the catalogue")]
     UnknownModel {

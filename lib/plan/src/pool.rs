@@ -1,10 +1,15 @@
 //! Places where vehicles may start.
 
 use nalgebra::Point3;
-use opendrive::{LanePos, Map, VEHICLE_LANE_WIDTH_M};
+use opendrive::{LaneInfo, LanePos, Map, VEHICLE_LANE_WIDTH_M};
+use schema::settings::GivenStart;
+
+use crate::PlanError;
 
 /// A map whose middle spawn point lies above this counts as high ground, metres.
 const HIGH_GROUND_M: f64 = 100.0;
+/// A start that the user gives lies this near to the centre line of a lane, metres.
+const GIVEN_REACH_M: f64 = 5.0;
 
 /// A place on the centre line of a driving lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +48,34 @@ impl SpawnPool {
             map.spawn_points(separation_m).into_iter().filter_map(|pos| SpawnPoint::at(map, pos)).collect();
         let lanes = map.lanes().iter().filter(|l| l.lane_type.is_drivable()).count();
         Self { points, lanes }
+    }
+
+    /// The points that a user gave for a map, each on the centre line of the driving lane outside junctions that is
+    /// nearest among those that run its way.
+    ///
+    /// # Errors
+    /// There is no such lane within 5 m.
+    pub fn of_starts<'a>(map: &Map, starts: impl Iterator<Item = &'a GivenStart>) -> Result<Self, PlanError> {
+        let mut pool = Self::default();
+        for start in starts {
+            let usable = |l: &LaneInfo| l.lane_type.is_drivable() && l.junction.is_none();
+            let hits = map.lanes_within(start.xyz_m.into(), GIVEN_REACH_M, usable);
+            let runs_along = |p: &SpawnPoint| {
+                frames::wrap_pi(p.rpy_rad[2] - start.yaw_rad).abs() < std::f64::consts::FRAC_PI_3
+            };
+            let mut points = hits.iter().filter_map(|hit| {
+                let along_m = map.lane(hit.lane)?.along_of_s(hit.s);
+                SpawnPoint::at(map, LanePos { lane: hit.lane, along_m })
+            });
+            let point = points.find(runs_along).ok_or_else(|| PlanError::NoLaneThere {
+                map: start.map.clone(),
+                xyz_m: start.xyz_m,
+                reach_m: GIVEN_REACH_M,
+            })?;
+            pool.points.push(point);
+        }
+        pool.lanes = pool.points.len();
+        Ok(pool)
     }
 
     /// Whether the roads lie high above the map's zero level.

@@ -109,7 +109,11 @@ pub fn plan_scene(
     let between = |stream: &mut Stream, low: u32, high: u32| {
         stream.int_inclusive(i64::from(low), i64::from(high)) as usize
     };
-    let vehicles = between(&mut counts, settings.agents.min_vehicles, settings.agents.max_vehicles);
+    let drawn_vehicles = between(&mut counts, settings.agents.min_vehicles, settings.agents.max_vehicles);
+    let vehicles = match (settings.agents.penetration, settings.traffic.vehicles) {
+        (Some(share), Some(all)) => (share * f64::from(all)).round_ties_even().max(1.0) as usize,
+        _ => drawn_vehicles,
+    };
     let rsus = between(&mut counts, settings.agents.min_rsus, settings.agents.max_rsus);
     let heads = counts.chance(0.5);
     let mode = match settings.agents.spawn_mode {
@@ -124,9 +128,11 @@ pub fn plan_scene(
         });
     }
 
+    let given: Vec<_> = settings.agents.starts.iter().filter(|start| start.map == slot.map).collect();
+    let given = SpawnPool::of_starts(&map.map, given.into_iter())?;
     let mut placement = place_vehicles(
         &map.map,
-        pool,
+        if given.points.is_empty() { pool } else { &given },
         &settings.agents,
         &models,
         mode,
@@ -154,6 +160,9 @@ pub fn plan_scene(
     }
     agents.extend(place_rsus(&map.map, &mut placement, number, rsus, &mut stream("plan/rsus", 0)));
 
+    // A share of all vehicles collects data: the others are what is left.
+    let connected = settings.agents.penetration.map_or(0, |_| placement.starts.len() as u32);
+    let background = settings.traffic.vehicles.map(|all| all.saturating_sub(connected));
     let mut walkers = stream("plan/walkers", 0);
     let drawn_walkers = between(&mut walkers, 0, settings.walkers.max_count) as u32;
     let drawn_factor = walkers.beta(2.4, 1.6);
@@ -173,7 +182,7 @@ pub fn plan_scene(
         final_weather: last.to_array(),
         spawn_radius_m: radius,
         spawn_separation_m: settings.agents.spawn_separation_m,
-        background_vehicles: settings.traffic.vehicles.map(|n| n.min(i32::MAX as u32) as i32),
+        background_vehicles: background.map(|n| n.min(i32::MAX as u32) as i32),
         walkers: settings.walkers.count.unwrap_or(drawn_walkers),
         walker_cross_factor: settings.walkers.cross_factor.unwrap_or(drawn_factor),
     };

@@ -1,6 +1,6 @@
 //! Plans on hand-made networks and, where they are at hand, on real maps.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use nalgebra::Point3;
@@ -9,7 +9,7 @@ use opendrive::{
 };
 use plan::{PlanError, PlanMap, SceneSlot, SpawnPool, plan, plan_scene, scene_slots};
 use proptest::prelude::*;
-use schema::settings::{DatasetSettings, SceneCount, SpawnMode, Split};
+use schema::settings::{DatasetSettings, GivenStart, SceneCount, SpawnMode, Split};
 
 fn settings(scenes: &[(Split, &str, u32)]) -> DatasetSettings {
     let count = |&(split, map, count): &(Split, &str, u32)| SceneCount { split, map: map.into(), count };
@@ -200,6 +200,59 @@ fn too_few_points_give_fewer_vehicles_and_a_warning() {
     let plan = plan(&settings, &maps(vec![("road", straight(30.0, LaneType::Driving))])).expect("a plan");
     assert!(plan.agents.len() < 8 && !plan.agents.is_empty());
     assert!(plan.warnings.len() == 1 && plan.warnings[0].contains("scene 0 (road)"), "{:?}", plan.warnings);
+}
+
+#[test]
+fn given_starts_replace_the_pool() {
+    let mut settings = settings(&[(Split::Train, "road", 30), (Split::Train, "other", 1)]);
+    (settings.agents.min_vehicles, settings.agents.max_vehicles) = (3, 3);
+    let start = |x: f64, y: f64, yaw_rad: f64| GivenStart { map: "road".into(), xyz_m: [x, y, 0.4], yaw_rad };
+    // The lanes' centres are 1.75 m to either side; to the west one drives on the north side.
+    settings.agents.starts = vec![start(50.0, -1.0, 0.2), start(90.0, -3.0, 0.0), start(70.0, 0.5, 3.0)];
+    let road = || straight(400.0, LaneType::Driving);
+    let both = maps(vec![("road", road()), ("other", road())]);
+    let planned = plan(&settings, &both).expect("a plan");
+    let expected = [[50.0, -1.75], [90.0, -1.75], [70.0, 1.75]];
+    for agent in planned.agents.iter().filter(|a| a.scene < 30) {
+        let near =
+            |e: &[f64; 2]| (agent.xyz_m[0] - e[0]).abs() < 1e-6 && (agent.xyz_m[1] - e[1]).abs() < 1e-6;
+        assert!(expected.iter().any(near), "{agent:?}");
+        assert_eq!(agent.xyz_m[1] > 0.0, agent.rpy_rad[2].abs() > 3.0);
+    }
+    let first = planned.agents.iter().filter(|a| a.scene < 30 && a.agent == "vehicle_0");
+    let first: BTreeSet<i64> = first.map(|a| a.xyz_m[0].round() as i64).collect();
+    assert_eq!(first, [50, 90, 70].into(), "every start is used, and no other");
+    // One start, one vehicle.
+    settings.agents.starts.truncate(1);
+    let alone = plan(&settings, &both).expect("a plan");
+    assert_eq!(alone.agents.iter().filter(|a| a.scene == 0).count(), 1);
+    assert!(alone.warnings.iter().any(|w| w.contains("1 of 3 vehicles")), "{:?}", alone.warnings);
+    // Off the road, or against the traffic of the only near lane.
+    for bad in [start(50.0, -30.0, 0.0), start(50.0, 0.0, 1.5)] {
+        settings.agents.starts = vec![bad];
+        let error = plan(&settings, &both).expect_err("no lane there").to_string();
+        assert!(error.contains("agents.starts") && error.contains("road"), "{error}");
+    }
+}
+
+#[test]
+fn a_share_of_all_vehicles_collects_data() {
+    let mut settings = settings(&[(Split::Train, "road", 3)]);
+    settings.traffic.vehicles = Some(40);
+    let maps = maps(vec![("road", straight(3000.0, LaneType::Driving))]);
+    for (share, connected) in [(0.0, 1), (0.1, 4), (0.32, 13), (1.0, 40)] {
+        settings.agents.penetration = Some(share);
+        settings.agents.spawn_mode = SpawnMode::Chained;
+        let plan = plan(&settings, &maps).expect("a plan");
+        for scene in &plan.scenes {
+            let agents = plan.agents.iter().filter(|a| a.scene == scene.scene).count();
+            assert_eq!(
+                (agents, scene.background_vehicles),
+                (connected, Some(40 - connected as i32)),
+                "{share}"
+            );
+        }
+    }
 }
 
 #[test]

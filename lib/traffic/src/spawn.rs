@@ -17,8 +17,6 @@ use crate::{SceneInput, TrafficError};
 const CLEARANCE_M: f64 = 0.8;
 /// Vehicles farther above each other than this are on different decks, metres.
 const DECK_M: f64 = 3.0;
-/// Chance that an emergency vehicle's lights flash.
-const EMERGENCY_LIGHTS: f64 = 0.5;
 
 /// Body colours of background vehicles (sRGB).
 const PAINTS: [[u8; 3]; 14] = [
@@ -149,7 +147,7 @@ fn background(input: &SceneInput<'_>, net: &Net, taken: &mut Taken, starts: &mut
         let distracted = draw.chance(traffic.distracted_background) && !reckless;
         let difference = draw.uniform(-0.4, 0.2);
         let gap = draw.normal(4.2, 1.0).max(0.0);
-        let emergency = draw.chance(EMERGENCY_LIGHTS) && model.special == "emergency";
+        let emergency = draw.chance(traffic.emergency_lights) && model.special == "emergency";
         let driver = Driver::new(
             model,
             reckless,

@@ -47,7 +47,8 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
     let (vehicle_rig, vehicle_occupancy) =
         rigs::vehicle(&root.section("vehicle", "sensors and voxel grid of every data-collection vehicle"));
     let (rsu_rig, rsu_occupancy) = rigs::rsu(&root.section("rsu", "sensors and voxel grid of every RSU"));
-    DatasetSettings {
+    let own_rigs = rigs::own(root);
+    let settings = DatasetSettings {
         name,
         seed,
         scenes,
@@ -61,11 +62,19 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
         world: scenario::world(&root.section("world", "scenery placed by rule")),
         vehicle_rig,
         rsu_rig,
+        own_rigs,
         annotation,
         bev,
         vehicle_occupancy,
         rsu_occupancy,
+    };
+    if settings.agents.penetration.is_some() && settings.traffic.vehicles.is_none() {
+        root.fault_at(
+            "agents",
+            "`agents.penetration` is a share of `traffic.vehicles`: say how many vehicles there are".into(),
+        );
     }
+    settings
 }
 
 fn annotation(section: &Section<'_>) -> AnnotationSettings {
@@ -105,6 +114,7 @@ pub(crate) fn example_settings() -> DatasetSettings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use schema::AgentId;
 
     fn faults(text: &str) -> String {
         let faults = parse(text, "bad.toml").expect_err("has faults");
@@ -210,6 +220,46 @@ mod tests {
         ");
         let text = "[scenes.train]\n\"convoy/demo\" = 1\n[rsu.occupancy]\nupper_m = -5\n";
         assert_eq!(faults(text), "bad.toml:4: `rsu.occupancy.lower_m` is not below upper_m\n");
+    }
+
+    #[test]
+    fn agents_can_carry_rigs_of_their_own() {
+        let text = "[scenes.train]\n\"convoy/demo\" = 1\n[vehicle.lidar]\nchannels = 64\n\
+                    [[rigs]]\nagents = [\"vehicle_1\", \"vehicle_3\"]\n[rigs.lidar]\nchannels = 16\n\
+                    [[rigs.cameras]]\nname = \"CAM_ROOF\"\n[rigs.occupancy]\nenabled = false\n\
+                    [[rigs]]\nagents = [\"rsu_0\"]\n[rigs.radar]\nenabled = false\n";
+        let s = parse(text, "x.toml").expect("is valid");
+        let channels = |i| s.rig_of(AgentId::vehicle(i)).lidars[0].scan.channels;
+        assert_eq!([channels(0), channels(1), channels(2), channels(3)], [64, 16, 64, 16]);
+        assert_eq!(s.rig_of(AgentId::vehicle(1)).cameras.len(), 1);
+        assert!(!s.occupancy_of(AgentId::vehicle(3)).enabled && s.occupancy_of(AgentId::vehicle(0)).enabled);
+        assert!(s.rig_of(AgentId::rsu(0)).radars.is_empty() && !s.rig_of(AgentId::rsu(1)).radars.is_empty());
+        let text = "[scenes.train]\n\"convoy/demo\" = 1\n[[rigs]]\n\
+                    [[rigs]]\nagents = [\"vehicle_1\", \"rsu_0\"]\n\
+                    [[rigs]]\nagents = [\"bus_1\"]\n[[rigs]]\nagents = [\"vehicle_1\"]\n";
+        insta::assert_snapshot!(faults(text), @r#"
+        bad.toml:3: `rigs[0].agents` is empty: say which agents carry this rig, such as ["vehicle_1"]
+        bad.toml:5: `rigs[1].agents` names vehicles and RSUs: a rig is for one kind
+        bad.toml:7: `rigs[2].agents`: `bus_1` is no agent, expected vehicle_N or rsu_N
+        bad.toml:9: `rigs[3].agents`: `vehicle_1` carries another rig already
+        "#);
+    }
+
+    #[test]
+    fn a_share_of_vehicles_needs_their_number() {
+        let text = "[scenes.train]\n\"convoy/demo\" = 1\n[agents]\npenetration = 0.2\n";
+        assert!(faults(text).starts_with("bad.toml:3: `agents.penetration` is a share"), "{}", faults(text));
+        let s = parse(&format!("{text}[traffic]\nvehicles = 50\n"), "x.toml").expect("is valid");
+        assert_eq!((s.agents.penetration, s.traffic.vehicles), (Some(0.2), Some(50)));
+    }
+
+    #[test]
+    fn starts_are_read() {
+        let text = "[scenes.train]\n\"convoy/demo\" = 1\n\
+                    [[agents.starts]]\nmap = \"convoy/demo\"\nxyz_m = [1, 2.5, 0]\nyaw_deg = 180\n";
+        let starts = parse(text, "x.toml").expect("is valid").agents.starts;
+        assert_eq!((starts[0].map.as_str(), starts[0].xyz_m), ("convoy/demo", [1.0, 2.5, 0.0]));
+        assert!((starts[0].yaw_rad - std::f64::consts::PI).abs() < 1e-12);
     }
 
     #[test]

@@ -1,10 +1,13 @@
 //! The keys that say what an agent carries.
 
+use std::collections::BTreeSet;
+
 use frames::{deg, to_deg};
 use schema::settings::{
-    CameraSettings, CameraSpec, GnssSpec, ImuSpec, LidarSpec, Mount, OccupancySettings, RadarSpec, Rig,
-    ScanPattern,
+    CameraSettings, CameraSpec, GnssSpec, ImuSpec, LidarSpec, Mount, OccupancySettings, OwnRig, RadarSpec,
+    Rig, ScanPattern,
 };
+use schema::{AgentId, AgentKind};
 
 use schema::tables::{CAMERA_TABLES, GNSS_TABLE, IMU_TABLE, VISIBLE_TABLE, camera_table};
 
@@ -20,6 +23,50 @@ pub(crate) fn vehicle(s: &Section<'_>) -> (Rig, OccupancySettings) {
 
 pub(crate) fn rsu(s: &Section<'_>) -> (Rig, OccupancySettings) {
     (common(s, &Rig::rsu()), occupancy(s))
+}
+
+/// Rigs that single agents carry instead of those of their kind.
+pub(crate) fn own(root: &Section<'_>) -> Vec<OwnRig> {
+    let doc = "agents with sensors and voxel grid of their own; besides `agents` all keys of `vehicle` or `rsu`, with \
+               the same defaults";
+    let agents_of = |item: &Section<'_>| {
+        item.texts("agents", &[], "who carries it: `vehicle_0`, `rsu_1`, ... of one kind")
+    };
+    agents_of(&root.describe_item("rigs"));
+    let mut carriers = BTreeSet::new();
+    let read = |item: &Section<'_>| {
+        let written = agents_of(item);
+        let mut agents = Vec::new();
+        let path = item.path_of("agents");
+        let mut kinds = BTreeSet::new();
+        for agent in &written {
+            match agent.parse::<AgentId>() {
+                Ok(id) => {
+                    kinds.insert(id.kind);
+                    agents.push(id.to_string());
+                }
+                Err(_) => {
+                    item.fault_at(
+                        "agents",
+                        format!("`{path}`: `{agent}` is no agent, expected vehicle_N or rsu_N"),
+                    );
+                }
+            }
+            if !carriers.insert(agent.clone()) {
+                item.fault_at("agents", format!("`{path}`: `{agent}` carries another rig already"));
+            }
+        }
+        if written.is_empty() {
+            let problem = "is empty: say which agents carry this rig, such as [\"vehicle_1\"]";
+            item.fault_at("agents", format!("`{path}` {problem}"));
+        }
+        if kinds.len() > 1 {
+            item.fault_at("agents", format!("`{path}` names vehicles and RSUs: a rig is for one kind"));
+        }
+        let (rig, occupancy) = if kinds.contains(&AgentKind::Rsu) { rsu(item) } else { vehicle(item) };
+        OwnRig { agents, rig, occupancy }
+    };
+    root.sections("rigs", "none", doc).unwrap_or_default().iter().map(read).collect()
 }
 
 fn common(s: &Section<'_>, d: &Rig) -> Rig {

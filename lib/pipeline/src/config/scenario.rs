@@ -1,7 +1,8 @@
 //! The keys that say what happens in a scene.
 
+use frames::deg;
 use schema::settings::{
-    AgentSettings, LightSettings, SceneCount, SpawnMode, Split, TimingSettings, TrafficSettings,
+    AgentSettings, GivenStart, LightSettings, SceneCount, SpawnMode, Split, TimingSettings, TrafficSettings,
     WalkerSettings, WeatherSettings, WorldSettings,
 };
 use schema::tables::Weather;
@@ -111,6 +112,14 @@ pub(crate) fn agents(s: &Section<'_>) -> AgentSettings {
             1000.0,
             "spacing of the spawn points along lanes, m",
         ),
+        starts: starts(s),
+        penetration: s.optional_number(
+            "penetration",
+            "min_vehicles to max_vehicles collect data",
+            0.0,
+            1.0,
+            "share of a scene's vehicles that collect data (at least one does); `traffic.vehicles` counts all of them",
+        ),
     };
     ordered(s, "min_vehicles", settings.min_vehicles, "max_vehicles", settings.max_vehicles);
     ordered(s, "min_rsus", settings.min_rsus, "max_rsus", settings.max_rsus);
@@ -126,6 +135,28 @@ pub(crate) fn agents(s: &Section<'_>) -> AgentSettings {
         );
     }
     settings
+}
+
+fn starts(s: &Section<'_>) -> Vec<GivenStart> {
+    let read = |item: &Section<'_>| GivenStart {
+        map: item.text("map", "convoy/demo", "name of the map, as in `scenes`"),
+        xyz_m: item.triple(
+            "xyz_m",
+            [0.0; 3],
+            "position in the world, m: the nearest driving lane that runs its way",
+        ),
+        yaw_rad: deg(item.number(
+            "yaw_deg",
+            0.0,
+            -360.0,
+            360.0,
+            "heading, degrees from east, counter-clockwise",
+        )),
+    };
+    read(&s.describe_item("starts"));
+    let doc = "where data-collection vehicles may start, instead of the map's spawn points";
+    let list = s.sections("starts", "the map's spawn points", doc);
+    list.unwrap_or_default().iter().map(read).collect()
 }
 
 fn ordered(s: &Section<'_>, low: &str, low_value: u32, high: &str, high_value: u32) {
@@ -224,6 +255,12 @@ pub(crate) fn traffic(s: &Section<'_>) -> TrafficSettings {
             "distracted_background",
             d.distracted_background,
             "the same for background drivers",
+        ),
+        emergency_lights: share(
+            s,
+            "emergency_lights",
+            d.emergency_lights,
+            "chance that an emergency vehicle in traffic has its lights flashing",
         ),
         spawn_radius_m: s.optional_number(
             "spawn_radius_m",

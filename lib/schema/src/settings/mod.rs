@@ -8,9 +8,11 @@ mod scenario;
 
 use serde::Serialize;
 
+use crate::{AgentId, AgentKind};
+
 pub use rig::{CameraSettings, CameraSpec, GnssSpec, ImuSpec, LidarSpec, Mount, RadarSpec, Rig, ScanPattern};
 pub use scenario::{
-    AgentSettings, LightSettings, SceneCount, SpawnMode, Split, TimingSettings, TrafficSettings,
+    AgentSettings, GivenStart, LightSettings, SceneCount, SpawnMode, Split, TimingSettings, TrafficSettings,
     WalkerSettings, WeatherSettings, WorldSettings,
 };
 
@@ -43,6 +45,8 @@ pub struct DatasetSettings {
     pub vehicle_rig: Rig,
     /// Sensors of every RSU.
     pub rsu_rig: Rig,
+    /// Agents that carry something else.
+    pub own_rigs: Vec<OwnRig>,
     /// Which objects are annotated.
     pub annotation: AnnotationSettings,
     /// BEV masks.
@@ -71,12 +75,49 @@ impl DatasetSettings {
             world: WorldSettings::default(),
             vehicle_rig: Rig::vehicle(),
             rsu_rig: Rig::rsu(),
+            own_rigs: Vec::new(),
             annotation: AnnotationSettings::default(),
             bev: BevSettings::default(),
             vehicle_occupancy: OccupancySettings::default(),
             rsu_occupancy: OccupancySettings::default(),
         }
     }
+
+    fn own_rig(&self, agent: AgentId) -> Option<&OwnRig> {
+        let name = agent.to_string();
+        self.own_rigs.iter().find(|own| own.agents.contains(&name))
+    }
+
+    /// Sensors of an agent.
+    #[must_use]
+    pub fn rig_of(&self, agent: AgentId) -> &Rig {
+        match (self.own_rig(agent), agent.kind) {
+            (Some(own), _) => &own.rig,
+            (None, AgentKind::Vehicle) => &self.vehicle_rig,
+            (None, AgentKind::Rsu) => &self.rsu_rig,
+        }
+    }
+
+    /// Voxel grid of an agent.
+    #[must_use]
+    pub fn occupancy_of(&self, agent: AgentId) -> &OccupancySettings {
+        match (self.own_rig(agent), agent.kind) {
+            (Some(own), _) => &own.occupancy,
+            (None, AgentKind::Vehicle) => &self.vehicle_occupancy,
+            (None, AgentKind::Rsu) => &self.rsu_occupancy,
+        }
+    }
+}
+
+/// Sensors and voxel grid of some agents, instead of those of their kind.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OwnRig {
+    /// `vehicle_1`, `rsu_0`, ...; all of one kind.
+    pub agents: Vec<String>,
+    /// Sensors.
+    pub rig: Rig,
+    /// Voxel grid.
+    pub occupancy: OccupancySettings,
 }
 
 /// Which objects are annotated.

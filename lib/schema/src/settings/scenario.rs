@@ -63,6 +63,17 @@ impl SpawnMode {
     }
 }
 
+/// A place where data-collection vehicles may start, given by the user.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GivenStart {
+    /// Name of the map, as in the scene counts.
+    pub map: String,
+    /// In the world, metres; the nearest driving lane that runs its way is meant.
+    pub xyz_m: [f64; 3],
+    /// Heading, radians from east, counter-clockwise.
+    pub yaw_rad: f64,
+}
+
 /// Data-collection vehicles and RSUs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AgentSettings {
@@ -86,6 +97,11 @@ pub struct AgentSettings {
     pub vehicle_colors: Vec<[u8; 3]>,
     /// Spacing of the pool of spawn points along lanes, metres (24).
     pub spawn_separation_m: f64,
+    /// On maps that have some, agents start at these places instead of the pool's.
+    pub starts: Vec<GivenStart>,
+    /// Share of a scene's vehicles that collect data, 0 to 1: then [`TrafficSettings::vehicles`] counts all vehicles,
+    /// and `min_vehicles` and `max_vehicles` have no say.
+    pub penetration: Option<f64>,
 }
 
 impl Default for AgentSettings {
@@ -112,6 +128,8 @@ impl Default for AgentSettings {
                 [255, 255, 255],
             ],
             spawn_separation_m: 24.0,
+            starts: Vec::new(),
+            penetration: None,
         }
     }
 }
@@ -156,6 +174,8 @@ pub struct TrafficSettings {
     pub distracted_agent: f64,
     /// The same for background drivers (0.02).
     pub distracted_background: f64,
+    /// Chance that an emergency vehicle in traffic has its lights flashing (0.5).
+    pub emergency_lights: f64,
     /// Actors are placed within this distance of any agent, metres; from the duration when absent.
     pub spawn_radius_m: Option<f64>,
 }
@@ -173,6 +193,7 @@ impl Default for TrafficSettings {
             reckless_background: 0.01,
             distracted_agent: 0.02,
             distracted_background: 0.02,
+            emergency_lights: 0.5,
             spawn_radius_m: None,
         }
     }
