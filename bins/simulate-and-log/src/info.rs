@@ -30,11 +30,19 @@ pub(crate) fn scene_info(
                 agent: agent.agent.clone(),
                 id: actor.id,
                 model: actor.model.clone(),
+                color: agent.color.clone(),
+                start_xyz_m: agent.xyz_m,
+                start_rpy_rad: agent.rpy_rad,
+                speed_difference: agent.speed_difference,
+                standstill_gap_m: agent.standstill_gap_m,
+                signal: agent.signal.clone(),
                 reckless: agent.reckless,
                 distracted: agent.distracted,
             })
         })
         .collect::<Result<_, StageError>>()?;
+    let weathers = [plan.initial_weather, plan.final_weather].map(Weather::from_array);
+    let dark = weathers.iter().any(Weather::is_night);
     Ok(SceneInfo {
         scene: plan.scene,
         split: plan.split.clone(),
@@ -48,6 +56,11 @@ pub(crate) fn scene_info(
         dynamic_weather: plan.dynamic_weather,
         initial_weather: by_name(plan.initial_weather),
         final_weather: by_name(plan.final_weather),
+        spawn_radius_m: plan.spawn_radius_m,
+        pivot_xyz_m: plan.pivot_xyz_m,
+        street_light_intensity_change_lm: plan.street_light_change_lm,
+        street_lights_on: dark.then_some(!settings.lights.street_lamps_off),
+        building_lights_on: dark.then_some(!settings.lights.buildings_off),
         agents,
         n_vehicles: log.n_vehicles,
         n_walkers: log.n_walkers,

@@ -3,6 +3,7 @@
 mod ground;
 mod info;
 mod labels;
+mod lamps;
 
 use std::ops::ControlFlow;
 
@@ -29,8 +30,9 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
 
     let Some((mut unit, pulse)) = job.unit_and_pulse("scene")? else { return Ok(()) };
     let centres: Vec<[f64; 3]> = agents.iter().map(|a| a.xyz_m).collect();
-    let fixed =
+    let mut fixed =
         world::place(&map, &settings.world, plan.seed, &centres, 1).map_err(|e| StageError::failed(&e))?;
+    let lamps = lamps::draw(&mut fixed, &plan, &settings.lights);
     let first_id = fixed.last().map_or(1, |a| a.id.saturating_add(1));
     let mut log = simulate(
         &SceneInput {
@@ -62,6 +64,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     unit.rows(&key("log/states.parquet"), &log.states)?;
     unit.rows(&key("log/frames.parquet"), &log.frames)?;
     unit.rows(&key("log/signals.parquet"), &log.signals)?;
+    unit.rows(&key("log/lamps.parquet"), &lamps)?;
     unit.rows(&key("agents.parquet"), &labels.agents)?;
     unit.rows(&key("boxes.parquet"), &labels.boxes)?;
     unit.rows(&key("hd_map.parquet"), &labels.hd_map)?;

@@ -10,6 +10,7 @@ use schema::tables::{PlanAgentRow, PlanSceneRow};
 
 use crate::PlanError;
 use crate::agents::{draw_driver, place_rsus, place_vehicles, vehicle_models};
+use crate::lights::plan_lights;
 use crate::pool::SpawnPool;
 use crate::roster::{SceneSlot, scene_slots};
 use crate::timing::{background_radius_m, draw_duration_s, frame_count};
@@ -166,6 +167,8 @@ pub fn plan_scene(
     let mut walkers = stream("plan/walkers", 0);
     let drawn_walkers = between(&mut walkers, 0, settings.walkers.max_count) as u32;
     let drawn_factor = walkers.beta(2.4, 1.6);
+    let lights =
+        plan_lights(&settings.lights, &[initial, last], pool.is_high_ground(), &mut stream("plan/lights", 0));
     let radius = settings.traffic.spawn_radius_m.unwrap_or_else(|| background_radius_m(duration_s, warmup_s));
     let scene = PlanSceneRow {
         scene: number,
@@ -185,6 +188,9 @@ pub fn plan_scene(
         background_vehicles: background.map(|n| n.min(i32::MAX as u32) as i32),
         walkers: settings.walkers.count.unwrap_or(drawn_walkers),
         walker_cross_factor: settings.walkers.cross_factor.unwrap_or(drawn_factor),
+        street_light_change_lm: lights.change_lm,
+        random_building_colors: lights.random_colors,
+        pivot_xyz_m: placement.pivots.first().map_or([0.0; 3], |p| p.coords.into()),
     };
     let warnings = placement.warnings.iter().map(|w| format!("scene {number} ({}): {w}", slot.map)).collect();
     Ok(PlannedScene { scene, agents, warnings })

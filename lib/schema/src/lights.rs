@@ -26,5 +26,7 @@ pub const SIGNAL_YELLOW: u32 = 1 << 17;
 pub const SIGNAL_GREEN: u32 = 1 << 18;
 /// A street lamp.
 pub const STREET_LAMP: u32 = 1 << 19;
+/// Nominal luminous flux of a street lamp, lumens: a bright LED luminaire of a main street.
+pub const STREET_LAMP_LM: f64 = 20_000.0;
 /// Lit windows of a building.
 pub const BUILDING: u32 = 1 << 20;

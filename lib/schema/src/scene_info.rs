@@ -31,6 +31,16 @@ pub struct SceneInfo {
     pub initial_weather: BTreeMap<String, f64>,
     /// Weather of the last frame.
     pub final_weather: BTreeMap<String, f64>,
+    /// Background actors start within this distance of a data-collection vehicle, m.
+    pub spawn_radius_m: f64,
+    /// Clustered: the point around which the data-collection vehicles were drawn; chained: the first one's, m.
+    pub pivot_xyz_m: [f64; 3],
+    /// Added to the flux of every street lamp, lm; 0 when the lights were never switched on.
+    pub street_light_intensity_change_lm: f64,
+    /// Whether street lamps burn in the dark; absent when the sun stays up.
+    pub street_lights_on: Option<bool>,
+    /// The same for windows.
+    pub building_lights_on: Option<bool>,
     /// The agents, vehicles first.
     pub agents: Vec<AgentInfo>,
     /// Background vehicles that were really placed.
@@ -60,6 +70,18 @@ pub struct AgentInfo {
     pub id: u16,
     /// Model of its body.
     pub model: String,
+    /// Colour of its body, sRGB red, green, blue.
+    pub color: Vec<u8>,
+    /// Planned start in the world, m (RSU: foot of the pole).
+    pub start_xyz_m: [f64; 3],
+    /// Planned start in the world: roll, pitch, yaw, rad.
+    pub start_rpy_rad: [f64; 3],
+    /// Driver's speed below the limit as a share of it (negative: faster).
+    pub speed_difference: f64,
+    /// Driver's gap to a standing leader, m.
+    pub standstill_gap_m: f64,
+    /// RSU: OpenDRIVE id of the signal whose pole it stands at.
+    pub signal: Option<String>,
     /// Ignores lights, signs, vehicles and walkers.
     pub reckless: bool,
     /// Ignores lights and signs.

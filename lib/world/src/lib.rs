@@ -31,4 +31,4 @@ pub use actors::{ActorMesh, Joint, Piece, actor_mesh};
 pub use error::WorldError;
 pub use scenery::place;
 pub use surfaces::lane_raise_m;
-pub use world::{Moment, World};
+pub use world::{Moment, World, is_street_lamp, mark_failed};

@@ -109,7 +109,7 @@ impl Library {
         // Road-side units may carry any model name: their body is a pole.
         let model = if actor.kind == "rsu" { "pole.rsu" } else { actor.model.as_str() };
         // Whether a lamp has failed is no matter of shape.
-        let variant = if model == "pole.lamp" { actor.variant & !LAMP_FAILED } else { actor.variant };
+        let variant = if is_street_lamp(actor) { actor.variant & !LAMP_FAILED } else { actor.variant };
         let key = (model.to_owned(), size.map(f64::to_bits), variant);
         if let Some(known) = self.models.get(&key) {
             return Some(known.clone());
@@ -139,6 +139,17 @@ impl Library {
         self.models.insert(key, entry.clone());
         Some(entry)
     }
+}
+
+/// Whether an actor is a street lamp.
+#[must_use]
+pub fn is_street_lamp(actor: &ActorRow) -> bool {
+    actor.kind == "pole" && actor.model == "pole.lamp"
+}
+
+/// Marks a street lamp as one that has failed: it never burns.
+pub fn mark_failed(lamp: &mut ActorRow) {
+    lamp.variant |= LAMP_FAILED;
 }
 
 impl World {
@@ -229,9 +240,7 @@ impl World {
         let lights = match actor.kind.as_str() {
             "traffic_light" => StaticLights::Signal,
             "building" => StaticLights::Building,
-            "pole" if actor.model == "pole.lamp" && actor.variant & LAMP_FAILED == 0 => {
-                StaticLights::StreetLamp
-            }
+            _ if is_street_lamp(actor) && actor.variant & LAMP_FAILED == 0 => StaticLights::StreetLamp,
             _ => StaticLights::None,
         };
         let pose = Pose::<WorldFrame, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);

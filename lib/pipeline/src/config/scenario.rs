@@ -326,6 +326,30 @@ pub(crate) fn lights(s: &Section<'_>) -> LightSettings {
             d.street_lamp_failure,
             "share of street lamps that have failed",
         ),
+        change_intensity: s.flag(
+            "change_intensity",
+            d.change_intensity,
+            "change the flux of all street lamps of a dark scene by a common amount",
+        ),
+        intensity_change_lm: s.optional_number(
+            "intensity_change_lm",
+            "drawn per scene",
+            -1e9,
+            1e9,
+            "that amount, lm (negative: darker); drawn within the nominal 20000 lm either way",
+        ),
+        min_intensity_lm: s.number(
+            "min_intensity_lm",
+            d.min_intensity_lm,
+            0.0,
+            1e9,
+            "no change takes a street lamp below this flux, lm",
+        ),
+        random_building_colors: s.flag(
+            "random_building_colors",
+            d.random_building_colors,
+            "in a dark scene each building's windows have a colour of their own (not on high ground)",
+        ),
         street_lamps_off: s.flag("street_lamps_off", d.street_lamps_off, "street lamps never burn"),
         buildings_off: s.flag("buildings_off", d.buildings_off, "windows are never lit"),
     }

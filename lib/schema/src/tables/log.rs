@@ -156,6 +156,22 @@ impl FrameRow {
 }
 
 table! {
+    /// One row per street lamp and building: its light when lights are on (`frames` says when they are).
+    LampRow in "log/lamps" {
+        /// Object id.
+        id: u16,
+        /// `street` or `building`.
+        kind: String,
+        /// Whether it works.
+        works: bool,
+        /// Luminous flux of a street lamp, lm.
+        flux_lm: Option<f64>,
+        /// Colour of its light, sRGB red, green, blue.
+        color: Vec<u8>,
+    }
+}
+
+table! {
     /// One row per traffic light and frame, frame -1 included.
     SignalRow in "log/signals" {
         /// Frame number, from -1.

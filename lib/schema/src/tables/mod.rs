@@ -9,7 +9,7 @@ mod stats;
 mod weather;
 
 pub use labels::{AgentRow, BoxRow, HdMapRow, TrackFrameRow, TrackRow, ValidBoxRow};
-pub use log::{ActorRow, FrameRow, SignalRow, StateRow};
+pub use log::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
 pub use map::{VectorKind, VectorMapRow};
 pub use plan::{PlanAgentRow, PlanSceneRow};
 pub use sensor::{
@@ -48,6 +48,7 @@ pub fn all() -> Vec<TableDoc> {
         describe::<StateRow>(),
         describe::<FrameRow>(),
         describe::<SignalRow>(),
+        describe::<LampRow>(),
         describe::<AgentRow>(),
         describe::<BoxRow>(),
         describe::<HdMapRow>(),

@@ -39,6 +39,12 @@ table! {
         walkers: u32,
         /// Share of walkers who may cross roads anywhere, 0 to 1.
         walker_cross_factor: f64,
+        /// Added to the flux of every street lamp, lm; 0 where the sun stays up.
+        street_light_change_lm: f64,
+        /// Whether each building's windows have a colour of their own.
+        random_building_colors: bool,
+        /// Clustered: the point around which the vehicle agents were drawn; chained: the first one's spawn point, m.
+        pivot_xyz_m: [f64; 3],
     }
 }
 

@@ -45,6 +45,7 @@ pub(crate) fn scene(duration_s: f64) -> PlanSceneRow {
         background_vehicles: Some(0),
         walkers: 0,
         walker_cross_factor: 0.5,
+        ..PlanSceneRow::default()
     }
 }
 

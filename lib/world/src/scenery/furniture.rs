@@ -5,12 +5,11 @@ use nalgebra::{Point3, Vector3};
 use opendrive::SignalInfo;
 use random::Stream;
 use schema::Tag;
-use schema::settings::LightSettings;
 
 use super::frontage::Frontage;
 use super::land::{Land, Rect};
 use super::{Draft, Site};
-use crate::actors::{LAMP_FAILED, LightMount};
+use crate::actors::LightMount;
 use crate::surfaces::Ground;
 
 /// Housing of a traffic light: length, width, height, metres.
@@ -141,13 +140,10 @@ fn board(site: &Site<'_>, foot: Point3<f64>, yaw: f64, kind: &str, land: &mut La
 /// Street lamps at the kerb of sidewalks, their heads over the road; beside fast roads without sidewalks, too.
 pub(super) fn lamps(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_>, drafts: &mut Vec<Draft>) {
     let spacing = site.settings.lamp_spacing_m.max(5.0);
-    let failure = LightSettings::default().street_lamp_failure;
     for front in fronts.iter().filter(|f| !f.track) {
-        let mut random = Stream::new(site.seed, 0, "world/lamps", front.entity);
         // Lamps of the two sides stand in turn.
         let mut along = if front.entity % 2 == 0 { 0.25 } else { 0.75 } * spacing;
         while along < front.length_m() - 2.0 {
-            let failed = random.chance(failure);
             let Some(spot) = front.at(along) else { break };
             along += spacing;
             // The pole stands at the rear end of the lamp's box, just inside the kerb or beyond the edge.
@@ -164,7 +160,7 @@ pub(super) fn lamps(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_>, d
             if (z - spot.point.z).abs() > 1.0 {
                 continue;
             }
-            let mut draft = Draft::new(
+            let draft = Draft::new(
                 "pole",
                 "pole.lamp",
                 Tag::Pole,
@@ -172,7 +168,6 @@ pub(super) fn lamps(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_>, d
                 [middle.x, middle.y, z],
                 spot.facing_yaw(),
             );
-            draft.variant = if failed { LAMP_FAILED } else { 0 };
             drafts.push(draft);
             land.take(rect);
         }
