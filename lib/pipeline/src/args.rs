@@ -12,7 +12,7 @@ use clap::{Parser, ValueEnum};
                   75 stopped by a signal or a full disk (run the same command again)."
 )]
 pub struct StageArgs {
-    /// Dataset configuration (TOML).
+    /// Dataset configuration (TOML, or YAML of SimBEV2X).
     #[arg(long, value_name = "FILE")]
     pub config: PathBuf,
     /// The store: a folder.

@@ -21,7 +21,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(20);
 pub enum StoreCommand {
     /// Runs everything that is missing or stale, in order.
     Run {
-        /// Dataset configuration (TOML).
+        /// Dataset configuration (TOML, or YAML of SimBEV2X).
         #[arg(long, value_name = "FILE")]
         config: PathBuf,
         /// The store: a folder.
@@ -45,7 +45,7 @@ pub enum StoreCommand {
     },
     /// Prints a table of scenes and stages: done, stale, failed, missing.
     Status {
-        /// Dataset configuration (TOML).
+        /// Dataset configuration (TOML, or YAML of SimBEV2X).
         #[arg(long, value_name = "FILE")]
         config: PathBuf,
         /// The store: a folder.
@@ -176,7 +176,7 @@ fn run_program(command: &mut Command) -> std::io::Result<u8> {
 }
 
 fn status(config: &std::path::Path, store: &std::path::Path, only: Option<&SceneList>) -> u8 {
-    let Some(settings) = settings_or_faults(config) else { return EXIT_USAGE };
+    let Some(settings) = settings_or_faults(config, false) else { return EXIT_USAGE };
     match status_table(&settings, &Store::on_disk(store), only) {
         Ok(all_done) => {
             if all_done {

@@ -232,23 +232,33 @@ fn exit_code_of(error: &StageError) -> u8 {
     }
 }
 
-/// Reads the configuration, printing every fault.
-pub(crate) fn settings_or_faults(path: &Path) -> Option<DatasetSettings> {
-    config::load(path)
-        .inspect_err(|faults| {
+/// Reads the configuration, printing every fault and, where they are `wanted`, all warnings.
+pub(crate) fn settings_or_faults(path: &Path, wanted: bool) -> Option<DatasetSettings> {
+    match config::load(path) {
+        Ok((settings, warnings)) => {
+            for warning in warnings.iter().filter(|_| wanted) {
+                tracing::warn!("{warning}");
+            }
+            Some(settings)
+        }
+        Err(faults) => {
             for fault in faults {
                 tracing::error!("{fault}");
             }
-        })
-        .ok()
+            None
+        }
+    }
 }
 
 fn try_run(stage: Stage, args: &StageArgs) -> Result<u8, StageError> {
     let StageArgs { config, store, maps, scenes: _, shard: _, force, threads, dry_run, progress } = args;
-    let Some(settings) = settings_or_faults(config) else { return Ok(EXIT_USAGE) };
     let spec = Graph::get()
         .stage(stage.name)
         .ok_or_else(|| StageError::Usage(format!("pipeline.toml knows no stage {}", stage.name)))?;
+    // One stage is enough to say what a configuration asks for in vain.
+    let Some(settings) = settings_or_faults(config, spec.unit == UnitKind::Plan) else {
+        return Ok(EXIT_USAGE);
+    };
     if let Some(threads) = threads {
         // Fails only when the pool exists already, which does no harm.
         let _ = rayon::ThreadPoolBuilder::new().num_threads((*threads).max(1)).build_global();

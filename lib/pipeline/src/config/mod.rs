@@ -1,9 +1,13 @@
-//! The dataset configuration: TOML in, [`DatasetSettings`] out, every fault at once with its line.
+//! The dataset configuration: TOML in, [`DatasetSettings`] out, every fault at once with its line. YAML of SimBEV2X is
+//! translated first.
 
 mod reader;
 mod rigs;
 mod scenario;
 mod table_names;
+mod yaml;
+mod yaml_keys;
+mod yaml_special;
 
 use std::path::Path;
 
@@ -12,16 +16,30 @@ use schema::settings::{AnnotationSettings, BevSettings, DatasetSettings};
 pub use reader::{ConfigKey, Fault};
 use reader::{Section, with_document};
 
-/// Reads a configuration file.
+/// Reads a configuration file, and what it asks for in vain (keys of a YAML file that have no effect here). Files
+/// whose names end in `.yaml` or `.yml` are read as SimBEV2X configurations.
 ///
 /// # Errors
 /// All faults of the file, with line numbers.
-pub fn load(path: &Path) -> Result<DatasetSettings, Vec<Fault>> {
+pub fn load(path: &Path) -> Result<(DatasetSettings, Vec<Fault>), Vec<Fault>> {
     let file = path.display().to_string();
-    match std::fs::read_to_string(path) {
-        Ok(text) => parse(&text, &file),
-        Err(e) => Err(vec![Fault { file, line: None, message: format!("cannot read: {e}") }]),
-    }
+    let text = std::fs::read_to_string(path)
+        .map_err(|e| vec![Fault { file: file.clone(), line: None, message: format!("cannot read: {e}") }])?;
+    let is_yaml =
+        path.extension().is_some_and(|e| e.eq_ignore_ascii_case("yaml") || e.eq_ignore_ascii_case("yml"));
+    if is_yaml { parse_yaml(&text, &file) } else { Ok((parse(&text, &file)?, Vec::new())) }
+}
+
+/// Reads a SimBEV2X configuration.
+fn parse_yaml(text: &str, file: &str) -> Result<(DatasetSettings, Vec<Fault>), Vec<Fault>> {
+    let yaml::Translation { toml, lines, warnings } = yaml::translate(text, file)?;
+    let in_yaml = |fault: Fault| Fault {
+        line: fault.line.and_then(|line| lines.get(line.checked_sub(1)?).copied()),
+        ..fault
+    };
+    let settings =
+        parse(&toml, file).map_err(|faults| faults.into_iter().map(in_yaml).collect::<Vec<_>>())?;
+    Ok((settings, warnings))
 }
 
 /// Reads a configuration text; `file` is its name in messages.
@@ -260,6 +278,119 @@ mod tests {
         let starts = parse(text, "x.toml").expect("is valid").agents.starts;
         assert_eq!((starts[0].map.as_str(), starts[0].xyz_m), ("convoy/demo", [1.0, 2.5, 0.0]));
         assert!((starts[0].yaw_rad - std::f64::consts::PI).abs() < 1e-12);
+    }
+
+    #[test]
+    fn yaml_of_the_original_is_read() {
+        let text = "\
+mode: replace
+train_scene_config:
+  Town01: 8
+  convoy/02: 1
+val_scene_config:
+test_scene_config: {Town12: 3}
+replacement_scene_config: [4, 7]
+max_vehicles: 5
+vehicle_spawn_mode: chained
+vehicle_list: ['vehicle.ford.mustang_2016', 'vehicle.audi.tt', zeppelin]
+vehicle_color_list: ['0,0,0', '255,0,255']
+random_seed_offset: 31
+max_scene_duration: 12
+dynamic_settings_adjustments: False
+npc_spawn_radius: 450.0
+bev_dim: 200
+host: localhost
+reckless_npc_percentage: 5.0
+speed_difference: -10.0
+street_light_failure_percentage: 25.0
+initial_weather: {cloudiness: 12.5, sun_altitude_angle: -20, snow: 1}
+lidar_channels: 64
+lidar_properties: {points_per_second: '1310720', noise_stddev: '0.05', rotation_frequency: '10.0'}
+rsu_camera_fov: '100'
+use_rsu_lidar: False
+rsu_radar_properties: {points_per_second: '24000'}
+imu_properties: {noise_accel_stddev_x: '2e-4', noise_accel_stddev_y: '2e-4', noise_accel_stddev_z: '3e-4'}
+use_voxel_detector: true
+voxel_detector_properties: {ignore_self: 'True', full_sweep: 'True'}
+data_collection_vehicle_spawn_points:
+  Town01:
+    - [[10.0, 20.0, 0.5], [0, 0, 90]]
+colour_of_the_sky: green
+";
+        let (s, warnings) = parse_yaml(text, "x.yaml").expect("is valid");
+        let scenes: Vec<_> = s.scenes.iter().map(|w| (w.split.name(), w.map.as_str(), w.count)).collect();
+        assert_eq!(scenes, [("train", "Town01", 8), ("train", "convoy/02", 1), ("test", "Town12", 3)]);
+        assert_eq!((s.redraw.clone(), s.seed), (vec![(4, 1), (7, 1)], 31));
+        assert_eq!((s.agents.min_vehicles, s.agents.max_vehicles), (2, 5));
+        assert_eq!(s.agents.vehicle_models, ["car.coupe", "car.coupe", "car.sedan"]);
+        assert_eq!(s.agents.vehicle_colors, [[0, 0, 0], [255, 0, 255]]);
+        assert_eq!((s.timing.max_duration_s, s.traffic.spawn_radius_m), (12.0, Some(450.0)));
+        assert_eq!((s.traffic.reckless_background, s.traffic.speed_difference), (0.05, Some(-0.1)));
+        assert_eq!((s.bev.cells, s.lights.street_lamp_failure), (200, 0.25));
+        let weather = [("cloudiness".to_owned(), 12.5), ("sun_altitude_deg".to_owned(), -20.0)];
+        assert_eq!(s.weather.initial, weather);
+        let scan = &s.vehicle_rig.lidars[0].scan;
+        assert_eq!((scan.channels, scan.columns, s.vehicle_rig.lidars[0].noise_m), (64, 1024, 0.05));
+        assert!(s.rsu_rig.lidars.is_empty() && s.rsu_rig.radars.iter().all(|r| r.rays == 1200));
+        assert!((frames::to_deg(s.rsu_rig.camera.horizontal_fov_rad) - 100.0).abs() < 1e-9);
+        assert!(s.vehicle_occupancy.ignore_self && !s.rsu_occupancy.ignore_self);
+        assert_eq!(
+            (s.agents.starts[0].xyz_m, s.agents.starts[0].map.as_str()),
+            ([10.0, -20.0, 0.5], "Town01")
+        );
+        assert!((s.agents.starts[0].yaw_rad + std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+        let said: String = warnings.iter().map(|w| format!("{w}\n")).collect();
+        insta::assert_snapshot!(said, @r"
+        x.yaml:10: `vehicle_list`: no body like `zeppelin` here, `car.sedan` takes its place
+        x.yaml:17: `host` has no effect here: there is no game engine and no window
+        x.yaml:21: `initial_weather.snow`: no such weather parameter, ignored
+        x.yaml:23: `rotation_frequency`: the lidar turns once a frame, 20 times a second
+        x.yaml:27: there is one value for `vehicle.imu.noise_accel_mps2`: 0.0002 counts, 0.0003 does not
+        x.yaml:29: `voxel_detector_properties.full_sweep` has no effect here
+        x.yaml:33: `colour_of_the_sky`: no such key here, ignored
+        ");
+    }
+
+    #[test]
+    fn faults_in_yaml_have_their_lines() {
+        let faults = |text: &str| -> String {
+            let faults = parse_yaml(text, "bad.yaml").expect_err("has faults");
+            faults.iter().map(|f| format!("{f}\n")).collect()
+        };
+        let text = "train_scene_config: {Town01: many}\n\nmax_vehicles: -3\nlidar_channels: 0\n";
+        insta::assert_snapshot!(faults(text), @r#"
+        bad.yaml:1: `scenes.train.Town01` is a string, expected an integer
+        bad.yaml:1: no scenes: add a table such as [scenes.train] with "convoy/demo" = 2
+        bad.yaml:3: `agents.max_vehicles` is -3, expected 1 to 1000
+        bad.yaml:4: `vehicle.lidar.channels` is 0, expected 1 to 1024
+        "#);
+        assert!(faults("max_vehicles: [1, 2\nmin_vehicles: 2\n").contains("broken YAML"));
+        assert!(faults("- 1\n- 2\n").starts_with("bad.yaml:1: expected keys"));
+        assert!(faults("").contains("no scenes"));
+    }
+
+    #[test]
+    fn switches_in_yaml_bring_the_defaults_they_switch_to() {
+        let with = |keys: &str| {
+            let text = format!("train_scene_config: {{convoy/demo: 1}}\n{keys}\n");
+            let (s, warnings) = parse_yaml(&text, "x.yaml").expect("is valid");
+            assert!(warnings.is_empty(), "{warnings:?}");
+            (s.traffic.spawn_radius_m, s.lights.street_lamp_failure)
+        };
+        assert_eq!(with("npc_spawn_radius: 450"), (None, 0.1));
+        assert_eq!(with("dynamic_settings_adjustments: True\nnpc_spawn_radius: 450"), (None, 0.1));
+        assert_eq!(with("dynamic_settings_adjustments: False\nnpc_spawn_radius: 450"), (Some(450.0), 0.1));
+        let off = "dynamic_settings_adjustments: False\nrandom_street_light_failure: False";
+        assert_eq!(with(off), (Some(600.0), 0.0));
+        let both = "street_light_failure_percentage: 30\nrandom_street_light_failure: ";
+        assert_eq!(with(&format!("{both}False")), (None, 0.0));
+        assert_eq!(with(&format!("{both}True")), (None, 0.3));
+    }
+
+    #[test]
+    fn a_yaml_with_nothing_but_scenes_has_our_defaults() {
+        let (s, warnings) = parse_yaml("train_scene_config: {convoy/demo: 1}\n", "x.yaml").expect("is valid");
+        assert_eq!((s, warnings.len()), (example_settings(), 0));
     }
 
     #[test]

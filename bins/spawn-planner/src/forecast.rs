@@ -1,0 +1,258 @@
+//! What a plan will cost: frames exactly, bytes and hours by rates measured on whole datasets.
+
+use std::collections::BTreeMap;
+
+use plan::Plan;
+use schema::settings::{CameraSettings, DatasetSettings, LidarSpec, Split};
+use schema::{AgentId, AgentKind};
+
+/// Bytes as stored, measured on four datasets of 240 agent-frames each (the demo town and three of CARLA's, 640 x 360
+/// images). Larger images take fewer bytes a pixel, busy places more: good within a factor of two.
+mod bytes {
+    pub(super) const RGB_PX: f64 = 0.13;
+    pub(super) const SEMANTIC_PX: f64 = 0.09;
+    pub(super) const INSTANCE_PX: f64 = 0.07;
+    pub(super) const DEPTH_PX: f64 = 0.45;
+    pub(super) const FLOW_PX: f64 = 0.5;
+    pub(super) const LIDAR_RAY: f64 = 7.3;
+    pub(super) const SEMANTIC_LIDAR_RAY: f64 = 6.0;
+    pub(super) const RADAR_RAY: f64 = 14.0;
+    pub(super) const BEV_CELL: f64 = 0.08;
+    /// One grid, by column of voxels: what is stored is a surface.
+    pub(super) const VOXEL_COLUMN: f64 = 0.75;
+    /// Boxes as collected and as valid, their share of tracks, log, map record, position and motion.
+    pub(super) const AGENT_FRAME: f64 = 20e3;
+}
+
+/// Seconds of one core, from the table of docs/performance.md (two cores) and the demo dataset's stages: good within a
+/// factor of two.
+mod core_seconds {
+    pub(super) const VISIBILITY_PX: f64 = 50e-9;
+    pub(super) const RGB_PX: f64 = 160e-9;
+    pub(super) const ENCODING_PX: f64 = 15e-9;
+    pub(super) const LIDAR_RAY: f64 = 0.4e-6;
+    pub(super) const BEV_CELL: f64 = 130e-9;
+    pub(super) const VOXEL: f64 = 4.4e-9;
+    /// Simulation, snapshot, shadow maps, boxes, tracks, writing.
+    pub(super) const AGENT_FRAME: f64 = 0.3;
+}
+
+/// Amount and bytes of one kind of output.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Share {
+    count: u64,
+    bytes: f64,
+}
+
+/// What to expect.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Forecast {
+    outputs: BTreeMap<&'static str, Share>,
+    core_s: f64,
+    agent_frames: [u64; 2],
+}
+
+impl Forecast {
+    fn of(settings: &DatasetSettings, plan: &Plan) -> Self {
+        let frames: BTreeMap<u32, u64> =
+            plan.scenes.iter().map(|s| (s.scene, u64::from(s.frames))).collect();
+        let mut forecast = Self::default();
+        for agent in &plan.agents {
+            let (Ok(id), Some(frames)) = (agent.agent.parse(), frames.get(&agent.scene)) else { continue };
+            forecast.add(settings, id, *frames);
+        }
+        forecast
+    }
+
+    fn add(&mut self, settings: &DatasetSettings, agent: AgentId, frames: u64) {
+        self.agent_frames[usize::from(agent.kind == AgentKind::Rsu)] += frames;
+        self.core_s += core_seconds::AGENT_FRAME * frames as f64;
+        self.output("boxes, log, tracks", frames, bytes::AGENT_FRAME);
+        let rig = settings.rig_of(agent);
+        self.cameras(&rig.camera, rig.cameras.len() as u64 * frames);
+        for lidar in &rig.lidars {
+            self.lidar(lidar, frames);
+        }
+        for radar in &rig.radars {
+            let rays = f64::from(radar.rays);
+            self.output("radar readings", frames, rays * bytes::RADAR_RAY);
+            self.core_s += frames as f64 * rays * core_seconds::LIDAR_RAY;
+        }
+        if settings.bev.enabled {
+            let cells = f64::from(settings.bev.cells) * f64::from(settings.bev.cells);
+            self.output("BEV masks", frames, cells * bytes::BEV_CELL);
+            self.core_s += frames as f64 * cells * core_seconds::BEV_CELL;
+        }
+        let occupancy = settings.occupancy_of(agent);
+        if occupancy.enabled {
+            let [x, y, z] = occupancy.shape().map(|n| n as f64);
+            self.output("voxel grids", 2 * frames, x * y * bytes::VOXEL_COLUMN);
+            self.core_s += frames as f64 * x * y * z * core_seconds::VOXEL;
+        }
+    }
+
+    fn cameras(&mut self, camera: &CameraSettings, images: u64) {
+        let pixels = f64::from(camera.width) * f64::from(camera.height);
+        let kinds = [
+            (camera.rgb, "RGB images", bytes::RGB_PX),
+            (camera.semantic, "semantic images", bytes::SEMANTIC_PX),
+            (camera.instance, "instance images", bytes::INSTANCE_PX),
+            (camera.depth, "depth images", bytes::DEPTH_PX),
+            (camera.flow, "flow images", bytes::FLOW_PX),
+        ];
+        let mut per_pixel_s = if camera.any() { core_seconds::VISIBILITY_PX } else { 0.0 };
+        for (_, name, bytes_px) in kinds.into_iter().filter(|(wanted, ..)| *wanted) {
+            self.output(name, images, pixels * bytes_px);
+            per_pixel_s += core_seconds::ENCODING_PX;
+        }
+        per_pixel_s += if camera.rgb { core_seconds::RGB_PX } else { 0.0 };
+        self.core_s += images as f64 * pixels * per_pixel_s;
+    }
+
+    fn lidar(&mut self, lidar: &LidarSpec, frames: u64) {
+        let rays = lidar.scan.rays() as f64;
+        let (name, ray) = if lidar.semantic {
+            ("semantic lidar sweeps", bytes::SEMANTIC_LIDAR_RAY)
+        } else {
+            ("lidar sweeps", bytes::LIDAR_RAY)
+        };
+        self.output(name, frames, rays * ray);
+        self.core_s += frames as f64 * rays * core_seconds::LIDAR_RAY;
+    }
+
+    fn output(&mut self, name: &'static str, count: u64, bytes_each: f64) {
+        let share = self.outputs.entry(name).or_default();
+        share.count += count;
+        share.bytes += count as f64 * bytes_each;
+    }
+}
+
+/// A number with commas between thousands.
+fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i) % 3 == 0 {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Bytes in a unit that suits them.
+fn size(bytes: f64) -> String {
+    let units = [(1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
+    let (unit, name) = units.into_iter().find(|(unit, _)| bytes >= *unit).unwrap_or((1.0, "B"));
+    format!("{:.1} {name}", bytes / unit)
+}
+
+/// What to expect of a plan, line by line; `cores` are those of this machine.
+pub(crate) fn lines(settings: &DatasetSettings, plan: &Plan, cores: usize) -> Vec<String> {
+    let forecast = Forecast::of(settings, plan);
+    let maps = plan.scenes.iter().map(|s| &s.map).collect::<std::collections::BTreeSet<_>>().len();
+    let of_split = |split: Split| {
+        let count = plan.scenes.iter().filter(|s| s.split == split.name()).count();
+        format!("{count} {}", split.name())
+    };
+    let frames: u64 = plan.scenes.iter().map(|s| u64::from(s.frames)).sum();
+    let seconds: f64 = plan.scenes.iter().map(|s| s.duration_s).sum();
+    let [vehicles, rsus] = forecast.agent_frames;
+    let mut lines = vec![
+        format!(
+            "{} scenes ({}) on {maps} maps, {} s, {} frames",
+            plan.scenes.len(),
+            Split::ALL.map(of_split).join(", "),
+            grouped(seconds.round() as u64),
+            grouped(frames)
+        ),
+        format!(
+            "{} agent-frames: {} of vehicles, {} of RSUs",
+            grouped(vehicles + rsus),
+            grouped(vehicles),
+            grouped(rsus)
+        ),
+    ];
+    let total: f64 = forecast.outputs.values().map(|share| share.bytes).sum();
+    for (name, share) in &forecast.outputs {
+        lines.push(format!("  {name:<22} {:>13} {:>10}", grouped(share.count), size(share.bytes)));
+    }
+    let (hours, cores) = (forecast.core_s / 3600.0, cores.max(1));
+    lines.push(format!("about {} on disk", size(total)));
+    lines.push(format!(
+        "about {hours:.1} core-hours: {:.1} hours on {cores} cores, without a GPU",
+        hours / cores as f64
+    ));
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use schema::settings::SceneCount;
+    use schema::tables::{PlanAgentRow, PlanSceneRow};
+
+    fn plan() -> Plan {
+        let scene = |scene, frames: u32, split: &str| PlanSceneRow {
+            scene,
+            frames,
+            split: split.into(),
+            duration_s: f64::from(frames) / 20.0,
+            ..PlanSceneRow::default()
+        };
+        let agent = |scene, agent: &str| PlanAgentRow { scene, agent: agent.into(), ..PlanAgentRow::default() };
+        Plan {
+            scenes: vec![scene(0, 200, "train"), scene(3, 400, "test")],
+            agents: vec![agent(0, "vehicle_0"), agent(0, "vehicle_1"), agent(3, "vehicle_0"), agent(3, "rsu_0")],
+            warnings: Vec::new(),
+        }
+    }
+
+    fn settings() -> DatasetSettings {
+        DatasetSettings::with_scenes(Vec::<SceneCount>::new())
+    }
+
+    #[test]
+    fn frames_and_images_are_exact() {
+        let forecast = Forecast::of(&settings(), &plan());
+        assert_eq!(forecast.agent_frames, [800, 400]);
+        let count = |name| forecast.outputs.get(name).map_or(0, |share: &Share| share.count);
+        // Six cameras a vehicle, three an RSU; four radars and one.
+        assert_eq!([count("RGB images"), count("instance images"), count("depth images")], [6000, 6000, 0]);
+        assert_eq!([count("lidar sweeps"), count("radar readings"), count("voxel grids")], [1200, 3600, 2400]);
+    }
+
+    #[test]
+    fn what_is_switched_off_costs_nothing() {
+        let mut less = settings();
+        less.bev.enabled = false;
+        less.vehicle_occupancy.enabled = false;
+        less.rsu_rig.lidars.clear();
+        less.vehicle_rig.camera.rgb = false;
+        let (all, some) = (Forecast::of(&settings(), &plan()), Forecast::of(&less, &plan()));
+        let count = |name| some.outputs.get(name).map_or(0, |share: &Share| share.count);
+        assert_eq!([count("BEV masks"), count("voxel grids"), count("lidar sweeps")], [0, 800, 800]);
+        assert_eq!([count("RGB images"), count("instance images")], [1200, 6000]);
+        assert!(some.core_s < all.core_s);
+    }
+
+    /// A default vehicle's frame took 1.38 s on two cores; the demo's 240 agent-frames 138.6 s and 1.4 GB.
+    #[test]
+    fn rates_are_near_what_was_measured() {
+        let mut one = plan();
+        (one.scenes.truncate(1), one.agents.truncate(1));
+        let forecast = Forecast::of(&settings(), &one);
+        let core_s = forecast.core_s / 200.0;
+        assert!((1.4..5.6).contains(&core_s), "{core_s}");
+    }
+
+    #[test]
+    fn lines_are_for_people() {
+        let lines = lines(&settings(), &plan(), 4);
+        assert_eq!(lines[0], "2 scenes (1 train, 0 val, 1 test) on 1 maps, 30 s, 600 frames");
+        assert_eq!(lines[1], "1,200 agent-frames: 800 of vehicles, 400 of RSUs");
+        assert!(lines.last().is_some_and(|l| l.contains("core-hours") && l.contains("on 4 cores")));
+        assert_eq!([grouped(0), grouped(999), grouped(1000), grouped(27_337_066)], ["0", "999", "1,000", "27,337,066"]);
+        assert_eq!([size(12.0), size(2.5e6), size(4e12)], ["12.0 B", "2.5 MB", "4.0 TB"]);
+    }
+}

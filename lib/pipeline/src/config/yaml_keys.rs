@@ -1,0 +1,189 @@
+//! The keys of a SimBEV2X configuration that translate one by one.
+
+/// What becomes of a key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rule {
+    /// The same value under our name.
+    Same(&'static str),
+    /// Percent there, a share here.
+    Percent(&'static str),
+    /// It has no effect here, and why.
+    Nothing(&'static str),
+}
+
+use Rule::{Nothing, Percent, Same};
+
+const NO_ENGINE: &str = "there is no game engine and no window";
+const NO_SLIPS: &str = "drivers who are neither reckless nor distracted overlook nothing";
+const NO_HAZARDS: &str = "there are no accidents and road works yet";
+const EXACT: &str = "labels are computed where they are needed, without sampling radii";
+
+/// Keys by name.
+const RULES: &[(&str, Rule)] = &[
+    // Dataset and population.
+    ("replay_scene_config", Nothing("any stage runs again from the logs: run it with --scenes and --force")),
+    ("min_vehicles", Same("agents.min_vehicles")),
+    ("max_vehicles", Same("agents.max_vehicles")),
+    ("vehicle_spawn_mode", Same("agents.spawn_mode")),
+    ("clustered_spawn_distance", Same("agents.clustered_spawn_distance_m")),
+    ("chained_spawn_distance", Same("agents.chained_spawn_distance_m")),
+    ("min_rsus", Same("agents.min_rsus")),
+    ("max_rsus", Same("agents.max_rsus")),
+    ("simulate_physics", Nothing("vehicles are always simulated")),
+    ("show_debug_telemetry", Nothing(NO_ENGINE)),
+    // Simulation.
+    ("warmup_duration", Same("timing.warmup_s")),
+    ("min_scene_duration", Same("timing.min_duration_s")),
+    ("max_scene_duration", Same("timing.max_duration_s")),
+    ("host", Nothing(NO_ENGINE)),
+    ("timeout", Nothing(NO_ENGINE)),
+    ("resolution_x", Nothing(NO_ENGINE)),
+    ("resolution_y", Nothing(NO_ENGINE)),
+    ("show_display", Nothing(NO_ENGINE)),
+    ("quality_level", Nothing(NO_ENGINE)),
+    ("retries_on_error", Nothing(NO_ENGINE)),
+    ("render_gpu", Nothing(NO_ENGINE)),
+    ("max_io_workers", Nothing("--threads says how many threads work")),
+    ("tile_stream_distance", Nothing("maps are loaded whole")),
+    ("actor_active_distance", Nothing("maps are loaded whole")),
+    ("waypoint_distance", Nothing(EXACT)),
+    ("mapping_area_radius", Nothing(EXACT)),
+    ("nearby_mapping_area_radius", Nothing(EXACT)),
+    ("spawn_point_separation_distance", Same("agents.spawn_separation_m")),
+    ("bbox_collection_radius", Same("annotation.box_radius_m")),
+    ("bev_camera_height", Nothing("masks are drawn from geometry, without a camera")),
+    ("render_bev_camera_images", Nothing(NO_ENGINE)),
+    ("bev_dim", Same("bev.cells")),
+    ("bev_res", Same("bev.cell_m")),
+    ("spectator_height", Nothing(NO_ENGINE)),
+    ("spectator_vehicle_index", Nothing(NO_ENGINE)),
+    ("use_bev_for_sidewalks", Nothing("sidewalks are exact without it")),
+    ("use_cityscapes_palette", Nothing("masks have no colours")),
+    // Traffic.
+    ("ignore_lights_percentage", Nothing(NO_SLIPS)),
+    ("ignore_signs_percentage", Nothing(NO_SLIPS)),
+    ("ignore_vehicles_percentage", Nothing(NO_SLIPS)),
+    ("ignore_walkers_percentage", Nothing(NO_SLIPS)),
+    ("door_open_percentage", Nothing("doors do not open yet")),
+    ("wheelchair_use_percentage", Nothing("there are no wheelchairs yet")),
+    ("hazard_area_percentage", Nothing(NO_HAZARDS)),
+    ("accident_hazard_percentage", Nothing(NO_HAZARDS)),
+    ("emergency_vehicle_at_accident_percentage", Nothing(NO_HAZARDS)),
+    ("missing_cone_percentage", Nothing(NO_HAZARDS)),
+    ("emergency_lights_percentage", Percent("traffic.emergency_lights")),
+    ("reckless_ego_percentage", Percent("traffic.reckless_agent")),
+    ("reckless_npc_percentage", Percent("traffic.reckless_background")),
+    ("distracted_ego_percentage", Percent("traffic.distracted_agent")),
+    ("distracted_npc_percentage", Percent("traffic.distracted_background")),
+    ("max_n_walkers", Same("walkers.max_count")),
+    ("spawn_attempts", Nothing("walkers start where they can walk")),
+    ("walker_speed_min", Same("walkers.min_speed_mps")),
+    ("n_vehicles", Same("traffic.vehicles")),
+    ("n_walkers", Same("walkers.count")),
+    ("walker_cross_factor", Same("walkers.cross_factor")),
+    ("speed_difference", Percent("traffic.speed_difference")),
+    ("distance_to_leading", Same("traffic.standstill_gap_m")),
+    ("green_time", Same("traffic.green_time_s")),
+    // Weather and lights.
+    ("dynamic_weather", Same("weather.dynamic")),
+    ("random_building_light_colors", Same("lights.random_building_colors")),
+    ("change_street_light_intensity", Same("lights.change_intensity")),
+    ("min_street_light_intensity", Same("lights.min_intensity_lm")),
+    ("street_light_intensity_change", Same("lights.intensity_change_lm")),
+    ("turn_off_building_lights", Same("lights.buildings_off")),
+    ("turn_off_street_lights", Same("lights.street_lamps_off")),
+];
+
+/// The rule of a key that is translated by itself.
+pub(crate) fn rule(key: &str) -> Option<Rule> {
+    RULES.iter().find(|(name, _)| *name == key).map(|(_, rule)| *rule)
+}
+
+/// Our name of a weather parameter.
+pub(crate) fn weather(parameter: &str) -> Option<&'static str> {
+    let renamed = match parameter {
+        "sun_azimuth_angle" => "sun_azimuth_deg",
+        "sun_altitude_angle" => "sun_altitude_deg",
+        "fog_distance" => "fog_distance_m",
+        same => same,
+    };
+    schema::tables::Weather::NAMES.into_iter().find(|name| *name == renamed)
+}
+
+/// Keys of the sensors of one kind of agent, by their name without `rsu_`; ours follow `vehicle.` or `rsu.`.
+pub(crate) const SENSOR_KEYS: &[(&str, &str)] = &[
+    ("camera_width", "camera.width"),
+    ("camera_height", "camera.height"),
+    ("camera_fov", "camera.fov_deg"),
+    ("use_rgb_camera", "camera.rgb"),
+    ("use_semantic_camera", "camera.semantic"),
+    ("use_instance_camera", "camera.instance"),
+    ("use_depth_camera", "camera.depth"),
+    ("use_flow_camera", "camera.flow"),
+    ("use_lidar", "lidar.enabled"),
+    ("use_semantic_lidar", "lidar.semantic"),
+    ("lidar_channels", "lidar.channels"),
+    ("lidar_range", "lidar.range_m"),
+    ("use_radar", "radar.enabled"),
+    ("radar_range", "radar.range_m"),
+    ("radar_horizontal_fov", "radar.horizontal_fov_deg"),
+    ("radar_vertical_fov", "radar.vertical_fov_deg"),
+    ("use_gnss", "gnss.enabled"),
+    ("use_imu", "imu.enabled"),
+    ("use_voxel_detector", "occupancy.enabled"),
+    ("voxel_detector_range", "occupancy.range_m"),
+    ("voxel_size", "occupancy.voxel_m"),
+    ("voxel_detector_upper_limit", "occupancy.upper_m"),
+    ("voxel_detector_lower_limit", "occupancy.lower_m"),
+];
+
+/// Keys within `..._properties`: the mapping, its key, ours. Where ours is empty the key is taken care of elsewhere.
+pub(crate) const PROPERTY_KEYS: &[(&str, &str, &str)] = &[
+    ("rgb_camera_properties", "fstop", "camera.f_stop"),
+    ("rgb_camera_properties", "fov", ""),
+    ("lidar_properties", "points_per_second", ""),
+    ("lidar_properties", "rotation_frequency", ""),
+    ("lidar_properties", "upper_fov", "lidar.upper_fov_deg"),
+    ("lidar_properties", "lower_fov", "lidar.lower_fov_deg"),
+    ("lidar_properties", "horizontal_fov", "lidar.horizontal_fov_deg"),
+    ("lidar_properties", "dropoff_general_rate", "lidar.dropoff_rate"),
+    ("lidar_properties", "dropoff_intensity_limit", "lidar.dropoff_intensity_limit"),
+    ("lidar_properties", "dropoff_zero_intensity", "lidar.dropoff_zero_intensity"),
+    ("lidar_properties", "atmosphere_attenuation_rate", "lidar.attenuation_per_m"),
+    ("lidar_properties", "noise_stddev", "lidar.noise_m"),
+    ("radar_properties", "points_per_second", ""),
+    ("gnss_properties", "noise_alt_stddev", "gnss.noise_altitude_m"),
+    ("gnss_properties", "noise_lat_stddev", "gnss.noise_latitude_deg"),
+    ("gnss_properties", "noise_lon_stddev", "gnss.noise_longitude_deg"),
+    ("imu_properties", "noise_accel_stddev_x", "imu.noise_accel_mps2"),
+    ("imu_properties", "noise_accel_stddev_y", "imu.noise_accel_mps2"),
+    ("imu_properties", "noise_accel_stddev_z", "imu.noise_accel_mps2"),
+    ("imu_properties", "noise_gyro_bias_x", "imu.gyro_bias_radps"),
+    ("imu_properties", "noise_gyro_bias_y", "imu.gyro_bias_radps"),
+    ("imu_properties", "noise_gyro_bias_z", "imu.gyro_bias_radps"),
+    ("imu_properties", "noise_gyro_stddev_x", "imu.noise_gyro_radps"),
+    ("imu_properties", "noise_gyro_stddev_y", "imu.noise_gyro_radps"),
+    ("imu_properties", "noise_gyro_stddev_z", "imu.noise_gyro_radps"),
+    ("voxel_detector_properties", "ignore_self", "occupancy.ignore_self"),
+];
+
+/// Body styles that come nearest to the vehicles of the published dataset, by a part of their names.
+pub(crate) const MODELS: &[(&str, &str)] = &[
+    ("mustang", "car.coupe"),
+    ("supra", "car.sports"),
+    ("chiron", "car.sports"),
+    ("tt", "car.coupe"),
+    ("mini", "car.mini"),
+    ("micro", "car.micro"),
+    ("model3", "car.electric"),
+    ("prius", "car.electric"),
+    ("patrol", "car.suv"),
+    ("wrangler", "car.offroad"),
+    ("police", "car.police"),
+    ("taxi", "car.taxi"),
+    ("sprinter", "van.delivery"),
+    ("ambulance", "van.ambulance"),
+];
+
+/// Body style of a vehicle that none of [`MODELS`] names.
+pub(crate) const OTHER_MODEL: &str = "car.sedan";
