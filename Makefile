@@ -22,10 +22,11 @@ FORCE_ARG   = $(if $(FORCE),--force)
 SEED_ARG    = $(if $(SEED),--seed $(SEED))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset stage scene-video stats status verify town towns town-pictures check-towns build test soak lint bench bench-kernels docs help
+.PHONY: dataset forecast stage stats status verify town towns town-pictures check-towns build test soak lint bench bench-kernels docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
+	@echo "make forecast                      (same arguments: scenes, frames, bytes and hours to expect)"
 	@echo "make stage STAGE=render-sensors [SCENES=3,7-9] [FORCE=1]"
 	@echo "make status | stats | verify        (same CONFIG and STORE)"
 	@echo "make town NAME=convoy/demo [SEED=7] [DEST=folder]       (a road network of our own, with its picture)"
@@ -39,6 +40,10 @@ build:
 # Everything that is missing or stale, in order.
 dataset: build
 	$(BIN)/convoy run $(COMMON) $(MAPS_ARG) $(THREADS_ARG) $(SCENES_ARG)
+
+# What the plan would come to: scenes, agent-frames, bytes, hours. Writes nothing.
+forecast: build
+	$(BIN)/spawn-planner $(COMMON) $(MAPS_ARG) --dry-run
 
 # One stage for some scenes.
 stage: build

@@ -9,7 +9,7 @@ use truth::bev::{Areas, BevRasterizer};
 use truth::counts::Counts;
 
 /// The stage.
-pub const STAGE: Stage = Stage { name: "bev-gt", run, sources: pipeline::no_sources };
+pub const STAGE: Stage = Stage { name: "bev-gt", run, sources: pipeline::no_sources, forecast: None };
 
 fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     let (settings, scene) = (job.settings().bev.clone(), job.scene());

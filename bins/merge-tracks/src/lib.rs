@@ -8,7 +8,7 @@ use store::{StoreError, keys};
 use truth::counts::Counts;
 
 /// The stage.
-pub const STAGE: Stage = Stage { name: "merge-tracks", run, sources: pipeline::no_sources };
+pub const STAGE: Stage = Stage { name: "merge-tracks", run, sources: pipeline::no_sources, forecast: None };
 
 fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     let (scene, store) = (job.scene(), job.store().clone());

@@ -10,7 +10,7 @@ use truth::counts::{Counts, Filling};
 use truth::voxels::{VoxelGrid, Voxelizer};
 
 /// The stage.
-pub const STAGE: Stage = Stage { name: "occupancy-gt", run, sources: pipeline::no_sources };
+pub const STAGE: Stage = Stage { name: "occupancy-gt", run, sources: pipeline::no_sources, forecast: None };
 
 fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     let (settings, scene) = (job.settings().clone(), job.scene());

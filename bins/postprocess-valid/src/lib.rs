@@ -17,7 +17,8 @@ use truth::validity::{Evidence, PixelCounts};
 use crate::clouds::Clouds;
 
 /// The stage.
-pub const STAGE: Stage = Stage { name: "postprocess-valid", run, sources: pipeline::no_sources };
+pub const STAGE: Stage =
+    Stage { name: "postprocess-valid", run, sources: pipeline::no_sources, forecast: None };
 
 pub(crate) const RENDER: &str = "render-sensors";
 pub(crate) const OCCUPANCY: &str = "occupancy-gt";

@@ -13,7 +13,7 @@ use crate::frame::Station;
 use crate::shards::Shards;
 
 /// The stage.
-pub const STAGE: Stage = Stage { name: "render-sensors", run, sources: pipeline::no_sources };
+pub const STAGE: Stage = Stage { name: "render-sensors", run, sources: pipeline::no_sources, forecast: None };
 
 fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     let (settings, scene) = (job.settings().clone(), job.scene());

@@ -17,7 +17,8 @@ use world::World;
 use crate::labels::Labels;
 
 /// The stage.
-pub const STAGE: Stage = Stage { name: "simulate-and-log", run, sources: pipeline::no_sources };
+pub const STAGE: Stage =
+    Stage { name: "simulate-and-log", run, sources: pipeline::no_sources, forecast: None };
 
 /// Looks that moving actors of one model share among them (clothes, skin, hair): each is a mesh of its own.
 const VARIANTS: u32 = 64;

@@ -1,8 +1,10 @@
 //! The planning stage: reads maps, plans scenes, keeps everything a store needs to be complete by itself.
 
+mod forecast;
 mod maps;
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use pipeline::{Job, Stage, StageError};
 use plan::{Plan, PlanMap, Roster, SceneSlot};
@@ -12,8 +14,11 @@ use schema::tables::{PlanAgentRow, PlanSceneRow};
 use serde::Serialize;
 use store::{Scope, Store, keys};
 
+use crate::maps::MapSource;
+
 /// The stage.
-pub const STAGE: Stage = Stage { name: "spawn-planner", run, sources: maps::digests };
+pub const STAGE: Stage =
+    Stage { name: "spawn-planner", run, sources: maps::digests, forecast: Some(forecast) };
 
 /// `dataset.json`.
 #[derive(Serialize)]
@@ -23,8 +28,15 @@ struct DatasetRecord<'a> {
     config: &'a DatasetSettings,
 }
 
-fn run(job: &mut Job<'_>) -> Result<(), StageError> {
-    let as_written = job.settings().clone();
+/// A plan and the maps it stands on.
+struct Planned {
+    roster: Roster,
+    texts: BTreeMap<String, MapSource>,
+    maps: BTreeMap<String, PlanMap>,
+    plan: Plan,
+}
+
+fn make(as_written: &DatasetSettings, folder: Option<&Path>, store: &Store) -> Result<Planned, StageError> {
     let mut settings = as_written.clone();
     for wish in &mut settings.scenes {
         wish.map = maps::name_in_store(&wish.map).to_owned();
@@ -32,8 +44,8 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     for start in &mut settings.agents.starts {
         start.map = maps::name_in_store(&start.map).to_owned();
     }
-    let roster = enrol(job.store(), &settings)?;
-    let texts = maps::texts(&as_written, &roster.slots, job.maps_folder(), job.store())?;
+    let roster = enrol(store, &settings)?;
+    let texts = maps::texts(as_written, &roster.slots, folder, store)?;
     let mut maps = BTreeMap::new();
     for (name, source) in &texts {
         let hash = store::hash_bytes(&source.text);
@@ -43,6 +55,22 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     for warning in roster.warnings.iter().chain(&plan.warnings) {
         tracing::warn!("{warning}");
     }
+    Ok(Planned { roster, texts, maps, plan })
+}
+
+/// Plans without writing, and says what that would come to.
+fn forecast(
+    settings: &DatasetSettings,
+    folder: Option<&Path>,
+    store: &Store,
+) -> Result<Vec<String>, StageError> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    Ok(forecast::lines(settings, &make(settings, folder, store)?.plan, cores))
+}
+
+fn run(job: &mut Job<'_>) -> Result<(), StageError> {
+    let as_written = job.settings().clone();
+    let Planned { roster, texts, maps, plan } = make(&as_written, job.maps_folder(), job.store())?;
     for scene in &plan.scenes {
         job.plan_scene(scene.scene, scene_digest(scene, &plan));
     }

@@ -78,6 +78,13 @@ fn what_was_made_is_never_removed() {
     assert!(said.contains("train on convoy/01") && said.contains("scenes 3;"), "{said}");
     assert!(bench.digests().iter().all(|(scene, digest)| before.get(scene) == Some(digest)));
     assert!(bench.manifest().output("maps/convoy/01.xodr.zst").is_some());
+    // A failed try is nothing that was made.
+    let failure = bench.folder.path().join("store/scenes/0001/_manifests/simulate-and-log.failed.json");
+    std::fs::remove_dir_all(bench.folder.path().join("store/scenes/0001")).expect("removes");
+    std::fs::create_dir_all(failure.parent().expect("has a folder")).expect("makes folders");
+    std::fs::write(&failure, "{}").expect("writes");
+    bench.plan(&config("[scenes.val]\n\"convoy/demo\" = 1\n"));
+    assert_eq!(short(&bench), [slot(3, "train", "convoy/01"), slot(4, "val", "convoy/demo")]);
 }
 
 #[test]
@@ -94,6 +101,38 @@ fn the_map_file_of_older_scenes_may_be_gone() {
     bench.plan(&config("[scenes.test]\n\"convoy/demo\" = 1\n"));
     assert_eq!(short(&bench), [slot(0, "train", "elsewhere"), slot(1, "test", "convoy/demo")]);
     assert_eq!(bench.digests().get("scene/0000"), before.get("scene/0000"));
+}
+
+#[test]
+fn a_dry_run_says_what_to_expect_and_writes_nothing() {
+    let bench = Bench::new();
+    let outcome = bench.run("config.toml", &config(FIRST), &["--dry-run"]);
+    assert_eq!(outcome.code, 0, "{outcome:?}");
+    assert!(!bench.folder.path().join("store").exists());
+    bench.plan(&config(FIRST));
+    let (scenes, agents) = (bench.scenes(), bench.agents());
+    let frames: u32 = scenes.iter().map(|s| s.frames).sum();
+    let agent_frames: u32 =
+        agents.iter().filter_map(|a| scenes.iter().find(|s| s.scene == a.scene)).map(|s| s.frames).sum();
+    let plain = outcome.out.replace(',', "");
+    assert!(plain.contains("3 scenes (2 train 1 val 0 test) on 1 maps"), "{plain}");
+    assert!(plain.contains(&format!("{frames} frames")), "{plain}");
+    assert!(plain.contains(&format!("{agent_frames} agent-frames")), "{plain}");
+    assert!(plain.contains("on disk") && plain.contains("core-hours"), "{plain}");
+}
+
+#[test]
+fn the_originals_yaml_is_planned() {
+    let bench = Bench::new();
+    let yaml = "mode: create\ntrain_scene_config:\n  convoy/demo: 2\nval_scene_config:\nmax_vehicles: 2\n\
+                render_gpu: 0\ninitial_weather: {cloudiness: 15}\nmagic: 1\n";
+    let outcome = bench.run("config.yaml", yaml, &[]);
+    assert_eq!(outcome.code, 0, "{outcome:?}");
+    assert!(bench.scenes().iter().all(|s| s.initial_weather[0] == 15.0) && bench.scenes().len() == 2);
+    assert!(outcome.err.contains("config.yaml:6: `render_gpu` has no effect here"), "{outcome:?}");
+    assert!(outcome.err.contains("config.yaml:8: `magic`: no such key here"), "{outcome:?}");
+    let outcome = bench.run("bad.yml", &yaml.replace("max_vehicles: 2", "max_vehicles: two"), &[]);
+    assert!(outcome.code == 2 && outcome.err.contains("bad.yml:5: `agents.max_vehicles`"), "{outcome:?}");
 }
 
 #[test]

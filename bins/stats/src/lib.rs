@@ -8,7 +8,7 @@ use schema::tables::PartialRow;
 use store::keys;
 
 /// The stage.
-pub const STAGE: Stage = Stage { name: "stats", run, sources: pipeline::no_sources };
+pub const STAGE: Stage = Stage { name: "stats", run, sources: pipeline::no_sources, forecast: None };
 
 /// Stages that leave partial counts.
 const COUNTING: [&str; 6] =

@@ -20,7 +20,7 @@ pub use config::{ConfigKey, Fault, config_keys, load as load_config, parse as pa
 pub use drive::{StoreCommand, drive, say};
 pub use graph::{Graph, StageSpec, UnitKind, config_hash};
 pub use progress::Progress;
-pub use runner::{Job, Pulse, Stage, StageError, init_logging, no_sources, run_stage};
+pub use runner::{Forecast, Job, Pulse, Stage, StageError, init_logging, no_sources, run_stage};
 pub use status::{State, state_of};
 
 /// Exit code: everything was done.

@@ -26,7 +26,12 @@ pub struct Stage {
     /// Digests of what it reads outside the store, by name, as far as that can be found now: where one changed, the
     /// stage is stale. Takes the settings and the folder with map files.
     pub sources: fn(&DatasetSettings, Option<&Path>) -> BTreeMap<String, String>,
+    /// Lines that say what to expect, for `--dry-run`. Takes the settings, the folder with map files and the store.
+    pub forecast: Option<Forecast>,
 }
+
+/// What to expect before anything runs, line by line.
+pub type Forecast = fn(&DatasetSettings, Option<&Path>, &Store) -> Result<Vec<String>, StageError>;
 
 /// The sources of a stage that reads nothing outside the store.
 #[must_use]
@@ -272,6 +277,10 @@ fn try_run(stage: Stage, args: &StageArgs) -> Result<u8, StageError> {
         force: *force,
         progress: *progress,
     };
+    if *dry_run && !run.is_planned()? {
+        crate::drive::say(&format!("would run {} once the plan is made", stage.name));
+        return Ok(EXIT_DONE);
+    }
     let scopes = run.scopes(args)?;
     if *dry_run {
         return run.tell(&scopes);
@@ -322,6 +331,13 @@ impl Run<'_> {
         Ok(wanted.map(|(_, scene)| Scope::Scene(scene)).collect())
     }
 
+    /// Whether a plan of this configuration stands, where the stage needs one.
+    fn is_planned(&self) -> Result<bool, StageError> {
+        let planner = &Graph::get().stages[0];
+        let stands = || state_of(&self.store, self.settings, planner, Scope::Plan);
+        Ok(self.spec.unit != UnitKind::Scene || stands()? == State::Done)
+    }
+
     fn label(&self, scope: Scope) -> String {
         match scope {
             Scope::Scene(scene) => format!("{} scene {scene:04}", self.stage.name),
@@ -336,6 +352,11 @@ impl Run<'_> {
             let state = self.state(scope, &sources)?;
             let verb = if state == State::Done && !self.force { "would keep" } else { "would run" };
             crate::drive::say(&format!("{verb} {} ({state})", self.label(scope)));
+        }
+        if let Some(forecast) = self.stage.forecast {
+            for line in forecast(self.settings, self.maps.as_deref(), &self.store)? {
+                crate::drive::say(&line);
+            }
         }
         Ok(EXIT_DONE)
     }

@@ -133,6 +133,7 @@ pub(crate) fn example_settings() -> DatasetSettings {
 mod tests {
     use super::*;
     use schema::AgentId;
+    use schema::settings::Split;
 
     fn faults(text: &str) -> String {
         let faults = parse(text, "bad.toml").expect_err("has faults");
@@ -391,6 +392,23 @@ colour_of_the_sky: green
     fn a_yaml_with_nothing_but_scenes_has_our_defaults() {
         let (s, warnings) = parse_yaml("train_scene_config: {convoy/demo: 1}\n", "x.yaml").expect("is valid");
         assert_eq!((s, warnings.len()), (example_settings(), 0));
+    }
+
+    #[test]
+    fn the_published_plan_has_its_sizes() {
+        let text = include_str!("../../../../configs/simbev2x-full.toml");
+        let s = parse(text, "simbev2x-full.toml").expect("is valid");
+        let of = |split| s.scenes.iter().filter(|w| w.split == split).map(|w| w.count).sum::<u32>();
+        assert_eq!(Split::ALL.map(of), [168, 30, 60]);
+        let of_map =
+            |map: &str| -> Vec<u32> { s.scenes.iter().filter(|w| w.map == map).map(|w| w.count).collect() };
+        assert_eq!([of_map("convoy/01"), of_map("convoy/05")], [[8, 1, 2], [16, 2, 4]]);
+        assert_eq!([of_map("convoy/09"), of_map("convoy/10")], [[32, 4, 8], [0, 8, 16]]);
+        let defaults = example_settings();
+        assert_eq!(
+            DatasetSettings { name: defaults.name.clone(), scenes: defaults.scenes.clone(), ..s },
+            defaults
+        );
     }
 
     #[test]
