@@ -10,7 +10,7 @@ use pipeline::{Job, Stage, StageError};
 use plan::{Plan, PlanMap, Roster, SceneSlot};
 use schema::settings::DatasetSettings;
 use schema::table::Row;
-use schema::tables::{PlanAgentRow, PlanSceneRow};
+use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
 use serde::Serialize;
 use store::{Scope, Store, keys};
 
@@ -96,6 +96,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
         unit.bytes(keys::ROSTER, &json, roster.slots.len() as u64)?;
         unit.rows(keys::PLAN_SCENES, &plan.scenes)?;
         unit.rows(keys::PLAN_AGENTS, &plan.agents)?;
+        unit.rows(keys::PLAN_HAZARDS, &plan.hazards)?;
         unit.finish()?;
     }
     Ok(())
@@ -117,8 +118,11 @@ fn enrol(store: &Store, settings: &DatasetSettings) -> Result<Roster, StageError
 
 /// Digest of everything the plan says about one scene: the simulation of a scene depends on nothing else of it.
 fn scene_digest(scene: &PlanSceneRow, plan: &Plan) -> String {
-    let agents: Vec<PlanAgentRow> = plan.agents.iter().filter(|a| a.scene == scene.scene).cloned().collect();
+    let number = scene.scene;
+    let agents: Vec<PlanAgentRow> = plan.agents.iter().filter(|a| a.scene == number).cloned().collect();
+    let hazards: Vec<PlanHazardRow> = plan.hazards.iter().filter(|h| h.scene == number).cloned().collect();
     let scene = PlanSceneRow::to_columns(std::slice::from_ref(scene));
     // Debug prints every bit of every number that matters: shortest text that reads back the same.
-    store::hash_bytes(format!("{scene:?}\n{:?}", PlanAgentRow::to_columns(&agents)).as_bytes())
+    let (agents, hazards) = (PlanAgentRow::to_columns(&agents), PlanHazardRow::to_columns(&hazards));
+    store::hash_bytes(format!("{scene:?}\n{agents:?}\n{hazards:?}").as_bytes())
 }

@@ -6,6 +6,7 @@
 
 mod agents;
 mod error;
+mod hazards;
 mod lights;
 mod pool;
 mod roster;

@@ -6,10 +6,11 @@ use opendrive::Map;
 use random::Stream;
 use schema::AgentId;
 use schema::settings::{DatasetSettings, SpawnMode};
-use schema::tables::{PlanAgentRow, PlanSceneRow};
+use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
 
 use crate::PlanError;
 use crate::agents::{draw_driver, place_rsus, place_vehicles, vehicle_models};
+use crate::hazards::{Surroundings, plan_hazards};
 use crate::lights::plan_lights;
 use crate::pool::SpawnPool;
 use crate::roster::{SceneSlot, scene_slots};
@@ -32,6 +33,8 @@ pub struct Plan {
     pub scenes: Vec<PlanSceneRow>,
     /// One row per agent: by scene, vehicles before RSUs.
     pub agents: Vec<PlanAgentRow>,
+    /// One row per accident or road works, by scene.
+    pub hazards: Vec<PlanHazardRow>,
     /// What could not be had as wished, with scene and map.
     pub warnings: Vec<String>,
 }
@@ -43,6 +46,8 @@ pub struct PlannedScene {
     pub scene: PlanSceneRow,
     /// Its agents, vehicles before RSUs.
     pub agents: Vec<PlanAgentRow>,
+    /// Its accidents and road works.
+    pub hazards: Vec<PlanHazardRow>,
     /// What could not be had as wished.
     pub warnings: Vec<String>,
 }
@@ -76,6 +81,7 @@ pub fn plan_slots(
         let planned = plan_scene(settings, slot, map, pool)?;
         plan.scenes.push(planned.scene);
         plan.agents.extend(planned.agents);
+        plan.hazards.extend(planned.hazards);
         plan.warnings.extend(planned.warnings);
     }
     Ok(plan)
@@ -170,6 +176,15 @@ pub fn plan_scene(
     let lights =
         plan_lights(&settings.lights, &[initial, last], pool.is_high_ground(), &mut stream("plan/lights", 0));
     let radius = settings.traffic.spawn_radius_m.unwrap_or_else(|| background_radius_m(duration_s, warmup_s));
+    let surroundings = Surroundings {
+        map: &map.map,
+        pool,
+        agents: placement.starts.iter().map(|start| start.xyz_m).collect(),
+        radius_m: radius,
+        clearance_m: 0.5 * settings.agents.spawn_separation_m,
+    };
+    let (hazards, hazard_attempts) =
+        plan_hazards(&surroundings, &settings.hazards, number, |attempt| stream("plan/hazards", attempt));
     let scene = PlanSceneRow {
         scene: number,
         split: slot.split.name().into(),
@@ -190,8 +205,9 @@ pub fn plan_scene(
         walker_cross_factor: settings.walkers.cross_factor.unwrap_or(drawn_factor),
         street_light_change_lm: lights.change_lm,
         random_building_colors: lights.random_colors,
+        hazard_attempts,
         pivot_xyz_m: placement.pivots.first().map_or([0.0; 3], |p| p.coords.into()),
     };
     let warnings = placement.warnings.iter().map(|w| format!("scene {number} ({}): {w}", slot.map)).collect();
-    Ok(PlannedScene { scene, agents, warnings })
+    Ok(PlannedScene { scene, agents, hazards, warnings })
 }

@@ -73,6 +73,8 @@ pub const DATASET: &str = "dataset.json";
 pub const ROSTER: &str = "plan/roster.json";
 /// Planned scenes.
 pub const PLAN_SCENES: &str = "plan/scenes.parquet";
+/// Planned hazards.
+pub const PLAN_HAZARDS: &str = "plan/hazards.parquet";
 /// Planned agents.
 pub const PLAN_AGENTS: &str = "plan/agents.parquet";
 

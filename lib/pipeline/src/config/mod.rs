@@ -77,6 +77,7 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
         walkers: scenario::walkers(&root.section("walkers", "pedestrians")),
         weather: scenario::weather(&root.section("weather", "weather draws and overrides")),
         lights: scenario::lights(&root.section("lights", "street lamps and lit windows at night")),
+        hazards: scenario::hazards(&root.section("hazards", "accidents and road works")),
         world: scenario::world(&root.section("world", "scenery placed by rule")),
         vehicle_rig,
         rsu_rig,

@@ -2,8 +2,8 @@
 
 use frames::deg;
 use schema::settings::{
-    AgentSettings, GivenStart, LightSettings, SceneCount, SpawnMode, Split, TimingSettings, TrafficSettings,
-    WalkerSettings, WeatherSettings, WorldSettings,
+    AgentSettings, GivenStart, HazardSettings, LightSettings, SceneCount, SpawnMode, Split, TimingSettings,
+    TrafficSettings, WalkerSettings, WeatherSettings, WorldSettings,
 };
 use schema::tables::Weather;
 
@@ -352,6 +352,30 @@ pub(crate) fn lights(s: &Section<'_>) -> LightSettings {
         ),
         street_lamps_off: s.flag("street_lamps_off", d.street_lamps_off, "street lamps never burn"),
         buildings_off: s.flag("buildings_off", d.buildings_off, "windows are never lit"),
+    }
+}
+
+pub(crate) fn hazards(s: &Section<'_>) -> HazardSettings {
+    let d = HazardSettings::default();
+    HazardSettings {
+        share: share(
+            s,
+            "share",
+            d.share,
+            "share of the spawn points around the vehicles at which a hazard is tried (planned, not simulated yet)",
+        ),
+        accident_share: share(
+            s,
+            "accident_share",
+            d.accident_share,
+            "chance that a hazard is an accident, not road works",
+        ),
+        emergency_share: share(
+            s,
+            "emergency_share",
+            d.emergency_share,
+            "chance that an emergency vehicle stands at an accident",
+        ),
     }
 }
 

@@ -15,7 +15,6 @@ use Rule::{Nothing, Percent, Same};
 
 const NO_ENGINE: &str = "there is no game engine and no window";
 const NO_SLIPS: &str = "drivers who are neither reckless nor distracted overlook nothing";
-const NO_HAZARDS: &str = "there are no accidents and road works yet";
 const EXACT: &str = "labels are computed where they are needed, without sampling radii";
 
 /// Keys by name.
@@ -66,10 +65,10 @@ const RULES: &[(&str, Rule)] = &[
     ("ignore_walkers_percentage", Nothing(NO_SLIPS)),
     ("door_open_percentage", Nothing("doors do not open yet")),
     ("wheelchair_use_percentage", Nothing("there are no wheelchairs yet")),
-    ("hazard_area_percentage", Nothing(NO_HAZARDS)),
-    ("accident_hazard_percentage", Nothing(NO_HAZARDS)),
-    ("emergency_vehicle_at_accident_percentage", Nothing(NO_HAZARDS)),
-    ("missing_cone_percentage", Nothing(NO_HAZARDS)),
+    ("hazard_area_percentage", Percent("hazards.share")),
+    ("accident_hazard_percentage", Percent("hazards.accident_share")),
+    ("emergency_vehicle_at_accident_percentage", Percent("hazards.emergency_share")),
+    ("missing_cone_percentage", Nothing("hazards are planned and not simulated yet")),
     ("emergency_lights_percentage", Percent("traffic.emergency_lights")),
     ("reckless_ego_percentage", Percent("traffic.reckless_agent")),
     ("reckless_npc_percentage", Percent("traffic.reckless_background")),

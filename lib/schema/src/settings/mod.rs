@@ -12,8 +12,8 @@ use crate::{AgentId, AgentKind};
 
 pub use rig::{CameraSettings, CameraSpec, GnssSpec, ImuSpec, LidarSpec, Mount, RadarSpec, Rig, ScanPattern};
 pub use scenario::{
-    AgentSettings, GivenStart, LightSettings, SceneCount, SpawnMode, Split, TimingSettings, TrafficSettings,
-    WalkerSettings, WeatherSettings, WorldSettings,
+    AgentSettings, GivenStart, HazardSettings, LightSettings, SceneCount, SpawnMode, Split, TimingSettings,
+    TrafficSettings, WalkerSettings, WeatherSettings, WorldSettings,
 };
 
 /// Everything that determines a dataset, besides maps and code.
@@ -39,6 +39,8 @@ pub struct DatasetSettings {
     pub weather: WeatherSettings,
     /// Street lamps and lit windows.
     pub lights: LightSettings,
+    /// Accidents and road works.
+    pub hazards: HazardSettings,
     /// Scenery placed by rule.
     pub world: WorldSettings,
     /// Sensors of every data-collection vehicle.
@@ -72,6 +74,7 @@ impl DatasetSettings {
             walkers: WalkerSettings::default(),
             weather: WeatherSettings::default(),
             lights: LightSettings::default(),
+            hazards: HazardSettings::default(),
             world: WorldSettings::default(),
             vehicle_rig: Rig::vehicle(),
             rsu_rig: Rig::rsu(),

@@ -11,7 +11,7 @@ mod weather;
 pub use labels::{AgentRow, BoxRow, HdMapRow, TrackFrameRow, TrackRow, ValidBoxRow};
 pub use log::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
 pub use map::{VectorKind, VectorMapRow};
-pub use plan::{PlanAgentRow, PlanSceneRow};
+pub use plan::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
 pub use sensor::{
     CAMERA_TABLES, CameraRow, FlowRow, GNSS_TABLE, GnssRow, IMU_TABLE, ImuRow, LidarRow, RadarRow,
     SemanticLidarRow, VISIBLE_TABLE, VisibleRow, camera_table,
@@ -43,6 +43,7 @@ pub fn all() -> Vec<TableDoc> {
     vec![
         describe::<PlanSceneRow>(),
         describe::<PlanAgentRow>(),
+        describe::<PlanHazardRow>(),
         describe::<VectorMapRow>(),
         describe::<ActorRow>(),
         describe::<StateRow>(),

@@ -43,8 +43,42 @@ table! {
         street_light_change_lm: f64,
         /// Whether each building's windows have a colour of their own.
         random_building_colors: bool,
+        /// Hazards tried; those that found room are rows of `plan/hazards`.
+        hazard_attempts: u32,
         /// Clustered: the point around which the vehicle agents were drawn; chained: the first one's spawn point, m.
         pivot_xyz_m: [f64; 3],
+    }
+}
+
+table! {
+    /// One row per accident or road works of a scene: one lane from back (upstream) to front.
+    PlanHazardRow in "plan/hazards" {
+        /// Scene number.
+        scene: u32,
+        /// Number within the scene, from 0.
+        hazard: u32,
+        /// `accident` or `road_works`.
+        kind: String,
+        /// Accident: models of the front vehicle, the rear vehicle and the emergency vehicle, if one came.
+        models: Vec<String>,
+        /// Road works: things and workers between the two barriers.
+        items: u32,
+        /// Back end on the centre line of its lane, m.
+        back_xyz_m: [f64; 3],
+        /// OpenDRIVE id of its road.
+        back_road: String,
+        /// OpenDRIVE id of its lane.
+        back_lane: i32,
+        /// Road coordinate s, m.
+        back_s_m: f64,
+        /// Front end on the centre line of its lane, m.
+        front_xyz_m: [f64; 3],
+        /// OpenDRIVE id of its road.
+        front_road: String,
+        /// OpenDRIVE id of its lane.
+        front_lane: i32,
+        /// Road coordinate s, m.
+        front_s_m: f64,
     }
 }
 
