@@ -8,7 +8,7 @@ use opendrive::Map;
 use random::Stream;
 use schema::AgentId;
 use schema::models::{Model, find};
-use schema::settings::{AgentSettings, SpawnMode, TrafficSettings};
+use schema::settings::{AgentSettings, DatasetSettings, SpawnMode, TrafficSettings};
 use schema::tables::PlanAgentRow;
 
 use crate::PlanError;
@@ -171,13 +171,41 @@ pub(crate) fn vehicle_models(settings: &AgentSettings) -> Result<Vec<&'static Mo
 }
 
 /// A driver's character: reckless, distracted, speed difference, standstill gap.
-pub(crate) fn draw_driver(traffic: &TrafficSettings, stream: &mut Stream) -> (bool, bool, f64, f64) {
+fn draw_driver(traffic: &TrafficSettings, stream: &mut Stream) -> (bool, bool, f64, f64) {
     let reckless = stream.chance(traffic.reckless_agent);
     let distracted = stream.chance(traffic.distracted_agent) && !reckless;
     let speed_difference = stream.uniform(-0.4, 0.2);
     let standstill_gap_m = stream.normal(4.2, 1.0).max(0.0);
     let speed_difference = traffic.speed_difference.unwrap_or(speed_difference);
     (reckless, distracted, speed_difference, traffic.standstill_gap_m.unwrap_or(standstill_gap_m))
+}
+
+/// Rows of the vehicles that were placed, each with a driver of its own (`stream` by the vehicle's number).
+pub(crate) fn vehicle_rows(
+    settings: &DatasetSettings,
+    scene: u32,
+    models: &[&Model],
+    placement: &Placement,
+    stream: impl Fn(u64) -> Stream,
+) -> Vec<PlanAgentRow> {
+    let row = |(i, start): (usize, &SpawnPoint)| {
+        let (reckless, distracted, speed_difference, standstill_gap_m) =
+            draw_driver(&settings.traffic, &mut stream(i as u64));
+        PlanAgentRow {
+            scene,
+            agent: AgentId::vehicle(i as u16).to_string(),
+            model: models[i % models.len()].name.into(),
+            color: settings.agents.vehicle_colors[i % settings.agents.vehicle_colors.len()].to_vec(),
+            xyz_m: start.xyz_m.coords.into(),
+            rpy_rad: start.rpy_rad,
+            reckless,
+            distracted,
+            speed_difference,
+            standstill_gap_m,
+            signal: None,
+        }
+    };
+    placement.starts.iter().enumerate().map(row).collect()
 }
 
 /// A pole that an RSU may stand at.

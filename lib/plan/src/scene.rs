@@ -4,12 +4,11 @@ use std::collections::BTreeMap;
 
 use opendrive::Map;
 use random::Stream;
-use schema::AgentId;
 use schema::settings::{DatasetSettings, SpawnMode};
 use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
 
 use crate::PlanError;
-use crate::agents::{draw_driver, place_rsus, place_vehicles, vehicle_models};
+use crate::agents::{place_rsus, place_vehicles, vehicle_models, vehicle_rows};
 use crate::hazards::{Surroundings, plan_hazards};
 use crate::lights::plan_lights;
 use crate::pool::SpawnPool;
@@ -87,6 +86,37 @@ pub fn plan_slots(
     Ok(plan)
 }
 
+/// How many agents, and how they are spread.
+struct Counts {
+    vehicles: usize,
+    rsus: usize,
+    mode: SpawnMode,
+}
+
+fn draw_counts(settings: &DatasetSettings, stream: &mut Stream) -> Result<Counts, PlanError> {
+    let agents = &settings.agents;
+    let mut between = |low: u32, high: u32| stream.int_inclusive(i64::from(low), i64::from(high)) as usize;
+    let drawn = between(agents.min_vehicles, agents.max_vehicles);
+    let rsus = between(agents.min_rsus, agents.max_rsus);
+    let vehicles = match (agents.penetration, settings.traffic.vehicles) {
+        (Some(share), Some(all)) => (share * f64::from(all)).round_ties_even().max(1.0) as usize,
+        _ => drawn,
+    };
+    let heads = stream.chance(0.5);
+    let mode = match agents.spawn_mode {
+        SpawnMode::Both if heads => SpawnMode::Clustered,
+        SpawnMode::Both => SpawnMode::Chained,
+        fixed => fixed,
+    };
+    if vehicles + rsus > usize::from(u16::MAX) {
+        return Err(PlanError::BadSetting {
+            setting: "agents.max_vehicles",
+            problem: "too many agents".into(),
+        });
+    }
+    Ok(Counts { vehicles, rsus, mode })
+}
+
 /// Plans one scene; `pool` is the map's, with the settings' separation.
 ///
 /// # Errors
@@ -112,28 +142,7 @@ pub fn plan_scene(
     let warmup_s = settings.timing.warmup_s.max(0.0);
     let [initial, last] = plan_weather(&settings.weather, seed, number, pool.is_high_ground());
 
-    let mut counts = stream("plan/counts", 0);
-    let between = |stream: &mut Stream, low: u32, high: u32| {
-        stream.int_inclusive(i64::from(low), i64::from(high)) as usize
-    };
-    let drawn_vehicles = between(&mut counts, settings.agents.min_vehicles, settings.agents.max_vehicles);
-    let vehicles = match (settings.agents.penetration, settings.traffic.vehicles) {
-        (Some(share), Some(all)) => (share * f64::from(all)).round_ties_even().max(1.0) as usize,
-        _ => drawn_vehicles,
-    };
-    let rsus = between(&mut counts, settings.agents.min_rsus, settings.agents.max_rsus);
-    let heads = counts.chance(0.5);
-    let mode = match settings.agents.spawn_mode {
-        SpawnMode::Both if heads => SpawnMode::Clustered,
-        SpawnMode::Both => SpawnMode::Chained,
-        fixed => fixed,
-    };
-    if vehicles + rsus > usize::from(u16::MAX) {
-        return Err(PlanError::BadSetting {
-            setting: "agents.max_vehicles",
-            problem: "too many agents".into(),
-        });
-    }
+    let Counts { vehicles, rsus, mode } = draw_counts(settings, &mut stream("plan/counts", 0))?;
 
     let given: Vec<_> = settings.agents.starts.iter().filter(|start| start.map == slot.map).collect();
     let given = SpawnPool::of_starts(&map.map, given.into_iter())?;
@@ -146,32 +155,15 @@ pub fn plan_scene(
         vehicles,
         &mut stream("plan/vehicles", 0),
     );
-    let mut agents: Vec<PlanAgentRow> = Vec::new();
-    for (i, start) in placement.starts.iter().enumerate() {
-        let mut driver = stream("plan/driver", i as u64);
-        let (reckless, distracted, speed_difference, standstill_gap_m) =
-            draw_driver(&settings.traffic, &mut driver);
-        agents.push(PlanAgentRow {
-            scene: number,
-            agent: AgentId::vehicle(i as u16).to_string(),
-            model: models[i % models.len()].name.into(),
-            color: settings.agents.vehicle_colors[i % settings.agents.vehicle_colors.len()].to_vec(),
-            xyz_m: start.xyz_m.coords.into(),
-            rpy_rad: start.rpy_rad,
-            reckless,
-            distracted,
-            speed_difference,
-            standstill_gap_m,
-            signal: None,
-        });
-    }
+    let mut agents =
+        vehicle_rows(settings, number, &models, &placement, |vehicle| stream("plan/driver", vehicle));
     agents.extend(place_rsus(&map.map, &mut placement, number, rsus, &mut stream("plan/rsus", 0)));
 
     // A share of all vehicles collects data: the others are what is left.
     let connected = settings.agents.penetration.map_or(0, |_| placement.starts.len() as u32);
     let background = settings.traffic.vehicles.map(|all| all.saturating_sub(connected));
     let mut walkers = stream("plan/walkers", 0);
-    let drawn_walkers = between(&mut walkers, 0, settings.walkers.max_count) as u32;
+    let drawn_walkers = walkers.int_inclusive(0, i64::from(settings.walkers.max_count)) as u32;
     let drawn_factor = walkers.beta(2.4, 1.6);
     let lights =
         plan_lights(&settings.lights, &[initial, last], pool.is_high_ground(), &mut stream("plan/lights", 0));
