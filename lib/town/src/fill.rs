@@ -29,6 +29,8 @@ const BEYOND: usize = 2;
 const TOLERANCE_M: f64 = 0.08;
 /// Streets reach this far beyond their kerbs, metres.
 const BEYOND_KERB_M: f64 = 8.0;
+/// Ground is judged to lie inside or outside the kerbs so far from a road's edge, metres.
+const ASIDE_M: f64 = 0.3;
 /// Nothing is looked at nearer than this to the end of a connecting road, metres.
 const END_M: f64 = 0.05;
 /// Share of the radius of a turn up to which its inside may be paved.
@@ -42,10 +44,11 @@ const RIGHT: Hand = -1.0;
 /// Adds beside connecting roads a paved strip where nothing else paves the ground up to the next road.
 ///
 /// `order`: roads in the order in which they get their turn, first with their left sides, then with their right ones.
-/// What has more than driving lanes on that side already gets nothing.
+/// What has more than driving lanes on that side already gets nothing, and neither does ground outside the kerbs.
 pub(crate) fn fill(roads: &mut [Road], order: &[usize], arms: &[Arm]) {
     let mut strips: Vec<Strip> = roads.iter().map(Strip::new).collect();
     let streets: Vec<Street> = arms.iter().map(Street::new).collect();
+    let kerbs: Vec<usize> = (0..roads.len()).filter(|i| has_kerb(&roads[*i])).collect();
     let turns = order.iter().map(|i| (*i, LEFT)).chain(order.iter().map(|i| (*i, RIGHT)));
     for (i, hand) in turns {
         let Some(section) = roads[i].sections.first_mut() else { continue };
@@ -59,7 +62,7 @@ pub(crate) fn fill(roads: &mut [Road], order: &[usize], arms: &[Arm]) {
             None => hand == LEFT,
             Some(last) => hand == RIGHT && last.lane_type == LaneType::Driving,
         };
-        let gaps = if bare { gaps(&strips, i, hand, &streets) } else { Vec::new() };
+        let gaps = if bare { gaps(&strips, i, hand, &streets, &kerbs) } else { Vec::new() };
         if gaps.iter().all(|gap| *gap < WORTH_M) {
             continue;
         }
@@ -79,7 +82,7 @@ pub(crate) fn close(roads: &mut [Road], arms: &[Arm]) {
         let Some(lane) = road.sections.first_mut().and_then(|section| section.left.last_mut()) else {
             continue;
         };
-        let gaps = gaps(&strips, i, LEFT, &streets);
+        let gaps = gaps(&strips, i, LEFT, &streets, &[]);
         if gaps.iter().all(|gap| *gap < WORTH_M) || gaps.iter().any(|gap| *gap > SLIT_M) {
             continue;
         }
@@ -96,8 +99,15 @@ pub(crate) fn close(roads: &mut [Road], arms: &[Arm]) {
     }
 }
 
-/// How far the ground beside a road is open at each of its stations, metres: 0 where it is not, or nothing ends the gap.
-fn gaps(strips: &[Strip], own: usize, hand: Hand, streets: &[Street]) -> Vec<f64> {
+/// Whether a road leads along a kerb: on its right is more than driving lanes.
+fn has_kerb(road: &Road) -> bool {
+    let outermost = road.sections.first().and_then(|section| section.right.last());
+    outermost.is_some_and(|lane| lane.lane_type != LaneType::Driving)
+}
+
+/// How far the ground beside a road is open at each of its stations, metres: 0 where it is not, where nothing ends the
+/// gap, and where it lies outside the kerbs, which a turn may cut.
+fn gaps(strips: &[Strip], own: usize, hand: Hand, streets: &[Street], kerbs: &[usize]) -> Vec<f64> {
     // The road itself may lie on the other side, too: round a turning circle.
     let covered = |[x, y]: [f64; 2]| {
         streets.iter().any(|street| street.covers(x, y)) || strips.iter().any(|strip| strip.covers(x, y))
@@ -121,7 +131,9 @@ fn gaps(strips: &[Strip], own: usize, hand: Hand, streets: &[Street]) -> Vec<f64
             };
             (0..HALVINGS).fold([far - STEP_M, far], |range, _| halved(range))[1]
         });
-        far.filter(|d| *d > LEAST_M).unwrap_or(0.0)
+        let beside = [from.x_m + ASIDE_M * dx, from.y_m + ASIDE_M * dy];
+        let outside = || kerbs.iter().any(|kerb| strips[*kerb].is_left_behind(beside));
+        far.filter(|d| *d > LEAST_M && !outside()).unwrap_or(0.0)
     };
     strips[own].stations.iter().enumerate().map(gap).collect()
 }
@@ -234,6 +246,20 @@ impl Strip {
             (station.s, if open { (gap + UNDER_M).min(station.widest_m(hand)) } else { 0.0 })
         };
         self.stations.iter().enumerate().map(width).collect()
+    }
+
+    /// Whether a point lies beside the road and beyond its right edge.
+    fn is_left_behind(&self, [x, y]: [f64; 2]) -> bool {
+        let off = |station: &Station| {
+            let [dx, dy] = [x - station.pose.x_m, y - station.pose.y_m];
+            (dx * dx + dy * dy, [dx, dy])
+        };
+        let nearest = self.stations.iter().min_by(|a, b| off(a).0.total_cmp(&off(b).0));
+        nearest.is_some_and(|station| {
+            let ([lx, ly], [dx, dy]) = (left_of(station.pose), off(station).1);
+            let (ahead, left) = (dx * ly - dy * lx, dx * lx + dy * ly);
+            ahead.abs() < STATION_M && left < station.edges_m[0]
+        })
     }
 
     fn covers(&self, x: f64, y: f64) -> bool {
