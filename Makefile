@@ -76,9 +76,13 @@ towns: build
 	@test -n "$(DEST)" || { echo "say where: make towns DEST=folder"; exit 2; }
 	$(BIN)/convoy towns --dest $(DEST)
 
-# The pictures of docs/towns.
+# The pictures of docs/towns, small enough to be kept there, and the page that shows them.
 town-pictures: build
-	$(BIN)/convoy towns --pictures docs/towns
+	$(BIN)/convoy towns --pictures docs/towns --size 1000
+	@{ printf '# Our towns\n\nWritten by `make town-pictures`; [how towns are made](../towns.md).\n'; \
+	for file in lib/town/towns/*.toml; do name=$$(basename $$file .toml); \
+		printf '\n## convoy/%s\n\n%s\n\n![convoy/%s from above](convoy_%s.svg)\n' \
+			$$name "$$(sed -n '1s/^# //p' $$file)" $$name $$name; done; } > docs/towns/README.md
 
 # Reads every town with a reader in Python and with the ASAM quality checker (pip install asam-qc-opendrive).
 check-# A scene's log from above, as an animated picture: make scene-video SCENE=0 [STORE=dataset] [OUT=scene.png]

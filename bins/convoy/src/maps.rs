@@ -46,6 +46,9 @@ pub(crate) enum MapCommand {
         /// Kind of the pictures.
         #[arg(long, value_name = "KIND", default_value = "svg", value_parser = ["svg", "png"])]
         format: String,
+        /// Longer side of the map in the pictures, pixels.
+        #[arg(long, value_name = "PX", default_value_t = 1600, requires = "pictures", value_parser = clap::value_parser!(u32).range(120..=12_000))]
+        size: u32,
     },
     /// Draws an OpenDRIVE file or one of our towns from above.
     MapPicture {
@@ -71,9 +74,12 @@ pub(crate) enum MapCommand {
 pub(crate) fn run(command: MapCommand) -> u8 {
     let result = match command {
         MapCommand::Town { name, parameters, seed, out, picture } => parameters_of(name, parameters)
-            .and_then(|p| town_file(&seeded(p, seed), Some(&out), picture.as_deref())),
-        MapCommand::Towns { dest, pictures, format } => {
-            all_towns(dest.as_deref(), pictures.as_deref(), &format)
+            .and_then(|p| {
+                town_file(&seeded(p, seed), Some(&out), picture.as_deref(), &ViewOptions::default())
+            }),
+        MapCommand::Towns { dest, pictures, format, size } => {
+            let options = ViewOptions { size_px: f64::from(size), ..ViewOptions::default() };
+            all_towns(dest.as_deref(), pictures.as_deref(), &format, &options)
         }
         MapCommand::MapPicture { map, out, around, radius, size } => {
             let window = around.map(|centre_m| Window { centre_m, radius_m: radius });
@@ -113,7 +119,12 @@ fn generate(parameters: &TownParameters) -> Result<Network, Fault> {
     town::generate(parameters).map_err(|source| Fault::Town { name: parameters.name.clone(), source })
 }
 
-fn town_file(parameters: &TownParameters, out: Option<&Path>, picture: Option<&Path>) -> Result<(), Fault> {
+fn town_file(
+    parameters: &TownParameters,
+    out: Option<&Path>,
+    picture: Option<&Path>,
+    options: &ViewOptions,
+) -> Result<(), Fault> {
     if let Some(path) = picture {
         Kind::of(path)?;
     }
@@ -122,17 +133,22 @@ fn town_file(parameters: &TownParameters, out: Option<&Path>, picture: Option<&P
         write_file(path, opendrive::write(&network).as_bytes())?;
     }
     if let Some(path) = picture {
-        draw(network, path, &ViewOptions::default())?;
+        draw(network, path, options)?;
     }
     Ok(())
 }
 
-fn all_towns(dest: Option<&Path>, pictures: Option<&Path>, format: &str) -> Result<(), Fault> {
+fn all_towns(
+    dest: Option<&Path>,
+    pictures: Option<&Path>,
+    format: &str,
+    options: &ViewOptions,
+) -> Result<(), Fault> {
     for name in town::names() {
         let stem = name.replace('/', "_");
         let picture = pictures.map(|folder| folder.join(format!("{stem}.{format}")));
         let out = dest.map(|folder| folder.join(format!("{stem}.xodr")));
-        town_file(&named(name)?, out.as_deref(), picture.as_deref())?;
+        town_file(&named(name)?, out.as_deref(), picture.as_deref(), options)?;
     }
     Ok(())
 }
