@@ -88,8 +88,9 @@ fn check_no_holes(map: &Map) {
     let (columns, rows) = (((east - west) / CELL_M) as usize + 1, ((north - south) / CELL_M) as usize + 1);
     let mut paved = vec![false; columns * rows];
     for lane in map.lanes() {
-        // The samples of a section are common to its lanes: no cracks between them.
-        let samples = map.section_samples(lane.id.road, lane.id.section, 0.02);
+        // The samples of a section are common to its lanes: no cracks between them. Between roads there are cracks as
+        // wide as the chords are off.
+        let samples = map.section_samples(lane.id.road, lane.id.section, 0.002);
         let line = map.lane_polyline_at(lane.id, &samples);
         for i in 1..line.s.len() {
             let ring = [line.left[i - 1], line.left[i], line.right[i], line.right[i - 1]];
