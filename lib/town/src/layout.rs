@@ -78,7 +78,7 @@ pub(crate) enum NodeKind {
     Crossing(Control),
     /// A one-way ring, counter-clockwise; who enters yields.
     Roundabout {
-        /// Radius of the central island up to the circulating lanes, metres.
+        /// Radius of the central island up to the circulating lanes, metres; larger where the streets need it.
         island_m: f64,
         /// Circulating lanes (1 or 2).
         lanes: u8,

@@ -28,15 +28,25 @@ const CORNER_M: f64 = 14.0;
 const LEAST_M: f64 = 3.0;
 /// Least length of a piece of the ring between two streets, metres.
 const PIECE_M: f64 = 4.0;
+/// By how much the island grows at a time where the streets have no room, and how often at most.
+const GROW_M: f64 = 1.0;
+const GROWN: u32 = 30;
 /// The ground is levelled this far beyond the streets' ends, and blends out as far again, metres.
 const LEVEL_M: f64 = 12.0;
 
-/// Replaces every roundabout by its parts.
+/// Replaces every roundabout by its parts. An island that is too small for the streets grows.
 pub(crate) fn expand(layout: &Layout) -> Result<Layout, TownError> {
     let mut out = layout.clone();
     for (index, node) in layout.nodes.iter().enumerate() {
         if let NodeKind::Roundabout { island_m, lanes } = node.kind {
-            ring(layout, &mut out, index, node, island_m, lanes.clamp(1, 2))?;
+            let lanes = lanes.clamp(1, 2);
+            let tried = |grown: u32| {
+                let mut out = out.clone();
+                ring(layout, &mut out, index, node, island_m + GROW_M * f64::from(grown), lanes)?;
+                Ok(out)
+            };
+            let built = (1..=GROWN).fold(tried(0), |found, grown| found.or_else(|_| tried(grown)));
+            out = built?;
         }
     }
     // Nodes keep their numbers; what a roundabout was stays as an end without streets.

@@ -38,7 +38,7 @@ pub struct CityParameters {
     pub block_m: [f64; 2],
     /// How far crossings lie off the grid, metres (0..=25).
     pub disorder_m: f64,
-    /// Radius of the roundabout's island, metres (12..=40).
+    /// Radius of the roundabout's island, metres (12..=40); larger where the streets need it.
     pub island_m: f64,
     /// Probability that a side of a street has a parking lane (0..=1).
     pub parking_share: f64,
