@@ -181,9 +181,33 @@ impl Graph {
         atan2(to[1] - from[1], to[0] - from[0])
     }
 
+    /// Leaves out streets that do not hang together with most others: where links are left out by chance, some may be
+    /// cut off.
+    fn leave_out_islands(&mut self) {
+        let is_rail = |link: &Link| self.lines[link.line].shape.kind == RoadKind::Rail;
+        // The first of all points that a point hangs together with.
+        let mut first: Vec<PointId> = (0..self.points.len()).collect();
+        let mut changed = true;
+        while std::mem::take(&mut changed) {
+            for [a, b] in self.links.iter().filter(|link| !is_rail(link)).map(|link| link.ends) {
+                let least = first[a].min(first[b]);
+                changed |= first[a] != least || first[b] != least;
+                (first[a], first[b]) = (least, least);
+            }
+        }
+        let mut sizes: BTreeMap<PointId, usize> = BTreeMap::new();
+        for link in self.links.iter().filter(|link| !is_rail(link)) {
+            *sizes.entry(first[link.ends[0]]).or_default() += 1;
+        }
+        let most = sizes.iter().max_by_key(|(_, size)| **size).map(|(first, _)| *first);
+        let keep = |link: &Link| is_rail(link) || Some(first[link.ends[0]]) == most;
+        self.links = self.links.iter().copied().filter(keep).collect();
+    }
+
     /// Nodes and edges: chains of links without a junction between them become one edge. A point at exactly the place of a
     /// node that the layout has already is that node.
-    pub(super) fn into_layout(self, mut layout: Layout, kerb_radius_m: f64) -> Layout {
+    pub(super) fn into_layout(mut self, mut layout: Layout, kerb_radius_m: f64) -> Layout {
+        self.leave_out_islands();
         let arms = self.arms();
         let mut nodes: Vec<Option<(NodeId, NodeKind)>> = Vec::with_capacity(arms.len());
         for (point, here) in arms.iter().enumerate() {
@@ -275,4 +299,27 @@ pub(super) fn empty(parameters: &crate::TownParameters, terrain: Terrain) -> Lay
     let mut layout = Layout::new(&parameters.name, terrain);
     layout.geo_reference = parameters.geo_reference();
     layout
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::section::Side;
+
+    #[test]
+    fn streets_that_are_cut_off_are_left_out() {
+        let mut graph = Graph::default();
+        let shape = CrossSection::both_ways(Side::town(1, 3.5), 50.0);
+        let line = graph.line("street", shape, [30.0, 0.0]);
+        let lone = [graph.point([500.0, 0.0]), graph.point([500.0, 100.0])];
+        let middle = graph.point([0.0, 0.0]);
+        graph.lead(line, &lone);
+        for at_m in [[100.0, 0.0], [0.0, 100.0], [-100.0, 0.0]] {
+            let end = graph.point(at_m);
+            graph.lead(line, &[middle, end]);
+        }
+        let layout = graph.into_layout(Layout::new("star", Terrain::flat()), 6.0);
+        assert_eq!((layout.nodes.len(), layout.edges.len()), (4, 3));
+        assert!(layout.nodes.iter().all(|node| node.at_m[0] < 400.0));
+    }
 }
