@@ -25,7 +25,9 @@ const LEVEL_M: f64 = 3.0;
 /// Larger groups of junctions are looked at one by one.
 const MAX_CELLS: f64 = 1e6;
 /// Patches lie this far under the lanes around them, metres: less than paint lies over them.
-const BELOW_M: f64 = 0.003;
+pub(super) const BELOW_M: f64 = 0.003;
+/// No corner of a patch lies this much lower or higher than all lanes around it, metres.
+const BEYOND_M: f64 = 0.05;
 
 /// Junctions that are looked at together: islands often lie between several.
 #[derive(Clone, Copy, Debug)]
@@ -83,14 +85,19 @@ pub(super) fn patches(map: &Map, region: &Region, cover: &Cover) -> Vec<Facet> {
 fn in_window(window: &Window, cover: &Cover) -> Vec<Facet> {
     let raster = Raster::new(&window.region, CELL_M);
     let z_m = [window.z_m[0] - 0.5 * LEVEL_M, window.z_m[1] + 0.5 * LEVEL_M];
-    let mut covered = vec![false; raster.len()];
+    let fine = raster.halved();
+    let mut under = vec![false; fine.len()];
     for (area, facets) in cover.areas(window.region) {
-        let [columns, rows] = raster.span(&area);
+        let [columns, rows] = fine.span(&area);
         for facet in facets.filter(|f| f.corners.iter().any(|p| p.z > z_m[0] && p.z < z_m[1])) {
-            raster.under(&facet.corners, columns, rows, |i| covered[i] = true);
+            fine.under(&facet.corners, columns, rows, |i| under[i] = true);
         }
     }
-    let far_m = raster.distances_m(|i| covered[i]);
+    let quarters = |i: usize| raster.quarters(i).map(|q| under[q]);
+    // Slivers are narrower than cells: those that are covered in part may belong to one, but do not make land wider.
+    let covered: Vec<bool> = (0..raster.len()).map(|i| quarters(i) == [true; 4]).collect();
+    let touched: Vec<bool> = (0..raster.len()).map(|i| quarters(i) != [false; 4]).collect();
+    let far_m = raster.distances_m(|i| touched[i]);
     // Land is what can be reached in strides wider than a gap from outside or from the middle of an island.
     let mut open = vec![false; raster.len()];
     for core in raster.groups(|i| far_m[i] > GAP_M) {
@@ -101,7 +108,8 @@ fn in_window(window: &Window, cover: &Cover) -> Vec<Facet> {
     }
     // The factor makes up for diagonal steps.
     let land_m = raster.distances_m(|i| open[i]);
-    let gaps = raster.groups(|i| !covered[i] && land_m[i] > 1.09 * GAP_M);
+    let reach_m = |i: usize| 1.09 * if touched[i] { GAP_M + CELL_M as f32 } else { GAP_M };
+    let gaps = raster.groups(|i| !covered[i] && land_m[i] > reach_m(i));
     let cells = gaps.into_iter().map(|runs| runs.into_iter().flatten().collect::<Vec<usize>>());
     cells
         .filter_map(|gap| {
@@ -119,7 +127,7 @@ struct Patch<'a> {
     /// A point of a plane through the lanes around, and its slopes along x and y.
     middle: Point3<f64>,
     slope: [f64; 2],
-    /// Lowest and highest place of the lanes around, metres.
+    /// Where its corners may lie, metres.
     range_m: [f64; 2],
 }
 
@@ -171,7 +179,7 @@ impl<'a> Patch<'a> {
             (p.z - middle.z - slope[0] * (p.x - middle.x) - slope[1] * (p.y - middle.y)).abs()
         };
         let fold = |pick: fn(f64, f64) -> f64| points.iter().map(|p| p.z).fold(middle.z, pick);
-        let range_m = [fold(f64::min), fold(f64::max)];
+        let range_m = [fold(f64::min) - BEYOND_M, fold(f64::max) + BEYOND_M];
         (points.iter().map(off).fold(0.0, f64::max) < 1.0).then_some(Self {
             cover,
             ground,
@@ -340,8 +348,9 @@ mod tests {
         ]);
         let patches = patches(&gap);
         for i in -18..=18 {
-            let found = over(&patches, f64::from(i), 7.4);
-            assert!(found.iter().any(|(_, z)| (z + BELOW_M - plane(f64::from(i), 7.4)).abs() < 1e-3));
+            let (x, found) = (f64::from(i), over(&patches, f64::from(i), 7.4));
+            let on_plane = |z: f64| (z + BELOW_M - plane(x, 7.4)).abs() < 1e-3;
+            assert!(found.iter().any(|(_, z)| on_plane(*z)), "{found:?} at {x}");
         }
         assert!(over(&patches, 25.0, 7.4).is_empty());
     }

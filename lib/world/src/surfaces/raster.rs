@@ -22,6 +22,18 @@ impl Raster {
         Self { low: region.min, cell_m, columns: cells(0), rows: cells(1) }
     }
 
+    /// The same grid with cells of half the side.
+    pub(crate) fn halved(&self) -> Self {
+        Self { low: self.low, cell_m: 0.5 * self.cell_m, columns: 2 * self.columns, rows: 2 * self.rows }
+    }
+
+    /// The four quarters of a cell in the grid with cells of half the side.
+    pub(crate) fn quarters(&self, cell: usize) -> [usize; 4] {
+        let (column, row) = (cell % self.columns, cell / self.columns);
+        let first = 4 * row * self.columns + 2 * column;
+        [first, first + 1, first + 2 * self.columns, first + 2 * self.columns + 1]
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.columns * self.rows
     }
@@ -256,6 +268,21 @@ mod tests {
             assert_eq!(halves, under);
         }
         assert!(marked > 10_000);
+    }
+
+    #[test]
+    fn quarters_lie_in_their_cell() {
+        let raster = raster();
+        let fine = raster.halved();
+        let mut seen = vec![0; fine.len()];
+        for cell in 0..raster.len() {
+            for quarter in raster.quarters(cell) {
+                let [x, y] = fine.middle(quarter);
+                assert_eq!(raster.cell(x, y), Some(cell));
+                seen[quarter] += 1;
+            }
+        }
+        assert!(seen.iter().all(|n| *n == 1));
     }
 
     #[test]
