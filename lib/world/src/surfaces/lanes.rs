@@ -5,6 +5,7 @@ use schema::Tag;
 use schema::geometry::{Part, Surface};
 
 use super::cover::{Cover, Facet};
+use super::holes::BELOW_M;
 use super::sections::{Ground, Section, Strip};
 use super::tiles::Tiles;
 use super::{GroundLevels, Layer, Region};
@@ -25,31 +26,33 @@ const SAME_LEVEL_M: f64 = 2.0;
 const VERGE_PROFILE: [(f64, f64); 3] = [(0.0, 0.02), (1.0, 0.10), (3.2, 0.85)];
 
 /// Lane surfaces for point queries. Those of no use to vehicles are left out where vehicles of another road drive over
-/// them.
+/// them; of railways a patch remains there, so that the road goes on to where the ballast begins.
 pub(crate) fn cover(sections: &[Section], region: &Region) -> Cover {
-    let mut cover = Cover::new(region.grown(10.0));
-    let mut add = |keep: &dyn Fn(&Section, &Strip, usize, &Cover) -> bool, ground: fn(Ground) -> bool| {
+    let region = region.grown(10.0);
+    let mut cover = Cover::new(region);
+    let mut add = |ground: fn(Ground) -> bool| {
         let mut facets: Vec<Facet> = Vec::new();
         for section in sections {
             for strip in section.strips.iter().filter(|s| ground(s.ground)) {
-                for i in 0..section.s.len() - 1 {
-                    if section.inside(i, &region.grown(10.0)) && keep(section, strip, i, &cover) {
-                        let [a, b, c, d] = corners(strip, i);
-                        let facet =
-                            |corners| Facet { corners, road: Some(section.road), ground: strip.ground };
-                        facets.extend([facet([a, b, c]), facet([a, c, d])]);
+                for i in (0..section.s.len() - 1).filter(|i| section.inside(*i, &region)) {
+                    let mut quad = corners(strip, i);
+                    let (mut road, mut ground) = (Some(section.road), strip.ground);
+                    if !free_of_traffic(section, strip, i, &cover) {
+                        if ground != Ground::Track {
+                            continue;
+                        }
+                        (road, ground) = (None, Ground::Paved);
+                        quad.iter_mut().for_each(|p| p.z -= BELOW_M);
                     }
+                    let [a, b, c, d] = quad;
+                    facets.extend([[a, b, c], [a, c, d]].map(|corners| Facet { corners, road, ground }));
                 }
             }
         }
-        for facet in facets {
-            cover.add(facet);
-        }
+        facets.into_iter().for_each(|facet| cover.add(facet));
     };
-    add(&|_, _, _, _| true, |g| g == Ground::Paved);
-    add(&|section, strip, i, cover| free_of_traffic(section, strip, i, cover), |g| {
-        matches!(g, Ground::Walk | Ground::Median | Ground::Track | Ground::Waste)
-    });
+    add(|g| g == Ground::Paved);
+    add(|g| matches!(g, Ground::Walk | Ground::Median | Ground::Track | Ground::Waste));
     cover
 }
 
