@@ -182,14 +182,18 @@ impl Graph {
     }
 
     /// Leaves out streets that do not hang together with most others: where links are left out by chance, some may be
-    /// cut off.
-    fn leave_out_islands(&mut self) {
+    /// cut off. What reaches the nodes of the layout hangs together by them.
+    fn leave_out_islands(&mut self, layout: &Layout) {
         let is_rail = |link: &Link| self.lines[link.line].shape.kind == RoadKind::Rail;
         // The first of all points that a point hangs together with.
         let mut first: Vec<PointId> = (0..self.points.len()).collect();
+        let is_port = |point: &PointId| layout.nodes.iter().any(|n| n.at_m == self.points[*point]);
+        let ports: Vec<PointId> = (0..self.points.len()).filter(is_port).collect();
+        let joints = || ports.windows(2).map(|pair| [pair[0], pair[1]]);
         let mut changed = true;
         while std::mem::take(&mut changed) {
-            for [a, b] in self.links.iter().filter(|link| !is_rail(link)).map(|link| link.ends) {
+            let streets = self.links.iter().filter(|link| !is_rail(link)).map(|link| link.ends);
+            for [a, b] in streets.chain(joints()) {
                 let least = first[a].min(first[b]);
                 changed |= first[a] != least || first[b] != least;
                 (first[a], first[b]) = (least, least);
@@ -199,7 +203,8 @@ impl Graph {
         for link in self.links.iter().filter(|link| !is_rail(link)) {
             *sizes.entry(first[link.ends[0]]).or_default() += 1;
         }
-        let most = sizes.iter().max_by_key(|(_, size)| **size).map(|(first, _)| *first);
+        let largest = sizes.iter().max_by_key(|(_, size)| **size).map(|(first, _)| *first);
+        let most = ports.first().map(|port| first[*port]).or(largest);
         let keep = |link: &Link| is_rail(link) || Some(first[link.ends[0]]) == most;
         self.links = self.links.iter().copied().filter(keep).collect();
     }
@@ -207,7 +212,7 @@ impl Graph {
     /// Nodes and edges: chains of links without a junction between them become one edge. A point at exactly the place of a
     /// node that the layout has already is that node.
     pub(super) fn into_layout(mut self, mut layout: Layout, kerb_radius_m: f64) -> Layout {
-        self.leave_out_islands();
+        self.leave_out_islands(&layout);
         let arms = self.arms();
         let mut nodes: Vec<Option<(NodeId, NodeKind)>> = Vec::with_capacity(arms.len());
         for (point, here) in arms.iter().enumerate() {
@@ -321,5 +326,17 @@ mod tests {
         let layout = graph.into_layout(Layout::new("star", Terrain::flat()), 6.0);
         assert_eq!((layout.nodes.len(), layout.edges.len()), (4, 3));
         assert!(layout.nodes.iter().all(|node| node.at_m[0] < 400.0));
+
+        // What reaches a node that is there already stays, however far from the others.
+        let mut graph = Graph::default();
+        let line = graph.line("street", shape, [30.0, 0.0]);
+        let mut layout = Layout::new("ports", Terrain::flat());
+        for x in [0.0, 500.0] {
+            let kind = NodeKind::Crossing(Control::AllStop);
+            layout.node(Node::new([x, 0.0], kind));
+            let street = [[x, 0.0], [x, 100.0]].map(|at_m| graph.point(at_m));
+            graph.lead(line, &street);
+        }
+        assert_eq!(graph.into_layout(layout, 6.0).edges.len(), 2);
     }
 }
