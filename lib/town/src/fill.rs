@@ -83,7 +83,7 @@ pub(crate) fn close(roads: &mut [Road], arms: &[Arm]) {
             continue;
         };
         let gaps = gaps(&strips, i, LEFT, &streets, &[]);
-        if gaps.iter().all(|gap| *gap < WORTH_M) || gaps.iter().any(|gap| *gap > SLIT_M) {
+        if gaps.iter().all(|gap| *gap == 0.0) || gaps.iter().any(|gap| *gap > SLIT_M) {
             continue;
         }
         let width = Profile::of(&lane.widths);
