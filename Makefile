@@ -22,7 +22,7 @@ FORCE_ARG   = $(if $(FORCE),--force)
 SEED_ARG    = $(if $(SEED),--seed $(SEED))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset forecast stage stats status verify town towns town-pictures check-towns build test soak lint bench bench-kernels docs help
+.PHONY: dataset forecast stage scene-video stats status verify town towns town-pictures check-towns build test soak lint bench bench-kernels docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
@@ -85,12 +85,7 @@ town-pictures: build
 			$$name "$$(sed -n '1s/^# //p' $$file)" $$name $$name; done; } > docs/towns/README.md
 
 # Reads every town with a reader in Python and with the ASAM quality checker (pip install asam-qc-opendrive).
-check-# A scene's log from above, as an animated picture: make scene-video SCENE=0 [STORE=dataset] [OUT=scene.png]
-scene-video: build
-	@test -n "$(SCENE)" || { echo "say which: make scene-video SCENE=0 [STORE=dataset] [OUT=scene.png]"; exit 2; }
-	$(BIN)/convoy scene-video --store $(STORE) --scene $(SCENE) --out $(or $(OUT),scene-$(SCENE).png)
-
-towns: build
+check-towns: build
 	folder=$$(mktemp -d) && $(BIN)/convoy towns --dest $$folder && $(PYTHON) tests/check_towns.py $$folder; \
 		code=$$?; rm -rf $$folder; exit $$code
 
