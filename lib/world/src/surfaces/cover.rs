@@ -107,15 +107,19 @@ impl Cover {
 /// Height of a triangle's plane at a point of its plan; none outside.
 pub(crate) fn height_in(corners: &[Point3<f64>; 3], x: f64, y: f64) -> Option<f64> {
     let [a, b, c] = corners;
+    // Most points are refused here, with more leave than any triangle's edge has.
+    let beyond = |v: f64, a: f64, b: f64, c: f64| {
+        let (low, high) = (v - 1e-6, v + 1e-6);
+        (a < low && b < low && c < low) || (a > high && b > high && c > high)
+    };
+    if beyond(y, a.y, b.y, c.y) || beyond(x, a.x, b.x, c.x) {
+        return None;
+    }
     let det = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
     if det.abs() < 1e-12 {
         return None;
     }
     let u = ((x - a.x) * (c.y - a.y) - (c.x - a.x) * (y - a.y)) / det;
-    // Most points are refused here.
-    if !(-EDGE..=1.0 + 2.0 * EDGE).contains(&u) {
-        return None;
-    }
     let v = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) / det;
-    (v >= -EDGE && u + v <= 1.0 + EDGE).then(|| a.z + u * (b.z - a.z) + v * (c.z - a.z))
+    (u >= -EDGE && v >= -EDGE && u + v <= 1.0 + EDGE).then(|| a.z + u * (b.z - a.z) + v * (c.z - a.z))
 }

@@ -148,12 +148,8 @@ impl Painter<'_> {
         };
         let mut points: Vec<Point3<f64>> = polygon.iter().map(lift).collect();
         // Where the surfaces of two ways through a junction meet, the road may rise between the corners.
-        let ridge = |[a, b]: [Point3<f64>; 2]| {
-            let middle = nalgebra::center(&a, &b);
-            lift(&[middle.x, middle.y]).z - middle.z
-        };
-        let chords = (1..points.len()).flat_map(|i| [[points[i - 1], points[i]], [points[0], points[i]]]);
-        let rise = chords.map(ridge).fold(0.0, f64::max);
+        let middle = points.iter().map(|p| p.coords).sum::<Vector3<f64>>() / points.len() as f64;
+        let rise = (lift(&[middle.x, middle.y]).z - middle.z).max(0.0);
         points.iter_mut().for_each(|p| p.z += rise);
         for i in 1..points.len() - 1 {
             self.tiles.triangle(Layer::Marking, paint, [points[0], points[i], points[i + 1]]);
