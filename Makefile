@@ -22,7 +22,7 @@ FORCE_ARG   = $(if $(FORCE),--force)
 SEED_ARG    = $(if $(SEED),--seed $(SEED))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset forecast stage scene-video stats status verify town towns town-pictures check-towns build test soak lint bench bench-kernels docs help
+.PHONY: dataset forecast stage scene-video stats status verify town towns town-pictures check-towns traffic-report build test soak lint bench bench-kernels docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
@@ -88,6 +88,11 @@ town-pictures: build
 check-towns: build
 	folder=$$(mktemp -d) && $(BIN)/convoy towns --dest $$folder && $(PYTHON) tests/check_towns.py $$folder; \
 		code=$$?; rm -rf $$folder; exit $$code
+
+# Watches traffic in 28 scenes of 90 s and prints what is wrong with it (docs/traffic.md): make traffic-report
+# [ARGS="--seeds 1 --faults Town03"].
+traffic-report:
+	$(CARGO) run --release --locked -p convoy-traffic --example traffic-report -- $(ARGS)
 
 # The tests across stages run the real programs, so these are built first.
 test:

@@ -1,0 +1,197 @@
+//! Watches traffic and tells what is wrong with it: scenes on towns of our own and, where they are at hand, on real
+//! maps, judged by their logs alone. `make traffic-report`.
+//!
+//! Arguments: names of maps (`convoy/03`, `Town03`) to look at only these; `--seeds N` for scenes per map; `--faults`
+//! to list single faults.
+#![allow(clippy::print_stdout)] // It is a report.
+
+#[path = "../../tests/common/mod.rs"]
+mod common;
+mod film;
+mod lights;
+mod motion;
+mod scenes;
+mod standing;
+mod touching;
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::film::Film;
+use crate::scenes::{Plan, plans};
+
+/// Everything measured of one scene.
+struct Report {
+    name: String,
+    vehicles: usize,
+    walkers: usize,
+    touching: touching::Touching,
+    lights: lights::Lights,
+    motion: motion::Motion,
+    standing: standing::Standing,
+}
+
+fn watch(plan: &Plan) -> Report {
+    let (map, log) = plan.simulate();
+    let mut film = Film::new(&map, &log);
+    let touching = touching::find(&mut film);
+    Report {
+        name: plan.name(),
+        vehicles: film.vehicles.len(),
+        walkers: film.walkers.len(),
+        touching,
+        lights: lights::measure(&film),
+        motion: motion::measure(&film),
+        standing: standing::measure(&film),
+    }
+}
+
+fn main() {
+    let mut arguments = std::env::args().skip(1);
+    let (mut seeds, mut faults, mut wanted) = (4, false, Vec::new());
+    while let Some(word) = arguments.next() {
+        match word.as_str() {
+            "--seeds" => seeds = arguments.next().and_then(|n| n.parse().ok()).unwrap_or(seeds),
+            "--faults" => faults = true,
+            _ => wanted.push(word),
+        }
+    }
+    let plans = plans(&wanted, seeds);
+    let next = AtomicUsize::new(0);
+    let reports: Vec<Mutex<Option<Report>>> = plans.iter().map(|_| Mutex::new(None)).collect();
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 0..threads.min(plans.len()) {
+            scope.spawn(|| {
+                while let Some((plan, slot)) = {
+                    let i = next.fetch_add(1, Ordering::Relaxed);
+                    plans.get(i).zip(reports.get(i))
+                } {
+                    let report = watch(plan);
+                    if let Ok(mut slot) = slot.lock() {
+                        *slot = Some(report);
+                    }
+                }
+            });
+        }
+    });
+    let reports: Vec<Report> =
+        reports.into_iter().filter_map(|slot| slot.into_inner().ok().flatten()).collect();
+    print(&reports, faults);
+}
+
+/// The value below which a share of some values lies.
+fn quantile(values: &mut [f64], share: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let last = values.len().saturating_sub(1);
+    values.get((share * last as f64).round() as usize).copied().unwrap_or(f64::NAN)
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+fn print(reports: &[Report], faults: bool) {
+    println!(
+        "| scene | vehicles | walkers | collisions | with unruly | red runs | braking | offset | longest stand | gridlock | no reason |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
+    for r in reports {
+        let worst = |w: Option<(f64, usize, u16)>| w.map_or(0.0, |w| w.0);
+        println!(
+            "| {} | {} | {} | {} | {} | {} | {:.1} | {:.2} | {:.0} | {:.0} | {} |",
+            r.name,
+            r.vehicles,
+            r.walkers,
+            r.touching.ordinary.len() + r.touching.vehicle_walker.len(),
+            r.touching.unruly,
+            r.lights.red_runs.len(),
+            worst(r.motion.worst_braking),
+            worst(r.motion.worst_offset),
+            worst(r.standing.longest),
+            worst(r.standing.gridlock),
+            r.standing.faults.len(),
+        );
+    }
+    let all = |of: fn(&Report) -> &Vec<f64>| -> Vec<f64> { reports.iter().flat_map(of).copied().collect() };
+    let sum = |of: fn(&Report) -> usize| reports.iter().map(of).sum::<usize>();
+    println!("\n| what | value |\n|---|---|");
+    println!("| scenes | {} |", reports.len());
+    println!("| collisions among ordinary drivers | {} |", sum(|r| r.touching.ordinary.len()));
+    println!("| collisions with reckless, distracted or crashed ones | {} |", sum(|r| r.touching.unruly));
+    println!("| ordinary drivers who touch a walker | {} |", sum(|r| r.touching.vehicle_walker.len()));
+    println!("| walkers who touch a walker | {} |", sum(|r| r.touching.walker_walker));
+    println!(
+        "| red-light runs of ordinary drivers (of {} passages) | {} |",
+        sum(|r| r.lights.passages),
+        sum(|r| r.lights.red_runs.len())
+    );
+    println!("| red-light runs of others | {} |", sum(|r| r.lights.unruly_runs));
+    let mut a = all(|r| &r.motion.acceleration);
+    let shares = [0.0, 0.001, 0.01, 0.99, 1.0].map(|s| format!("{:.2}", quantile(&mut a, s)));
+    println!("| acceleration: least, 0.1 %, 1 %, 99 %, most, m/s2 | {} |", shares.join(", "));
+    let mut a = all(|r| &r.motion.sideways);
+    println!(
+        "| sideways acceleration: 99 %, most, m/s2 | {:.2}, {:.2} |",
+        quantile(&mut a, 0.99),
+        quantile(&mut a, 1.0)
+    );
+    let mut v = all(|r| &r.motion.free_flow);
+    println!(
+        "| speed over limit in free flow: 5 %, mean, 95 % of {} | {:.2}, {:.2}, {:.2} |",
+        v.len(),
+        quantile(&mut v, 0.05),
+        mean(&v),
+        quantile(&mut v, 0.95)
+    );
+    let h = all(|r| &r.lights.headways_s);
+    println!(
+        "| saturation flow, vehicles per hour and lane (from {} gaps) | {:.0} |",
+        h.len(),
+        3600.0 / mean(&h)
+    );
+    let mut o = all(|r| &r.motion.offset_m);
+    println!(
+        "| offset from the lane: 99 %, 99.9 %, most, m | {:.2}, {:.2}, {:.2} |",
+        quantile(&mut o, 0.99),
+        quantile(&mut o, 0.999),
+        quantile(&mut o, 1.0)
+    );
+    let mut s = all(|r| &r.motion.slide_mps);
+    println!(
+        "| sideways sliding of the rear axle: 99 %, 99.9 %, most, m/s | {:.2}, {:.2}, {:.2} |",
+        quantile(&mut s, 0.99),
+        quantile(&mut s, 0.999),
+        quantile(&mut s, 1.0)
+    );
+    println!("| lane changes | {} |", sum(|r| r.motion.lane_changes));
+    let mut reasons = std::collections::BTreeMap::new();
+    for (name, count) in reports.iter().flat_map(|r| &r.standing.reasons) {
+        *reasons.entry(*name).or_insert(0) += count;
+    }
+    let total: usize = reasons.values().sum();
+    for (name, count) in &reasons {
+        println!("| standing: {name} | {:.1} % |", 100.0 * *count as f64 / total.max(1) as f64);
+    }
+    if faults {
+        for r in reports {
+            println!(
+                "{}: collisions {:?}, walkers {:?}, red {:?}",
+                r.name, r.touching.ordinary, r.touching.vehicle_walker, r.lights.red_runs
+            );
+            println!("  braking {:?}, offset {:?}", r.motion.worst_braking, r.motion.worst_offset);
+            println!("  longest {:?}, gridlock {:?}", r.standing.longest, r.standing.gridlock);
+            let mut ids: Vec<(u16, usize)> = r.standing.faults.iter().map(|(i, id)| (*id, *i)).collect();
+            ids.sort_unstable();
+            for chunk in ids.chunk_by(|a, b| a.0 == b.0) {
+                println!(
+                    "  no reason: {} from {} to {} ({})",
+                    chunk[0].0,
+                    chunk[0].1,
+                    chunk[chunk.len() - 1].1,
+                    chunk.len()
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! How vehicles move: accelerations, speeds against the limit, offsets from their lanes, sideways sliding.
+
+use frames::math::sin_cos;
+
+use crate::film::{Body, DT, Film, SAMPLE};
+
+/// A lane without a limit counts as one of this, m/s.
+const DEFAULT_LIMIT_MPS: f64 = 50.0 / 3.6;
+/// A free driver has nobody this far ahead, metres and seconds.
+const FREE_M: f64 = 40.0;
+const FREE_S: f64 = 5.0;
+/// Slower ones are held up by something, m/s.
+const MOVING_MPS: f64 = 3.0;
+/// A free driver has gone on like this for that long, states, and will (4 s).
+const STEADY: usize = 80;
+/// Vehicles are off their lane while they change it: this many states before and after (4 s).
+const CHANGE: usize = 80;
+
+/// Figures of ordinary drivers who never crashed.
+#[derive(Debug, Default)]
+pub(crate) struct Motion {
+    /// Along the heading, m/s2.
+    pub(crate) acceleration: Vec<f64>,
+    /// Speed times yaw rate, m/s2.
+    pub(crate) sideways: Vec<f64>,
+    /// Speed over the limit in free flow.
+    pub(crate) free_flow: Vec<f64>,
+    /// From the middle of the lane, metres, outside lane changes.
+    pub(crate) offset_m: Vec<f64>,
+    /// Largest offset: state, vehicle.
+    pub(crate) worst_offset: Option<(f64, usize, u16)>,
+    /// Strongest braking: state, vehicle.
+    pub(crate) worst_braking: Option<(f64, usize, u16)>,
+    /// Sideways speed of the rear axle's middle, m/s.
+    pub(crate) slide_mps: Vec<f64>,
+    pub(crate) lane_changes: usize,
+}
+
+pub(crate) fn measure(film: &Film<'_>) -> Motion {
+    let mut motion = Motion::default();
+    for body in film.vehicles.iter().filter(|b| b.ordinary) {
+        let end = body.touched.unwrap_or(film.states);
+        forces(body, end, &mut motion);
+        on_lanes(film, body, end, &mut motion);
+    }
+    motion
+}
+
+fn forces(body: &Body, end: usize, motion: &mut Motion) {
+    let rear = |i: usize| {
+        let snap = &body.track[i];
+        let (sin, cos) = sin_cos(snap.yaw_rad);
+        let half = 0.5 * body.wheelbase_m;
+        [snap.at.x - half * cos, snap.at.y - half * sin]
+    };
+    for i in 1..end {
+        let (a, b) = (&body.track[i - 1], &body.track[i]);
+        let turn = frames::wrap_pi(b.yaw_rad - a.yaw_rad);
+        let acceleration = (b.speed_mps - a.speed_mps) / DT;
+        if motion.worst_braking.is_none_or(|w| acceleration < w.0) {
+            motion.worst_braking = Some((acceleration, i, body.id));
+        }
+        motion.acceleration.push(acceleration);
+        motion.sideways.push((b.speed_mps * turn / DT).abs());
+        let ([x0, y0], [x1, y1]) = (rear(i - 1), rear(i));
+        let (sin, cos) = sin_cos(a.yaw_rad + 0.5 * turn);
+        motion.slide_mps.push((((y1 - y0) * cos - (x1 - x0) * sin) / DT).abs());
+    }
+}
+
+fn on_lanes(film: &Film<'_>, body: &Body, end: usize, motion: &mut Motion) {
+    let samples: Vec<usize> = film.samples().filter(|i| *i < end).collect();
+    let hits: Vec<_> = samples.iter().map(|&i| film.lane(&body.track[i])).collect();
+    // A lane change: beside the lane before, on the same stretch of road.
+    let changes: Vec<usize> = (1..hits.len())
+        .filter(|&k| match (&hits[k - 1], &hits[k]) {
+            (Some(a), Some(b)) => {
+                let (a, b) = (a.lane, b.lane);
+                let lane = film.map.lane(b);
+                a.road == b.road
+                    && a.section == b.section
+                    && a.lane != b.lane
+                    && lane.is_some_and(|l| l.junction.is_none())
+            }
+            _ => false,
+        })
+        .map(|k| samples[k])
+        .collect();
+    motion.lane_changes += changes.len();
+    for (&i, hit) in samples.iter().zip(&hits) {
+        if changes.iter().any(|c| c.abs_diff(i) <= CHANGE) {
+            continue;
+        }
+        let offset = hit.map_or(3.5, |h| h.distance_m);
+        motion.offset_m.push(offset);
+        if motion.worst_offset.is_none_or(|w| offset > w.0) {
+            motion.worst_offset = Some((offset, i, body.id));
+        }
+    }
+    if body.two_wheeled {
+        return;
+    }
+    for (k, &i) in samples.iter().enumerate() {
+        let Some(hit) = hits[k].filter(|_| i >= STEADY && i + STEADY < end) else { continue };
+        if is_free(film, body, i) {
+            let limit = film.map.speed_limit(hit.lane, hit.s).unwrap_or(DEFAULT_LIMIT_MPS);
+            motion.free_flow.push(body.track[i].speed_mps / limit);
+        }
+    }
+}
+
+/// Whether nothing but the limit sets a vehicle's speed: it goes steadily and straight on between junctions, with
+/// nobody and no line near ahead.
+fn is_free(film: &Film<'_>, body: &Body, i: usize) -> bool {
+    let snap = &body.track[i];
+    let around = (i - STEADY..=i + STEADY).step_by(SAMPLE);
+    let straight = around.clone().all(|k| frames::wrap_pi(body.track[k].yaw_rad - snap.yaw_rad).abs() < 0.1);
+    let reach = FREE_M + FREE_S * snap.speed_mps;
+    straight
+        && around.clone().all(|k| body.track[k].speed_mps > MOVING_MPS)
+        && (body.track[i + SAMPLE].speed_mps - body.track[i - SAMPLE].speed_mps).abs() < 0.2
+        && around.clone().all(|k| film.junction(&body.track[k]).is_none())
+        && film.lines_ahead(body, i, reach).iter().all(|(to, _)| *to < 0.0)
+        && film.vehicles.iter().filter(|o| o.id != body.id).all(|other| {
+            let [ahead, left] = snap.local(&other.track[i].at);
+            !(0.0..reach).contains(&ahead) || left.abs() > 8.0
+        })
+}

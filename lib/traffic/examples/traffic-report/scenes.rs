@@ -1,0 +1,84 @@
+//! The scenes to watch.
+
+use opendrive::Map;
+use schema::tables::PlanAgentRow;
+use traffic::SceneLog;
+
+use crate::common::{agent, agents_on, carla, crossing, run, scene, settings};
+
+/// Seconds that are watched.
+const DURATION_S: f64 = 90.0;
+/// Background vehicles and walkers wished for.
+const VEHICLES: i32 = 120;
+const WALKERS: u32 = 100;
+/// Maps to look at: our towns, then real ones that may be absent, then a crossing with full queues.
+const MAPS: [&str; 7] =
+    ["convoy/01", "convoy/03", "convoy/05", "convoy/06", "Town03", "Town10HD", "crossing"];
+
+/// A scene to simulate and watch.
+pub(crate) struct Plan {
+    map: String,
+    seed: u64,
+}
+
+pub(crate) fn plans(wanted: &[String], seeds: u64) -> Vec<Plan> {
+    let names = MAPS.iter().map(|m| (*m).to_owned());
+    let names: Vec<String> = if wanted.is_empty() { names.collect() } else { wanted.to_vec() };
+    let known = names.into_iter().filter(|name| load(name).is_some());
+    known.flat_map(|map| (1..=seeds).map(move |seed| Plan { map: map.clone(), seed })).collect()
+}
+
+fn load(name: &str) -> Option<Map> {
+    if name == "crossing" {
+        return Some(crossing(true));
+    }
+    match town::named(name) {
+        Some(parameters) => town::generate(&parameters).ok().map(Map::new),
+        None => carla(&format!("{name}.xodr")),
+    }
+}
+
+/// Queues of eight on all arms of the crossing.
+fn queues() -> Vec<PlanAgentRow> {
+    let mut agents = Vec::new();
+    for (arm, (cos, sin)) in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)].into_iter().enumerate() {
+        for k in 0..8 {
+            let d = 24.0 + 20.0 * f64::from(k);
+            let at = [d * cos - 1.75 * sin, d * sin + 1.75 * cos, 0.0];
+            agents.push(agent(8 * arm + k as usize, at, frames::math::atan2(-sin, -cos)));
+        }
+    }
+    agents
+}
+
+impl Plan {
+    pub(crate) fn name(&self) -> String {
+        format!("{} {}", self.map, self.seed)
+    }
+
+    pub(crate) fn simulate(&self) -> (Map, SceneLog) {
+        let map = load(&self.map).unwrap_or_else(|| crossing(true));
+        let mut scene = scene(DURATION_S);
+        scene.seed = 1000 + self.seed;
+        let mut settings = settings();
+        let agents = if self.map == "crossing" {
+            settings.traffic.green_time_s = Some(25.0);
+            let mut agents = queues();
+            // Drivers differ as planned ones do: 0.8 to 1.4 of the limit, gaps of about 4.2 m.
+            for (i, agent) in agents.iter_mut().enumerate() {
+                let mut draw = random::Stream::new(scene.seed, 0, "traffic-report/driver", i as u64);
+                agent.speed_difference = draw.uniform(-0.4, 0.2);
+                agent.standstill_gap_m = draw.normal(4.2, 1.0).max(0.0);
+            }
+            agents
+        } else {
+            settings.traffic.reckless_background = 0.01;
+            settings.traffic.distracted_background = 0.02;
+            scene.background_vehicles = Some(VEHICLES);
+            scene.walkers = WALKERS;
+            agents_on(&map, 4, 7)
+        };
+        let log = run(&map, &scene, &agents, &settings);
+        (map, log)
+    }
+}

@@ -1,0 +1,229 @@
+//! Why vehicles stand, and for how long.
+
+use std::collections::BTreeMap;
+
+use crate::film::{Body, DT, Film, SAMPLE};
+
+/// Slower than this is standing, m/s.
+const STANDING_MPS: f64 = 0.1;
+/// Nobody judges drivers before they have set off, seconds.
+const START_S: f64 = 3.0;
+/// A leader's rear is this near, metres: the largest standing gap drawn, and a little.
+const LEADER_M: f64 = 9.0;
+/// A line is this near, metres.
+const LINE_M: f64 = 9.0;
+/// Walkers on the road within this way ahead, and this far beside it, metres.
+const WALKER_M: [f64; 2] = [16.0, 6.0];
+/// A junction begins within this distance, metres.
+const JUNCTION_M: f64 = 10.0;
+/// Those who come to a junction have to be this near, metres.
+const RIVAL_M: f64 = 45.0;
+/// The exit of a junction is looked at over this length, metres.
+const EXIT_M: f64 = 20.0;
+/// Those who set off need no reason any more, states (1.5 s).
+const SETTING_OFF: usize = 30;
+
+/// Why a vehicle stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Reason {
+    /// A vehicle ahead; its index.
+    Leader(usize),
+    Walker,
+    Light,
+    /// A stop or yield sign, or others in an unsignalised junction.
+    Priority,
+    /// Vehicles that stand behind the junction.
+    Exit,
+    /// It has crashed, or one who has lies ahead.
+    Wreck,
+    /// It is about to move.
+    SettingOff,
+    /// The road ends.
+    DeadEnd,
+    None,
+}
+
+impl Reason {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Leader(_) => "leader",
+            Self::Walker => "walker",
+            Self::Light => "light",
+            Self::Priority => "sign or junction",
+            Self::Exit => "blocked exit",
+            Self::Wreck => "wreck",
+            Self::SettingOff => "setting off",
+            Self::DeadEnd => "dead end",
+            Self::None => "none",
+        }
+    }
+}
+
+/// A stretch of standing without moving: seconds, state at its end, vehicle.
+pub(crate) type Longest = Option<(f64, usize, u16)>;
+
+#[derive(Debug, Default)]
+pub(crate) struct Standing {
+    /// Sampled states of standing ordinary vehicles by reason.
+    pub(crate) reasons: BTreeMap<&'static str, usize>,
+    /// Those without a reason: (state, vehicle).
+    pub(crate) faults: Vec<(usize, u16)>,
+    /// Longest standing for whatever reason.
+    pub(crate) longest: Longest,
+    /// Longest standing of which the cause, at the head of the queue, is neither a light nor a wreck.
+    pub(crate) gridlock: Longest,
+}
+
+pub(crate) fn measure(film: &Film<'_>) -> Standing {
+    let mut standing = Standing::default();
+    let mut since: Vec<[usize; 2]> = vec![[0; 2]; film.vehicles.len()];
+    for i in film.samples() {
+        let reasons: Vec<Option<Reason>> = (0..film.vehicles.len())
+            .map(|n| stands(&film.vehicles[n], i).then(|| reason(film, n, i)))
+            .collect();
+        for (n, body) in film.vehicles.iter().enumerate() {
+            let Some(reason) = reasons[n].filter(|_| body.ordinary && !body.is_wrecked(i)) else {
+                since[n] = [i; 2];
+                continue;
+            };
+            if (i as f64) * DT >= START_S {
+                *standing.reasons.entry(reason.name()).or_default() += 1;
+                if reason == Reason::None {
+                    standing.faults.push((i, body.id));
+                }
+            }
+            if matches!(head(&reasons, n), Reason::Light | Reason::Wreck | Reason::DeadEnd) {
+                since[n][1] = i;
+            }
+            for (longest, from) in [&mut standing.longest, &mut standing.gridlock].into_iter().zip(since[n]) {
+                let time_s = (i - from) as f64 * DT;
+                if longest.is_none_or(|l| time_s > l.0) {
+                    *longest = Some((time_s, i, body.id));
+                }
+            }
+        }
+    }
+    standing
+}
+
+fn stands(body: &Body, i: usize) -> bool {
+    body.track[i].speed_mps.abs() < STANDING_MPS
+        && body.track[i.saturating_sub(SAMPLE)].speed_mps.abs() < STANDING_MPS
+}
+
+/// The reason at the head of the queue that a vehicle stands in; its own if the queue bites its tail.
+fn head(reasons: &[Option<Reason>], from: usize) -> Reason {
+    let mut n = from;
+    for _ in 0..reasons.len() {
+        match reasons[n] {
+            Some(Reason::Leader(ahead)) if ahead != from => n = ahead,
+            Some(reason) => return reason,
+            // It moves: who stands behind it is about to.
+            None => return Reason::SettingOff,
+        }
+    }
+    Reason::None
+}
+
+fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
+    let body = &film.vehicles[n];
+    if body.is_wrecked(i) {
+        return Reason::Wreck;
+    }
+    let later = (i + SETTING_OFF).min(film.states - 1);
+    let near = |other: &Body| (other.track[i].at - body.track[i].at).norm() < 30.0;
+    let others: Vec<usize> =
+        (0..film.vehicles.len()).filter(|&m| m != n && near(&film.vehicles[m])).collect();
+    let mut junction = None;
+    let mut reached = 0.0;
+    for (to, point) in body.ahead(i, LEADER_M.max(JUNCTION_M)) {
+        reached = to;
+        if to < LEADER_M
+            && let Some(&m) = others.iter().find(|&&m| film.vehicles[m].covers(i, point, 0.3))
+        {
+            let wreck = film.vehicles[m].is_wrecked(i);
+            return if wreck { Reason::Wreck } else { Reason::Leader(m) };
+        }
+        if junction.is_none() && to < JUNCTION_M {
+            let at = film.map.nearest_driving_lane(*point);
+            junction = at.and_then(|hit| film.map.lane(hit.lane)?.junction);
+        }
+    }
+    if walker_ahead(film, body, i) {
+        return Reason::Walker;
+    }
+    let lines = film.lines_ahead(body, i, LINE_M);
+    let held = |light: bool| {
+        lines.iter().any(|(to, hold)| *to > -3.0 && hold.light.is_some() == light && hold.stops(i))
+    };
+    if held(true) {
+        return Reason::Light;
+    }
+    if body.track[later].speed_mps > STANDING_MPS {
+        return Reason::SettingOff;
+    }
+    if held(false) {
+        return Reason::Priority;
+    }
+    if reached < JUNCTION_M - 1.0 && junction.is_none() {
+        return Reason::DeadEnd;
+    }
+    if let Some(junction) = junction {
+        if exit_blocked(film, body, i) {
+            return Reason::Exit;
+        }
+        if rivals(film, n, i, junction) {
+            return Reason::Priority;
+        }
+    }
+    Reason::None
+}
+
+/// A walker on the road close ahead.
+fn walker_ahead(film: &Film<'_>, body: &Body, i: usize) -> bool {
+    let [reach, beside] = WALKER_M;
+    film.walkers.iter().any(|walker| {
+        let at = &walker.track[i].at;
+        (at - body.track[i].at).norm() < reach + 20.0
+            && body.ahead(i, reach).any(|(_, p)| (p - at).norm() < beside)
+            && film.map.nearest_driving_lane(*at).is_some_and(|hit| hit.t_m.abs() < 0.5 * hit.width_m + 2.0)
+    })
+}
+
+/// A slow vehicle on the way behind the junction, with not enough room before it.
+fn exit_blocked(film: &Film<'_>, body: &Body, i: usize) -> bool {
+    let mut left_at = None;
+    let mut inside = false;
+    for (to, point) in body.ahead(i, 80.0) {
+        let hit = film.map.nearest_driving_lane(*point);
+        let in_junction = hit.and_then(|h| film.map.lane(h.lane)?.junction).is_some();
+        inside |= in_junction;
+        if inside && !in_junction && left_at.is_none() {
+            left_at = Some(to);
+        }
+        if left_at.is_some_and(|l| to > l + EXIT_M) {
+            return false;
+        }
+        let slow = |o: &&Body| o.id != body.id && o.track[i].speed_mps < 2.0 && o.covers(i, point, 0.2);
+        if film.vehicles.iter().any(|o| slow(&o)) {
+            return true;
+        }
+    }
+    false
+}
+
+/// Others in the junction, or on their way to it.
+fn rivals(film: &Film<'_>, n: usize, i: usize, junction: usize) -> bool {
+    film.vehicles.iter().enumerate().any(|(m, other)| {
+        let snap = &other.track[i];
+        if m == n || (snap.at - film.vehicles[n].track[i].at).norm() > 2.0 * RIVAL_M {
+            return false;
+        }
+        let here = |p: &nalgebra::Point3<f64>| {
+            let hit = film.map.nearest_driving_lane(*p);
+            hit.and_then(|h| film.map.lane(h.lane)?.junction) == Some(junction)
+        };
+        let moves = snap.speed_mps > STANDING_MPS;
+        here(&snap.at) || (moves && other.ahead(i, RIVAL_M).step_by(4).any(|(_, p)| here(p)))
+    })
+}

@@ -1,0 +1,93 @@
+//! Who touches whom.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use frames::math::sin_cos;
+
+use crate::film::{Body, Film};
+
+/// Bodies that touch by less than this do not: rounding, metres.
+const ROUNDING_M: f64 = 0.02;
+/// Side of a cell, metres: more than the longest body.
+const CELL_M: f64 = 16.0;
+
+/// Pairs that touch at some time, each counted once.
+#[derive(Debug, Default)]
+pub(crate) struct Touching {
+    /// Two ordinary drivers, neither of whom had touched anything before: (state, ids).
+    pub(crate) ordinary: Vec<(usize, u16, u16)>,
+    /// Vehicles of which one is driven recklessly or absently, or had crashed before.
+    pub(crate) unruly: usize,
+    /// Ordinary vehicles, not crashed before, and walkers.
+    pub(crate) vehicle_walker: Vec<(usize, u16, u16)>,
+    /// Walkers and other walkers.
+    pub(crate) walker_walker: usize,
+}
+
+/// Whether two footprints overlap (separating axes in the plane), decks apart.
+fn touch(a: &Body, b: &Body, i: usize) -> bool {
+    let (sa, sb) = (&a.track[i], &b.track[i]);
+    if (sa.at.z - sb.at.z).abs() > 3.0 {
+        return false;
+    }
+    let away = sb.at - sa.at;
+    [
+        sa.yaw_rad,
+        sa.yaw_rad + std::f64::consts::FRAC_PI_2,
+        sb.yaw_rad,
+        sb.yaw_rad + std::f64::consts::FRAC_PI_2,
+    ]
+    .iter()
+    .all(|&axis| {
+        let reach = |yaw: f64, size: [f64; 2]| {
+            let (sin, cos) = sin_cos(yaw - axis);
+            0.5 * (size[0] * cos.abs() + size[1] * sin.abs())
+        };
+        let (sin, cos) = sin_cos(axis);
+        (away.x * cos + away.y * sin).abs()
+            < reach(sa.yaw_rad, a.size_m) + reach(sb.yaw_rad, b.size_m) - ROUNDING_M
+    })
+}
+
+/// Finds all pairs, and notes in the film who touched something first when.
+pub(crate) fn find(film: &mut Film<'_>) -> Touching {
+    let mut result = Touching::default();
+    let mut seen: BTreeSet<(u16, u16)> = BTreeSet::new();
+    let count = film.vehicles.len();
+    for i in 0..film.states {
+        let mut cells: BTreeMap<(i32, i32), Vec<usize>> = BTreeMap::new();
+        let mut pairs = Vec::new();
+        let all: Vec<&Body> = film.vehicles.iter().chain(&film.walkers).collect();
+        for (n, body) in all.iter().enumerate() {
+            let at = body.track[i].at;
+            let (x, y) = ((at.x / CELL_M).floor() as i32, (at.y / CELL_M).floor() as i32);
+            for other in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (x + dx, y + dy))) {
+                for &m in cells.get(&other).into_iter().flatten() {
+                    let near =
+                        (all[m].track[i].at - at).norm() < 0.6 * (all[m].size_m[0] + body.size_m[0] + 2.0);
+                    if near && touch(body, all[m], i) && seen.insert((all[m].id, body.id)) {
+                        pairs.push((m, n));
+                    }
+                }
+            }
+            cells.entry((x, y)).or_default().push(n);
+        }
+        for &(m, n) in &pairs {
+            let (a, b) = (all[m], all[n]);
+            let innocent = |body: &Body| body.ordinary && !body.touched.is_some_and(|t| t < i);
+            match (m < count, n < count) {
+                (true, true) if innocent(a) && innocent(b) => result.ordinary.push((i, a.id, b.id)),
+                (true, true) => result.unruly += 1,
+                (false, false) => result.walker_walker += 1,
+                _ if innocent(if m < count { a } else { b }) => result.vehicle_walker.push((i, a.id, b.id)),
+                _ => result.unruly += 1,
+            }
+        }
+        for n in pairs.into_iter().filter(|&(m, _)| m < count).flat_map(|(m, n)| [m, n]) {
+            if let Some(body) = film.vehicles.get_mut(n) {
+                body.touched.get_or_insert(i);
+            }
+        }
+    }
+    result
+}
