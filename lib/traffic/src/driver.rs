@@ -1,5 +1,7 @@
 //! Longitudinal behaviour: the intelligent driver model and speed envelopes.
 
+/// Strongest acceleration, m/s2.
+pub(crate) const MAX_ACCELERATION: f64 = 3.0;
 /// Strongest braking, m/s2.
 pub(crate) const MAX_BRAKING: f64 = 8.0;
 /// Braking that drivers plan with, m/s2.

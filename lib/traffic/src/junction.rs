@@ -4,7 +4,8 @@
 //! when no lane that conflicts with it is; reservations end when the vehicle's rear has left the lane (or, for one
 //! rival, the place where the two meet). Requests are served in the order in which drivers came to the line, vehicle
 //! numbers breaking ties, so no two wait for each other: whoever has entered can leave, because entry needs room behind
-//! the junction.
+//! the junction. Whoever has been refused for long claims its way: those who come later get no leave across it, so that
+//! a busy road does not starve a side street.
 
 use crate::driver::{braking_to_stop, envelope};
 use crate::net::{CONFLICT_M, Lane, Net, PLANNED_BRAKING};
@@ -13,6 +14,8 @@ use crate::vehicles::{Occupancy, Vehicle};
 
 /// Free space behind the rear of a vehicle that waits behind a junction, metres.
 const EXIT_MARGIN_M: f64 = 1.5;
+/// Vehicles between two junctions nearer than this are counted, so that none has to wait in the first one, metres.
+const STORED_M: f64 = 60.0;
 /// A vehicle behind a junction slower than this blocks it, m/s.
 const EXIT_SLOW_MPS: f64 = 5.0 / 3.6;
 /// Drivers stop at yellow if this braking is enough, m/s2.
@@ -21,6 +24,8 @@ const YELLOW_BRAKING: f64 = 3.5;
 const RED_BRAKING: f64 = 7.5;
 /// Standing time at a stop sign, steps (2 s).
 const STOP_STEPS: u32 = 40;
+/// Who has been refused for this long claims its way, steps (10 s).
+const PATIENCE_STEPS: u32 = 200;
 /// Lanes with no smaller radius than this are straight for long vehicles, metres.
 const STRAIGHT_M: f64 = 60.0;
 /// Vehicles longer than this need room in turns, metres.
@@ -153,15 +158,21 @@ impl Reservations {
     fn movement(net: &Net, vehicle: &Vehicle, line: &Line) -> Vec<(usize, f64)> {
         let need = vehicle.model.size_m[0] + EXIT_MARGIN_M;
         let mut through: Vec<(usize, f64)> = Vec::new();
-        let mut outside = 0.0;
+        let mut outside = f64::INFINITY;
         for (lane, start) in vehicle.lanes_ahead(net).skip(line.position) {
             if net.lanes[lane].junction.is_some() {
+                // Room to wait before the next line?
+                if !through.is_empty()
+                    && (need + net.lanes[lane].line_gap_m..f64::INFINITY).contains(&outside)
+                {
+                    break;
+                }
                 through.push((lane, start));
                 outside = 0.0;
             } else {
                 outside += net.lanes[lane].way.length_m;
             }
-            if outside >= need || through.len() >= 16 {
+            if through.len() >= 16 {
                 break;
             }
         }
@@ -182,7 +193,15 @@ impl Reservations {
                     + swept_half_width(rival_vehicle, &net.lanes[conflict.other])
                     + 0.4;
                 let beside = conflict.apart_m >= together.max(CONFLICT_M);
-                rival == me || beside || held.is_none_or(|h| passed(h.start_m))
+                // One who follows on a lane that both are on waits behind.
+                let follows = |h: &Held| {
+                    let here = vehicles[me].held.iter().find(|own| own.lane == h.lane);
+                    here.is_some_and(|own| {
+                        let on = |v: &Vehicle, h: &Held| v.odometer_m - h.start_m;
+                        on(&vehicles[me], own) > on(rival_vehicle, h).max(0.0)
+                    })
+                };
+                rival == me || beside || held.is_none_or(|h| passed(h.start_m) || follows(h))
             })
         })
     }
@@ -199,21 +218,38 @@ impl Reservations {
         let vehicle = &vehicles[me];
         let Some(&(last, last_start)) = movement.last() else { return true };
         let exit_at = last_start + net.lanes[last].way.length_m;
+        let gap = |v: &Vehicle| v.model.size_m[0] + v.driver.idm.standstill_gap_m;
         let mut need = vehicle.model.size_m[0] + EXIT_MARGIN_M;
         let mut first_exit = None;
+        // Those who will wait before the next line, and the way there.
+        let (mut stored, mut stretch) = (0.0, f64::INFINITY);
         for (lane, start) in vehicle.lanes_ahead(net) {
-            if start + 1e-6 < exit_at || net.lanes[lane].junction.is_some() {
+            if start + 1e-6 < exit_at {
                 continue;
+            }
+            if let Some(next) = net.lanes[lane].junction {
+                let leaves = |v: &Vehicle| v.held.iter().any(|h| net.lanes[h.lane].junction == Some(next));
+                if vehicle.held.iter().any(|h| h.lane == lane) || start - exit_at > STORED_M {
+                    break;
+                }
+                let between = vehicle.lanes_ahead(net).filter(|(_, s)| (exit_at - 1e-6..start).contains(s));
+                for spot in between.flat_map(|(l, _)| &occupancy.vehicles[l]) {
+                    if spot.vehicle != me && !leaves(&vehicles[spot.vehicle]) {
+                        stored += gap(&vehicles[spot.vehicle]);
+                    }
+                }
+                stretch = start - exit_at - net.lanes[lane].line_gap_m;
+                break;
             }
             if first_exit.is_none() {
                 first_exit = Some(lane);
                 for &before in &net.lanes[lane].previous {
                     for &other in self.holders[before].iter().filter(|&&other| other != me) {
-                        need += vehicles[other].model.size_m[0] + EXIT_MARGIN_M;
+                        need += gap(&vehicles[other]);
                     }
                 }
             }
-            if start > exit_at + need {
+            if start > exit_at + need.max(STORED_M) {
                 break;
             }
             let blocked = occupancy.vehicles[lane].iter().any(|spot| {
@@ -224,10 +260,10 @@ impl Reservations {
                 return false;
             }
         }
-        true
+        need + stored <= stretch
     }
 
-    /// Tries to reserve the whole way through the junction behind a line.
+    /// Tries to reserve the whole way through the junction behind a line, across no lane that another one claims.
     fn request(
         &mut self,
         net: &Net,
@@ -235,10 +271,19 @@ impl Reservations {
         vehicles: &mut [Vehicle],
         me: usize,
         line: &Line,
+        claims: &mut Vec<usize>,
     ) -> bool {
         let movement = Self::movement(net, &vehicles[me], line);
-        let free = movement.iter().all(|&(lane, _)| self.is_free(net, vehicles, me, lane));
-        if !free || !self.has_exit(net, occupancy, vehicles, me, &movement) {
+        let exit = self.has_exit(net, occupancy, vehicles, me, &movement);
+        // Who is in a junction already must get out of it first.
+        let inside = !vehicles[me].held.is_empty();
+        let claimed =
+            |lane: usize| !inside && net.lanes[lane].conflicts.iter().any(|c| claims.contains(&c.other));
+        let free = movement.iter().all(|&(l, _)| self.is_free(net, vehicles, me, l) && !claimed(l));
+        if !free || !exit {
+            if exit && vehicles[me].refused_steps > PATIENCE_STEPS {
+                claims.extend(movement.iter().map(|&(lane, _)| lane));
+            }
             return false;
         }
         let odometer = vehicles[me].odometer_m;
@@ -295,8 +340,12 @@ impl Reservations {
             }
             let near = line.gap_m <= 8.0 + speed * 1.0 + speed * speed / (2.0 * 1.5);
             let forbidden = forbids(light, speed, line.gap_m);
-            // Only the first in the queue asks.
-            let second = occupancy.leader(net, vehicles, me).is_some_and(|(gap, _)| gap < line.gap_m - 0.5);
+            // Only the first in the queue asks, and at a green light those who follow one that has leave.
+            let leader = occupancy.leader(net, vehicles, me).filter(|l| l.gap_m < line.gap_m - 0.5);
+            let second = leader.is_some_and(|l| {
+                light != Light::Green
+                    || !vehicles[l.vehicle].held.iter().any(|h| net.lanes[h.lane].junction == entry.junction)
+            });
             let vehicle = &mut vehicles[me];
             let must_stand = entry.stop_sign && entry.signals.is_empty() && !blind;
             if must_stand && speed < 0.1 && line.gap_m < entry.line_gap_m + 2.5 && !second {
@@ -313,11 +362,15 @@ impl Reservations {
             }
         }
         requests.sort_by_key(|(since, me, _)| (*since, *me));
+        let mut claims = Vec::new();
         for (_, me, line) in requests {
-            if self.request(net, occupancy, vehicles, me, &line) {
-                approaches[me].stop_gap_m = None;
+            if self.request(net, occupancy, vehicles, me, &line, &mut claims) {
+                approaches[me] = Approach { stop_gap_m: None, cap_mps: f64::INFINITY };
                 vehicles[me].waiting_since = None;
                 vehicles[me].stood_steps = 0;
+                vehicles[me].refused_steps = 0;
+            } else {
+                vehicles[me].refused_steps += 1;
             }
         }
         approaches

@@ -97,6 +97,11 @@ impl Net {
         for (i, onward) in next.iter().enumerate() {
             onward.iter().for_each(|&j| previous[j].push(i));
         }
+        let mut tightest: BTreeMap<(u32, u16), f64> = BTreeMap::new();
+        for way in ways.iter().filter(|w| w.length_m < LONGEST_BEND_M) {
+            let radius_m = tightest.entry((way.lane.road, way.lane.section)).or_insert(f64::INFINITY);
+            *radius_m = radius_m.min(tightest_radius(way));
+        }
         let mut lanes = Vec::with_capacity(ways.len());
         for (((way, info), next), previous) in ways.into_iter().zip(facts).zip(next).zip(previous) {
             let limit_mps = info.speed_limit_mps.unwrap_or(DEFAULT_LIMIT_MPS);
@@ -113,7 +118,9 @@ impl Net {
             let curve_mps = curve_speeds(&way);
             let turn = way_turn(&way);
             let radius_m = tightest_radius(&way);
-            let bend = way.length_m < LONGEST_BEND_M && radius_m < TIGHT_BEND_M;
+            // All lanes of a bend, however wide the outer one's.
+            let inner = tightest.get(&(way.lane.road, way.lane.section));
+            let bend = way.length_m < LONGEST_BEND_M && inner.is_some_and(|r| *r < TIGHT_BEND_M);
             let usable = way.samples.iter().take_while(|s| s.width_m >= VEHICLE_LANE_WIDTH_M).last();
             let usable_m = usable.map_or(0.0, |s| s.along_m);
             lanes.push(Lane {

@@ -12,7 +12,7 @@ use schema::tables::{FrameRow, SignalRow, StateRow, Weather};
 use schema::{FRAME_PERIOD_S, ObjectId};
 
 use crate::bodies::Bodies;
-use crate::driver::{COMFORT_BRAKING, MAX_BRAKING};
+use crate::driver::{COMFORT_BRAKING, MAX_ACCELERATION, MAX_BRAKING};
 use crate::junction::Reservations;
 use crate::log::{Snapshot, rsu_actor, vehicle_actor, vehicle_lamps, walker_actor, weather_lamps};
 use crate::net::Net;
@@ -185,7 +185,7 @@ impl<'a> Simulation<'a> {
                 let cap = approach.cap_mps;
                 wished_acceleration(&self.net, &self.occupancy, &self.vehicles, me, approach.stop_gap_m, cap)
             };
-            wishes.push(wish.clamp(-MAX_BRAKING, COMFORT_BRAKING));
+            wishes.push(wish.clamp(-MAX_BRAKING, MAX_ACCELERATION));
         }
         for (vehicle, wish) in self.vehicles.iter_mut().zip(&wishes) {
             if vehicle.crashed {
@@ -353,6 +353,7 @@ fn place_vehicles(
             held: Vec::new(),
             waiting_since: None,
             stood_steps: 0,
+            refused_steps: 0,
             body: bodies.vehicle(&start.point, start.yaw_rad, start.model.size_m, i as u32),
         };
         vehicle.extend_route(net);

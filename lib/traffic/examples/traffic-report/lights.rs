@@ -8,6 +8,8 @@ use crate::film::{DT, Film};
 const LOST: usize = 3;
 /// A vehicle has queued that was slower than this since the light was red, m/s.
 const QUEUED_MPS: f64 = 1.0;
+/// It has set off when it is faster than this; who stops again is held up by something else than the queue.
+const SET_OFF_MPS: f64 = 2.0;
 
 #[derive(Debug, Default)]
 pub(crate) struct Lights {
@@ -88,7 +90,12 @@ fn headways(film: &Film<'_>, light: &[u8], passages: &[Passage], headways_s: &mu
             let body = &film.vehicles[p.vehicle];
             body.ordinary && (red..=p.state).any(|i| body.track[i].speed_mps < QUEUED_MPS)
         };
-        let queue: Vec<&Passage> = inside.take_while(queued).collect();
+        let flows = |p: &&Passage| {
+            let track = &film.vehicles[p.vehicle].track;
+            let set_off = (start..p.state).find(|&i| track[i].speed_mps > SET_OFF_MPS).unwrap_or(p.state);
+            (set_off..p.state).all(|i| track[i].speed_mps > QUEUED_MPS)
+        };
+        let queue: Vec<&Passage> = inside.take_while(queued).take_while(flows).collect();
         let pairs = queue.windows(2).skip(LOST - 1);
         headways_s.extend(pairs.map(|p| (p[1].state - p[0].state) as f64 * DT));
     }

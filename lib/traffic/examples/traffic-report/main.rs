@@ -2,7 +2,7 @@
 //! maps, judged by their logs alone. `make traffic-report`.
 //!
 //! Arguments: names of maps (`convoy/03`, `Town03`) to look at only these; `--seeds N` for scenes per map; `--faults`
-//! to list single faults.
+//! to list single faults; `--dump FOLDER` to write every track as CSV, for drawing.
 #![allow(clippy::print_stdout)] // It is a report.
 
 #[path = "../../tests/common/mod.rs"]
@@ -14,6 +14,8 @@ mod scenes;
 mod standing;
 mod touching;
 
+use std::io::Write;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -31,9 +33,14 @@ struct Report {
     standing: standing::Standing,
 }
 
-fn watch(plan: &Plan) -> Report {
+fn watch(plan: &Plan, dump: Option<&Path>) -> Report {
     let (map, log) = plan.simulate();
     let mut film = Film::new(&map, &log);
+    if let Some(folder) = dump
+        && let Err(fault) = write(&film, &folder.join(plan.name().replace(['/', ' '], "-") + ".csv"))
+    {
+        println!("{}: {fault}", folder.display());
+    }
     let touching = touching::find(&mut film);
     Report {
         name: plan.name(),
@@ -46,13 +53,27 @@ fn watch(plan: &Plan) -> Report {
     }
 }
 
+/// One line for each state of each body: id, length, width, state, x, y, yaw, speed.
+fn write(film: &Film<'_>, path: &Path) -> std::io::Result<()> {
+    let mut file = std::io::BufWriter::new(std::fs::File::create(path)?);
+    for body in film.vehicles.iter().chain(&film.walkers) {
+        for (i, s) in body.track.iter().enumerate() {
+            let ([length, width], [x, y, _]) = (body.size_m, <[f64; 3]>::from(s.at));
+            let (yaw, speed) = (s.yaw_rad, s.speed_mps);
+            writeln!(file, "{},{length},{width},{i},{x:.3},{y:.3},{yaw:.4},{speed:.3}", body.id)?;
+        }
+    }
+    file.flush()
+}
+
 fn main() {
     let mut arguments = std::env::args().skip(1);
-    let (mut seeds, mut faults, mut wanted) = (4, false, Vec::new());
+    let (mut seeds, mut faults, mut dump, mut wanted) = (4, false, None, Vec::new());
     while let Some(word) = arguments.next() {
         match word.as_str() {
             "--seeds" => seeds = arguments.next().and_then(|n| n.parse().ok()).unwrap_or(seeds),
             "--faults" => faults = true,
+            "--dump" => dump = arguments.next().map(PathBuf::from),
             _ => wanted.push(word),
         }
     }
@@ -67,7 +88,7 @@ fn main() {
                     let i = next.fetch_add(1, Ordering::Relaxed);
                     plans.get(i).zip(reports.get(i))
                 } {
-                    let report = watch(plan);
+                    let report = watch(plan, dump.as_deref());
                     if let Ok(mut slot) = slot.lock() {
                         *slot = Some(report);
                     }

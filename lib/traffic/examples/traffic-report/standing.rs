@@ -16,10 +16,12 @@ const LINE_M: f64 = 9.0;
 const WALKER_M: [f64; 2] = [16.0, 6.0];
 /// A junction begins within this distance, metres.
 const JUNCTION_M: f64 = 10.0;
-/// Those who come to a junction have to be this near, metres.
-const RIVAL_M: f64 = 45.0;
+/// Those who come to a junction are given way if they are this near: metres at least, and seconds (critical gaps of the
+/// Highway Capacity Manual are 6.2 to 7.1 s).
+const RIVAL_M: f64 = 25.0;
+const RIVAL_S: f64 = 7.0;
 /// The exit of a junction is looked at over this length, metres.
-const EXIT_M: f64 = 20.0;
+const EXIT_M: f64 = 60.0;
 /// Those who set off need no reason any more, states (1.5 s).
 const SETTING_OFF: usize = 30;
 
@@ -32,8 +34,8 @@ pub(crate) enum Reason {
     Light,
     /// A stop or yield sign, or others in an unsignalised junction.
     Priority,
-    /// Vehicles that stand behind the junction.
-    Exit,
+    /// A vehicle that stands behind the junction; its index.
+    Exit(usize),
     /// It has crashed, or one who has lies ahead.
     Wreck,
     /// It is about to move.
@@ -50,7 +52,7 @@ impl Reason {
             Self::Walker => "walker",
             Self::Light => "light",
             Self::Priority => "sign or junction",
-            Self::Exit => "blocked exit",
+            Self::Exit(_) => "blocked exit",
             Self::Wreck => "wreck",
             Self::SettingOff => "setting off",
             Self::DeadEnd => "dead end",
@@ -116,7 +118,7 @@ fn head(reasons: &[Option<Reason>], from: usize) -> Reason {
     let mut n = from;
     for _ in 0..reasons.len() {
         match reasons[n] {
-            Some(Reason::Leader(ahead)) if ahead != from => n = ahead,
+            Some(Reason::Leader(ahead) | Reason::Exit(ahead)) if ahead != from => n = ahead,
             Some(reason) => return reason,
             // It moves: who stands behind it is about to.
             None => return Reason::SettingOff,
@@ -149,8 +151,8 @@ fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
             junction = at.and_then(|hit| film.map.lane(hit.lane)?.junction);
         }
     }
-    if walker_ahead(film, body, i) {
-        return Reason::Walker;
+    if let Some(walker) = walker_ahead(film, body, i) {
+        return if walker.is_wrecked(i) { Reason::Wreck } else { Reason::Walker };
     }
     let lines = film.lines_ahead(body, i, LINE_M);
     let held = |light: bool| {
@@ -163,14 +165,18 @@ fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
         return Reason::SettingOff;
     }
     if held(false) {
-        return Reason::Priority;
+        let wreck = junction.is_some_and(|j| wreck_in(film, j, i));
+        return if wreck { Reason::Wreck } else { Reason::Priority };
     }
     if reached < JUNCTION_M - 1.0 && junction.is_none() {
         return Reason::DeadEnd;
     }
     if let Some(junction) = junction {
-        if exit_blocked(film, body, i) {
-            return Reason::Exit;
+        if wreck_in(film, junction, i) {
+            return Reason::Wreck;
+        }
+        if let Some(m) = exit_blocked(film, body, i) {
+            return if film.vehicles[m].is_wrecked(i) { Reason::Wreck } else { Reason::Exit(m) };
         }
         if rivals(film, n, i, junction) {
             return Reason::Priority;
@@ -180,9 +186,9 @@ fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
 }
 
 /// A walker on the road close ahead.
-fn walker_ahead(film: &Film<'_>, body: &Body, i: usize) -> bool {
+fn walker_ahead<'a>(film: &'a Film<'_>, body: &Body, i: usize) -> Option<&'a Body> {
     let [reach, beside] = WALKER_M;
-    film.walkers.iter().any(|walker| {
+    film.walkers.iter().find(|walker| {
         let at = &walker.track[i].at;
         (at - body.track[i].at).norm() < reach + 20.0
             && body.ahead(i, reach).any(|(_, p)| (p - at).norm() < beside)
@@ -191,10 +197,10 @@ fn walker_ahead(film: &Film<'_>, body: &Body, i: usize) -> bool {
 }
 
 /// A slow vehicle on the way behind the junction, with not enough room before it.
-fn exit_blocked(film: &Film<'_>, body: &Body, i: usize) -> bool {
+fn exit_blocked(film: &Film<'_>, body: &Body, i: usize) -> Option<usize> {
     let mut left_at = None;
     let mut inside = false;
-    for (to, point) in body.ahead(i, 80.0) {
+    for (to, point) in body.ahead(i, 120.0) {
         let hit = film.map.nearest_driving_lane(*point);
         let in_junction = hit.and_then(|h| film.map.lane(h.lane)?.junction).is_some();
         inside |= in_junction;
@@ -202,21 +208,33 @@ fn exit_blocked(film: &Film<'_>, body: &Body, i: usize) -> bool {
             left_at = Some(to);
         }
         if left_at.is_some_and(|l| to > l + EXIT_M) {
-            return false;
+            return None;
         }
         let slow = |o: &&Body| o.id != body.id && o.track[i].speed_mps < 2.0 && o.covers(i, point, 0.2);
-        if film.vehicles.iter().any(|o| slow(&o)) {
-            return true;
+        let found = film.vehicles.iter().position(|o| slow(&o));
+        if found.is_some() {
+            return found;
         }
     }
-    false
+    None
+}
+
+/// A crashed vehicle in a junction.
+fn wreck_in(film: &Film<'_>, junction: usize, i: usize) -> bool {
+    let [low, high] = film.map.junctions()[junction].bounds;
+    film.vehicles.iter().filter(|v| v.is_wrecked(i)).any(|v| {
+        let at = v.track[i].at;
+        let margin = 0.5 * v.size_m[0];
+        (low.x - margin..high.x + margin).contains(&at.x) && (low.y - margin..high.y + margin).contains(&at.y)
+    })
 }
 
 /// Others in the junction, or on their way to it.
 fn rivals(film: &Film<'_>, n: usize, i: usize, junction: usize) -> bool {
     film.vehicles.iter().enumerate().any(|(m, other)| {
         let snap = &other.track[i];
-        if m == n || (snap.at - film.vehicles[n].track[i].at).norm() > 2.0 * RIVAL_M {
+        let reach = RIVAL_M.max(RIVAL_S * snap.speed_mps);
+        if m == n || (snap.at - film.vehicles[n].track[i].at).norm() > RIVAL_M + reach {
             return false;
         }
         let here = |p: &nalgebra::Point3<f64>| {
@@ -224,6 +242,6 @@ fn rivals(film: &Film<'_>, n: usize, i: usize, junction: usize) -> bool {
             hit.and_then(|h| film.map.lane(h.lane)?.junction) == Some(junction)
         };
         let moves = snap.speed_mps > STANDING_MPS;
-        here(&snap.at) || (moves && other.ahead(i, RIVAL_M).step_by(4).any(|(_, p)| here(p)))
+        here(&snap.at) || (moves && other.ahead(i, reach).step_by(4).any(|(_, p)| here(p)))
     })
 }

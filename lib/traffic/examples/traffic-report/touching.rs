@@ -8,6 +8,8 @@ use crate::film::{Body, Film};
 
 /// Bodies that touch by less than this do not: rounding, metres.
 const ROUNDING_M: f64 = 0.02;
+/// Wrecks push whoever comes as near as this, metres.
+const PUSHED_M: f64 = 0.1;
 /// Side of a cell, metres: more than the longest body.
 const CELL_M: f64 = 16.0;
 
@@ -25,7 +27,7 @@ pub(crate) struct Touching {
 }
 
 /// Whether two footprints overlap (separating axes in the plane), decks apart.
-fn touch(a: &Body, b: &Body, i: usize) -> bool {
+fn touch(a: &Body, b: &Body, i: usize, margin_m: f64) -> bool {
     let (sa, sb) = (&a.track[i], &b.track[i]);
     if (sa.at.z - sb.at.z).abs() > 3.0 {
         return false;
@@ -45,7 +47,7 @@ fn touch(a: &Body, b: &Body, i: usize) -> bool {
         };
         let (sin, cos) = sin_cos(axis);
         (away.x * cos + away.y * sin).abs()
-            < reach(sa.yaw_rad, a.size_m) + reach(sb.yaw_rad, b.size_m) - ROUNDING_M
+            < reach(sa.yaw_rad, a.size_m) + reach(sb.yaw_rad, b.size_m) + margin_m
     })
 }
 
@@ -56,7 +58,7 @@ pub(crate) fn find(film: &mut Film<'_>) -> Touching {
     let count = film.vehicles.len();
     for i in 0..film.states {
         let mut cells: BTreeMap<(i32, i32), Vec<usize>> = BTreeMap::new();
-        let mut pairs = Vec::new();
+        let (mut pairs, mut pushed) = (Vec::new(), Vec::new());
         let all: Vec<&Body> = film.vehicles.iter().chain(&film.walkers).collect();
         for (n, body) in all.iter().enumerate() {
             let at = body.track[i].at;
@@ -65,8 +67,13 @@ pub(crate) fn find(film: &mut Film<'_>) -> Touching {
                 for &m in cells.get(&other).into_iter().flatten() {
                     let near =
                         (all[m].track[i].at - at).norm() < 0.6 * (all[m].size_m[0] + body.size_m[0] + 2.0);
-                    if near && touch(body, all[m], i) && seen.insert((all[m].id, body.id)) {
+                    if near && touch(body, all[m], i, -ROUNDING_M) && seen.insert((all[m].id, body.id)) {
                         pairs.push((m, n));
+                    }
+                    let wrecked =
+                        body.is_wrecked(i) || all[m].is_wrecked(i) || !body.ordinary || !all[m].ordinary;
+                    if near && m < count && n < count && wrecked && touch(body, all[m], i, PUSHED_M) {
+                        pushed.extend([m, n]);
                     }
                 }
             }
@@ -83,8 +90,10 @@ pub(crate) fn find(film: &mut Film<'_>) -> Touching {
                 _ => result.unruly += 1,
             }
         }
-        for n in pairs.into_iter().filter(|&(m, _)| m < count).flat_map(|(m, n)| [m, n]) {
-            if let Some(body) = film.vehicles.get_mut(n) {
+        let touched = pairs.into_iter().filter(|&(m, _)| m < count).flat_map(|(m, n)| [m, n]);
+        for n in touched.chain(pushed) {
+            let body = if n < count { film.vehicles.get_mut(n) } else { film.walkers.get_mut(n - count) };
+            if let Some(body) = body {
                 body.touched.get_or_insert(i);
             }
         }
