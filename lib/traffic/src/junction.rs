@@ -9,8 +9,9 @@
 
 use crate::driver::{braking_to_stop, envelope};
 use crate::net::{CONFLICT_M, Lane, Net, PLANNED_BRAKING};
+use crate::occupancy::Occupancy;
 use crate::signals::{Light, Signals};
-use crate::vehicles::{Occupancy, Vehicle};
+use crate::vehicles::Vehicle;
 
 /// Free space behind the rear of a vehicle that waits behind a junction, metres.
 const EXIT_MARGIN_M: f64 = 1.5;

@@ -8,6 +8,7 @@
 //! driver who looks at nothing hits something.
 
 mod bodies;
+mod change;
 mod driver;
 mod error;
 mod input;
@@ -15,7 +16,9 @@ mod junction;
 mod links;
 mod log;
 mod net;
+mod occupancy;
 mod paths;
+mod sides;
 mod signals;
 mod simulation;
 mod spawn;

@@ -7,7 +7,9 @@ use schema::models::Model;
 use schema::tables::{ActorRow, PlanAgentRow, StateRow, Weather};
 use schema::{FRAME_PERIOD_S, ObjectId};
 
+use crate::change::Shift;
 use crate::net::Net;
+use crate::sides::Side;
 use crate::spawn::{Start, tags};
 use crate::vehicles::Vehicle;
 use crate::walkers::Walker;
@@ -116,6 +118,11 @@ pub(crate) fn vehicle_lamps(net: &Net, vehicle: &Vehicle, weather: u32, emergenc
     }
     if emergency {
         lamps |= lights::EMERGENCY;
+    }
+    let side = |side: Side| if side == Side::Left { lights::BLINK_LEFT } else { lights::BLINK_RIGHT };
+    let meant = vehicle.shift.as_ref().map(Shift::side).or_else(|| vehicle.means_side(net));
+    if let Some(meant) = meant {
+        return lamps | side(meant);
     }
     let mut turn = 0;
     for (lane, start) in vehicle.lanes_ahead(net) {

@@ -7,6 +7,7 @@ use opendrive::{LaneId, LaneInfo, Map, VEHICLE_LANE_WIDTH_M};
 
 use crate::driver::envelope;
 use crate::links::{links, mend};
+use crate::sides::{Beside, Side, beside};
 use crate::ways::{Way, heading};
 
 /// Speed limit where the map states none, m/s.
@@ -58,6 +59,8 @@ pub(crate) struct Lane {
     pub(crate) junction: Option<usize>,
     pub(crate) next: Vec<usize>,
     pub(crate) previous: Vec<usize>,
+    /// The lanes beside it that run its way, left and right.
+    pub(crate) beside: [Option<Beside>; 2],
     /// Per sample: highest speed from which all curves ahead on this lane are taken comfortably, m/s.
     pub(crate) curve_mps: Vec<f64>,
     /// Lanes that begin where this one does, with how far the two overlap, metres.
@@ -123,6 +126,7 @@ impl Net {
             let bend = way.length_m < LONGEST_BEND_M && inner.is_some_and(|r| *r < TIGHT_BEND_M);
             let usable = way.samples.iter().take_while(|s| s.width_m >= VEHICLE_LANE_WIDTH_M).last();
             let usable_m = usable.map_or(0.0, |s| s.along_m);
+            let beside = [Side::Left, Side::Right].map(|side| beside(map, &way, &index, side));
             lanes.push(Lane {
                 way,
                 usable_m,
@@ -132,6 +136,7 @@ impl Net {
                     .or_else(|| bend.then_some(map.junctions().len() + info.id.road as usize)),
                 next,
                 previous,
+                beside,
                 curve_mps,
                 diverging: Vec::new(),
                 merging: Vec::new(),

@@ -12,14 +12,16 @@ use schema::tables::{FrameRow, SignalRow, StateRow, Weather};
 use schema::{FRAME_PERIOD_S, ObjectId};
 
 use crate::bodies::Bodies;
+use crate::change::change_lanes;
 use crate::driver::{COMFORT_BRAKING, MAX_ACCELERATION, MAX_BRAKING};
 use crate::junction::Reservations;
 use crate::log::{Snapshot, rsu_actor, vehicle_actor, vehicle_lamps, walker_actor, weather_lamps};
 use crate::net::Net;
+use crate::occupancy::Occupancy;
 use crate::paths::Paths;
 use crate::signals::Signals;
 use crate::spawn::{Start, ids, vehicle_starts};
-use crate::vehicles::{Occupancy, Vehicle, wished_acceleration};
+use crate::vehicles::{Vehicle, wished_acceleration};
 use crate::walkers::{Walker, crowding};
 use crate::{SceneInput, SceneLog, TrafficError};
 
@@ -166,6 +168,7 @@ impl<'a> Simulation<'a> {
         self.remember();
         let time_s = f64::from(step) * FRAME_PERIOD_S;
         self.occupancy.fill(&self.net, &self.vehicles);
+        change_lanes(&self.net, &mut self.occupancy, &mut self.vehicles, step);
         for walker in &self.walkers {
             walker.mark(&self.net, &mut self.occupancy);
         }
@@ -349,6 +352,10 @@ fn place_vehicles(
             yaw_rad: start.yaw_rad,
             place: net.lanes[start.lane].way.place(start.along_m),
             steer_rad: 0.0,
+            shift: None,
+            pocket: None,
+            asks: None,
+            changed_m: 0.0,
             crashed: false,
             held: Vec::new(),
             waiting_since: None,
@@ -356,6 +363,7 @@ fn place_vehicles(
             refused_steps: 0,
             body: bodies.vehicle(&start.point, start.yaw_rad, start.model.size_m, i as u32),
         };
+        vehicle.arrive(net);
         vehicle.extend_route(net);
         // Where the rear hangs back into a junction, the lanes under it are taken.
         if start.along_m < vehicle.half_length_m() {

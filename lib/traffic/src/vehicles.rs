@@ -8,9 +8,12 @@ use schema::FRAME_PERIOD_S;
 use schema::models::{BaseType, Model};
 
 use crate::bodies::Body;
-use crate::driver::{Idm, envelope};
+use crate::change::Shift;
+use crate::driver::{COMFORT_BRAKING, Idm, envelope};
 use crate::junction::Held;
 use crate::net::{Net, PLANNED_BRAKING};
+use crate::occupancy::Occupancy;
+use crate::sides::Side;
 use crate::ways::Place;
 
 /// Bicycles go no faster, m/s.
@@ -19,16 +22,17 @@ const BICYCLE_MPS: f64 = 8.0;
 const HEADWAY_S: f64 = 0.9;
 /// Lookahead at rest, metres.
 const NEAR_M: f64 = 40.0;
-/// Other lanes' traffic is looked at this far before a merge, metres.
-const MERGE_VIEW_M: f64 = 40.0;
 /// Gap to a walker on the road, metres.
 const WALKER_GAP_M: f64 = 2.0;
 /// Gap to the place before a line where drivers come to rest, metres.
 const LINE_GAP_M: f64 = 0.2;
 /// Drivers stop this far before the end of a road, metres.
 const ROAD_END_M: f64 = 1.0;
-/// Half the length of road that a walker needs, metres.
-const WALKER_HALF_M: f64 = 0.6;
+/// More gap behind a wreck, metres: room to pull out.
+const WRECK_GAP_M: f64 = 6.0;
+/// Gap to the rear of a vehicle that is being passed, metres, and free space beside it.
+const PASSED_GAP_M: f64 = 0.5;
+const PASSED_ASIDE_M: f64 = 0.3;
 /// Vehicles longer than this steer their rear wheels a little, too, or they would not get round town corners, metres.
 const LONG_M: f64 = 7.0;
 /// The point of such a vehicle that never slides sideways is this far behind its middle, metres.
@@ -74,7 +78,7 @@ impl Driver {
 pub(crate) struct Vehicle {
     pub(crate) model: &'static Model,
     pub(crate) driver: Driver,
-    /// Branches are drawn from it.
+    /// Branches and turn lanes are drawn from it.
     pub(crate) stream: Stream,
     /// Lanes from the one it is on.
     pub(crate) route: VecDeque<usize>,
@@ -87,6 +91,14 @@ pub(crate) struct Vehicle {
     pub(crate) yaw_rad: f64,
     pub(crate) place: Place,
     pub(crate) steer_rad: f64,
+    /// The lane change under way.
+    pub(crate) shift: Option<Shift>,
+    /// The turn lane beside that it means to take.
+    pub(crate) pocket: Option<usize>,
+    /// The lane beside that it must change to and finds no gap on.
+    pub(crate) asks: Option<usize>,
+    /// Its odometer at the last lane change, metres.
+    pub(crate) changed_m: f64,
     /// It hit or was hit: nobody drives it any more.
     pub(crate) crashed: bool,
     /// Junction lanes that are kept free for it.
@@ -129,6 +141,21 @@ impl Vehicle {
         }
     }
 
+    /// Having come to another lane, draws whether to take the turn lane that opens beside it: all ways on are as likely.
+    pub(crate) fn arrive(&mut self, net: &Net) {
+        self.pocket = None;
+        let own = &net.lanes[self.route[0]];
+        for pocket in own.beside.iter().flatten().map(|b| b.lane) {
+            let lane = &net.lanes[pocket];
+            if lane.previous.is_empty() && !lane.next.is_empty() {
+                let ways = lane.next.len() as f64;
+                if self.stream.chance(ways / (ways + own.next.len() as f64)) {
+                    self.pocket = Some(pocket);
+                }
+            }
+        }
+    }
+
     /// The lanes of the route with the way from the vehicle's middle to their beginnings (negative for the first).
     pub(crate) fn lanes_ahead<'a>(&'a self, net: &'a Net) -> impl Iterator<Item = (usize, f64)> + 'a {
         let mut to = -self.along_m;
@@ -137,6 +164,25 @@ impl Vehicle {
             to += net.lanes[lane].way.length_m;
             (lane, start)
         })
+    }
+
+    /// The side that it asks to be let in to.
+    pub(crate) fn means_side(&self, net: &Net) -> Option<Side> {
+        let wanted = self.asks?;
+        let beside = &net.lanes[self.route[0]].beside;
+        Side::BOTH.into_iter().find(|s| beside[*s as usize].as_ref().is_some_and(|b| b.lane == wanted))
+    }
+
+    /// From the front to the next junction on the route, metres; far where none is in view.
+    pub(crate) fn junction_gap_m(&self, net: &Net) -> f64 {
+        let mut ahead = self.lanes_ahead(net);
+        let next = ahead.find(|(lane, _)| net.lanes[*lane].junction.is_some());
+        next.map_or(f64::INFINITY, |(_, start)| start - self.half_length_m())
+    }
+
+    /// The wished speed here without traffic, m/s.
+    pub(crate) fn driver_speed(&self, net: &Net) -> f64 {
+        self.lane_speed(net, self.route[0]).min(net.curve_speed(self.route[0], self.along_m)).max(0.1)
     }
 
     /// From the front to the place to stop at the end of a road that leads nowhere, metres, where one is in view.
@@ -169,159 +215,6 @@ impl Vehicle {
     }
 }
 
-/// Something on a lane.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Spot {
-    pub(crate) along_m: f64,
-    pub(crate) half_length_m: f64,
-    pub(crate) speed_mps: f64,
-    /// Index of the vehicle.
-    pub(crate) vehicle: usize,
-}
-
-/// The vehicle ahead of another one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Leader {
-    /// Between bumpers, metres.
-    pub(crate) gap_m: f64,
-    pub(crate) speed_mps: f64,
-    /// Index of the vehicle.
-    pub(crate) vehicle: usize,
-}
-
-/// What is on each lane in this step.
-#[derive(Debug, Default)]
-pub(crate) struct Occupancy {
-    pub(crate) vehicles: Vec<Vec<Spot>>,
-    /// Metres along the lane at which walkers are about to cross it.
-    pub(crate) walkers: Vec<Vec<f64>>,
-    touched: Vec<usize>,
-}
-
-impl Occupancy {
-    pub(crate) fn new(lanes: usize) -> Self {
-        Self { vehicles: vec![Vec::new(); lanes], walkers: vec![Vec::new(); lanes], touched: Vec::new() }
-    }
-
-    pub(crate) fn clear(&mut self) {
-        for lane in self.touched.drain(..) {
-            self.vehicles[lane].clear();
-            self.walkers[lane].clear();
-        }
-    }
-
-    pub(crate) fn add_vehicle(&mut self, lane: usize, spot: Spot) {
-        self.touched.push(lane);
-        self.vehicles[lane].push(spot);
-    }
-
-    pub(crate) fn add_walker(&mut self, lane: usize, along_m: f64) {
-        self.touched.push(lane);
-        self.walkers[lane].push(along_m);
-    }
-
-    /// Rebuilds the vehicles' places. Crashed ones block every lane that their footprint touches.
-    pub(crate) fn fill(&mut self, net: &Net, vehicles: &[Vehicle]) {
-        self.clear();
-        for (i, vehicle) in vehicles.iter().enumerate() {
-            let half_length_m = vehicle.half_length_m();
-            if !vehicle.crashed {
-                let spot = Spot {
-                    along_m: vehicle.along_m,
-                    half_length_m,
-                    speed_mps: vehicle.speed_mps,
-                    vehicle: i,
-                };
-                self.add_vehicle(vehicle.route[0], spot);
-                continue;
-            }
-            let (sin, cos) = frames::math::sin_cos(vehicle.yaw_rad);
-            let half_width = 0.5 * vehicle.model.size_m[1];
-            for part in [-1.0, -0.5, 0.0, 0.5, 1.0] {
-                let off = part * half_length_m;
-                let at = vehicle.place.point + nalgebra::Vector3::new(cos * off, sin * off, 0.0);
-                for (lane, along_m) in net.lanes_at(&at, half_width - 0.4) {
-                    let spot = Spot {
-                        along_m,
-                        half_length_m: half_width.max(0.25 * half_length_m),
-                        speed_mps: 0.0,
-                        vehicle: i,
-                    };
-                    self.add_vehicle(lane, spot);
-                }
-            }
-        }
-    }
-
-    /// The nearest vehicle ahead of `me` on its route. Vehicles that branch off or merge count while they overlap.
-    pub(crate) fn leader(&self, net: &Net, vehicles: &[Vehicle], me: usize) -> Option<Leader> {
-        let vehicle = &vehicles[me];
-        let (own_half, view) = (vehicle.half_length_m(), vehicle.view_m());
-        let mut best: Option<Leader> = None;
-        let mut consider = |to_m: f64, spot: &Spot| {
-            let gap_m = to_m - own_half - spot.half_length_m;
-            if spot.vehicle != me && to_m > 0.0 && best.is_none_or(|b| gap_m < b.gap_m) {
-                best = Some(Leader { gap_m, speed_mps: spot.speed_mps, vehicle: spot.vehicle });
-            }
-        };
-        let mut found_on_lane = false;
-        for (k, (lane, start)) in vehicle.lanes_ahead(net).enumerate() {
-            if start > view || found_on_lane {
-                break;
-            }
-            for spot in &self.vehicles[lane] {
-                let to = start + spot.along_m;
-                // Two at the very same place: the one with the lower number goes first.
-                let to = if to == 0.0 && spot.vehicle < me { 1e-6 } else { to };
-                found_on_lane |= spot.vehicle != me && to > 0.0;
-                consider(to, spot);
-            }
-            for &(sibling, zone) in &net.lanes[lane].diverging {
-                for spot in &self.vehicles[sibling] {
-                    if spot.along_m - spot.half_length_m < zone {
-                        consider(start + spot.along_m, spot);
-                    }
-                }
-            }
-            let length = net.lanes[lane].way.length_m;
-            let own_to_end = start + length;
-            if own_to_end > MERGE_VIEW_M + 20.0 {
-                continue;
-            }
-            for &(sibling, zone) in &net.lanes[lane].merging {
-                let sibling_length = net.lanes[sibling].way.length_m;
-                for spot in &self.vehicles[sibling] {
-                    let to_end = sibling_length - spot.along_m;
-                    let first = to_end < own_to_end || (to_end == own_to_end && spot.vehicle < me);
-                    let near = to_end < zone + MERGE_VIEW_M && k < 2;
-                    if first && near {
-                        consider((own_to_end - to_end).max(1e-6), spot);
-                    }
-                }
-            }
-        }
-        best
-    }
-
-    /// The gap to the nearest place ahead where a walker is about to cross.
-    pub(crate) fn walker_gap(&self, net: &Net, vehicle: &Vehicle) -> Option<f64> {
-        let mut best: Option<f64> = None;
-        for (lane, start) in vehicle.lanes_ahead(net) {
-            if start > vehicle.view_m() {
-                break;
-            }
-            for along in &self.walkers[lane] {
-                let gap = start + along - vehicle.half_length_m() - WALKER_HALF_M;
-                // One who is beside or behind the front is not run over by going on.
-                if gap > -0.3 && best.is_none_or(|b| gap < b) {
-                    best = Some(gap);
-                }
-            }
-        }
-        best
-    }
-}
-
 /// The acceleration a driver wishes for, given the gap to the line it must stop at.
 pub(crate) fn wished_acceleration(
     net: &Net,
@@ -340,7 +233,19 @@ pub(crate) fn wished_acceleration(
         return acceleration;
     }
     if let Some(leader) = occupancy.leader(net, vehicles, me) {
+        let more = if vehicles[leader.vehicle].crashed { WRECK_GAP_M } else { 0.0 };
+        let idm = Idm { standstill_gap_m: idm.standstill_gap_m + more, ..idm };
         acceleration = acceleration.min(idm.following(speed, wished, leader.gap_m, leader.speed_mps));
+    }
+    if let Some(leader) = occupancy.asking(net, vehicles, me) {
+        let yielding = idm.following(speed, wished, leader.gap_m, leader.speed_mps);
+        if yielding > -COMFORT_BRAKING {
+            acceleration = acceleration.min(yielding);
+        }
+    }
+    if let Some((gap, ahead)) = vehicle.passed_gap(vehicles) {
+        let idm = Idm { standstill_gap_m: PASSED_GAP_M, headway_s: 0.3, ..idm };
+        acceleration = acceleration.min(idm.following(speed, wished, gap, ahead));
     }
     if let Some(gap) = occupancy.walker_gap(net, vehicle) {
         let idm = Idm { standstill_gap_m: WALKER_GAP_M, ..idm };
@@ -354,6 +259,38 @@ pub(crate) fn wished_acceleration(
 }
 
 impl Vehicle {
+    /// Gap to the vehicle in the old lane while a lane change has not led out of its way, and its speed.
+    fn passed_gap(&self, vehicles: &[Vehicle]) -> Option<(f64, f64)> {
+        let other = vehicles.get(self.shift.as_ref().filter(|s| !s.is_out())?.passed?)?;
+        let (sin, cos) = frames::math::sin_cos(self.yaw_rad);
+        let away = other.place.point - self.place.point;
+        let (ahead, aside) = (away.x * cos + away.y * sin, (away.y * cos - away.x * sin).abs());
+        let free = 0.5 * (self.model.size_m[1] + other.model.size_m[1]) + PASSED_ASIDE_M;
+        let gap = ahead - self.half_length_m() - other.half_length_m();
+        (aside < free && ahead > 0.0).then_some((gap, other.speed_mps))
+    }
+
+    /// Metres along the lane per metre of way: fewer while crossing over, more on the inside of a bend.
+    fn along_per_metre(&self, net: &Net) -> f64 {
+        let Some(shift) = &self.shift else { return 1.0 };
+        let [left, slope] = shift.offset();
+        let bent = 1.0 - left * net.lanes[self.route[0]].way.curvature(self.along_m);
+        1.0 / (slope * slope + bent * bent).sqrt().max(0.5)
+    }
+
+    /// The place of the followed point: on the route, or beside it in a lane change.
+    fn place_on(&self, net: &Net) -> Place {
+        let mut place = net.lanes[self.route[0]].way.place(self.along_m);
+        if let Some(shift) = &self.shift {
+            let [left, slope] = shift.offset();
+            let (sin, cos) = frames::math::sin_cos(place.heading_rad);
+            let up = left * frames::math::tan(place.roll_rad);
+            place.point += nalgebra::Vector3::new(-sin * left, cos * left, up);
+            place.heading_rad = frames::wrap_pi(place.heading_rad + frames::math::atan(slope));
+        }
+        place
+    }
+
     /// Moves the followed point one step along the route, and turns the body after it: the rear axle never slides
     /// sideways (the kinematic bicycle with its reference in the middle between the axles).
     pub(crate) fn advance(&mut self, net: &Net, acceleration_mps2: f64) {
@@ -372,14 +309,19 @@ impl Vehicle {
         self.acceleration_mps2 = (speed - self.speed_mps) / dt;
         self.speed_mps = speed;
         if step > 0.0 {
-            self.along_m += step;
-            self.odometer_m += step;
+            let on = step * self.along_per_metre(net);
+            self.along_m += on;
+            self.odometer_m += on;
+            if self.shift.as_mut().is_some_and(|shift| !shift.advance(step)) {
+                self.shift = None;
+            }
             while self.route.len() > 1 && self.along_m >= net.lanes[self.route[0]].way.length_m {
                 self.along_m -= net.lanes[self.route[0]].way.length_m;
                 self.route.pop_front();
+                self.arrive(net);
             }
             self.extend_route(net);
-            self.place = net.lanes[self.route[0]].way.place(self.along_m);
+            self.place = self.place_on(net);
             // A wheel dragged along a line: tan(slip / 2) decays with the way over the distance from the rear axle.
             let half_base = 0.5 * self.model.wheelbase_m.max(0.5);
             let hitch =

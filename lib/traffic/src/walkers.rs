@@ -9,8 +9,9 @@ use schema::models::Model;
 
 use crate::bodies::Body;
 use crate::net::Net;
+use crate::occupancy::Occupancy;
 use crate::paths::{Crossing, Paths};
-use crate::vehicles::{Occupancy, Vehicle};
+use crate::vehicles::Vehicle;
 use crate::ways::heading;
 
 /// Chance to take a crosswalk that one comes by.

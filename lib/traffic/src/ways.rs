@@ -163,6 +163,29 @@ impl Way {
     }
 }
 
+impl Way {
+    /// The distance along the way whose cross-section holds a point, and the point's offset to the left there, on the curve
+    /// itself. `near_m` is about right.
+    pub(crate) fn cross(&self, point: Point3<f64>, near_m: f64) -> (f64, f64) {
+        let mut along_m = near_m;
+        let mut left_m = 0.0;
+        for _ in 0..4 {
+            let place = self.place(along_m);
+            let (sin, cos) = frames::math::sin_cos(place.heading_rad);
+            let away = point - place.point;
+            left_m = away.y * cos - away.x * sin;
+            along_m = (along_m + away.x * cos + away.y * sin).clamp(0.0, self.length_m);
+        }
+        (along_m, left_m)
+    }
+
+    /// Turn per metre to the left at a distance, radians.
+    pub(crate) fn curvature(&self, along_m: f64) -> f64 {
+        let [a, b] = [along_m - 1.0, along_m + 1.0].map(|s| s.clamp(0.0, self.length_m));
+        frames::wrap_pi(self.place(b).heading_rad - self.place(a).heading_rad) / (b - a).max(1e-3)
+    }
+}
+
 /// Length of the way between two points with their directions of travel, metres: a circle's arc over its chord is half
 /// the turn over its sine.
 fn arc_m(from: (&Point3<f64>, &Vector3<f64>), to: (&Point3<f64>, &Vector3<f64>)) -> f64 {

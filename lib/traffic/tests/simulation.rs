@@ -4,10 +4,11 @@ mod common;
 
 use common::{
     agent, agents_on, carla, collisions, crest, crossing, ending_lane, run, scene, settings, straight,
-    tracks, yaw,
+    tracks, two_lanes, yaw,
 };
 use nalgebra::Point3;
-use opendrive::{LaneId, LaneInfo, LanePos, Map};
+use opendrive::{LaneId, LaneInfo, LanePos, Map, MarkType};
+use schema::lights;
 use schema::tables::Weather;
 use traffic::{Idm, SceneLog, equilibrium_gap_m};
 
@@ -42,7 +43,8 @@ fn apart(map: &Map) -> Vec<Point3<f64>> {
     links.filter_map(|(a, b)| Some((a?, b?))).filter(|(a, b)| (a - b).norm() > 0.1).map(|(a, _)| a).collect()
 }
 
-/// Largest distance of a vehicle from the middle of a driving lane, but for the 30 m before lane ends that lie apart.
+/// Largest distance of a vehicle from the middle of a driving lane, but for the 30 m before lane ends that lie apart, and
+/// for lane changes (blinking outside junctions).
 fn worst_offset(map: &Map, log: &SceneLog) -> f64 {
     let apart = apart(map);
     let vehicles: Vec<u16> = log.actors.iter().filter(|a| a.kind == "vehicle").map(|a| a.id).collect();
@@ -50,9 +52,13 @@ fn worst_offset(map: &Map, log: &SceneLog) -> f64 {
         let far = || apart.iter().all(|p| (p - Point3::from(s.xyz_m)).norm() > 30.0);
         s.frame % 10 == 0 && vehicles.binary_search(&s.id).is_ok() && far()
     });
-    sampled
-        .map(|s| map.nearest_driving_lane(Point3::from(s.xyz_m)).map_or(f64::INFINITY, |h| h.distance_m))
-        .fold(0.0, f64::max)
+    let offset = |s: &schema::tables::StateRow| {
+        let Some(hit) = map.nearest_driving_lane(Point3::from(s.xyz_m)) else { return f64::INFINITY };
+        let blinks = s.lights & (lights::BLINK_LEFT | lights::BLINK_RIGHT) != 0;
+        let changes = blinks && map.lane(hit.lane).is_some_and(|l| l.junction.is_none());
+        if changes { 0.0 } else { hit.distance_m }
+    };
+    sampled.map(offset).fold(0.0, f64::max)
 }
 
 /// Vehicles whose front passed a stop line while the light behind it was red: (frame, id).
@@ -130,6 +136,52 @@ fn a_lane_that_ends_beside_its_successor_is_left_as_in_a_lane_change() {
         let expected = -5.25 + 3.5 * u * u * (3.0 - 2.0 * u);
         assert!((state.xyz_m[1] - expected).abs() < 0.02, "{:?}, not {expected}", state.xyz_m);
         assert!(state.velocity_mps[1].abs() < 3.0);
+    }
+}
+
+#[test]
+fn a_slower_vehicle_is_passed_where_the_marks_allow_it() {
+    let mut agents = vec![agent(0, [60.0, -5.25, 0.0], 0.0), agent(1, [20.0, -5.25, 0.0], 0.0)];
+    agents[0].speed_difference = 0.6;
+    for (marks, passes) in [(MarkType::Broken, true), (MarkType::Solid, false)] {
+        let log = run(&two_lanes(marks, None), &scene(30.0), &agents, &settings());
+        assert_sound(&log, 600);
+        assert_eq!(collisions(&log, false), []);
+        let tracks = tracks(&log);
+        let [slow, fast] = [1, 2].map(|id| &tracks[&id]);
+        assert_eq!(fast[600].xyz_m[0] > slow[600].xyz_m[0] + 50.0, passes);
+        let left = fast.iter().any(|s| s.xyz_m[1] > -2.0);
+        assert_eq!(left, passes);
+        // Over in about 3.7 s, a little faster as it gains speed: sideways at most 15/8 of the mean (a quintic).
+        let sideways = |i: usize| (fast[i].xyz_m[1] - fast[i - 1].xyz_m[1]) / 0.05;
+        let fastest = (1..601).map(|i| sideways(i).abs()).fold(0.0, f64::max);
+        assert!(fastest < 2.2, "{fastest}");
+        let pushed = (2..601).map(|i| (sideways(i) - sideways(i - 1)).abs() / 0.05).fold(0.0, f64::max);
+        assert!(pushed < 3.0, "no more than in curves: {pushed}");
+        // It blinks while it goes over, to the side that it goes to.
+        for (i, state) in fast.iter().enumerate().skip(1).filter(|(i, _)| sideways(*i).abs() > 0.3) {
+            let blinker = if sideways(i) > 0.0 { lights::BLINK_LEFT } else { lights::BLINK_RIGHT };
+            assert!(state.lights & blinker != 0, "{state:?}");
+        }
+    }
+}
+
+#[test]
+fn two_full_lanes_zip_into_one() {
+    let map = two_lanes(MarkType::Broken, Some(200.0));
+    let mut agents = Vec::new();
+    for k in 0..8 {
+        for (lane, y) in [-1.75, -5.25].into_iter().enumerate() {
+            agents.push(agent(2 * k + lane, [150.0 - 16.0 * k as f64 - 3.0 * lane as f64, y, 0.0], 0.0));
+        }
+    }
+    let log = run(&map, &scene(80.0), &agents, &settings());
+    assert_sound(&log, 1600);
+    assert_eq!(collisions(&log, false), []);
+    let tracks = tracks(&log);
+    // Nobody stays behind at the end of the lane.
+    for (id, track) in &tracks {
+        assert!(track[1600].xyz_m[0] > 300.0, "{id} is at {:?}", track[1600].xyz_m);
     }
 }
 

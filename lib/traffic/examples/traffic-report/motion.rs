@@ -1,6 +1,7 @@
 //! How vehicles move: accelerations, speeds against the limit, offsets from their lanes, sideways sliding.
 
 use frames::math::sin_cos;
+use opendrive::LaneId;
 
 use crate::film::{Body, DT, Film, SAMPLE};
 
@@ -13,8 +14,8 @@ const FREE_S: f64 = 5.0;
 const MOVING_MPS: f64 = 3.0;
 /// A free driver has gone on like this for that long, states, and will (4 s).
 const STEADY: usize = 80;
-/// Vehicles are off their lane while they change it: this many states before and after (4 s).
-const CHANGE: usize = 80;
+/// Vehicles that change lanes are off their lane by more than this before and after, metres.
+const CHANGING_M: f64 = 0.25;
 
 /// Figures of ordinary drivers who never crashed.
 #[derive(Debug, Default)]
@@ -71,15 +72,15 @@ fn forces(body: &Body, end: usize, motion: &mut Motion) {
 fn on_lanes(film: &Film<'_>, body: &Body, end: usize, motion: &mut Motion) {
     let samples: Vec<usize> = film.samples().filter(|i| *i < end).collect();
     let hits: Vec<_> = samples.iter().map(|&i| film.lane(&body.track[i])).collect();
-    // A lane change: beside the lane before, on the same stretch of road.
+    // A lane change: on the same road, not on what the lane before leads to.
     let changes: Vec<usize> = (1..hits.len())
         .filter(|&k| match (&hits[k - 1], &hits[k]) {
             (Some(a), Some(b)) => {
                 let (a, b) = (a.lane, b.lane);
                 let lane = film.map.lane(b);
                 a.road == b.road
-                    && a.section == b.section
-                    && a.lane != b.lane
+                    && a != b
+                    && !leads_to(film, a, b)
                     && lane.is_some_and(|l| l.junction.is_none())
             }
             _ => false,
@@ -87,14 +88,18 @@ fn on_lanes(film: &Film<'_>, body: &Body, end: usize, motion: &mut Motion) {
         .map(|k| samples[k])
         .collect();
     motion.lane_changes += changes.len();
-    for (&i, hit) in samples.iter().zip(&hits) {
-        if changes.iter().any(|c| c.abs_diff(i) <= CHANGE) {
-            continue;
-        }
-        let offset = hit.map_or(3.5, |h| h.distance_m);
+    let offsets: Vec<f64> = hits.iter().map(|hit| hit.map_or(3.5, |h| h.distance_m)).collect();
+    // What is off the lane without a break before or after a change, or when the scene ends, belongs to a change.
+    let mut changing = vec![false; offsets.len() + 1];
+    for k in changes.iter().map(|c| c / SAMPLE).chain([offsets.len()]) {
+        changing[k] = true;
+        (k..offsets.len()).take_while(|&j| offsets[j] > CHANGING_M).for_each(|j| changing[j] = true);
+        (0..k).rev().take_while(|&j| offsets[j] > CHANGING_M).for_each(|j| changing[j] = true);
+    }
+    for (k, &offset) in offsets.iter().enumerate().filter(|(k, _)| !changing[*k]) {
         motion.offset_m.push(offset);
         if motion.worst_offset.is_none_or(|w| offset > w.0) {
-            motion.worst_offset = Some((offset, i, body.id));
+            motion.worst_offset = Some((offset, samples[k], body.id));
         }
     }
     if body.two_wheeled {
@@ -107,6 +112,12 @@ fn on_lanes(film: &Film<'_>, body: &Body, end: usize, motion: &mut Motion) {
             motion.free_flow.push(body.track[i].speed_mps / limit);
         }
     }
+}
+
+/// Whether a lane leads to another one, over at most one between.
+fn leads_to(film: &Film<'_>, from: LaneId, to: LaneId) -> bool {
+    let on = |id: LaneId| film.map.successors(id);
+    on(from).iter().any(|next| *next == to || on(*next).contains(&to))
 }
 
 /// Whether nothing but the limit sets a vehicle's speed: it goes steadily and straight on between junctions, with

@@ -8,8 +8,9 @@ use crate::film::{Body, DT, Film, SAMPLE};
 const STANDING_MPS: f64 = 0.1;
 /// Nobody judges drivers before they have set off, seconds.
 const START_S: f64 = 3.0;
-/// A leader's rear is this near, metres: the largest standing gap drawn, and a little.
+/// A leader's rear is this near, metres: the largest standing gap drawn, and as much again behind a wreck.
 const LEADER_M: f64 = 9.0;
+const WRECK_M: f64 = 16.0;
 /// A line is this near, metres.
 const LINE_M: f64 = 9.0;
 /// Walkers on the road within this way ahead, and this far beside it, metres.
@@ -138,13 +139,15 @@ fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
         (0..film.vehicles.len()).filter(|&m| m != n && near(&film.vehicles[m])).collect();
     let mut junction = None;
     let mut reached = 0.0;
-    for (to, point) in body.ahead(i, LEADER_M.max(JUNCTION_M)) {
+    for (to, point) in body.ahead(i, WRECK_M) {
         reached = to;
-        if to < LEADER_M
-            && let Some(&m) = others.iter().find(|&&m| film.vehicles[m].covers(i, point, 0.3))
-        {
-            let wreck = film.vehicles[m].is_wrecked(i);
-            return if wreck { Reason::Wreck } else { Reason::Leader(m) };
+        if let Some(&m) = others.iter().find(|&&m| film.vehicles[m].covers(i, point, 0.3)) {
+            if film.vehicles[m].is_wrecked(i) {
+                return Reason::Wreck;
+            }
+            if to < LEADER_M {
+                return Reason::Leader(m);
+            }
         }
         if junction.is_none() && to < JUNCTION_M {
             let at = film.map.nearest_driving_lane(*point);

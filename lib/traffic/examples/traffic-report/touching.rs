@@ -81,7 +81,7 @@ pub(crate) fn find(film: &mut Film<'_>) -> Touching {
         }
         for &(m, n) in &pairs {
             let (a, b) = (all[m], all[n]);
-            let innocent = |body: &Body| body.ordinary && !body.touched.is_some_and(|t| t < i);
+            let innocent = |body: &Body| body.ordinary && body.touched.is_none_or(|t| t >= i);
             match (m < count, n < count) {
                 (true, true) if innocent(a) && innocent(b) => result.ordinary.push((i, a.id, b.id)),
                 (true, true) => result.unruly += 1,

@@ -8,8 +8,8 @@ use std::path::Path;
 use frames::math::sin_cos;
 use opendrive::{
     Connection, ContactPoint, Controller, Cubic, Geometry, Junction, JunctionController, Lane, LaneLink,
-    LaneSection, LaneType, LaneValidity, Map, Network, Road, RoadLink, RoadType, Signal, Speed, SpeedUnit,
-    read_bytes,
+    LaneSection, LaneType, LaneValidity, Map, MarkType, Network, Road, RoadLink, RoadMark, RoadType, Signal,
+    Speed, SpeedUnit, read_bytes,
 };
 use schema::settings::{DatasetSettings, TrafficSettings};
 use schema::tables::{ActorRow, PlanAgentRow, PlanSceneRow, StateRow, Weather};
@@ -102,6 +102,26 @@ pub(crate) fn ending_lane() -> Map {
     let second = LaneSection { s: 100.0, right: vec![left], ..LaneSection::default() };
     let mut road = town_road("1", 0.0, 0.0, 0.0, 300.0, first);
     road.sections.push(second);
+    Map::new(Network { roads: vec![road], ..Network::default() })
+}
+
+/// A road 800 m to the east of two lanes with a marking between them; the right one may end.
+pub(crate) fn two_lanes(between: MarkType, right_ends_m: Option<f64>) -> Map {
+    let mut left = lane(-1, LaneType::Driving, 3.5);
+    left.marks = vec![RoadMark { mark_type: between, ..RoadMark::default() }];
+    let right = lane(-2, LaneType::Driving, 3.5);
+    let mut road = town_road("1", 0.0, 0.0, 0.0, 800.0, LaneSection::default());
+    match right_ends_m {
+        None => road.sections = vec![LaneSection { right: vec![left, right], ..LaneSection::default() }],
+        Some(s) => {
+            let mut on = left.clone();
+            (left.successors, on.predecessors) = (vec![-1], vec![-1]);
+            road.sections = vec![
+                LaneSection { right: vec![left, right], ..LaneSection::default() },
+                LaneSection { s, right: vec![on], ..LaneSection::default() },
+            ];
+        }
+    }
     Map::new(Network { roads: vec![road], ..Network::default() })
 }
 

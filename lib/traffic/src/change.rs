@@ -1,0 +1,328 @@
+//! Lane changes: when a driver wishes for one, whether it is safe, and the way over.
+//!
+//! Drivers change to pass slower or stranded vehicles (MOBIL: Kesting, Treiber, Helbing, 2007), and must change where
+//! their lane ends or their turn has a lane of its own. Nobody changes in junctions, across marks that forbid it, or
+//! into a gap that makes another brake hard. Who must change and cannot, asks: the next one behind in the other lane
+//! lets it in, so that two full lanes zip into one.
+
+use std::collections::VecDeque;
+
+use crate::net::Net;
+use crate::occupancy::{Occupancy, Spot};
+use crate::sides::{CHANGE_WIDTH_M, Side};
+use crate::vehicles::Vehicle;
+
+/// Each driver looks every so many steps.
+const EVERY_STEPS: u32 = 5;
+/// Seconds that a change takes: 1.5 m/s2 sideways for a lane of 3.5 m.
+const CHANGE_S: f64 = 3.7;
+/// Speed that drivers gain while they change, as passing they accelerate, m/s.
+const GAINS_MPS: f64 = 2.0;
+/// Shortest way over, metres; long vehicles need more, in their lengths.
+const SHORTEST_M: f64 = 12.0;
+const SHORTEST_LENGTHS: f64 = 2.2;
+/// After this share of the way over, a vehicle has left its old lane.
+const OUT: f64 = 0.62;
+/// Gain in acceleration that a change has to bring, m/s2.
+const GAIN: f64 = 0.4;
+/// Weight of the loss of the one behind.
+const POLITENESS: f64 = 0.2;
+/// Strongest braking that a change may ask of the one behind, m/s2: by choice and where it must be.
+const SAFE_BRAKING: [f64; 2] = [1.8, 2.8];
+/// Leaders this near are worth passing, metres, if slower than this share of the wished speed.
+const LEADER_M: f64 = 60.0;
+const SLOW: f64 = 0.85;
+/// No change by choice this near to a junction, metres.
+const CALM_M: f64 = 60.0;
+/// Drivers leave a lane that ends within this distance, metres.
+const END_M: f64 = 150.0;
+/// Middles of lanes side by side lie this far apart, metres.
+const APART_M: [f64; 2] = [2.0, 5.0];
+
+/// A lane change under way.
+#[derive(Clone, Debug)]
+pub(crate) struct Shift {
+    /// Place to the left of the new lane's middle at the beginning, metres.
+    from_m: f64,
+    /// Way over and way gone, metres.
+    span_m: f64,
+    gone_m: f64,
+    /// The vehicle that was ahead.
+    pub(crate) passed: Option<usize>,
+}
+
+impl Shift {
+    /// Goes on; whether the new lane is not reached yet.
+    pub(crate) fn advance(&mut self, step_m: f64) -> bool {
+        self.gone_m += step_m;
+        self.gone_m < self.span_m
+    }
+
+    /// Place to the left of the lane's middle, metres, and its change per metre of way: a quintic whose slope and curvature
+    /// are zero at both ends.
+    pub(crate) fn offset(&self) -> [f64; 2] {
+        let u = (self.gone_m / self.span_m).clamp(0.0, 1.0);
+        let share = u * u * u * (10.0 - u * (15.0 - 6.0 * u));
+        let slope = 30.0 * u * u * (1.0 - u) * (1.0 - u);
+        [self.from_m * (1.0 - share), -self.from_m * slope / self.span_m]
+    }
+
+    /// Whether it has left its old lane.
+    pub(crate) fn is_out(&self) -> bool {
+        self.gone_m > OUT * self.span_m
+    }
+
+    /// The side it goes to.
+    pub(crate) fn side(&self) -> Side {
+        if self.from_m > 0.0 { Side::Right } else { Side::Left }
+    }
+}
+
+/// Why a driver wants to change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Wish {
+    /// The lane ends, metres ahead.
+    LaneEnds(f64),
+    /// The turn's own lane.
+    Pocket(usize),
+    /// To go faster.
+    Pass,
+}
+
+/// A change that is possible.
+struct Change {
+    lane: usize,
+    along_m: f64,
+    gain: f64,
+    shift: Shift,
+}
+
+/// What a driver finds beside it.
+enum Found {
+    Way(Change),
+    /// There is a lane, but no gap.
+    Full(usize),
+    Nothing,
+}
+
+/// Lets every driver whose turn it is to look begin a change. New places are entered at once, so that no two take the
+/// same gap.
+pub(crate) fn change_lanes(net: &Net, occupancy: &mut Occupancy, vehicles: &mut [Vehicle], step: u32) {
+    for me in 0..vehicles.len() {
+        if !(step + me as u32).is_multiple_of(EVERY_STEPS) {
+            continue;
+        }
+        vehicles[me].asks = None;
+        let Some(wish) = wish(net, occupancy, vehicles, me) else { continue };
+        let mut best: Option<Change> = None;
+        let mut full = None;
+        for side in Side::BOTH {
+            match look(net, occupancy, vehicles, me, side, wish) {
+                Found::Way(change) if best.as_ref().is_none_or(|b| change.gain > b.gain) => {
+                    best = Some(change)
+                }
+                Found::Full(lane) => full = full.or(Some(lane)),
+                Found::Way(_) | Found::Nothing => {}
+            }
+        }
+        match best {
+            Some(change) => begin(net, occupancy, &mut vehicles[me], me, change),
+            None if wish != Wish::Pass => vehicles[me].asks = full,
+            None => {}
+        }
+    }
+}
+
+fn begin(net: &Net, occupancy: &mut Occupancy, vehicle: &mut Vehicle, me: usize, change: Change) {
+    vehicle.route = VecDeque::from([change.lane]);
+    vehicle.along_m = change.along_m;
+    vehicle.shift = Some(change.shift);
+    vehicle.changed_m = vehicle.odometer_m;
+    vehicle.waiting_since = None;
+    vehicle.arrive(net);
+    vehicle.extend_route(net);
+    let spot = Spot {
+        along_m: change.along_m,
+        half_length_m: vehicle.half_length_m(),
+        speed_mps: vehicle.speed_mps,
+        vehicle: me,
+    };
+    occupancy.add_vehicle(change.lane, spot);
+}
+
+/// Whether and why a driver wants to change.
+fn wish(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize) -> Option<Wish> {
+    let vehicle = &vehicles[me];
+    let lane = &net.lanes[vehicle.route[0]];
+    let settled = vehicle.shift.is_none() && !vehicle.crashed && vehicle.held.is_empty();
+    if !settled
+        || vehicle.driver.reckless
+        || lane.junction.is_some()
+        || lane.beside.iter().all(Option::is_none)
+    {
+        return None;
+    }
+    if let Some(pocket) = vehicle.pocket {
+        return Some(Wish::Pocket(pocket));
+    }
+    if let Some(end_m) = vehicle.end_of_road_m(net).filter(|end_m| *end_m < END_M) {
+        return Some(Wish::LaneEnds(end_m));
+    }
+    let speed = vehicle.speed_mps;
+    if vehicle.odometer_m - vehicle.changed_m < (10.0 * speed).max(10.0) {
+        return None;
+    }
+    let leader = occupancy.leader(net, vehicles, me)?;
+    let wrecked = vehicles[leader.vehicle].crashed;
+    let slow = leader.gap_m < LEADER_M && leader.speed_mps < SLOW * vehicle.wished_speed(net);
+    let calm = vehicle.junction_gap_m(net) > CALM_M + speed * CHANGE_S;
+    (slow && (calm || wrecked)).then_some(Wish::Pass)
+}
+
+/// What a driver finds on one side.
+fn look(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize, side: Side, wish: Wish) -> Found {
+    let vehicle = &vehicles[me];
+    let own = &net.lanes[vehicle.route[0]];
+    let Some(beside) = &own.beside[side as usize] else { return Found::Nothing };
+    if matches!(wish, Wish::Pocket(lane) if lane != beside.lane) {
+        return Found::Nothing;
+    }
+    let [length, width, _] = vehicle.model.size_m;
+    let (speed, half) = (vehicle.speed_mps, 0.5 * length);
+    let target = &net.lanes[beside.lane];
+    let near_m = target.way.project(vehicle.place.point).0;
+    let (along_m, from_m) = target.way.cross(vehicle.place.point, near_m);
+    let span_m = (CHANGE_S * (speed + GAINS_MPS)).max(SHORTEST_M).max(SHORTEST_LENGTHS * length);
+    // On the lane all the way, between marks that may be crossed, wide enough, and done before the next junction.
+    let [first, last] =
+        [0.0, OUT * span_m].map(|on| own.way.index((vehicle.along_m + on).min(own.way.length_m)));
+    let level = (target.way.place(along_m).point.z - vehicle.place.point.z).abs() < 1.0;
+    let wide = [0.4, 1.0]
+        .iter()
+        .all(|part| target.way.place(along_m + part * span_m).width_m >= CHANGE_WIDTH_M.max(width + 0.4));
+    let (room_m, ends) = room(net, beside.lane, along_m, span_m + 200.0);
+    let better = match wish {
+        Wish::LaneEnds(end_m) => !ends || room_m > end_m + 20.0,
+        _ => !ends,
+    };
+    let reachable = (APART_M[0]..APART_M[1]).contains(&from_m.abs())
+        && (from_m > 0.0) == (side == Side::Right)
+        && (0.0..target.way.length_m).contains(&along_m)
+        && level
+        && better
+        && room_m > span_m + half + 1.0;
+    if !reachable {
+        return Found::Nothing;
+    }
+    if !wide || !beside.allowed[first..=last].iter().all(|a| *a) {
+        return Found::Nothing;
+    }
+    match gap(net, occupancy, vehicles, me, (beside.lane, along_m), span_m, wish) {
+        Some((gain, passed)) => Found::Way(Change {
+            lane: beside.lane,
+            along_m,
+            gain,
+            shift: Shift { from_m, span_m, gone_m: 0.0, passed },
+        }),
+        None => Found::Full(beside.lane),
+    }
+}
+
+/// The gain in acceleration on another lane and the vehicle that is passed, if there is a gap.
+fn gap(
+    net: &Net,
+    occupancy: &Occupancy,
+    vehicles: &[Vehicle],
+    me: usize,
+    (lane, along_m): (usize, f64),
+    span_m: f64,
+    wish: Wish,
+) -> Option<(f64, Option<usize>)> {
+    let vehicle = &vehicles[me];
+    let (speed, half) = (vehicle.speed_mps, vehicle.half_length_m());
+    let (wished, idm) = (vehicle.wished_speed(net), vehicle.driver.idm);
+    let must = wish != Wish::Pass;
+    let leader = occupancy.leader(net, vehicles, me);
+    let now = leader.map_or(idm.free(speed, wished), |l| idm.following(speed, wished, l.gap_m, l.speed_mps));
+    // Out of the old lane before its leader's rear is reached.
+    if leader.is_some_and(|l| {
+        let closing = 1.0 - (l.speed_mps / speed.max(2.0)).min(1.0);
+        l.gap_m < OUT * span_m * closing + 1.5
+    }) {
+        return None;
+    }
+    let ahead = occupancy.first_ahead(net, lane, along_m, me, vehicle.view_m());
+    let then = match ahead {
+        Some((to_m, spot)) => {
+            let gap_m = to_m - half - spot.half_length_m;
+            let least = if must { 1.0 } else { 2.0 } + 0.3 * (speed - spot.speed_mps).max(0.0) + 0.2 * speed;
+            if gap_m < least {
+                return None;
+            }
+            idm.following(speed, wished, gap_m, spot.speed_mps)
+        }
+        None => idm.free(speed, wished),
+    };
+    let braking = SAFE_BRAKING[usize::from(must)];
+    if then < now.min(-braking) {
+        return None;
+    }
+    let mut loss = 0.0;
+    if let Some((to_m, spot)) = occupancy.first_behind(net, lane, along_m, me, 80.0) {
+        let other = &vehicles[spot.vehicle];
+        if !other.crashed {
+            let gap_m = to_m - half - spot.half_length_m;
+            if gap_m < 1.0 + 0.3 * spot.speed_mps {
+                return None;
+            }
+            let wished = other.driver_speed(net);
+            let after = other.driver.idm.following(spot.speed_mps, wished, gap_m, speed);
+            let before = ahead.map_or(other.driver.idm.free(spot.speed_mps, wished), |(on_m, front)| {
+                let gap_m = to_m + on_m - spot.half_length_m - front.half_length_m;
+                other.driver.idm.following(spot.speed_mps, wished, gap_m, front.speed_mps)
+            });
+            // One who stands anyway is not made to brake.
+            if after < -braking && spot.speed_mps > 0.5 {
+                return None;
+            }
+            loss = (before - after).max(0.0);
+        }
+    }
+    let gain = then - now - POLITENESS * loss;
+    (must || gain > GAIN).then_some((gain, leader.map(|l| l.vehicle)))
+}
+
+/// Metres from a place on a lane to the next junction or the end of the road, up to a limit, and whether it is an end.
+fn room(net: &Net, lane: usize, along_m: f64, limit_m: f64) -> (f64, bool) {
+    let (mut lane, mut room_m) = (lane, net.lanes[lane].usable_m - along_m);
+    while room_m < limit_m {
+        match net.lanes[lane].next.first() {
+            None => return (room_m, true),
+            Some(&next) if net.lanes[next].junction.is_some() => return (room_m, false),
+            Some(&next) => {
+                room_m += net.lanes[next].way.length_m;
+                lane = next;
+            }
+        }
+    }
+    (room_m, false)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_way_over_begins_and_ends_along_the_lanes() {
+        let at = |gone_m: f64| Shift { from_m: -3.5, span_m: 40.0, gone_m, passed: None }.offset();
+        assert_eq!(at(0.0), [-3.5, 0.0]);
+        assert_eq!(at(40.0)[0].abs(), 0.0);
+        assert!((at(20.0)[0] + 1.75).abs() < 1e-12);
+        for k in 1..400 {
+            let gone = 0.1 * f64::from(k);
+            let slope = (at(gone + 1e-5)[0] - at(gone - 1e-5)[0]) / 2e-5;
+            assert!((at(gone)[1] - slope).abs() < 1e-8, "at {gone}: {} instead of {slope}", at(gone)[1]);
+            assert!((0.0..=1.875 * 3.5 / 40.0 + 1e-12).contains(&at(gone)[1]));
+        }
+    }
+}

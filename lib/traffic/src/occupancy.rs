@@ -1,0 +1,263 @@
+//! What is on the lanes, and who is ahead and behind there.
+
+use crate::net::Net;
+use crate::vehicles::Vehicle;
+
+/// Other lanes' traffic is looked at this far before a merge, metres.
+const MERGE_VIEW_M: f64 = 40.0;
+/// Half the length of road that a walker needs, metres.
+const WALKER_HALF_M: f64 = 0.6;
+/// Most lanes looked at in a search.
+const MAX_LANES: usize = 64;
+/// Drivers let in those who ask within this distance, metres.
+const ASKED_M: f64 = 50.0;
+/// A vehicle that reaches this far over the edge of a lane is on it, metres.
+const REACHES_M: f64 = 0.3;
+
+/// Something on a lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spot {
+    pub(crate) along_m: f64,
+    pub(crate) half_length_m: f64,
+    pub(crate) speed_mps: f64,
+    /// Index of the vehicle.
+    pub(crate) vehicle: usize,
+}
+
+/// The vehicle ahead of another one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Leader {
+    /// Between bumpers, metres.
+    pub(crate) gap_m: f64,
+    pub(crate) speed_mps: f64,
+    /// Index of the vehicle.
+    pub(crate) vehicle: usize,
+}
+
+/// What is on each lane in this step.
+#[derive(Debug, Default)]
+pub(crate) struct Occupancy {
+    pub(crate) vehicles: Vec<Vec<Spot>>,
+    /// Metres along the lane at which walkers are about to cross it.
+    pub(crate) walkers: Vec<Vec<f64>>,
+    /// Vehicles on lanes beside that must change to this one and find no gap.
+    asking: Vec<Vec<Spot>>,
+    touched: Vec<usize>,
+}
+
+impl Occupancy {
+    pub(crate) fn new(lanes: usize) -> Self {
+        Self {
+            vehicles: vec![Vec::new(); lanes],
+            walkers: vec![Vec::new(); lanes],
+            asking: vec![Vec::new(); lanes],
+            touched: Vec::new(),
+        }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        for lane in self.touched.drain(..) {
+            self.vehicles[lane].clear();
+            self.walkers[lane].clear();
+            self.asking[lane].clear();
+        }
+    }
+
+    pub(crate) fn add_vehicle(&mut self, lane: usize, spot: Spot) {
+        self.touched.push(lane);
+        self.vehicles[lane].push(spot);
+    }
+
+    pub(crate) fn add_walker(&mut self, lane: usize, along_m: f64) {
+        self.touched.push(lane);
+        self.walkers[lane].push(along_m);
+    }
+
+    /// Rebuilds the vehicles' places. Crashed ones block every lane that their footprint touches, those who change lanes both.
+    pub(crate) fn fill(&mut self, net: &Net, vehicles: &[Vehicle]) {
+        self.clear();
+        for (i, vehicle) in vehicles.iter().enumerate() {
+            let half_length_m = vehicle.half_length_m();
+            if !vehicle.crashed {
+                let spot = Spot {
+                    along_m: vehicle.along_m,
+                    half_length_m,
+                    speed_mps: vehicle.speed_mps,
+                    vehicle: i,
+                };
+                self.add_vehicle(vehicle.route[0], spot);
+                if vehicle.shift.is_some() {
+                    let margin_m = 0.5 * vehicle.model.size_m[1] - REACHES_M;
+                    for (lane, along_m) in net.lanes_at(&vehicle.place.point, margin_m) {
+                        if lane != vehicle.route[0] && net.lanes[lane].beside.iter().any(Option::is_some) {
+                            self.add_vehicle(lane, Spot { along_m, ..spot });
+                        }
+                    }
+                }
+                if let Some(lane) = vehicle.asks {
+                    let along_m = net.lanes[lane].way.project(vehicle.place.point).0;
+                    self.touched.push(lane);
+                    self.asking[lane].push(Spot { along_m, ..spot });
+                }
+                continue;
+            }
+            let (sin, cos) = frames::math::sin_cos(vehicle.yaw_rad);
+            let half_width = 0.5 * vehicle.model.size_m[1];
+            for part in [-1.0, -0.5, 0.0, 0.5, 1.0] {
+                let off = part * half_length_m;
+                let at = vehicle.place.point + nalgebra::Vector3::new(cos * off, sin * off, 0.0);
+                for (lane, along_m) in net.lanes_at(&at, half_width - 0.4) {
+                    let spot = Spot {
+                        along_m,
+                        half_length_m: half_width.max(0.25 * half_length_m),
+                        speed_mps: 0.0,
+                        vehicle: i,
+                    };
+                    self.add_vehicle(lane, spot);
+                }
+            }
+        }
+    }
+
+    /// The nearest vehicle ahead of `me` on its route. Vehicles that branch off or merge count while they overlap.
+    pub(crate) fn leader(&self, net: &Net, vehicles: &[Vehicle], me: usize) -> Option<Leader> {
+        let vehicle = &vehicles[me];
+        let (own_half, view) = (vehicle.half_length_m(), vehicle.view_m());
+        let mut best: Option<Leader> = None;
+        let mut consider = |to_m: f64, spot: &Spot| {
+            let gap_m = to_m - own_half - spot.half_length_m;
+            if spot.vehicle != me && to_m > 0.0 && best.is_none_or(|b| gap_m < b.gap_m) {
+                best = Some(Leader { gap_m, speed_mps: spot.speed_mps, vehicle: spot.vehicle });
+            }
+        };
+        let mut found_on_lane = false;
+        for (k, (lane, start)) in vehicle.lanes_ahead(net).enumerate() {
+            if start > view || found_on_lane {
+                break;
+            }
+            for spot in &self.vehicles[lane] {
+                let to = start + spot.along_m;
+                // Two at the very same place: the one with the lower number goes first.
+                let to = if to == 0.0 && spot.vehicle < me { 1e-6 } else { to };
+                found_on_lane |= spot.vehicle != me && to > 0.0;
+                consider(to, spot);
+            }
+            for &(sibling, zone) in &net.lanes[lane].diverging {
+                for spot in &self.vehicles[sibling] {
+                    if spot.along_m - spot.half_length_m < zone {
+                        consider(start + spot.along_m, spot);
+                    }
+                }
+            }
+            let length = net.lanes[lane].way.length_m;
+            let own_to_end = start + length;
+            if own_to_end > MERGE_VIEW_M + 20.0 {
+                continue;
+            }
+            for &(sibling, zone) in &net.lanes[lane].merging {
+                let sibling_length = net.lanes[sibling].way.length_m;
+                for spot in &self.vehicles[sibling] {
+                    let to_end = sibling_length - spot.along_m;
+                    let first = to_end < own_to_end || (to_end == own_to_end && spot.vehicle < me);
+                    let near = to_end < zone + MERGE_VIEW_M && k < 2;
+                    if first && near {
+                        consider((own_to_end - to_end).max(1e-6), spot);
+                    }
+                }
+            }
+        }
+        best
+    }
+
+    /// The gap to the nearest place ahead where a walker is about to cross.
+    pub(crate) fn walker_gap(&self, net: &Net, vehicle: &Vehicle) -> Option<f64> {
+        let mut best: Option<f64> = None;
+        for (lane, start) in vehicle.lanes_ahead(net) {
+            if start > vehicle.view_m() {
+                break;
+            }
+            for along in &self.walkers[lane] {
+                let gap = start + along - vehicle.half_length_m() - WALKER_HALF_M;
+                // One who is beside or behind the front is not run over by going on.
+                if gap > -0.3 && best.is_none_or(|b| gap < b) {
+                    best = Some(gap);
+                }
+            }
+        }
+        best
+    }
+
+    /// The first vehicle but `me` after a place on a lane, on over all branches: metres between the middles.
+    pub(crate) fn first_ahead(
+        &self,
+        net: &Net,
+        lane: usize,
+        along_m: f64,
+        me: usize,
+        reach_m: f64,
+    ) -> Option<(f64, Spot)> {
+        let mut best: Option<(f64, Spot)> = None;
+        let mut open = vec![(lane, -along_m)];
+        let mut seen = 0;
+        while let Some((at, start)) = open.pop() {
+            seen += 1;
+            for spot in &self.vehicles[at] {
+                let to = start + spot.along_m;
+                if spot.vehicle != me && to >= 0.0 && best.is_none_or(|b| to < b.0) {
+                    best = Some((to, *spot));
+                }
+            }
+            let end = start + net.lanes[at].way.length_m;
+            if end < reach_m && best.is_none_or(|b| end < b.0) && seen < MAX_LANES {
+                open.extend(net.lanes[at].next.iter().map(|&n| (n, end)));
+            }
+        }
+        best
+    }
+
+    /// The first vehicle but `me` before a place on a lane, back over all branches: metres between the middles.
+    pub(crate) fn first_behind(
+        &self,
+        net: &Net,
+        lane: usize,
+        along_m: f64,
+        me: usize,
+        reach_m: f64,
+    ) -> Option<(f64, Spot)> {
+        let mut best: Option<(f64, Spot)> = None;
+        let mut open = vec![(lane, along_m)];
+        let mut seen = 0;
+        while let Some((at, to_start)) = open.pop() {
+            seen += 1;
+            for spot in &self.vehicles[at] {
+                let to = to_start - spot.along_m;
+                if spot.vehicle != me && to > 0.0 && best.is_none_or(|b| to < b.0) {
+                    best = Some((to, *spot));
+                }
+            }
+            if to_start < reach_m && best.is_none_or(|b| to_start < b.0) && seen < MAX_LANES {
+                let back = net.lanes[at].previous.iter();
+                open.extend(back.map(|&p| (p, to_start + net.lanes[p].way.length_m)));
+            }
+        }
+        best
+    }
+
+    /// The nearest vehicle ahead that asks to be let in on the way of `me`.
+    pub(crate) fn asking(&self, net: &Net, vehicles: &[Vehicle], me: usize) -> Option<Leader> {
+        let vehicle = &vehicles[me];
+        if net.lanes[vehicle.route[0]].junction.is_some() {
+            return None;
+        }
+        let mut best: Option<Leader> = None;
+        for (lane, start) in vehicle.lanes_ahead(net).take_while(|(_, start)| *start < ASKED_M) {
+            for spot in self.asking[lane].iter().filter(|s| s.vehicle != me) {
+                let gap_m = start + spot.along_m - vehicle.half_length_m() - spot.half_length_m;
+                if gap_m > 0.0 && best.is_none_or(|b| gap_m < b.gap_m) {
+                    best = Some(Leader { gap_m, speed_mps: spot.speed_mps, vehicle: spot.vehicle });
+                }
+            }
+        }
+        best
+    }
+}
