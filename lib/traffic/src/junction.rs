@@ -25,6 +25,8 @@ const YELLOW_BRAKING: f64 = 3.5;
 const RED_BRAKING: f64 = 7.5;
 /// Standing time at a stop sign, steps (2 s).
 const STOP_STEPS: u32 = 40;
+/// At green, queues this long set off as one, metres.
+const QUEUE_M: f64 = 60.0;
 /// Who has been refused for this long claims its way, steps (10 s).
 const PATIENCE_STEPS: u32 = 200;
 /// Lanes with no smaller radius than this are straight for long vehicles, metres.
@@ -339,14 +341,16 @@ impl Reservations {
                     line.gap_m,
                 );
             }
-            let near = line.gap_m <= 8.0 + speed * 1.0 + speed * speed / (2.0 * 1.5);
             let forbidden = forbids(light, speed, line.gap_m);
-            // Only the first in the queue asks, and at a green light those who follow one that has leave.
+            // Only the first in the queue asks, and at a green light those who follow one that has leave, from farther away.
             let leader = occupancy.leader(net, vehicles, me).filter(|l| l.gap_m < line.gap_m - 0.5);
-            let second = leader.is_some_and(|l| {
-                light != Light::Green
-                    || !vehicles[l.vehicle].held.iter().any(|h| net.lanes[h.lane].junction == entry.junction)
+            let follows = leader.is_some_and(|l| {
+                let leave = |h: &Held| net.lanes[h.lane].junction == entry.junction;
+                light == Light::Green && vehicles[l.vehicle].held.iter().any(leave)
             });
+            let second = leader.is_some() && !follows;
+            let near = line.gap_m <= 8.0 + speed * 1.0 + speed * speed / (2.0 * 1.5)
+                || follows && line.gap_m < QUEUE_M;
             let vehicle = &mut vehicles[me];
             let must_stand = entry.stop_sign && entry.signals.is_empty() && !blind;
             if must_stand && speed < 0.1 && line.gap_m < entry.line_gap_m + 2.5 && !second {

@@ -22,6 +22,7 @@ mod sides;
 mod signals;
 mod simulation;
 mod spawn;
+mod sway;
 mod vehicles;
 mod walkers;
 mod ways;

@@ -21,6 +21,7 @@ use crate::occupancy::Occupancy;
 use crate::paths::Paths;
 use crate::signals::Signals;
 use crate::spawn::{Start, ids, vehicle_starts};
+use crate::sway::Sway;
 use crate::vehicles::{Vehicle, wished_acceleration};
 use crate::walkers::{Walker, crowding};
 use crate::{SceneInput, SceneLog, TrafficError};
@@ -317,13 +318,15 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// Pose of a vehicle on the slope under it: the slope is given along the road, the body may be askew.
+/// Pose of a vehicle on the slope under it, leaning on its springs: the slope is given along the road, the body may be
+/// askew.
 fn vehicle_pose(vehicle: &Vehicle) -> Pose<World, Object> {
     let place = &vehicle.place;
     let (sin, cos) = frames::math::sin_cos(vehicle.yaw_rad - place.heading_rad);
     let pitch = place.pitch_rad * cos - place.roll_rad * sin;
     let roll = place.roll_rad * cos + place.pitch_rad * sin;
-    Pose::from_xyz_rpy(place.point.into(), [roll, pitch, vehicle.yaw_rad])
+    let sway = &vehicle.sway;
+    Pose::from_xyz_rpy(place.point.into(), [roll + sway.roll_rad, pitch + sway.pitch_rad, vehicle.yaw_rad])
 }
 
 fn walker_pose(walker: &Walker) -> Pose<World, Object> {
@@ -352,6 +355,7 @@ fn place_vehicles(
             yaw_rad: start.yaw_rad,
             place: net.lanes[start.lane].way.place(start.along_m),
             steer_rad: 0.0,
+            sway: Sway::default(),
             shift: None,
             pocket: None,
             asks: None,

@@ -14,12 +14,13 @@ use crate::junction::Held;
 use crate::net::{Net, PLANNED_BRAKING};
 use crate::occupancy::Occupancy;
 use crate::sides::Side;
+use crate::sway::Sway;
 use crate::ways::Place;
 
 /// Bicycles go no faster, m/s.
 const BICYCLE_MPS: f64 = 8.0;
-/// Time gap that drivers keep, seconds: with the drawn standing gaps, queues clear at some 1,700 vehicles per hour and lane.
-const HEADWAY_S: f64 = 0.9;
+/// Time gap that drivers keep, seconds: with the drawn standing gaps, queues of cars clear at some 1,700 vehicles per hour and lane.
+const HEADWAY_S: f64 = 0.8;
 /// Lookahead at rest, metres.
 const NEAR_M: f64 = 40.0;
 /// Gap to a walker on the road, metres.
@@ -91,6 +92,8 @@ pub(crate) struct Vehicle {
     pub(crate) yaw_rad: f64,
     pub(crate) place: Place,
     pub(crate) steer_rad: f64,
+    /// Lean of its body.
+    pub(crate) sway: Sway,
     /// The lane change under way.
     pub(crate) shift: Option<Shift>,
     /// The turn lane beside that it means to take.
@@ -308,6 +311,7 @@ impl Vehicle {
         }
         self.acceleration_mps2 = (speed - self.speed_mps) / dt;
         self.speed_mps = speed;
+        let before_rad = self.yaw_rad;
         if step > 0.0 {
             let on = step * self.along_per_metre(net);
             self.along_m += on;
@@ -335,6 +339,9 @@ impl Vehicle {
             self.steer_rad =
                 frames::math::atan(front * frames::math::tan(slip)).clamp(-MAX_STEER_RAD, MAX_STEER_RAD);
         }
+        let turn = frames::wrap_pi(self.yaw_rad - before_rad) / dt;
+        let two_wheeled = matches!(self.model.base, BaseType::Motorcycle | BaseType::Bicycle);
+        self.sway.step(self.acceleration_mps2, speed * turn, two_wheeled, dt);
     }
 
     /// Ground point under a crashed vehicle: the plane of the last place on the route.

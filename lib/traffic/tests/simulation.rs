@@ -9,7 +9,7 @@ use common::{
 use nalgebra::Point3;
 use opendrive::{LaneId, LaneInfo, LanePos, Map, MarkType};
 use schema::lights;
-use schema::tables::Weather;
+use schema::tables::{PlanAgentRow, Weather};
 use traffic::{Idm, SceneLog, equilibrium_gap_m};
 
 fn assert_sound(log: &SceneLog, frames: u32) {
@@ -108,7 +108,7 @@ fn a_follower_keeps_its_gap() {
     let tracks = tracks(&log);
     let [leader, follower] = [&tracks[&1], &tracks[&2]].map(|t| t[t.len() - 1]);
     let gap = leader.xyz_m[0] - follower.xyz_m[0] - 4.7;
-    let idm = Idm { acceleration: 2.5, braking: 2.5, headway_s: 0.9, standstill_gap_m: 4.0 };
+    let idm = Idm { acceleration: 2.5, braking: 2.5, headway_s: 0.8, standstill_gap_m: 4.0 };
     let expected = equilibrium_gap_m(&idm, 0.5 * 50.0 / 3.6, 50.0 / 3.6);
     assert!((gap - expected).abs() < 0.3, "{gap} instead of {expected}");
     assert!((f64::from(follower.velocity_mps[0]) - 25.0 / 3.6).abs() < 0.1);
@@ -137,6 +137,27 @@ fn a_lane_that_ends_beside_its_successor_is_left_as_in_a_lane_change() {
         assert!((state.xyz_m[1] - expected).abs() < 0.02, "{:?}, not {expected}", state.xyz_m);
         assert!(state.velocity_mps[1].abs() < 3.0);
     }
+}
+
+#[test]
+fn bodies_pitch_as_speed_changes_and_lie_level_at_rest() {
+    let log = run(&straight(300.0), &scene(40.0), &[agent(0, [20.0, -1.75, 0.0], 0.0)], &settings());
+    let track = &tracks(&log)[&1];
+    let pitch = |i: usize| {
+        let [w, x, y, z] = track[i].quaternion;
+        frames::math::asin(2.0 * (w * y - z * x))
+    };
+    let mut nose_up: f64 = 0.0;
+    for i in 20..800 {
+        // Half a second of steady acceleration: the springs are at rest, 0.0035 rad per m/s2.
+        let speed = |k: usize| f64::from(track[k].velocity_mps[0]);
+        let (now, before) = ((speed(i) - speed(i - 1)) / 0.05, (speed(i - 19) - speed(i - 20)) / 0.05);
+        if (now - before).abs() < 0.1 {
+            assert!((pitch(i) + 0.0035 * now).abs() < 1.5e-3, "{} at {now} m/s2", pitch(i));
+        }
+        nose_up = nose_up.min(pitch(i));
+    }
+    assert!(nose_up < -0.006 && pitch(800).abs() < 1e-4, "{nose_up} {}", pitch(800));
 }
 
 #[test]
@@ -190,7 +211,9 @@ fn over_a_crest_the_body_turns_about_its_left_axis() {
     let heading = 0.6;
     let map = crest(heading);
     let start = map.lanes().first().and_then(|l| map.lane_point(l.id, 10.0, 0.0)).expect("a lane");
-    let log = run(&map, &scene(10.0), &[agent(0, start.position.into(), heading)], &settings());
+    // Two-wheelers do not pitch on their springs.
+    let rider = PlanAgentRow { model: "motorcycle.sport".into(), ..agent(0, start.position.into(), heading) };
+    let log = run(&map, &scene(10.0), &[rider], &settings());
     let (sin, cos) = frames::math::sin_cos(heading);
     let tracks = tracks(&log);
     let track = &tracks[&1];

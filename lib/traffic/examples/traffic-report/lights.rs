@@ -6,6 +6,9 @@ use crate::film::{DT, Film};
 
 /// The first vehicles of a queue lose time by setting off; those after this many flow.
 const LOST: usize = 3;
+/// Saturation flow is told in passenger cars: queues count up to the first vehicle longer than this, metres, or on two
+/// wheels.
+const CAR_M: f64 = 6.3;
 /// A vehicle has queued that was slower than this since the light was red, m/s.
 const QUEUED_MPS: f64 = 1.0;
 /// It has set off when it is faster than this; who stops again is held up by something else than the queue.
@@ -95,7 +98,11 @@ fn headways(film: &Film<'_>, light: &[u8], passages: &[Passage], headways_s: &mu
             let set_off = (start..p.state).find(|&i| track[i].speed_mps > SET_OFF_MPS).unwrap_or(p.state);
             (set_off..p.state).all(|i| track[i].speed_mps > QUEUED_MPS)
         };
-        let queue: Vec<&Passage> = inside.take_while(queued).take_while(flows).collect();
+        let car = |p: &&Passage| {
+            let body = &film.vehicles[p.vehicle];
+            body.size_m[0] < CAR_M && !body.two_wheeled
+        };
+        let queue: Vec<&Passage> = inside.take_while(queued).take_while(flows).take_while(car).collect();
         let pairs = queue.windows(2).skip(LOST - 1);
         headways_s.extend(pairs.map(|p| (p[1].state - p[0].state) as f64 * DT));
     }
