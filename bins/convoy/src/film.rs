@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use frames::{Object, Pose, World};
 use mapview::{Film, FilmWriter, Light, Look, StopBar, Thing, ViewOptions, Window, frame_png};
-use opendrive::Map;
+use nalgebra::Point3;
+use opendrive::{LaneHit, Map};
 use replay::{SIMULATE, SceneLog};
 use schema::lights;
 use schema::tables::{ActorRow, SignalRow};
@@ -18,6 +19,8 @@ use crate::maps::point;
 /// Ground shown around the ways of the agents, metres, and the smallest half side of the picture.
 const MARGIN_M: f64 = 70.0;
 const LEAST_RADIUS_M: f64 = 60.0;
+/// How high over a vehicle a deck may lie, metres.
+const DECK_M: [f64; 2] = [3.0, 12.0];
 
 /// Commands about scenes.
 #[derive(Debug, Subcommand)]
@@ -152,14 +155,23 @@ fn thing(actor: &ActorRow, look: Look, xyz_m: [f64; 3], heading_rad: f64, lamps:
         heading_rad,
         size_m: [actor.length_m, actor.width_m],
         rgb,
+        covered: false,
         brakes: lamps & lights::BRAKE != 0,
         blinks: [lights::BLINK_LEFT, lights::BLINK_RIGHT].map(|lamp| lamps & lamp != 0),
         label: is_agent.then(|| actor.role.clone()),
     }
 }
 
+/// Whether a road leads over a place: one at least 3 m above it.
+fn is_covered(map: &Map, [x, y, z]: [f64; 3]) -> bool {
+    let above = Point3::new(x, y, z + 0.5 * (DECK_M[0] + DECK_M[1]));
+    let reach_m = 0.5 * (DECK_M[1] - DECK_M[0]);
+    map.lanes_within(above, reach_m, |lane| lane.lane_type.is_drivable()).iter().any(LaneHit::is_inside)
+}
+
 /// Who moves, and where the lights hold them.
 struct Cast<'a> {
+    map: &'a Map,
     actors: BTreeMap<u16, (&'a ActorRow, Look)>,
     /// By the OpenDRIVE id of the signal.
     bars: BTreeMap<&'a str, Vec<StopBar>>,
@@ -192,6 +204,7 @@ impl<'a> Cast<'a> {
             (signal.id.as_str(), bars.collect())
         });
         Self {
+            map,
             actors: log.actors.iter().map(|actor| (actor.id, (actor, look(actor)))).collect(),
             bars: bars.collect(),
         }
@@ -213,7 +226,8 @@ impl<'a> Cast<'a> {
         let mut things: Vec<Thing> = states
             .filter_map(|state| {
                 let (actor, look) = self.actors.get(&state.id)?;
-                Some(thing(actor, *look, state.xyz_m, heading_rad(state.quaternion), state.lights))
+                let thing = thing(actor, *look, state.xyz_m, heading_rad(state.quaternion), state.lights);
+                Some(Thing { covered: is_covered(self.map, state.xyz_m), ..thing })
             })
             .collect();
         // Agents and their names lie over the rest.

@@ -64,6 +64,8 @@ pub struct Thing {
     pub size_m: [f64; 2],
     /// Its colour, sRGB; walkers, agents and stations have colours of their own.
     pub rgb: [u8; 3],
+    /// Whether it is under a deck: then only its outline shows.
+    pub covered: bool,
     /// Whether it brakes.
     pub brakes: bool,
     /// Whether it blinks to the left and to the right.
@@ -220,18 +222,12 @@ fn draw(page: &Page, thing: &Thing, picture: &mut Picture) {
             picture.shape(Shape::ring(disc(middle, page.px_min(0.8, 5.0), 4), outline(style::WHITE, 1.2)));
         }
         Look::Vehicle | Look::Careless | Look::Agent => {
-            let edge = if thing.look == Look::Careless { (style::RED, 1.6) } else { (style::INK, 0.8) };
-            picture.shape(Shape::ring(part(-1.0, 1.0, 1.0), outline(edge.0, edge.1)));
-            // The windscreen says which way it points.
-            picture.shape(Shape::ring(part(0.3, 0.55, 0.75), Paint::fill(GLASS)));
-            if thing.brakes {
-                picture.shape(Shape::ring(part(-1.0, -0.8, 1.0), Paint::fill(style::RED)));
-            }
-            for (on, side) in thing.blinks.into_iter().zip([1.0, -1.0]) {
-                if on {
-                    let ends = [[1.0, side], [0.75, side], [0.75, 0.5 * side], [1.0, 0.5 * side]];
-                    picture.shape(Shape::ring(quad(ends), Paint::fill(style::AMBER)));
-                }
+            if thing.covered {
+                picture.shape(Shape::ring(part(-1.0, 1.0, 1.0), Paint::dashed(body, 1.2, [3.0, 2.0])));
+            } else {
+                let edge = if thing.look == Look::Careless { (style::RED, 1.6) } else { (style::INK, 0.8) };
+                picture.shape(Shape::ring(part(-1.0, 1.0, 1.0), outline(edge.0, edge.1)));
+                lamps(thing, &part, &quad, picture);
             }
         }
     }
@@ -244,6 +240,25 @@ fn draw(page: &Page, thing: &Thing, picture: &mut Picture) {
             colour: body,
             text: label.clone(),
         });
+    }
+}
+
+/// Windscreen, brake lamps and blinkers: which way a vehicle points, and what it is about to do.
+fn lamps(
+    thing: &Thing,
+    part: &impl Fn(f64, f64, f64) -> Vec<[f64; 2]>,
+    quad: &impl Fn([[f64; 2]; 4]) -> Vec<[f64; 2]>,
+    picture: &mut Picture,
+) {
+    picture.shape(Shape::ring(part(0.3, 0.55, 0.75), Paint::fill(GLASS)));
+    if thing.brakes {
+        picture.shape(Shape::ring(part(-1.0, -0.8, 1.0), Paint::fill(style::RED)));
+    }
+    for (on, side) in thing.blinks.into_iter().zip([1.0, -1.0]) {
+        if on {
+            let ends = [[1.0, side], [0.75, side], [0.75, 0.5 * side], [1.0, 0.5 * side]];
+            picture.shape(Shape::ring(quad(ends), Paint::fill(style::AMBER)));
+        }
     }
 }
 
@@ -341,6 +356,7 @@ mod tests {
             heading_rad,
             size_m: [12.0, 4.0],
             rgb: [10, 200, 250],
+            covered: false,
             brakes: false,
             blinks: [false; 2],
             label: None,
