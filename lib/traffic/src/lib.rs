@@ -9,6 +9,7 @@
 
 mod bodies;
 mod change;
+mod crowd;
 mod driver;
 mod error;
 mod input;

@@ -19,6 +19,8 @@ const EDGE_M: f64 = 0.35;
 const BESIDE_M: f64 = 2.0;
 /// Longest way over a road, metres.
 const MAX_CROSSING_M: f64 = 60.0;
+/// How far from the straight line walkers are who cross anywhere, and at most on crosswalks, metres.
+const BESIDE_LINE_M: [f64; 2] = [0.8, 2.0];
 
 /// A way over a road: from kerb to kerb.
 #[derive(Clone, Debug)]
@@ -26,6 +28,8 @@ pub(crate) struct Crossing {
     pub(crate) ends: [Point3<f64>; 2],
     /// Sidewalk and way along it at each end.
     pub(crate) doors: [(usize, f64); 2],
+    /// How far walkers may be from the line between the ends, metres.
+    pub(crate) half_width_m: f64,
     /// Driving lanes on the way: lane, metres along it, metres from the first end.
     pub(crate) lanes: Vec<(usize, f64, f64)>,
 }
@@ -104,13 +108,14 @@ impl Paths {
 
     fn add_crosswalks(&mut self, map: &Map, net: &Net) {
         for crosswalk in map.crosswalks() {
-            let Some(ends) = long_axis(&crosswalk.polygon) else { continue };
+            let Some((ends, half_width)) = long_axis(&crosswalk.polygon) else { continue };
             let doors = ends.map(|end| self.nearest(&end, DOOR_M));
             let [Some(a), Some(b)] = doors else { continue };
             if a.0 == b.0 || (ends[1] - ends[0]).norm() > MAX_CROSSING_M {
                 continue;
             }
-            let crossing = Crossing { ends, doors: [a, b], lanes: lanes_on(net, &ends) };
+            let half_width_m = (half_width - EDGE_M).clamp(0.0, BESIDE_LINE_M[1]);
+            let crossing = Crossing { ends, doors: [a, b], half_width_m, lanes: lanes_on(net, &ends) };
             for (side, (way, along)) in [a, b].into_iter().enumerate() {
                 self.doors[way].push((along, self.crossings.len(), side));
             }
@@ -176,11 +181,17 @@ impl Paths {
     /// A place on the surface of a way and the way's heading, `share` (-1 to 1) of the free width left of its middle.
     pub(crate) fn point(&self, way: usize, along_m: f64, share: f64) -> (Point3<f64>, f64) {
         let place = self.ways[way].place(along_m);
-        let room = (0.5 * place.width_m - EDGE_M).max(0.0);
+        let room = free_m(place.width_m);
         let offset = share * room;
         let (sin, cos) = frames::math::sin_cos(place.heading_rad);
         let z = self.raised_m[way] + offset * frames::math::tan(place.roll_rad);
         (place.point + Vector3::new(-sin * offset, cos * offset, z), place.heading_rad)
+    }
+
+    /// How far from the middle of a way walkers go, metres: not beyond the centre of a tight bend.
+    pub(crate) fn room_m(&self, way: usize, along_m: f64) -> f64 {
+        let way = &self.ways[way];
+        free_m(way.place(along_m).width_m).min(0.6 / way.curvature(along_m).abs().max(1e-6))
     }
 
     /// Straight over the road to the sidewalk on its other side.
@@ -197,13 +208,19 @@ impl Paths {
         (length > 2.0 && length < MAX_CROSSING_M).then(|| Crossing {
             ends,
             doors: [(way, 0.0), (other, along)],
+            half_width_m: BESIDE_LINE_M[0],
             lanes: lanes_on(net, &ends),
         })
     }
 }
 
-/// The middles of the two short sides of a polygon's main direction.
-fn long_axis(polygon: &[Point3<f64>]) -> Option<[Point3<f64>; 2]> {
+/// Half of a width without its edges, metres.
+fn free_m(width_m: f64) -> f64 {
+    (0.5 * width_m - EDGE_M).max(0.0)
+}
+
+/// The middles of the two short sides of a polygon's main direction, and half its width, metres.
+fn long_axis(polygon: &[Point3<f64>]) -> Option<([Point3<f64>; 2], f64)> {
     let count = polygon.len();
     if count < 3 {
         return None;
@@ -224,7 +241,9 @@ fn long_axis(polygon: &[Point3<f64>]) -> Option<[Point3<f64>; 2]> {
         nearest.map_or(centre.z, |p| p.z)
     };
     let at = |r: f64| Point3::new(centre.x + cos * r, centre.y + sin * r, z(r));
-    (high - low > 1.0).then(|| [at(low), at(high)])
+    let across = |p: &Point3<f64>| ((p.y - centre.y) * cos - (p.x - centre.x) * sin).abs();
+    let half_width = polygon.iter().map(across).fold(f64::INFINITY, f64::min);
+    (high - low > 1.0).then(|| ([at(low), at(high)], half_width))
 }
 
 /// Driving lanes under a straight line.

@@ -13,6 +13,7 @@ use schema::{FRAME_PERIOD_S, ObjectId};
 
 use crate::bodies::Bodies;
 use crate::change::change_lanes;
+use crate::crowd::Crowd;
 use crate::driver::{COMFORT_BRAKING, MAX_ACCELERATION, MAX_BRAKING};
 use crate::junction::Reservations;
 use crate::log::{Snapshot, rsu_actor, vehicle_actor, vehicle_lamps, walker_actor, weather_lamps};
@@ -23,7 +24,7 @@ use crate::signals::Signals;
 use crate::spawn::{Start, ids, vehicle_starts};
 use crate::sway::Sway;
 use crate::vehicles::{Vehicle, wished_acceleration};
-use crate::walkers::{Walker, crowding};
+use crate::walkers::Walker;
 use crate::{SceneInput, SceneLog, TrafficError};
 
 /// Longest warm-up, seconds.
@@ -204,10 +205,14 @@ impl<'a> Simulation<'a> {
                 );
             }
         }
-        let slowed = crowding(&self.walkers);
-        for (walker, slowed) in self.walkers.iter_mut().zip(slowed) {
+        let mut crowd = Crowd::default();
+        for walker in &self.walkers {
+            crowd.add(walker.point, walker.velocity_mps, walker.radius_m());
+        }
+        for (me, walker) in self.walkers.iter_mut().enumerate() {
             let was_on_road = walker.is_on_road();
-            walker.step(&self.paths, &self.net, &self.occupancy, &self.vehicles, time_s, slowed);
+            let (paths, net) = (&self.paths, &self.net);
+            walker.step(paths, net, &self.occupancy, &self.vehicles, time_s, &mut crowd, me);
             if walker.is_on_road() != was_on_road {
                 self.bodies.set_on_road(walker.body, walker.is_on_road());
             }
@@ -391,7 +396,8 @@ fn place_walkers(
 ) -> Vec<(Walker, bool)> {
     let scene = input.scene;
     let catalogue: Vec<&'static models::Model> = models::walkers().collect();
-    let mut walkers = Vec::with_capacity(places.len());
+    let mut walkers: Vec<(Walker, bool)> = Vec::with_capacity(places.len());
+    let mut crowd = Crowd::default();
     for (i, &(number, way, along)) in places.iter().enumerate() {
         let mut draw = Stream::new(scene.seed, u64::from(scene.scene), "traffic/walker", number as u64);
         let (Some(&model), Some(&color)) = (draw.choose(&catalogue), draw.choose(&CLOTHES)) else { break };
@@ -399,10 +405,10 @@ fn place_walkers(
         let anywhere = draw.chance(scene.walker_cross_factor);
         let owner = WALKERS + i as u32;
         let make_body = |at: &Point3<f64>| bodies.walker(at, model.size_m, owner);
-        walkers.push((
-            Walker::new(model, color, draw, paths, (way, along), speed, anywhere, make_body),
-            anywhere,
-        ));
+        let mut walker = Walker::new(model, color, draw, paths, (way, along), speed, anywhere, make_body);
+        walker.find_room(paths, &crowd);
+        crowd.add(walker.point, walker.velocity_mps, walker.radius_m());
+        walkers.push((walker, anywhere));
     }
     walkers
 }

@@ -1,18 +1,16 @@
 //! Walkers on sidewalks, crosswalks and, some of them, anywhere.
 
-use std::collections::BTreeMap;
-
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector2};
 use random::Stream;
 use schema::FRAME_PERIOD_S;
 use schema::models::Model;
 
 use crate::bodies::Body;
+use crate::crowd::{Crowd, Wish, radius_m};
 use crate::net::Net;
 use crate::occupancy::Occupancy;
 use crate::paths::{Crossing, Paths};
 use crate::vehicles::Vehicle;
-use crate::ways::heading;
 
 /// Chance to take a crosswalk that one comes by.
 const TAKE_CROSSWALK: f64 = 0.4;
@@ -26,6 +24,14 @@ const TURN_RADPS: f64 = 5.0;
 const PATIENCE_S: f64 = 5.0;
 /// Vehicles are looked for this far upstream, metres.
 const LOOK_M: f64 = 60.0;
+/// A place is reached within this distance, metres.
+const REACH_M: f64 = 0.3;
+/// Who cannot get on waits behind those who stand at the kerb, within this distance of it, metres.
+const QUEUE_M: f64 = 3.0;
+/// Who gets on less than a fifth as fast as wished for this long tries something else, seconds.
+const STUCK_S: f64 = 6.0;
+/// Braking to a halt at the end of a sidewalk, m/s2.
+const HALT_MPS2: f64 = 2.5;
 
 #[derive(Clone, Debug)]
 enum Mode {
@@ -64,11 +70,14 @@ pub(crate) struct Walker {
     pub(crate) point: Point3<f64>,
     pub(crate) yaw_rad: f64,
     pub(crate) walked_m: f64,
+    pub(crate) velocity_mps: Vector2<f64>,
     stream: Stream,
     speed_mps: f64,
     anywhere: bool,
-    /// Where across the sidewalk: -1 to 1.
+    /// Where across the way it likes to walk, in its own direction: -1 (right) to 1.
     offset: f64,
+    /// How long it has hardly got on, seconds.
+    stuck_s: f64,
     way: usize,
     along_m: f64,
     mode: Mode,
@@ -87,8 +96,9 @@ impl Walker {
         anywhere: bool,
         make_body: impl FnOnce(&Point3<f64>) -> Body,
     ) -> Self {
-        let (forward, offset) = (stream.chance(0.5), stream.uniform(-1.0, 1.0));
-        let (point, way_heading) = paths.point(place.0, place.1, offset);
+        // To the right, where nobody comes the other way.
+        let (forward, offset) = (stream.chance(0.5), stream.uniform(-1.0, 0.1));
+        let (point, way_heading) = paths.point(place.0, place.1, if forward { offset } else { -offset });
         let yaw_rad = if forward { way_heading } else { frames::wrap_pi(way_heading + std::f64::consts::PI) };
         Self {
             model,
@@ -97,14 +107,34 @@ impl Walker {
             point,
             yaw_rad,
             walked_m: 0.0,
+            velocity_mps: Vector2::zeros(),
             stream,
             speed_mps,
             anywhere,
             offset,
+            stuck_s: 0.0,
             way: place.0,
             along_m: place.1,
             mode: Mode::Along { forward },
             last_door: None,
+        }
+    }
+
+    /// Moves a walker who would start in another one along its sidewalk to the nearest place where it does not.
+    pub(crate) fn find_room(&mut self, paths: &Paths, crowd: &Crowd) {
+        let length = paths.ways[self.way].length_m;
+        let Mode::Along { forward } = self.mode else { return };
+        let share = if forward { self.offset } else { -self.offset };
+        let shifts = (0..100).map(|i| 0.5 * f64::from((i + 1) / 2) * if i % 2 == 0 { 1.0 } else { -1.0 });
+        let free = shifts
+            .map(|shift| self.along_m + shift)
+            .filter(|along| (0.0..=length).contains(along))
+            .find_map(|along| {
+                let point = paths.point(self.way, along, share).0;
+                crowd.is_free(point, self.radius_m()).then_some((along, point))
+            });
+        if let Some((along, point)) = free {
+            (self.along_m, self.point) = (along, point);
         }
     }
 
@@ -141,7 +171,12 @@ impl Walker {
         }
     }
 
-    /// One step. `blocked`: somebody stands close ahead.
+    pub(crate) fn radius_m(&self) -> f64 {
+        radius_m(self.model.size_m)
+    }
+
+    /// One step of walker `me` of the crowd.
+    #[allow(clippy::too_many_arguments)] // The world, and who the walker is in it.
     pub(crate) fn step(
         &mut self,
         paths: &Paths,
@@ -149,66 +184,162 @@ impl Walker {
         occupancy: &Occupancy,
         vehicles: &[Vehicle],
         time_s: f64,
-        slowed: f64,
+        crowd: &mut Crowd,
+        me: usize,
     ) {
-        let reach = self.speed_mps * FRAME_PERIOD_S * slowed;
-        let before = self.point;
-        let mut target_yaw = None;
-        match self.mode.clone() {
-            Mode::Struck => return,
-            Mode::Along { forward } => self.stroll(paths, net, forward, reach),
+        let wish = match self.mode.clone() {
+            Mode::Struck => None,
+            Mode::Along { forward } => {
+                self.turn_off(paths, net, forward);
+                // Who turned off thinks anew in the next step.
+                matches!(self.mode, Mode::Along { .. }).then(|| self.along_wish(paths, forward))
+            }
             Mode::ToKerb { crossing, side } => {
-                if self.walk_to(crossing.ends[side], reach) {
+                let to = self.kerb(&crossing, side, side);
+                let gap = flat(&self.point, &to).norm();
+                if gap < REACH_M || (gap < QUEUE_M && self.stuck_s > 0.5) || self.stuck_s > STUCK_S {
                     self.mode = Mode::Waiting { crossing, side, since_s: time_s };
                 }
+                Some(self.straight_wish(&to, [-0.6, 0.6]))
             }
             Mode::Waiting { crossing, side, since_s } => {
-                target_yaw = Some(heading(&(crossing.ends[1 - side] - crossing.ends[side])));
                 if self.may_go(net, occupancy, vehicles, &crossing, time_s - since_s > PATIENCE_S) {
-                    self.mode = Mode::Over { crossing, side, done_m: 0.0 };
+                    self.stuck_s = 0.0;
+                    self.mode = Mode::Over { crossing: crossing.clone(), side, done_m: 0.0 };
                 }
+                let to = crossing.ends[1 - side];
+                Some((Wish { speed_mps: 0.0, ..self.straight_wish(&to, [0.0; 2]).0 }, self.point.z))
             }
-            Mode::Over { crossing, side, done_m } => {
-                let reach = self.speed_mps * FRAME_PERIOD_S;
-                if self.walk_to(crossing.ends[1 - side], reach) {
-                    (self.way, self.along_m) = crossing.doors[1 - side];
-                    self.mode = Mode::ToWalk;
-                } else {
-                    self.mode = Mode::Over { crossing, side, done_m: done_m + reach };
-                }
-            }
+            Mode::Over { crossing, side, .. } => Some(self.over_wish(crossing, side)),
             Mode::ToWalk => {
-                let to = paths.point(self.way, self.along_m, self.offset).0;
-                if self.walk_to(to, reach) {
+                let to = paths.point(self.way, self.along_m, 0.0).0;
+                let (along, left) = paths.ways[self.way].cross(self.point, self.along_m);
+                if flat(&self.point, &to).norm() < REACH_M
+                    || left.abs() <= paths.room_m(self.way, along)
+                    || self.stuck_s > STUCK_S
+                {
+                    (self.along_m, self.stuck_s) = (along, 0.0);
                     let forward = self.stream.chance(0.5);
                     self.mode = Mode::Along { forward };
                 }
+                Some(self.straight_wish(&to, [-0.6, 0.6]))
             }
+        };
+        let before = self.point;
+        match wish {
+            Some((wish, height_m)) => {
+                let velocity = crowd.velocity(me, &wish);
+                let moved = crowd.step(me, velocity * FRAME_PERIOD_S);
+                self.velocity_mps = moved / FRAME_PERIOD_S;
+                (self.point.x, self.point.y) = (before.x + moved.x, before.y + moved.y);
+                let rise = moved.norm();
+                self.point.z += (height_m - before.z).clamp(-rise, rise);
+                let on = moved.dot(&wish.ahead) / FRAME_PERIOD_S > 0.2 * wish.speed_mps;
+                self.stuck_s = if on { 0.0 } else { self.stuck_s + FRAME_PERIOD_S };
+                self.walked_m += rise;
+                // Who shuffles looks where it wants to go.
+                let look = if self.velocity_mps.norm() > 0.3 { self.velocity_mps } else { wish.ahead };
+                self.turn_to(frames::math::atan2(look.y, look.x));
+            }
+            None => self.velocity_mps = Vector2::zeros(),
         }
-        let moved = self.point - before;
-        let way = (moved.x * moved.x + moved.y * moved.y).sqrt();
-        self.walked_m += way;
-        if way > 1e-6 {
-            target_yaw = Some(heading(&moved));
-        }
-        if let Some(target) = target_yaw {
-            let turn = frames::wrap_pi(target - self.yaw_rad);
-            let most = TURN_RADPS * FRAME_PERIOD_S;
-            self.yaw_rad = frames::wrap_pi(self.yaw_rad + turn.clamp(-most, most));
+        crowd.moved(me, self.point, self.velocity_mps);
+        if let Mode::Along { forward } = self.mode {
+            self.follow(paths, forward);
         }
     }
 
-    fn stroll(&mut self, paths: &Paths, net: &Net, forward: bool, reach: f64) {
+    fn turn_to(&mut self, yaw_rad: f64) {
+        let turn = frames::wrap_pi(yaw_rad - self.yaw_rad);
+        let most = TURN_RADPS * FRAME_PERIOD_S;
+        self.yaw_rad = frames::wrap_pi(self.yaw_rad + turn.clamp(-most, most));
+    }
+
+    /// Leaves the sidewalk for the road now and then, where that is this walker's way, and turns about where it is stuck.
+    fn turn_off(&mut self, paths: &Paths, net: &Net, forward: bool) {
         if self.anywhere
             && self.stream.chance(CROSS_ANYWHERE)
             && let Some(crossing) = paths.straight_over(net, self.way, self.point)
         {
             self.mode = Mode::ToKerb { crossing, side: 0 };
-            return;
+        } else if self.stuck_s > STUCK_S {
+            self.stuck_s = 0.0;
+            self.mode = Mode::Along { forward: !forward };
         }
-        let length = paths.ways[self.way].length_m;
+    }
+
+    /// Along the sidewalk, on the liked line. The second value of wishes is the surface's height.
+    fn along_wish(&self, paths: &Paths, forward: bool) -> (Wish, f64) {
+        let sense = if forward { 1.0 } else { -1.0 };
+        let way = &paths.ways[self.way];
+        let left = way.cross(self.point, self.along_m).1;
+        let room = paths.room_m(self.way, self.along_m);
+        let (sin, cos) = frames::math::sin_cos(way.place(self.along_m).heading_rad);
+        let aside = sense * left;
+        let wish = Wish {
+            ahead: Vector2::new(cos, sin) * sense,
+            speed_mps: self.speed_mps,
+            aside_m: self.offset * room - aside,
+            room_m: [-room - aside, room - aside],
+        };
+        let share = if room > 1e-6 { (left / room).clamp(-1.0, 1.0) } else { 0.0 };
+        (wish, paths.point(self.way, self.along_m, share).0.z)
+    }
+
+    /// Straight to a place.
+    fn straight_wish(&self, to: &Point3<f64>, room_m: [f64; 2]) -> (Wish, f64) {
+        let way = flat(&self.point, to);
+        let gap = way.norm();
+        let ahead = if gap > 1e-6 { way / gap } else { Vector2::x() };
+        // Runners brake, so that they do not run past it.
+        let speed_mps = self.speed_mps.min(0.5 + gap / 0.5).min(gap / FRAME_PERIOD_S);
+        // Heights change evenly on the way.
+        let height = self.point.z
+            + (to.z - self.point.z) * (self.velocity_mps.norm() * FRAME_PERIOD_S / gap.max(1e-6)).min(1.0);
+        (Wish { ahead, speed_mps, aside_m: 0.0, room_m }, height)
+    }
+
+    /// Where on a kerb the walker goes who comes from `side`: on its right half of the crossing.
+    fn kerb(&self, crossing: &Crossing, side: usize, at: usize) -> Point3<f64> {
+        let way = flat(&crossing.ends[side], &crossing.ends[1 - side]);
+        let left = Vector2::new(-way.y, way.x) * (self.offset * crossing.half_width_m / way.norm().max(1e-6));
+        let end = crossing.ends[at];
+        Point3::new(end.x + left.x, end.y + left.y, end.z)
+    }
+
+    fn over_wish(&mut self, crossing: Crossing, side: usize) -> (Wish, f64) {
+        let to = self.kerb(&crossing, side, 1 - side);
+        let way = flat(&crossing.ends[side], &crossing.ends[1 - side]);
+        let length = way.norm().max(1e-6);
+        let ahead = way / length;
+        let left = Vector2::new(-ahead.y, ahead.x);
+        let from = flat(&crossing.ends[side], &self.point);
+        let (done, aside) = (from.dot(&ahead), from.dot(&left));
+        let rest = length - done;
+        let height = self.straight_wish(&to, [0.0; 2]).1;
+        if rest < REACH_M || (rest < 1.5 && self.stuck_s > 1.0) {
+            self.stuck_s = 0.0;
+            (self.way, self.along_m) = crossing.doors[1 - side];
+            self.mode = Mode::ToWalk;
+        } else {
+            self.mode = Mode::Over { crossing: crossing.clone(), side, done_m: done };
+        }
+        let half = crossing.half_width_m;
+        let wish = Wish {
+            ahead,
+            speed_mps: self.speed_mps,
+            aside_m: self.offset * half - aside,
+            room_m: [-half - aside, half - aside],
+        };
+        (wish, height)
+    }
+
+    /// Finds the place on the sidewalk after a step; takes a crosswalk that it came by, goes on along the next sidewalk, or
+    /// turns where there is none.
+    fn follow(&mut self, paths: &Paths, forward: bool) {
+        let way = &paths.ways[self.way];
         let from = self.along_m;
-        self.along_m += if forward { reach } else { -reach };
+        self.along_m = way.cross(self.point, from).0;
         let (low, high) = (from.min(self.along_m), from.max(self.along_m));
         let passed = paths.doors[self.way]
             .iter()
@@ -220,36 +351,23 @@ impl Walker {
                 return;
             }
         }
-        if (0.0..=length).contains(&self.along_m) {
-            let to = paths.point(self.way, self.along_m, self.offset).0;
-            // Sideways drift after a turn-off is walked, not jumped.
-            self.walk_to(to, 1.5 * reach + 1e-4);
-            return;
-        }
-        self.along_m = self.along_m.clamp(0.0, length);
+        let rest = if forward { way.length_m - self.along_m } else { self.along_m };
         let onward = paths.joined.get(&(self.way, forward)).map_or(&[][..], Vec::as_slice);
-        match self.stream.choose(onward) {
-            Some(&(way, last)) => {
-                let same_sense = forward != last;
-                self.way = way;
-                self.along_m = if last { paths.ways[way].length_m } else { 0.0 };
-                self.offset = if same_sense { self.offset } else { -self.offset };
-                self.mode = Mode::Along { forward: !last };
+        if onward.is_empty() {
+            let sense = if forward { 1.0 } else { -1.0 };
+            let (sin, cos) = frames::math::sin_cos(way.place(self.along_m).heading_rad);
+            let speed = (sense * self.velocity_mps.dot(&Vector2::new(cos, sin))).max(0.0);
+            let halt = REACH_M + 0.5 * speed * speed / HALT_MPS2;
+            if rest < halt.min(0.25 * way.length_m) {
+                self.mode = Mode::Along { forward: !forward };
             }
-            None => self.mode = Mode::Along { forward: !forward },
+        } else if rest <= 1e-6
+            && let Some(&(way, last)) = self.stream.choose(onward)
+        {
+            self.way = way;
+            self.along_m = if last { paths.ways[way].length_m } else { 0.0 };
+            self.mode = Mode::Along { forward: !last };
         }
-    }
-
-    /// Straight towards a point; whether it is reached.
-    fn walk_to(&mut self, to: Point3<f64>, reach: f64) -> bool {
-        let way = to - self.point;
-        let distance = way.norm();
-        if distance <= reach {
-            self.point = to;
-            return true;
-        }
-        self.point += way * (reach / distance);
-        false
     }
 
     /// Whether the road is clear long enough; an impatient walker only asks that everyone can stop.
@@ -289,29 +407,6 @@ impl Walker {
     }
 }
 
-/// How much each walker is slowed by one close ahead of it: 1 not at all, 0 standing.
-pub(crate) fn crowding(walkers: &[Walker]) -> Vec<f64> {
-    const CELL_M: f64 = 1.5;
-    let cell = |p: &Point3<f64>| ((p.x / CELL_M).floor() as i32, (p.y / CELL_M).floor() as i32);
-    let mut cells: BTreeMap<(i32, i32), Vec<usize>> = BTreeMap::new();
-    for (i, walker) in walkers.iter().enumerate() {
-        cells.entry(cell(&walker.point)).or_default().push(i);
-    }
-    let slowed = |(i, walker): (usize, &Walker)| {
-        let (x, y) = cell(&walker.point);
-        let (sin, cos) = frames::math::sin_cos(walker.yaw_rad);
-        let around = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (x + dx, y + dy)));
-        let mut share: f64 = 1.0;
-        for &j in around.filter_map(|c| cells.get(&c)).flatten().filter(|&&j| j != i) {
-            let away = walkers[j].point - walker.point;
-            let (ahead, aside) = (away.x * cos + away.y * sin, (away.y * cos - away.x * sin).abs());
-            let opposed = frames::wrap_pi(walkers[j].yaw_rad - walker.yaw_rad).abs() > 1.6;
-            // Those who come the other way are passed; of two side by side the lower number goes first.
-            if !opposed && ahead > 0.05 && ahead < 1.2 && aside < 0.45 && (ahead > 0.3 || j < i) {
-                share = share.min(((ahead - 0.5) / 0.7).clamp(0.0, 1.0));
-            }
-        }
-        share
-    };
-    walkers.iter().enumerate().map(slowed).collect()
+fn flat(from: &Point3<f64>, to: &Point3<f64>) -> Vector2<f64> {
+    (to - from).xy()
 }

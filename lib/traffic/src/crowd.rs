@@ -1,0 +1,206 @@
+//! How walkers keep out of one another's way: each looks at those around and picks a velocity; whatever it picks, nobody
+//! takes a step into somebody.
+//!
+//! Walkers are discs about their boxes. A velocity costs what it is slower than wished and off the wished line, and, for
+//! the first one met on it within [`LOOK_S`], the more the sooner. Right is a little cheaper than left, so that two who
+//! meet head on go to different sides.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Point3, Vector2};
+use schema::FRAME_PERIOD_S;
+
+/// Side of a cell, and how far around a walker looks, metres.
+const CELL_M: f64 = 5.0;
+/// Walkers who would meet later than this do not mind, seconds.
+const LOOK_S: f64 = 3.0;
+/// Space left between walkers where there is a choice, metres.
+const SPARE_M: f64 = 0.12;
+/// Fastest change of velocity, m/s2; those who run turn as tightly as those who walk, so they may push off harder by this
+/// for each m/s.
+const PUSH_MPS2: f64 = 4.0;
+const PUSH_PER_S: f64 = 3.0;
+/// Fastest step aside, m/s.
+const ASIDE_MPS: f64 = 0.8;
+/// Steps aside are this soft at the edges of the free width, seconds.
+const EDGE_S: f64 = 0.35;
+/// Walkers on other levels do not meet, metres.
+const LEVEL_M: f64 = 2.5;
+
+/// A walker as the others see it.
+#[derive(Clone, Copy, Debug)]
+struct Disc {
+    point: Point3<f64>,
+    velocity_mps: Vector2<f64>,
+    radius_m: f64,
+}
+
+/// What a walker wishes for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wish {
+    /// Unit vector of its way.
+    pub(crate) ahead: Vector2<f64>,
+    pub(crate) speed_mps: f64,
+    /// How far left of where it is it would like to walk, metres.
+    pub(crate) aside_m: f64,
+    /// Room to the right (not positive, if it is inside) and to the left (not negative), metres.
+    pub(crate) room_m: [f64; 2],
+}
+
+/// All walkers, in a grid.
+#[derive(Debug, Default)]
+pub(crate) struct Crowd {
+    discs: Vec<Disc>,
+    cells: BTreeMap<(i32, i32), Vec<usize>>,
+}
+
+fn cell(point: &Point3<f64>) -> (i32, i32) {
+    ((point.x / CELL_M).floor() as i32, (point.y / CELL_M).floor() as i32)
+}
+
+fn flat(from: &Point3<f64>, to: &Point3<f64>) -> Vector2<f64> {
+    (to - from).xy()
+}
+
+/// The radius of the circle about a walker's box, metres.
+pub(crate) fn radius_m(size_m: [f64; 3]) -> f64 {
+    0.5 * (size_m[0] * size_m[0] + size_m[1] * size_m[1]).sqrt()
+}
+
+impl Crowd {
+    /// Adds a walker and returns its number.
+    pub(crate) fn add(&mut self, point: Point3<f64>, velocity_mps: Vector2<f64>, radius_m: f64) -> usize {
+        self.cells.entry(cell(&point)).or_default().push(self.discs.len());
+        self.discs.push(Disc { point, velocity_mps, radius_m });
+        self.discs.len() - 1
+    }
+
+    /// A walker has moved; cells stay, as nobody gets far within a step.
+    pub(crate) fn moved(&mut self, me: usize, point: Point3<f64>, velocity_mps: Vector2<f64>) {
+        if let Some(disc) = self.discs.get_mut(me) {
+            (disc.point, disc.velocity_mps) = (point, velocity_mps);
+        }
+    }
+
+    /// Those near a place on its level.
+    fn near(&self, point: Point3<f64>) -> impl Iterator<Item = (usize, &Disc)> {
+        let (x, y) = cell(&point);
+        let around = (-1..=1).flat_map(move |dx| (-1..=1).map(move |dy| (x + dx, y + dy)));
+        around
+            .filter_map(|c| self.cells.get(&c))
+            .flatten()
+            .filter_map(|&j| Some((j, self.discs.get(j)?)))
+            .filter(move |(_, d)| {
+                (d.point.z - point.z).abs() < LEVEL_M && flat(&point, &d.point).norm() < CELL_M
+            })
+    }
+
+    /// Whether a walker of a radius can stand at a place.
+    pub(crate) fn is_free(&self, point: Point3<f64>, radius_m: f64) -> bool {
+        self.near(point).all(|(_, d)| flat(&point, &d.point).norm() > radius_m + d.radius_m + SPARE_M)
+    }
+
+    /// The velocity of walker `me` in the next step: towards the cheapest one, as fast as velocities change.
+    pub(crate) fn velocity(&self, me: usize, wish: &Wish) -> Vector2<f64> {
+        let Some(own) = self.discs.get(me) else { return Vector2::zeros() };
+        let others: Vec<&Disc> = self.near(own.point).filter(|(j, _)| *j != me).map(|(_, d)| d).collect();
+        let left = Vector2::new(-wish.ahead.y, wish.ahead.x);
+        let [low, high] = [
+            (wish.room_m[0] / EDGE_S).clamp(-ASIDE_MPS, ASIDE_MPS),
+            (wish.room_m[1] / EDGE_S).clamp(-ASIDE_MPS, ASIDE_MPS),
+        ];
+        let line = wish.aside_m.clamp(-0.5 * ASIDE_MPS, 0.5 * ASIDE_MPS).clamp(low, high.max(low));
+        let mut best = (f64::INFINITY, Vector2::zeros());
+        for share in [1.0, 0.75, 0.5, 0.25, 0.0] {
+            for aside in [0.0, -0.4, 0.4, -0.8, 0.8] {
+                let (forward, sideways) = (share * wish.speed_mps, (line + aside).clamp(low, high.max(low)));
+                let candidate = wish.ahead * forward + left * sideways;
+                let off = sideways - line;
+                let cost = 2.0 * (1.0 - share) + if off > 0.0 { 0.6 } else { 0.5 } * off.abs();
+                if cost < best.0 {
+                    let cost = cost + others.iter().map(|o| meeting(own, &candidate, o)).fold(0.0, f64::max);
+                    if cost < best.0 {
+                        best = (cost, candidate);
+                    }
+                }
+            }
+        }
+        let change = best.1 - own.velocity_mps;
+        let most = PUSH_MPS2.max(PUSH_PER_S * own.velocity_mps.norm()) * FRAME_PERIOD_S;
+        own.velocity_mps + change * (most / change.norm().max(most))
+    }
+
+    /// The part of a step that walker `me` can take without coming into somebody: all of it, what of it leads past the
+    /// one in the way, or nothing.
+    pub(crate) fn step(&self, me: usize, step: Vector2<f64>) -> Vector2<f64> {
+        let Some(own) = self.discs.get(me) else { return Vector2::zeros() };
+        let blocker = |step: &Vector2<f64>| {
+            self.near(own.point).find(|(j, d)| {
+                let away = flat(&own.point, &d.point);
+                let after = away - step;
+                // Those who touch already may part.
+                *j != me && after.norm() < own.radius_m + d.radius_m && after.norm() < away.norm() + 1e-9
+            })
+        };
+        let Some((_, other)) = blocker(&step) else { return step };
+        let away = flat(&own.point, &other.point);
+        let Some(towards) = away.try_normalize(1e-6) else { return Vector2::zeros() };
+        let past = step - towards * (step.dot(&towards) + 1e-4);
+        if blocker(&past).is_none() { past } else { Vector2::zeros() }
+    }
+}
+
+/// What it costs a walker of some velocity to meet another one.
+fn meeting(own: &Disc, velocity_mps: &Vector2<f64>, other: &Disc) -> f64 {
+    let away = flat(&own.point, &other.point);
+    let closing = velocity_mps - other.velocity_mps;
+    let (reach, approach) = (own.radius_m + other.radius_m + SPARE_M, away.dot(&closing));
+    if approach <= 0.0 {
+        return 0.0;
+    }
+    let clear = away.norm_squared() - reach * reach;
+    if clear <= 0.0 {
+        return 8.0 * (approach / away.norm().max(1e-6)).min(1.0);
+    }
+    // First time at which the distance is the reach: |away - closing t| = reach.
+    let square = closing.norm_squared();
+    let root = approach * approach - square * clear;
+    if root < 0.0 {
+        return 0.0;
+    }
+    let time_s = (approach - root.sqrt()) / square;
+    (0.8 * (LOOK_S / time_s.max(0.05) - 1.0)).clamp(0.0, 8.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const AHEAD: Wish =
+        Wish { ahead: Vector2::new(1.0, 0.0), speed_mps: 1.2, aside_m: 0.0, room_m: [-1.0, 1.0] };
+
+    #[test]
+    fn two_who_meet_go_to_their_right() {
+        let mut crowd = Crowd::default();
+        let me = crowd.add(Point3::origin(), Vector2::new(1.2, 0.0), 0.35);
+        crowd.add(Point3::new(3.0, 0.0, 0.0), Vector2::new(-1.2, 0.0), 0.35);
+        let velocity = crowd.velocity(me, &AHEAD);
+        assert!(velocity.y < -0.05 && velocity.x > 0.9, "{velocity}");
+        // On a deck above there is nobody to go around.
+        let above = crowd.add(Point3::new(0.0, 0.0, 5.0), Vector2::new(1.2, 0.0), 0.35);
+        assert_eq!(crowd.velocity(above, &AHEAD), Vector2::new(1.2, 0.0));
+    }
+
+    #[test]
+    fn nobody_steps_into_anybody_and_those_who_touch_may_part() {
+        let mut crowd = Crowd::default();
+        let me = crowd.add(Point3::origin(), Vector2::zeros(), 0.35);
+        crowd.add(Point3::new(0.72, 0.0, 0.0), Vector2::zeros(), 0.35);
+        assert_eq!(crowd.step(me, Vector2::new(0.01, 0.0)), Vector2::new(0.01, 0.0));
+        let past = crowd.step(me, Vector2::new(0.1, 0.05));
+        assert!(past.x <= 0.0 && past.y == 0.05, "{past}");
+        crowd.add(Point3::new(0.0, 0.6, 0.0), Vector2::zeros(), 0.35);
+        assert_eq!(crowd.step(me, Vector2::new(0.1, 0.05)), Vector2::zeros());
+        assert_eq!(crowd.step(me, Vector2::new(0.0, -0.05)), Vector2::new(0.0, -0.05));
+    }
+}
