@@ -63,6 +63,7 @@ fn main() {
         map: &map,
         scene: &plan.scenes[0],
         agents: &plan.agents,
+        hazards: &[],
         settings: &settings,
         fixed: &fixed,
         first_id: fixed.last().map_or(1, |a| a.id + 1),

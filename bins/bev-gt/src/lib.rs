@@ -1,6 +1,7 @@
 //! The BEV stage: 14 classes around every agent at every frame.
 
 use formats::{DEFAULT_LEVEL, NpzWriter, Scalar, encode_member, frame_member};
+use nalgebra::Point3;
 use pipeline::{Job, Pulse, Stage, StageError};
 use replay::{Replay, Spare, in_frame_order};
 use schema::BevClass;
@@ -18,6 +19,9 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     }
     let replay = Replay::open(job)?;
     let crosswalks: Vec<_> = replay.map.crosswalks().iter().map(|c| c.polygon.clone()).collect();
+    let hazards: Vec<Vec<Point3<f64>>> =
+        replay.log.info.hazards.iter().map(|h| h.area_m.iter().map(|&p| p.into()).collect()).collect();
+    let areas = Areas { crosswalks: &crosswalks, hazards: &hazards };
     let agents = replay.log.agent_ids().to_vec();
     let frames = replay.log.frame_count();
     job.pulse().set_total(u64::from(frames) * agents.len() as u64);
@@ -25,7 +29,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     for (position, agent) in agents.iter().enumerate() {
         let name = agent.to_string();
         let Some((mut unit, pulse)) = job.unit_and_pulse(&name)? else { continue };
-        let work = Work { replay: &replay, position, settings: &settings, crosswalks: &crosswalks };
+        let work = Work { replay: &replay, position, settings: &settings, areas };
         let (shard, counts) = work.masks(&unit, &keys::bev(scene, *agent), &name, pulse)?;
         unit.add(shard);
         unit.rows(&keys::partial_stats(scene, &format!("{}.{name}", STAGE.name)), &counts.rows())?;
@@ -38,7 +42,7 @@ struct Work<'a> {
     replay: &'a Replay,
     position: usize,
     settings: &'a schema::settings::BevSettings,
-    crosswalks: &'a [Vec<nalgebra::Point3<f64>>],
+    areas: Areas<'a>,
 }
 
 impl Work<'_> {
@@ -60,8 +64,7 @@ impl Work<'_> {
             let snapshot = self.replay.snapshot(frame, pose.xyz(), radius_m);
             let mut rasterizer =
                 spare.take(|| BevRasterizer::new(self.settings).map_err(|e| StageError::failed(&e)))?;
-            let areas = Areas { crosswalks: self.crosswalks, hazards: &[] };
-            let mask = rasterizer.rasterize(&snapshot, &pose, areas);
+            let mask = rasterizer.rasterize(&snapshot, &pose, self.areas);
             spare.give(rasterizer);
             let shape = [BevClass::COUNT, cells, cells];
             let member =

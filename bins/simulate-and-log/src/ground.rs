@@ -201,6 +201,7 @@ mod tests {
             map,
             scene,
             agents: &plan.agents,
+            hazards: &[],
             settings: &settings,
             fixed: &actors.clone(),
             first_id: actors.len() as ObjectId + 1,

@@ -42,6 +42,7 @@ pub(crate) fn scene_info(
         })
         .collect::<Result<_, StageError>>()?;
     let weathers = [plan.initial_weather, plan.final_weather].map(Weather::from_array);
+    let hazards = |kind: &str| log.hazards.iter().filter(|h| h.kind == kind).count() as u32;
     let dark = weathers.iter().any(Weather::is_night);
     Ok(SceneInfo {
         scene: plan.scene,
@@ -64,6 +65,9 @@ pub(crate) fn scene_info(
         agents,
         n_vehicles: log.n_vehicles,
         n_walkers: log.n_walkers,
+        n_accident_hazards: hazards("accident"),
+        n_road_work_hazards: hazards("road_works"),
+        hazards: log.hazards.clone(),
         n_reckless_vehicles: log.n_reckless,
         n_distracted_vehicles: log.n_distracted,
         walker_cross_factor: plan.walker_cross_factor,

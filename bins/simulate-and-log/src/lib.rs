@@ -25,6 +25,7 @@ const VARIANTS: u32 = 64;
 
 fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     let (plan, agents) = replay::read_plan(job)?;
+    let hazards = replay::read_hazards(job)?;
     let map = replay::read_map(job.store(), &plan.map, &plan.map_hash)?;
     let settings = job.settings().clone();
     let scene = job.scene();
@@ -40,6 +41,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
             map: &map,
             scene: &plan,
             agents: &agents,
+            hazards: &hazards,
             settings: &settings,
             fixed: &fixed,
             first_id,

@@ -6,7 +6,7 @@
 use nalgebra::Point3;
 use opendrive::{LanePos, Map};
 use random::Stream;
-use schema::models::{BaseType, Model, vehicles};
+use schema::models::{Model, vehicles};
 use schema::settings::HazardSettings;
 use schema::tables::PlanHazardRow;
 
@@ -76,17 +76,6 @@ pub(crate) fn plan_hazards(
     (rows, tries)
 }
 
-/// Length of road that a vehicle of an accident takes up, metres.
-fn stretch_m(model: &Model) -> f64 {
-    match model.base {
-        BaseType::Truck | BaseType::Van => 10.0,
-        BaseType::Bus => 12.0,
-        BaseType::Motorcycle => 4.0,
-        BaseType::Bicycle => 2.0,
-        BaseType::Car | BaseType::Pedestrian | BaseType::Cone | BaseType::Barrier => 6.0,
-    }
-}
-
 impl Surroundings<'_> {
     fn is_eligible(&self, place: &SpawnPoint) -> bool {
         let distances = || self.agents.iter().map(|agent| (agent - place.xyz_m).norm());
@@ -130,8 +119,8 @@ impl Surroundings<'_> {
         if with_emergency {
             models.push(pick(stream, true)?);
         }
-        let behind_m = stretch_m(models[1]) + models.get(2).map_or(CONE_GAP_M, |m| stretch_m(m));
-        let front = self.along(anchor, stretch_m(models[0]))?;
+        let behind_m = models[1].base.stretch_m() + models.get(2).map_or(CONE_GAP_M, |m| m.base.stretch_m());
+        let front = self.along(anchor, models[0].base.stretch_m())?;
         let back = self.along(anchor, -behind_m)?;
         let clash = others.iter().any(|o| self.are_close(front, o.back) || self.are_close(back, o.front));
         (!clash).then_some(Area { back, front, what: What::Accident(models) })

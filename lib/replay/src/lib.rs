@@ -11,7 +11,7 @@ mod replay;
 mod spare;
 
 pub use log::{SIMULATE, SceneLog};
-pub use map::{compress_map, read_map, read_map_text, read_plan};
+pub use map::{compress_map, read_hazards, read_map, read_map_text, read_plan};
 pub use order::in_frame_order;
 pub use replay::Replay;
 pub use spare::Spare;

@@ -4,7 +4,7 @@ use std::io::Read;
 
 use opendrive::Map;
 use pipeline::{Job, StageError};
-use schema::tables::{PlanAgentRow, PlanSceneRow};
+use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
 use store::{Store, keys};
 
 const PLANNER: &str = "spawn-planner";
@@ -69,4 +69,14 @@ pub fn read_plan(job: &Job<'_>) -> Result<(PlanSceneRow, Vec<PlanAgentRow>), Sta
     let mut agents: Vec<PlanAgentRow> = store.read_rows(manifest, keys::PLAN_AGENTS)?;
     agents.retain(|a| a.scene == scene);
     Ok((row, agents))
+}
+
+/// The planned hazards of a job's scene.
+///
+/// # Errors
+/// The plan is missing or broken.
+pub fn read_hazards(job: &Job<'_>) -> Result<Vec<PlanHazardRow>, StageError> {
+    let mut hazards: Vec<PlanHazardRow> = job.store().read_rows(job.input(PLANNER)?, keys::PLAN_HAZARDS)?;
+    hazards.retain(|h| h.scene == job.scene());
+    Ok(hazards)
 }

@@ -36,6 +36,18 @@ impl BaseType {
         }
     }
 
+    /// Length of lane that a vehicle of an accident takes up, metres.
+    #[must_use]
+    pub fn stretch_m(self) -> f64 {
+        match self {
+            Self::Truck | Self::Van => 10.0,
+            Self::Bus => 12.0,
+            Self::Motorcycle => 4.0,
+            Self::Bicycle => 2.0,
+            Self::Car | Self::Pedestrian | Self::Cone | Self::Barrier => 6.0,
+        }
+    }
+
     /// Semantic tags of an object of this type; the last one names its class.
     #[must_use]
     pub fn tags(self) -> &'static [Tag] {

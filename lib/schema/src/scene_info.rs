@@ -47,6 +47,12 @@ pub struct SceneInfo {
     pub n_vehicles: u32,
     /// Walkers that were really placed.
     pub n_walkers: u32,
+    /// Accidents that were really placed.
+    pub n_accident_hazards: u32,
+    /// Road works that were really placed.
+    pub n_road_work_hazards: u32,
+    /// The accidents and road works.
+    pub hazards: Vec<HazardInfo>,
     /// Reckless background drivers.
     pub n_reckless_vehicles: u32,
     /// Distracted background drivers.
@@ -59,6 +65,17 @@ pub struct SceneInfo {
     pub standstill_gap_m: Option<f64>,
     /// Green time of every signal, s, when it was configured.
     pub green_time_s: Option<f64>,
+}
+
+/// An accident or road works of a scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HazardInfo {
+    /// Its number in `plan/hazards`.
+    pub hazard: u32,
+    /// `accident` or `road_works`.
+    pub kind: String,
+    /// The stretch of lane that it takes up, in the world, m: corners of a closed polygon, each once.
+    pub area_m: Vec<[f64; 3]>,
 }
 
 /// One agent of a scene.

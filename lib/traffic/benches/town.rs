@@ -29,6 +29,7 @@ fn town03_400_vehicles_480_walkers(bencher: divan::Bencher<'_, '_>, steps: u32) 
         map: &map,
         scene: &scene,
         agents: &agents,
+        hazards: &[],
         settings: &settings,
         fixed: &lights,
         first_id: 1000,

@@ -8,7 +8,7 @@
 use std::collections::VecDeque;
 
 use crate::net::Net;
-use crate::occupancy::{Occupancy, Spot};
+use crate::occupancy::{Occupancy, Spot, is_stranded};
 use crate::sides::{CHANGE_WIDTH_M, Side};
 use crate::vehicles::Vehicle;
 
@@ -173,7 +173,7 @@ fn wish(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize) -> Op
         return None;
     }
     let leader = occupancy.leader(net, vehicles, me)?;
-    let wrecked = vehicles[leader.vehicle].crashed;
+    let wrecked = is_stranded(vehicles, leader.vehicle);
     let slow = leader.gap_m < LEADER_M && leader.speed_mps < SLOW * vehicle.wished_speed(net);
     let calm = vehicle.junction_gap_m(net) > CALM_M + speed * CHANGE_S;
     (slow && (calm || wrecked)).then_some(Wish::Pass)
@@ -269,8 +269,7 @@ fn gap(
     }
     let mut loss = 0.0;
     if let Some((to_m, spot)) = occupancy.first_behind(net, lane, along_m, me, 80.0) {
-        let other = &vehicles[spot.vehicle];
-        if !other.crashed {
+        if let Some(other) = vehicles.get(spot.vehicle).filter(|v| !v.crashed) {
             let gap_m = to_m - half - spot.half_length_m;
             if gap_m < 1.0 + 0.3 * spot.speed_mps {
                 return None;

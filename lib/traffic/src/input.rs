@@ -2,8 +2,9 @@
 
 use opendrive::Map;
 use schema::ObjectId;
+use schema::scene_info::HazardInfo;
 use schema::settings::DatasetSettings;
-use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanSceneRow, SignalRow, StateRow};
+use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, SignalRow, StateRow};
 
 /// A scene to simulate.
 #[derive(Clone, Copy, Debug)]
@@ -14,7 +15,9 @@ pub struct SceneInput<'a> {
     pub scene: &'a PlanSceneRow,
     /// Its agents: vehicles, then RSUs, each in the order of their numbers.
     pub agents: &'a [PlanAgentRow],
-    /// The dataset's settings (traffic, walkers, lights).
+    /// Its accidents and road works.
+    pub hazards: &'a [PlanHazardRow],
+    /// The dataset's settings (traffic, walkers, lights, hazards).
     pub settings: &'a DatasetSettings,
     /// Objects that never move. Those of kind `traffic_light` with an `opendrive_id` get signal states; those of kind
     /// `parked` can be hit.
@@ -26,7 +29,7 @@ pub struct SceneInput<'a> {
 /// What happened in a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneLog {
-    /// Agent vehicles, RSUs, background vehicles, walkers; ids ascend from the first one.
+    /// Agent vehicles, RSUs, background vehicles, walkers, what stands in hazards; ids ascend from the first one.
     pub actors: Vec<ActorRow>,
     /// Moving actors at frames -1 to the last, by frame, then id.
     pub states: Vec<StateRow>,
@@ -42,4 +45,6 @@ pub struct SceneLog {
     pub n_reckless: u32,
     /// Distracted ones among the background drivers.
     pub n_distracted: u32,
+    /// Accidents and road works that found room.
+    pub hazards: Vec<HazardInfo>,
 }

@@ -237,8 +237,10 @@ impl Reservations {
                 }
                 let between = vehicle.lanes_ahead(net).filter(|(_, s)| (exit_at - 1e-6..start).contains(s));
                 for spot in between.flat_map(|(l, _)| &occupancy.vehicles[l]) {
-                    if spot.vehicle != me && !leaves(&vehicles[spot.vehicle]) {
-                        stored += gap(&vehicles[spot.vehicle]);
+                    match vehicles.get(spot.vehicle) {
+                        Some(other) if spot.vehicle == me || leaves(other) => {}
+                        Some(other) => stored += gap(other),
+                        None => stored += 2.0 * spot.half_length_m,
                     }
                 }
                 stretch = start - exit_at - net.lanes[lane].line_gap_m;
@@ -346,7 +348,7 @@ impl Reservations {
             let leader = occupancy.leader(net, vehicles, me).filter(|l| l.gap_m < line.gap_m - 0.5);
             let follows = leader.is_some_and(|l| {
                 let leave = |h: &Held| net.lanes[h.lane].junction == entry.junction;
-                light == Light::Green && vehicles[l.vehicle].held.iter().any(leave)
+                light == Light::Green && vehicles.get(l.vehicle).is_some_and(|v| v.held.iter().any(leave))
             });
             let second = leader.is_some() && !follows;
             let near = line.gap_m <= 8.0 + speed * 1.0 + speed * speed / (2.0 * 1.5)

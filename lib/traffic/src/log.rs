@@ -22,7 +22,7 @@ const BLINK_M: f64 = 15.0;
 const RSU_SIZE_M: [f64; 3] = [0.3, 0.3, 3.4];
 
 /// A JSON object of strings; keys and values are plain words.
-fn attributes(pairs: &[(&str, &str)]) -> String {
+pub(crate) fn attributes(pairs: &[(&str, &str)]) -> String {
     let members: Vec<String> = pairs.iter().map(|(key, value)| format!("\"{key}\":\"{value}\"")).collect();
     format!("{{{}}}", members.join(","))
 }

@@ -1,5 +1,7 @@
 //! What is on the lanes, and who is ahead and behind there.
 
+use nalgebra::Point3;
+
 use crate::net::Net;
 use crate::vehicles::Vehicle;
 
@@ -14,13 +16,23 @@ const ASKED_M: f64 = 50.0;
 /// A vehicle that reaches this far over the edge of a lane is on it, metres.
 const REACHES_M: f64 = 0.3;
 
+/// In place of the index of a vehicle: a thing that stands in a hazard.
+const STANDING: usize = usize::MAX;
+/// Things shorter than this are looked at in their middle only, metres.
+const SHORT_M: f64 = 1.0;
+
+/// Whether what is on a lane is a wreck or another thing that nobody drives away.
+pub(crate) fn is_stranded(vehicles: &[Vehicle], who: usize) -> bool {
+    vehicles.get(who).is_none_or(|v| v.crashed)
+}
+
 /// Something on a lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spot {
     pub(crate) along_m: f64,
     pub(crate) half_length_m: f64,
     pub(crate) speed_mps: f64,
-    /// Index of the vehicle.
+    /// Index of the vehicle; things that stand in hazards have none of that index.
     pub(crate) vehicle: usize,
 }
 
@@ -30,7 +42,7 @@ pub(crate) struct Leader {
     /// Between bumpers, metres.
     pub(crate) gap_m: f64,
     pub(crate) speed_mps: f64,
-    /// Index of the vehicle.
+    /// Index of the vehicle, as in [`Spot`].
     pub(crate) vehicle: usize,
 }
 
@@ -42,7 +54,32 @@ pub(crate) struct Occupancy {
     pub(crate) walkers: Vec<Vec<f64>>,
     /// Vehicles on lanes beside that must change to this one and find no gap.
     asking: Vec<Vec<Spot>>,
+    /// Things that stand for the whole scene, with their lanes.
+    standing: Vec<(usize, Spot)>,
     touched: Vec<usize>,
+}
+
+/// Spots on every lane that a body reaches well into.
+fn footprint(
+    net: &Net,
+    at: &Point3<f64>,
+    yaw_rad: f64,
+    size_m: [f64; 3],
+    vehicle: usize,
+) -> Vec<(usize, Spot)> {
+    let (sin, cos) = frames::math::sin_cos(yaw_rad);
+    let (half_length, half_width) = (0.5 * size_m[0], 0.5 * size_m[1]);
+    let parts: &[f64] = if size_m[0] < SHORT_M { &[0.0] } else { &[-1.0, -0.5, 0.0, 0.5, 1.0] };
+    let mut spots = Vec::new();
+    for part in parts {
+        let off = part * half_length;
+        let point = at + nalgebra::Vector3::new(cos * off, sin * off, 0.0);
+        for (lane, along_m) in net.lanes_at(&point, half_width - 0.4) {
+            let half_length_m = half_width.max(0.25 * half_length);
+            spots.push((lane, Spot { along_m, half_length_m, speed_mps: 0.0, vehicle }));
+        }
+    }
+    spots
 }
 
 impl Occupancy {
@@ -51,6 +88,7 @@ impl Occupancy {
             vehicles: vec![Vec::new(); lanes],
             walkers: vec![Vec::new(); lanes],
             asking: vec![Vec::new(); lanes],
+            standing: Vec::new(),
             touched: Vec::new(),
         }
     }
@@ -73,9 +111,18 @@ impl Occupancy {
         self.walkers[lane].push(along_m);
     }
 
+    /// Puts a thing on the lanes under it for good.
+    pub(crate) fn stand(&mut self, net: &Net, at: &Point3<f64>, yaw_rad: f64, size_m: [f64; 3]) {
+        self.standing.extend(footprint(net, at, yaw_rad, size_m, STANDING));
+    }
+
     /// Rebuilds the vehicles' places. Crashed ones block every lane that their footprint touches, those who change lanes both.
     pub(crate) fn fill(&mut self, net: &Net, vehicles: &[Vehicle]) {
         self.clear();
+        for k in 0..self.standing.len() {
+            let (lane, spot) = self.standing[k];
+            self.add_vehicle(lane, spot);
+        }
         for (i, vehicle) in vehicles.iter().enumerate() {
             let half_length_m = vehicle.half_length_m();
             if !vehicle.crashed {
@@ -101,20 +148,9 @@ impl Occupancy {
                 }
                 continue;
             }
-            let (sin, cos) = frames::math::sin_cos(vehicle.yaw_rad);
-            let half_width = 0.5 * vehicle.model.size_m[1];
-            for part in [-1.0, -0.5, 0.0, 0.5, 1.0] {
-                let off = part * half_length_m;
-                let at = vehicle.place.point + nalgebra::Vector3::new(cos * off, sin * off, 0.0);
-                for (lane, along_m) in net.lanes_at(&at, half_width - 0.4) {
-                    let spot = Spot {
-                        along_m,
-                        half_length_m: half_width.max(0.25 * half_length_m),
-                        speed_mps: 0.0,
-                        vehicle: i,
-                    };
-                    self.add_vehicle(lane, spot);
-                }
+            for (lane, spot) in footprint(net, &vehicle.place.point, vehicle.yaw_rad, vehicle.model.size_m, i)
+            {
+                self.add_vehicle(lane, spot);
             }
         }
     }

@@ -29,7 +29,8 @@ use crate::{SceneInput, SceneLog, TrafficError};
 
 /// Longest warm-up, seconds.
 const MAX_WARMUP_S: f64 = 3600.0;
-/// Owner numbers of bodies: vehicles from 0, walkers from here, fixed things from twice this.
+/// Owner numbers of bodies: vehicles from 0, walkers from here, fixed things from twice this, those of hazards
+/// from three times this.
 const WALKERS: u32 = 1 << 20;
 /// Clothes of walkers (sRGB).
 const CLOTHES: [[u8; 3]; 8] = [
@@ -108,7 +109,7 @@ impl<'a> Simulation<'a> {
         }
         let signals = Signals::new(map, &input.settings.traffic, scene.seed, number);
         let paths = Paths::new(map, &net);
-        let starts = vehicle_starts(input, &net)?;
+        let (starts, hazards) = vehicle_starts(input, &net)?;
         let agents = starts.iter().filter(|s| s.role != "background").map(|s| s.point).collect::<Vec<_>>();
         let middle = agents.first().map_or([0.0; 3], |p| (*p).into());
         let mut bodies = Bodies::new(LocalOrigin::near(middle));
@@ -117,10 +118,15 @@ impl<'a> Simulation<'a> {
         let places = paths.draw_starts(scene.walkers, &agents, scene.spawn_radius_m, &|i| {
             Stream::new(scene.seed, number, "traffic/walker/place", i)
         });
-        let all = ids(scene.scene, input.first_id, starts.len() + rsus.len() + places.len())?;
+        let all = ids(
+            scene.scene,
+            input.first_id,
+            starts.len() + rsus.len() + places.len() + hazards.things.len(),
+        )?;
         let (agent_ids, rest) = all.split_at(agents.len());
         let (rsu_ids, rest) = rest.split_at(rsus.len());
-        let (background_ids, walker_ids) = rest.split_at(starts.len() - agents.len());
+        let (background_ids, rest) = rest.split_at(starts.len() - agents.len());
+        let (walker_ids, hazard_ids) = rest.split_at(places.len());
 
         let mut log = SceneLog::default();
         let vehicle_ids = [agent_ids, background_ids].concat();
@@ -143,10 +149,19 @@ impl<'a> Simulation<'a> {
             log.actors.push(walker_actor(*id, walker, *anywhere));
             log.n_walkers += 1;
         }
+        log.actors.extend(hazard_ids.iter().zip(&hazards.things).map(|(id, thing)| thing.actor(*id)));
         add_fixed(input, &net, &mut bodies);
+        let mut occupancy = Occupancy::new(net.lanes.len());
+        for (i, thing) in hazards.things.iter().enumerate() {
+            occupancy.stand(&net, &thing.point, thing.yaw_rad(), thing.size_m);
+            if thing.solid {
+                bodies.fixed(&thing.point, thing.yaw_rad(), thing.size_m, 3 * WALKERS + i as u32);
+            }
+        }
+        log.hazards = hazards.placed;
         let mut simulation = Self {
             lamps: lamps(map, input),
-            occupancy: Occupancy::new(net.lanes.len()),
+            occupancy,
             before: Vec::new(),
             input,
             net,

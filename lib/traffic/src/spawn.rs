@@ -9,6 +9,7 @@ use random::Stream;
 use schema::ObjectId;
 use schema::models::{self, BaseType, Model};
 
+use crate::hazards::Hazards;
 use crate::net::Net;
 use crate::vehicles::Driver;
 use crate::{SceneInput, TrafficError};
@@ -19,7 +20,7 @@ const CLEARANCE_M: f64 = 0.8;
 const DECK_M: f64 = 3.0;
 
 /// Body colours of background vehicles (sRGB).
-const PAINTS: [[u8; 3]; 14] = [
+pub(crate) const PAINTS: [[u8; 3]; 14] = [
     [240, 240, 238],
     [22, 22, 24],
     [120, 124, 128],
@@ -53,10 +54,10 @@ pub(crate) struct Start {
 
 /// Rectangles that are taken, in square cells.
 #[derive(Default)]
-struct Taken(BTreeMap<(i32, i32), Vec<Footprint>>);
+pub(crate) struct Taken(BTreeMap<(i32, i32), Vec<Footprint>>);
 
 /// Middle, yaw and size.
-type Footprint = (Point3<f64>, f64, [f64; 3]);
+pub(crate) type Footprint = (Point3<f64>, f64, [f64; 3]);
 
 impl Taken {
     const CELL_M: f64 = 16.0;
@@ -65,28 +66,38 @@ impl Taken {
         ((point.x / Self::CELL_M).floor() as i32, (point.y / Self::CELL_M).floor() as i32)
     }
 
-    fn is_free(&self, at: &Point3<f64>, yaw: f64, size: [f64; 3]) -> bool {
+    /// Whether a body has the space around it that it needs.
+    pub(crate) fn is_free(&self, at: &Point3<f64>, yaw: f64, size: [f64; 3]) -> bool {
         let (x, y) = Self::cell(at);
         let near = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (x + dx, y + dy)));
-        near.filter_map(|c| self.0.get(&c)).flatten().all(|(other, other_yaw, other_size)| {
-            let away = other - at;
-            let (sin, cos) = sin_cos(yaw);
-            let (ahead, left) = (away.x * cos + away.y * sin, away.y * cos - away.x * sin);
-            let (sin_d, cos_d) = sin_cos(other_yaw - yaw);
-            let half = |own: f64, along: f64, across: f64| 0.5 * (own + along + across) + CLEARANCE_M;
-            away.z.abs() > DECK_M
-                || ahead.abs() > half(size[0], other_size[0] * cos_d.abs(), other_size[1] * sin_d.abs())
-                || left.abs() > half(size[1], other_size[0] * sin_d.abs(), other_size[1] * cos_d.abs())
-        })
+        near.filter_map(|c| self.0.get(&c))
+            .flatten()
+            .all(|other| apart(&(*at, yaw, size), other, CLEARANCE_M))
     }
 
-    fn insert(&mut self, at: Point3<f64>, yaw: f64, size: [f64; 3]) {
+    pub(crate) fn insert(&mut self, at: Point3<f64>, yaw: f64, size: [f64; 3]) {
         self.0.entry(Self::cell(&at)).or_default().push((at, yaw, size));
     }
 }
 
-/// All vehicles of a scene: agents in order, then background vehicles.
-pub(crate) fn vehicle_starts(input: &SceneInput<'_>, net: &Net) -> Result<Vec<Start>, TrafficError> {
+/// Whether two footprints are at least so far apart along or across the first one, or on different decks.
+pub(crate) fn apart(one: &Footprint, other: &Footprint, clearance_m: f64) -> bool {
+    let ((at, yaw, size), (other, other_yaw, other_size)) = (one, other);
+    let away = other - at;
+    let (sin, cos) = sin_cos(*yaw);
+    let (ahead, left) = (away.x * cos + away.y * sin, away.y * cos - away.x * sin);
+    let (sin_d, cos_d) = sin_cos(other_yaw - yaw);
+    let half = |own: f64, along: f64, across: f64| 0.5 * (own + along + across) + clearance_m;
+    away.z.abs() > DECK_M
+        || ahead.abs() > half(size[0], other_size[0] * cos_d.abs(), other_size[1] * sin_d.abs())
+        || left.abs() > half(size[1], other_size[0] * sin_d.abs(), other_size[1] * cos_d.abs())
+}
+
+/// All vehicles of a scene, agents in order, then background vehicles, and what stands in its hazards.
+pub(crate) fn vehicle_starts(
+    input: &SceneInput<'_>,
+    net: &Net,
+) -> Result<(Vec<Start>, Hazards), TrafficError> {
     let scene = input.scene;
     let mut taken = Taken::default();
     let mut starts = Vec::new();
@@ -122,12 +133,19 @@ pub(crate) fn vehicle_starts(input: &SceneInput<'_>, net: &Net) -> Result<Vec<St
             yaw_rad: place.heading_rad,
         });
     }
-    background(input, net, &mut taken, &mut starts);
-    Ok(starts)
+    let hazards = Hazards::place(input, &mut taken);
+    background(input, net, &hazards, &mut taken, &mut starts);
+    Ok((starts, hazards))
 }
 
 /// Background vehicles on free spawn points near the agents.
-fn background(input: &SceneInput<'_>, net: &Net, taken: &mut Taken, starts: &mut Vec<Start>) {
+fn background(
+    input: &SceneInput<'_>,
+    net: &Net,
+    hazards: &Hazards,
+    taken: &mut Taken,
+    starts: &mut Vec<Start>,
+) {
     let (scene, traffic) = (input.scene, &input.settings.traffic);
     let stream = |topic, entity| Stream::new(scene.seed, u64::from(scene.scene), topic, entity);
     let agents: Vec<Point3<f64>> = starts.iter().map(|s| s.point).collect();
@@ -135,6 +153,7 @@ fn background(input: &SceneInput<'_>, net: &Net, taken: &mut Taken, starts: &mut
     points.retain(|&(lane, along)| {
         let at = net.lanes[lane].way.place(along).point;
         agents.iter().any(|a| (a - at).norm() < scene.spawn_radius_m)
+            && !hazards.is_near_end(net.lanes[lane].way.lane, &at, 0.5 * scene.spawn_separation_m)
     });
     let drawn = stream("traffic/count", 0).int_inclusive(0, (points.len() as i64 - 3).max(0));
     let wanted = scene.background_vehicles.map_or(drawn, i64::from).max(0) as usize;

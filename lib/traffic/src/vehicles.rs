@@ -12,7 +12,7 @@ use crate::change::Shift;
 use crate::driver::{COMFORT_BRAKING, Idm, envelope};
 use crate::junction::Held;
 use crate::net::{Net, PLANNED_BRAKING};
-use crate::occupancy::Occupancy;
+use crate::occupancy::{Occupancy, is_stranded};
 use crate::sides::Side;
 use crate::sway::Sway;
 use crate::ways::Place;
@@ -29,7 +29,7 @@ const WALKER_GAP_M: f64 = 2.0;
 const LINE_GAP_M: f64 = 0.2;
 /// Drivers stop this far before the end of a road, metres.
 const ROAD_END_M: f64 = 1.0;
-/// More gap behind a wreck, metres: room to pull out.
+/// More gap behind a wreck or a hazard, metres: room to pull out.
 const WRECK_GAP_M: f64 = 6.0;
 /// Gap to the rear of a vehicle that is being passed, metres, and free space beside it.
 const PASSED_GAP_M: f64 = 0.5;
@@ -236,7 +236,7 @@ pub(crate) fn wished_acceleration(
         return acceleration;
     }
     if let Some(leader) = occupancy.leader(net, vehicles, me) {
-        let more = if vehicles[leader.vehicle].crashed { WRECK_GAP_M } else { 0.0 };
+        let more = if is_stranded(vehicles, leader.vehicle) { WRECK_GAP_M } else { 0.0 };
         let idm = Idm { standstill_gap_m: idm.standstill_gap_m + more, ..idm };
         acceleration = acceleration.min(idm.following(speed, wished, leader.gap_m, leader.speed_mps));
     }

@@ -391,7 +391,7 @@ impl Walker {
                     let gone = gap < -2.0 * spot.half_length_m - 0.8;
                     let standing = speed < 0.3;
                     let stops = gap > 4.0 + 0.7 * speed + speed * speed / 4.0
-                        && !vehicles[spot.vehicle].driver.reckless;
+                        && vehicles.get(spot.vehicle).is_none_or(|v| !v.driver.reckless);
                     let far = gap > speed * needed_s + 3.0;
                     let clear = gone || far || (standing && gap > 1.5) || (impatient && stops);
                     if !clear {

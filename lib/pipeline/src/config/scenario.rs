@@ -362,7 +362,7 @@ pub(crate) fn hazards(s: &Section<'_>) -> HazardSettings {
             s,
             "share",
             d.share,
-            "share of the spawn points around the vehicles at which a hazard is tried (planned, not simulated yet)",
+            "share of the spawn points around the vehicles at which a hazard is tried",
         ),
         accident_share: share(
             s,
@@ -375,6 +375,12 @@ pub(crate) fn hazards(s: &Section<'_>) -> HazardSettings {
             "emergency_share",
             d.emergency_share,
             "chance that an emergency vehicle stands at an accident",
+        ),
+        missing_cone_share: share(
+            s,
+            "missing_cone_share",
+            d.missing_cone_share,
+            "chance that a cone beside an accident or road works is missing",
         ),
     }
 }

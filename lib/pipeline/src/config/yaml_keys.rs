@@ -68,7 +68,7 @@ const RULES: &[(&str, Rule)] = &[
     ("hazard_area_percentage", Percent("hazards.share")),
     ("accident_hazard_percentage", Percent("hazards.accident_share")),
     ("emergency_vehicle_at_accident_percentage", Percent("hazards.emergency_share")),
-    ("missing_cone_percentage", Nothing("hazards are planned and not simulated yet")),
+    ("missing_cone_percentage", Percent("hazards.missing_cone_share")),
     ("emergency_lights_percentage", Percent("traffic.emergency_lights")),
     ("reckless_ego_percentage", Percent("traffic.reckless_agent")),
     ("reckless_npc_percentage", Percent("traffic.reckless_background")),

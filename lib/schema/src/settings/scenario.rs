@@ -277,11 +277,13 @@ pub struct HazardSettings {
     pub accident_share: f64,
     /// Chance that an emergency vehicle stands at an accident (0.5).
     pub emergency_share: f64,
+    /// Chance that a cone beside a hazard is missing (0.32).
+    pub missing_cone_share: f64,
 }
 
 impl Default for HazardSettings {
     fn default() -> Self {
-        Self { share: 0.016, accident_share: 0.5, emergency_share: 0.5 }
+        Self { share: 0.016, accident_share: 0.5, emergency_share: 0.5, missing_cone_share: 0.32 }
     }
 }
 

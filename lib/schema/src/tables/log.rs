@@ -12,7 +12,7 @@ table! {
         kind: String,
         /// Model name; the mesh is made from it and the columns below.
         model: String,
-        /// Who it is: `vehicle_0`, `rsu_1` for agents, else `background`, `walker`, `scenery`.
+        /// Who it is: `vehicle_0`, `rsu_1` for agents, else `background`, `walker`, `hazard`, `scenery`.
         role: String,
         /// Semantic tags of its parts; the last one with a detection class names its class.
         semantic_tags: Vec<u8>,

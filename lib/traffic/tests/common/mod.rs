@@ -233,7 +233,15 @@ pub(crate) fn run(
     settings: &DatasetSettings,
 ) -> SceneLog {
     let fixed = lights(map);
-    let input = SceneInput { map, scene, agents, settings, fixed: &fixed, first_id: fixed.len() as u16 + 1 };
+    let input = SceneInput {
+        map,
+        scene,
+        agents,
+        hazards: &[],
+        settings,
+        fixed: &fixed,
+        first_id: fixed.len() as u16 + 1,
+    };
     simulate(&input, &mut |_, _| ControlFlow::Continue(())).expect("a log")
 }
 
