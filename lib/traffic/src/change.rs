@@ -268,24 +268,24 @@ fn gap(
         return None;
     }
     let mut loss = 0.0;
-    if let Some((to_m, spot)) = occupancy.first_behind(net, lane, along_m, me, 80.0) {
-        if let Some(other) = vehicles.get(spot.vehicle).filter(|v| !v.crashed) {
-            let gap_m = to_m - half - spot.half_length_m;
-            if gap_m < 1.0 + 0.3 * spot.speed_mps {
-                return None;
-            }
-            let wished = other.driver_speed(net);
-            let after = other.driver.idm.following(spot.speed_mps, wished, gap_m, speed);
-            let before = ahead.map_or(other.driver.idm.free(spot.speed_mps, wished), |(on_m, front)| {
-                let gap_m = to_m + on_m - spot.half_length_m - front.half_length_m;
-                other.driver.idm.following(spot.speed_mps, wished, gap_m, front.speed_mps)
-            });
-            // One who stands anyway is not made to brake.
-            if after < -braking && spot.speed_mps > 0.5 {
-                return None;
-            }
-            loss = (before - after).max(0.0);
+    if let Some((to_m, spot)) = occupancy.first_behind(net, lane, along_m, me, 80.0)
+        && let Some(other) = vehicles.get(spot.vehicle).filter(|v| !v.crashed)
+    {
+        let gap_m = to_m - half - spot.half_length_m;
+        if gap_m < 1.0 + 0.3 * spot.speed_mps {
+            return None;
         }
+        let wished = other.driver_speed(net);
+        let after = other.driver.idm.following(spot.speed_mps, wished, gap_m, speed);
+        let before = ahead.map_or(other.driver.idm.free(spot.speed_mps, wished), |(on_m, front)| {
+            let gap_m = to_m + on_m - spot.half_length_m - front.half_length_m;
+            other.driver.idm.following(spot.speed_mps, wished, gap_m, front.speed_mps)
+        });
+        // One who stands anyway is not made to brake.
+        if after < -braking && spot.speed_mps > 0.5 {
+            return None;
+        }
+        loss = (before - after).max(0.0);
     }
     let gain = then - now - POLITENESS * loss;
     (must || gain > GAIN).then_some((gain, leader.map(|l| l.vehicle)))

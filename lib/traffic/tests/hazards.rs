@@ -71,8 +71,13 @@ fn vehicles_of_an_accident_stand_at_their_places() {
     let mut middles = [0.0; 3];
     for seed in 0..40 {
         let scene = PlanSceneRow { seed, ..scene(1.0) };
-        let log =
-            run(&straight(600.0), &scene, &[agent(0, [50.0, -1.75, 0.0], 0.0)], &[row.clone()], &settings());
+        let log = run(
+            &straight(600.0),
+            &scene,
+            &[agent(0, [50.0, -1.75, 0.0], 0.0)],
+            std::slice::from_ref(&row),
+            &settings(),
+        );
         let vehicles: Vec<&ActorRow> = things(&log).into_iter().filter(|a| a.kind == "vehicle").collect();
         assert_eq!(vehicles.len(), 3);
         for ((thing, x_m), most_deg) in vehicles.iter().zip([221.0, 213.0, 204.0]).zip([10.0f64, 30.0, 10.0])
@@ -103,8 +108,13 @@ fn road_works_lie_between_two_barriers() {
     let (mut barriers, mut cones) = (0, 0);
     for seed in 0..60 {
         let scene = PlanSceneRow { seed, ..scene(1.0) };
-        let log =
-            run(&straight(600.0), &scene, &[agent(0, [50.0, -1.75, 0.0], 0.0)], &[row.clone()], &settings());
+        let log = run(
+            &straight(600.0),
+            &scene,
+            &[agent(0, [50.0, -1.75, 0.0], 0.0)],
+            std::slice::from_ref(&row),
+            &settings(),
+        );
         for thing in things(&log) {
             let [x, y, _] = thing.xyz_m;
             assert!((299.6..=330.4).contains(&x), "{thing:?}");
