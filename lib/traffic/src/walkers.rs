@@ -22,6 +22,8 @@ const STRIDE_M: f64 = 1.4;
 const TURN_RADPS: f64 = 5.0;
 /// After waiting this long, a walker goes as soon as everyone can stop, seconds.
 const PATIENCE_S: f64 = 5.0;
+/// After waiting this long, a walker stays on its side, seconds.
+const GIVE_UP_S: f64 = 25.0;
 /// Vehicles are looked for this far upstream, metres.
 const LOOK_M: f64 = 60.0;
 /// A place is reached within this distance, metres.
@@ -206,6 +208,10 @@ impl Walker {
                 if self.may_go(net, occupancy, vehicles, &crossing, time_s - since_s > PATIENCE_S) {
                     self.stuck_s = 0.0;
                     self.mode = Mode::Over { crossing: crossing.clone(), side, done_m: 0.0 };
+                } else if time_s - since_s > GIVE_UP_S {
+                    // Back to where it left the sidewalk.
+                    self.stuck_s = 0.0;
+                    self.mode = Mode::ToWalk;
                 }
                 let to = crossing.ends[1 - side];
                 Some((Wish { speed_mps: 0.0, ..self.straight_wish(&to, [0.0; 2]).0 }, self.point.z))
