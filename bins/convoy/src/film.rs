@@ -87,7 +87,11 @@ fn film(
     };
     let picture = |e: mapview::RasterError| Fault::File { path: out.to_owned(), message: e.to_string() };
     let cast = Cast::new(&log, &map);
-    let standing: Vec<Thing> = log.actors.iter().filter_map(standing).collect();
+    let standing: Vec<Thing> = log
+        .actors
+        .iter()
+        .filter_map(|actor| Some(Thing { covered: is_covered(&map, actor.xyz_m), ..standing(actor)? }))
+        .collect();
     let film = Film::new(&map, &options, &standing).map_err(picture)?;
     let shown: Vec<u32> = (0..log.frame_count()).step_by(every as usize).collect();
     let millis = (1000.0 * f64::from(every) * schema::FRAME_PERIOD_S).round().clamp(1.0, 60_000.0) as u16;
@@ -167,7 +171,7 @@ fn thing(actor: &ActorRow, look: Look, xyz_m: [f64; 3], heading_rad: f64, lamps:
 fn is_covered(map: &Map, [x, y, z]: [f64; 3]) -> bool {
     let above = Point3::new(x, y, z + 0.5 * (DECK_M[0] + DECK_M[1]));
     let reach_m = 0.5 * (DECK_M[1] - DECK_M[0]);
-    map.lanes_within(above, reach_m, |lane| lane.lane_type.is_drivable()).iter().any(LaneHit::is_inside)
+    map.lanes_within(above, reach_m, |_| true).iter().any(LaneHit::is_inside)
 }
 
 /// Who moves, and where the lights hold them.
