@@ -70,15 +70,29 @@ pub fn config_hash(spec: &StageSpec, settings: &DatasetSettings) -> String {
     let whole = serde_json::to_value(settings).unwrap_or(Value::Null);
     let mut text = String::new();
     for path in &spec.config {
-        let part = path.split('.').fold(&whole, |value, key| &value[key]);
-        text.push_str(&format!("{path}={part}\n"));
+        text.push_str(&format!("{path}={}\n", part(&whole, path)));
     }
     store::hash_bytes(text.as_bytes())
+}
+
+/// A part of a configuration by its path, `annotation.box_radius_m`; null where there is none. `rigs[].lidar` is the
+/// list of that part of each entry.
+fn part(value: &Value, path: &str) -> Value {
+    let (key, rest) = path.split_once('.').unwrap_or((path, ""));
+    match (key.strip_suffix("[]"), rest) {
+        (Some(list), _) => {
+            let entries = value[list].as_array().map_or(&[][..], Vec::as_slice);
+            entries.iter().map(|entry| part(entry, rest)).collect()
+        }
+        (None, "") => value[key].clone(),
+        (None, rest) => part(&value[key], rest),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use schema::settings::OwnRig;
     use std::collections::BTreeSet;
 
     #[test]
@@ -94,22 +108,32 @@ mod tests {
 
     #[test]
     fn every_config_path_exists_and_only_its_parts_count() {
-        let base = crate::config::example_settings();
+        let mut base = crate::config::example_settings();
+        base.own_rigs.push(OwnRig {
+            agents: vec!["vehicle_1".into()],
+            rig: base.vehicle_rig.clone(),
+            occupancy: base.vehicle_occupancy.clone(),
+        });
         let whole = serde_json::to_value(&base).expect("serialises");
         for stage in &Graph::get().stages {
             for path in &stage.config {
-                let part = path.split('.').fold(&whole, |value, key| &value[key]);
-                assert!(!part.is_null(), "{}: no configuration part {path}", stage.name);
+                let part = part(&whole, path);
+                let missing =
+                    |v: &Value| v.is_null() || v.as_array().is_some_and(|v| v.iter().any(Value::is_null));
+                assert!(!missing(&part), "{}: no configuration part {path}", stage.name);
             }
         }
-        let mut changed = base.clone();
-        changed.vehicle_rig.lidars[0].noise_m = 0.5;
-        let differ: Vec<&str> = Graph::get()
-            .stages
-            .iter()
-            .filter(|s| config_hash(s, &base) != config_hash(s, &changed))
-            .map(|s| s.name.as_str())
-            .collect();
-        assert_eq!(differ, ["render-sensors"]);
+        let differ = |change: fn(&mut DatasetSettings)| -> Vec<&str> {
+            let mut changed = base.clone();
+            change(&mut changed);
+            let stages = Graph::get().stages.iter();
+            stages
+                .filter(|s| config_hash(s, &base) != config_hash(s, &changed))
+                .map(|s| s.name.as_str())
+                .collect()
+        };
+        assert_eq!(differ(|s| s.vehicle_rig.lidars[0].noise_m = 0.5), ["render-sensors"]);
+        assert_eq!(differ(|s| s.own_rigs[0].rig.lidars[0].noise_m = 0.5), ["render-sensors"]);
+        assert_eq!(differ(|s| s.own_rigs[0].occupancy.voxel_m = 0.5), ["occupancy-gt", "postprocess-valid"]);
     }
 }

@@ -1,0 +1,112 @@
+//! Agents that carry different sensors, and sensors that are added to a finished scene.
+
+use convoy_tests::Bench;
+use schema::AgentId;
+use schema::tables::LidarRow;
+use store::{Scope, Store};
+
+/// Two vehicles for half a second, the second one with sensors of its own.
+const TWO: &str = r#"
+name = "rigs"
+seed = 12
+
+[scenes.train]
+"convoy/demo" = 1
+
+[agents]
+min_vehicles = 2
+max_vehicles = 2
+min_rsus = 0
+max_rsus = 0
+
+[timing]
+warmup_s = 0.5
+min_duration_s = 1
+max_duration_s = 1
+
+[traffic]
+vehicles = 6
+
+[walkers]
+count = 4
+
+[world]
+radius_m = 120
+
+[vehicle]
+cameras = [{ name = "CAM_FRONT", xyz_m = [0.4, 0.0, 1.6], rpy_deg = [0, 0, 0] }]
+radars = []
+camera = { width = 64, height = 36 }
+lidar = { channels = 16, columns = 128 }
+occupancy = { voxel_m = 1 }
+
+[[rigs]]
+agents = ["vehicle_1"]
+cameras = [{ name = "CAM_REAR", xyz_m = [-0.4, 0.0, 1.6], rpy_deg = [0, 0, 180] }]
+radars = []
+camera = { width = 96, height = 54, instance = false }
+lidar = { channels = 4, columns = 256 }
+occupancy = { voxel_m = 2 }
+"#;
+
+fn run_all(bench: &Bench) {
+    bench.run("convoy", &["run", "--threads", "2", "--progress", "none"]).expect_done();
+}
+
+/// Names of the sensor tables of a vehicle, of all the store's files.
+fn tables(bench: &Bench, vehicle: u16) -> Vec<String> {
+    let folder = format!("scenes/0000/sensors/vehicle_{vehicle}/");
+    let files = bench.digests();
+    files.keys().filter_map(|f| Some(f.strip_prefix(&folder)?.strip_suffix(".parquet")?.to_owned())).collect()
+}
+
+/// Beams that some ray came back on, and the most points of a sweep.
+fn sweeps(bench: &Bench, vehicle: u16) -> (u16, usize) {
+    let store = Store::on_disk(&bench.store());
+    let manifest = store.manifest(Scope::Scene(0), "render-sensors").expect("reads").expect("is there");
+    let key = store::keys::sensor(0, AgentId::vehicle(vehicle), "LIDAR");
+    let rows: Vec<LidarRow> = store.read_rows(&manifest, &key).expect("sweeps");
+    assert_eq!(rows.len(), 20);
+    let last = rows.iter().flat_map(|r| &r.ring).max().copied().expect("points");
+    (last + 1, rows.iter().map(|r| r.ring.len()).max().unwrap_or(0))
+}
+
+#[test]
+fn each_agent_carries_its_own_sensors_and_more_can_be_added() {
+    let bench = Bench::new(TWO);
+    run_all(&bench);
+    assert_eq!(tables(&bench, 0), ["GNSS", "IMU", "IST-CAM_FRONT", "LIDAR", "RGB-CAM_FRONT", "visible"]);
+    assert_eq!(tables(&bench, 1), ["GNSS", "IMU", "LIDAR", "RGB-CAM_REAR"]);
+    let (beams, points) = sweeps(&bench, 0);
+    assert!(beams <= 16 && beams > 4 && points <= 16 * 128, "{beams} {points}");
+    let (beams, points) = sweeps(&bench, 1);
+    assert!(beams <= 4 && points <= 4 * 256, "{beams} {points}");
+
+    // Adding sensors changes no byte of what is there but the manifests of the stages that ran again.
+    let before = bench.digests();
+    bench.configure(
+        &TWO.replace("height = 36", "height = 36, depth = true")
+            .replace("width = 96", "semantic = true, width = 96"),
+    );
+    run_all(&bench);
+    let after = bench.digests();
+    let new: Vec<&str> = after.keys().filter(|k| !before.contains_key(*k)).map(String::as_str).collect();
+    assert_eq!(
+        new,
+        [
+            "scenes/0000/sensors/vehicle_0/DPT-CAM_FRONT.parquet",
+            "scenes/0000/sensors/vehicle_1/SEG-CAM_REAR.parquet"
+        ]
+    );
+    let changed = before.iter().filter(|(k, digest)| after.get(*k) != Some(digest)).map(|(k, _)| k.as_str());
+    let manifests = ["render-sensors", "postprocess-valid", "merge-tracks"]
+        .map(|s| format!("scenes/0000/_manifests/{s}.json"));
+    let allowed = |k: &str| {
+        k == "dataset.json"
+            || k.starts_with("stats/")
+            || k.starts_with("scenes/0000/stats/render-sensors.")
+            || manifests.iter().any(|m| m == k)
+    };
+    let wrong: Vec<&str> = changed.filter(|k| !allowed(k)).collect();
+    assert_eq!(wrong, [""; 0]);
+}
