@@ -21,7 +21,7 @@ declare -A allowed=(
     [truth]="frames opendrive schema"
     [vectormap]="opendrive schema"
     [analysis]="frames schema"
-    [replay]="frames opendrive pipeline schema store world"
+    [replay]="formats frames opendrive pipeline schema store world"
 )
 bad=0
 for manifest in lib/*/Cargo.toml; do

@@ -1,11 +1,11 @@
 //! The BEV stage: 14 classes around every agent at every frame.
 
-use formats::{DEFAULT_LEVEL, NpzWriter, Scalar, encode_member, frame_member};
+use formats::{DEFAULT_LEVEL, Scalar, encode_member, frame_member};
 use nalgebra::Point3;
 use pipeline::{Job, Pulse, Stage, StageError};
-use replay::{Replay, Spare, in_frame_order};
+use replay::{Replay, Spare, archive_frames};
 use schema::BevClass;
-use store::{Finished, Unit, keys};
+use store::{Unit, keys};
 use truth::bev::{Areas, BevRasterizer};
 use truth::counts::Counts;
 
@@ -30,8 +30,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
         let name = agent.to_string();
         let Some((mut unit, pulse)) = job.unit_and_pulse(&name)? else { continue };
         let work = Work { replay: &replay, position, settings: &settings, areas };
-        let (shard, counts) = work.masks(&unit, &keys::bev(scene, *agent), &name, pulse)?;
-        unit.add(shard);
+        let counts = work.masks(&mut unit, &keys::bev(scene, *agent), &name, pulse)?;
         unit.rows(&keys::partial_stats(scene, &format!("{}.{name}", STAGE.name)), &counts.rows())?;
         unit.finish()?;
     }
@@ -49,11 +48,11 @@ impl Work<'_> {
     /// One member per frame, `[14, rows, columns]` booleans.
     fn masks(
         &self,
-        unit: &Unit<'_>,
+        unit: &mut Unit<'_>,
         key: &str,
         name: &str,
         pulse: Pulse<'_>,
-    ) -> Result<(Finished, Counts), StageError> {
+    ) -> Result<Counts, StageError> {
         let frames = self.replay.log.frame_count();
         let cells = self.settings.cells as usize;
         // Half the diagonal, and the size of the largest object.
@@ -70,15 +69,12 @@ impl Work<'_> {
             let member =
                 encode_member(&frame_member(frame), Scalar::Bool, &shape, &mask.to_bytes(), DEFAULT_LEVEL)
                     .map_err(|e| StageError::failed(&e))?;
-            Ok((member, mask))
+            let mut counts = Counts::new();
+            counts.add_bev(name, &mask);
+            Ok((member, counts))
         };
         let mut counts = Counts::new();
-        let mut writer = NpzWriter::new(unit.file(key)?);
-        in_frame_order(frames, pulse, one, |_, (member, mask)| {
-            counts.add_bev(name, &mask);
-            writer.append(member).map_err(|e| StageError::failed(&e))
-        })?;
-        let file = writer.finish().map_err(|e| StageError::failed(&e))?;
-        Ok((file.finish(frames.into())?, counts))
+        archive_frames(unit, key, frames, pulse, one, |of_frame| counts.merge(of_frame))?;
+        Ok(counts)
     }
 }

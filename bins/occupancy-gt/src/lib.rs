@@ -1,11 +1,11 @@
 //! The occupancy stage: a voxel grid around every agent at every frame.
 
-use formats::{DEFAULT_LEVEL, NpzWriter, Scalar, encode_member, frame_member};
+use formats::{DEFAULT_LEVEL, Scalar, encode_member, frame_member};
 use pipeline::{Job, Pulse, Stage, StageError};
-use replay::{Replay, Spare, in_frame_order};
+use replay::{Replay, Spare, archive_frames};
 use schema::ObjectId;
 use schema::settings::OccupancySettings;
-use store::{Finished, Unit, keys};
+use store::{Unit, keys};
 use truth::counts::{Counts, Filling};
 use truth::voxels::{VoxelGrid, Voxelizer};
 
@@ -27,8 +27,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
         let name = agent.to_string();
         let Some((mut unit, pulse)) = job.unit_and_pulse(&name)? else { continue };
         let work = Work { replay: &replay, position, settings };
-        let (shard, counts) = work.grids(&unit, &keys::occupancy(scene, *agent), &name, pulse)?;
-        unit.add(shard);
+        let counts = work.grids(&mut unit, &keys::occupancy(scene, *agent), &name, pulse)?;
         unit.rows(&keys::partial_stats(scene, &format!("{}.{name}", STAGE.name)), &counts.rows())?;
         unit.finish()?;
     }
@@ -45,11 +44,11 @@ impl Work<'_> {
     /// One member per frame, `[x, y, z]` tags.
     fn grids(
         &self,
-        unit: &Unit<'_>,
+        unit: &mut Unit<'_>,
         key: &str,
         name: &str,
         pulse: Pulse<'_>,
-    ) -> Result<(Finished, Counts), StageError> {
+    ) -> Result<Counts, StageError> {
         let frames = self.replay.log.frame_count();
         let spare = Spare::default();
         let one = |frame: u32| {
@@ -68,13 +67,8 @@ impl Work<'_> {
             Ok((member, counts))
         };
         let mut counts = Counts::new();
-        let mut writer = NpzWriter::new(unit.file(key)?);
-        in_frame_order(frames, pulse, one, |_, (member, of_frame)| {
-            counts.merge(of_frame);
-            writer.append(member).map_err(|e| StageError::failed(&e))
-        })?;
-        let file = writer.finish().map_err(|e| StageError::failed(&e))?;
-        Ok((file.finish(frames.into())?, counts))
+        archive_frames(unit, key, frames, pulse, one, |of_frame| counts.merge(of_frame))?;
+        Ok(counts)
     }
 
     fn voxelize(&self, frame: u32, voxelizer: &mut Voxelizer, grid: &mut VoxelGrid) {

@@ -1,8 +1,8 @@
 //! Filled voxel grids.
 
-use formats::{Array, DEFAULT_LEVEL, NpzError, NpzReader, NpzWriter, Scalar, encode_member, frame_member};
+use formats::{Array, DEFAULT_LEVEL, NpzError, NpzReader, Scalar, encode_member, frame_member};
 use pipeline::{Job, StageError};
-use replay::{Spare, in_frame_order};
+use replay::{Spare, archive_frames};
 use schema::AgentId;
 use schema::settings::OccupancySettings;
 use store::{ReadSeek, StoreError, keys};
@@ -43,13 +43,8 @@ pub(crate) fn fill_agent(
         Ok((encoded, counts))
     };
     let mut counts = Counts::new();
-    let mut writer = NpzWriter::new(unit.file(&keys::occupancy_filled(scene, agent))?);
-    in_frame_order(frames, pulse, one, |_, (encoded, of_frame)| {
-        counts.merge(of_frame);
-        writer.append(encoded).map_err(|e| StageError::failed(&e))
-    })?;
-    let file = writer.finish().map_err(|e| StageError::failed(&e))?;
-    unit.add(file.finish(frames.into())?);
+    let filled = keys::occupancy_filled(scene, agent);
+    archive_frames(&mut unit, &filled, frames, pulse, one, |of_frame| counts.merge(of_frame))?;
     unit.rows(&keys::partial_stats(scene, &format!("{}.{name}", STAGE.name)), &counts.rows())?;
     unit.finish()?;
     Ok(())

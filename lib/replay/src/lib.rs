@@ -2,7 +2,7 @@
 //!
 //! [`SceneLog`] is the log's tables, indexed by frame. [`Replay`] adds the map and the meshes and gives the
 //! [`schema::geometry::Snapshot`] of any frame. [`in_frame_order`] computes frames in parallel and hands them over
-//! in order.
+//! in order, [`archive_frames`] writes one array of each.
 
 mod log;
 mod map;
@@ -12,6 +12,6 @@ mod spare;
 
 pub use log::{SIMULATE, SceneLog};
 pub use map::{compress_map, read_hazards, read_map, read_map_text, read_plan};
-pub use order::in_frame_order;
+pub use order::{archive_frames, in_frame_order};
 pub use replay::Replay;
 pub use spare::Spare;

@@ -1,7 +1,9 @@
 //! Frames computed in parallel, handed over in order.
 
+use formats::{EncodedMember, NpzWriter};
 use pipeline::{Pulse, StageError};
 use rayon::prelude::*;
+use store::Unit;
 
 /// Computes `frame` for `0..frames` on all threads and hands the results to `take` in frame order. At most as
 /// many results as there are threads are held at a time, so memory stays bounded; the result does not depend on
@@ -26,5 +28,28 @@ pub fn in_frame_order<T: Send>(
         }
         start = end;
     }
+    Ok(())
+}
+
+/// Computes one array per frame like [`in_frame_order`] and writes them as one archive among a unit's files. `take` gets
+/// what else `frame` found.
+///
+/// # Errors
+/// As [`in_frame_order`], or the archive cannot be written.
+pub fn archive_frames<T: Send>(
+    unit: &mut Unit<'_>,
+    key: &str,
+    frames: u32,
+    pulse: Pulse<'_>,
+    frame: impl Fn(u32) -> Result<(EncodedMember, T), StageError> + Sync,
+    mut take: impl FnMut(T),
+) -> Result<(), StageError> {
+    let mut writer = NpzWriter::new(unit.file(key)?);
+    in_frame_order(frames, pulse, frame, |_, (member, found)| {
+        take(found);
+        writer.append(member).map_err(|e| StageError::failed(&e))
+    })?;
+    let file = writer.finish().map_err(|e| StageError::failed(&e))?;
+    unit.add(file.finish(frames.into())?);
     Ok(())
 }
