@@ -6,6 +6,7 @@
 use nalgebra::Point3;
 use opendrive::{LanePos, Map};
 use random::Stream;
+use schema::fleet;
 use schema::models::{Model, vehicles};
 use schema::settings::HazardSettings;
 use schema::tables::PlanHazardRow;
@@ -112,8 +113,8 @@ impl Surroundings<'_> {
         let with_emergency = stream.chance(settings.emergency_share);
         let pick = |stream: &mut Stream, emergency: bool| {
             let fit: Vec<&'static Model> =
-                vehicles().filter(|m| (m.special == "emergency") == emergency).collect();
-            stream.choose(&fit).copied()
+                vehicles().filter(|m| fleet::is_emergency(m) == emergency).collect();
+            stream.choose_weighted(&fit, |m| fleet::weight(m)).copied()
         };
         let mut models = vec![pick(stream, false)?, pick(stream, false)?];
         if with_emergency {

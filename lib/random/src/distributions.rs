@@ -33,6 +33,22 @@ impl Stream {
         self.index(items.len()).map(|i| &items[i])
     }
 
+    /// An element drawn with a probability in proportion to its weight; `None` when no weight is above 0.
+    pub fn choose_weighted<'a, T>(&mut self, items: &'a [T], weight: impl Fn(&T) -> f64) -> Option<&'a T> {
+        let weights = items.iter().map(|item| weight(item).max(0.0));
+        let mut rest = self.unit() * weights.clone().sum::<f64>();
+        // Rounding may leave a little beyond the last one.
+        let mut last = None;
+        for (item, weight) in items.iter().zip(weights).filter(|(_, weight)| *weight > 0.0) {
+            last = Some(item);
+            if rest < weight {
+                break;
+            }
+            rest -= weight;
+        }
+        last
+    }
+
     /// `true` with a probability of 0 to 1.
     pub fn chance(&mut self, probability: f64) -> bool {
         self.unit() < probability
@@ -127,6 +143,19 @@ mod tests {
         // Beta(a, b): mean a / (a + b), variance ab / ((a + b)^2 (a + b + 1)).
         close(moments(|| s.beta(3.2, 2.2)), 3.2 / 5.4, 3.2 * 2.2 / (5.4 * 5.4 * 6.4));
         close(moments(|| s.beta(0.8, 0.2)), 0.8, 0.16 / 2.0);
+    }
+
+    #[test]
+    fn weights_are_shares() {
+        let mut s = Stream::new(27, 0, "test/weights", 0);
+        let items = [(0, 0.0), (1, 3.0), (2, 1.0), (3, -2.0)];
+        let mut counts = [0u32; 4];
+        for _ in 0..40_000 {
+            counts[s.choose_weighted(&items, |item| item.1).expect("an item").0] += 1;
+        }
+        // A standard deviation is 87.
+        assert!(counts[0] == 0 && counts[3] == 0 && (29_600..30_400).contains(&counts[1]), "{counts:?}");
+        assert_eq!(s.choose_weighted(&items[..1], |item| item.1), None);
     }
 
     #[test]

@@ -6,6 +6,7 @@
 pub mod agent;
 pub mod bev;
 pub mod class;
+pub mod fleet;
 pub mod geometry;
 pub mod lights;
 pub mod measures;

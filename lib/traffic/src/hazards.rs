@@ -8,6 +8,7 @@ use frames::{Object, Pose, World};
 use nalgebra::{Point3, Vector3};
 use opendrive::{LaneId, LanePoint, LanePos, Map};
 use random::Stream;
+use schema::fleet;
 use schema::models::{self, BaseType, Model};
 use schema::scene_info::HazardInfo;
 use schema::tables::{ActorRow, PlanHazardRow};
@@ -15,7 +16,7 @@ use schema::{ObjectId, Tag};
 
 use crate::SceneInput;
 use crate::log::attributes;
-use crate::spawn::{Footprint, PAINTS, Taken, apart, tags};
+use crate::spawn::{Footprint, Taken, apart, tags};
 
 /// A hazard's front is looked for this far ahead of its back, metres of way.
 const LONGEST_M: f64 = 400.0;
@@ -330,7 +331,7 @@ impl Site<'_, '_> {
             _ => 30.0,
         };
         let turn_rad = self.draw.uniform(-most, most).to_radians();
-        let color = self.draw.choose(&PAINTS).copied()?;
+        let color = self.draw.choose(fleet::paints(model)).copied()?;
         let spot = Spot::new(&self.stretch.at(way_m, 0.0)?, turn_rad, [0.0; 2]);
         self.add(Thing::of_model("vehicle", model, color, &spot))
     }

@@ -7,35 +7,19 @@ use nalgebra::Point3;
 use opendrive::{LanePos, Map};
 use random::Stream;
 use schema::ObjectId;
+use schema::fleet;
 use schema::models::{self, BaseType, Model};
 
 use crate::hazards::Hazards;
 use crate::net::Net;
 use crate::vehicles::Driver;
+use crate::ways::Place;
 use crate::{SceneInput, TrafficError};
 
 /// Free space around a vehicle at the start, metres.
 const CLEARANCE_M: f64 = 0.8;
 /// Vehicles farther above each other than this are on different decks, metres.
 const DECK_M: f64 = 3.0;
-
-/// Body colours of background vehicles (sRGB).
-pub(crate) const PAINTS: [[u8; 3]; 14] = [
-    [240, 240, 238],
-    [22, 22, 24],
-    [120, 124, 128],
-    [176, 180, 184],
-    [70, 74, 80],
-    [132, 16, 20],
-    [196, 28, 30],
-    [20, 44, 96],
-    [44, 92, 160],
-    [20, 66, 46],
-    [206, 190, 156],
-    [96, 62, 40],
-    [232, 176, 32],
-    [216, 96, 28],
-];
 
 /// A vehicle about to be placed.
 #[derive(Debug)]
@@ -111,8 +95,11 @@ pub(crate) fn vehicle_starts(
         })?;
         let (lane, along_m) = nearest_place(input.map, net, agent.xyz_m.into(), agent.rpy_rad[2])
             .ok_or_else(|| TrafficError::NoDrivingLanes { scene: scene.scene, map: scene.map.clone() })?;
-        let along_m = clear_of_junctions(net, lane, along_m, model.size_m[0]);
-        let place = net.lanes[lane].way.place(along_m);
+        // Where the room clear of junctions is taken by another agent, the planned place is free.
+        let places = [clear_of_junctions(net, lane, along_m, model.size_m[0]), along_m]
+            .map(|along_m| (along_m, net.lanes[lane].way.place(along_m)));
+        let is_free = |(_, at): &&(f64, Place)| taken.is_free(&at.point, at.heading_rad, model.size_m);
+        let (along_m, place) = *places.iter().find(is_free).unwrap_or(&places[1]);
         taken.insert(place.point, place.heading_rad, model.size_m);
         let driver = Driver::new(
             model,
@@ -161,12 +148,13 @@ fn background(
     let order = stream("traffic/order", 0).sample_indices(points.len(), wanted);
     for (i, &(lane, along)) in order.into_iter().map(|k| &points[k]).enumerate() {
         let mut draw = stream("traffic/vehicle", i as u64);
-        let (Some(&model), Some(paint)) = (draw.choose(&catalogue), draw.choose(&PAINTS)) else { return };
+        let Some(&model) = draw.choose_weighted(&catalogue, |m| fleet::weight(m)) else { return };
+        let Some(paint) = draw.choose(fleet::paints(model)) else { return };
         let reckless = draw.chance(traffic.reckless_background);
         let distracted = draw.chance(traffic.distracted_background) && !reckless;
         let difference = draw.uniform(-0.4, 0.2);
         let gap = draw.normal(4.2, 1.0).max(0.0);
-        let emergency = draw.chance(traffic.emergency_lights) && model.special == "emergency";
+        let emergency = draw.chance(traffic.emergency_lights) && fleet::is_emergency(model);
         let driver = Driver::new(
             model,
             reckless,

@@ -19,6 +19,8 @@ use crate::ways::Place;
 
 /// Bicycles go no faster, m/s.
 const BICYCLE_MPS: f64 = 8.0;
+/// Nobody stops nearer to a leader than this, metres.
+const LEAST_GAP_M: f64 = 0.5;
 /// Time gap that drivers keep, seconds: with the drawn standing gaps, queues of cars clear at some 1,700 vehicles per hour and lane.
 const HEADWAY_S: f64 = 0.8;
 /// Lookahead at rest, metres.
@@ -68,7 +70,7 @@ impl Driver {
             acceleration,
             braking: 2.5,
             headway_s: HEADWAY_S,
-            standstill_gap_m: standstill_gap_m.max(1.0),
+            standstill_gap_m: standstill_gap_m.max(LEAST_GAP_M),
         };
         Self { reckless, distracted, speed_difference, idm }
     }
