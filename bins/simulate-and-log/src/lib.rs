@@ -10,6 +10,7 @@ use std::ops::ControlFlow;
 use pipeline::{Job, Stage, StageError};
 use random::Stream;
 use schema::ObjectId;
+use schema::tables::PlanSceneRow;
 use store::keys;
 use traffic::{SceneInput, SceneLog};
 use world::World;
@@ -48,8 +49,9 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
         },
         pulse,
     )?;
+    say_what_lacks(&plan, &log);
     for actor in &mut log.actors {
-        let mut draw = Stream::new(settings.seed, scene.into(), "simulate/variant", actor.id.into());
+        let mut draw = Stream::new(plan.seed, scene.into(), "simulate/variant", actor.id.into());
         actor.variant = draw.next_u32() % VARIANTS;
     }
     let mut actors = fixed;
@@ -74,6 +76,22 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     unit.rows(&keys::partial_stats(scene, STAGE.name), &labels.counts)?;
     unit.finish()?;
     Ok(())
+}
+
+/// Warns where fewer background actors found room than were asked for.
+fn say_what_lacks(plan: &PlanSceneRow, log: &SceneLog) {
+    let vehicles = plan.background_vehicles.and_then(|wanted| u32::try_from(wanted).ok());
+    for (wanted, placed, what) in
+        [(vehicles, log.n_vehicles, "background vehicles"), (Some(plan.walkers), log.n_walkers, "walkers")]
+    {
+        if let Some(wanted) = wanted.filter(|wanted| *wanted > placed) {
+            let (scene, map) = (plan.scene, &plan.map);
+            let radius_m = plan.spawn_radius_m;
+            tracing::warn!(
+                "scene {scene} ({map}): {placed} of {wanted} {what}: no more room within {radius_m:.0} m of the vehicles' start"
+            );
+        }
+    }
 }
 
 fn simulate(input: &SceneInput<'_>, pulse: pipeline::Pulse<'_>) -> Result<SceneLog, StageError> {

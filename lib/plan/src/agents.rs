@@ -21,6 +21,8 @@ const RSU_COLOR: [u8; 3] = [190, 190, 190];
 /// How far an RSU stands from the foot of its signal's pole, towards the junction, metres. The published value is
 /// 0.2 m; the housing of a roadside light reaches further, and the lidar at 3.2 m would sit inside it.
 const RSU_STEP_M: f64 = 0.6;
+/// Files give a pole two signals: RSUs nearer to each other than this would stand in one another, metres.
+const RSU_APART_M: f64 = 0.5;
 /// Free space between the footprints of two vehicles at the start, metres.
 const CLEARANCE_M: f64 = 0.5;
 /// Vehicles farther above each other than this are on different decks, metres.
@@ -240,30 +242,33 @@ pub(crate) fn place_rsus(
             });
         }
     }
-    if poles.len() < count {
+    let mut chosen: Vec<&Pole> = Vec::new();
+    for pole in stream.sample_indices(poles.len(), poles.len()).into_iter().map(|i| &poles[i]) {
+        let apart = |other: &&Pole| (other.xyz_m - pole.xyz_m).norm() >= RSU_APART_M;
+        if chosen.len() < count && chosen.iter().all(apart) {
+            chosen.push(pole);
+        }
+    }
+    if chosen.len() < count {
         placement.warnings.push(format!(
             "{} of {count} RSUs: junctions within {:.0} m of the vehicles' start have no more traffic lights; widen agents.{}_spawn_distance_m or change the seed",
-            poles.len(),
+            chosen.len(),
             placement.reach_m,
             placement.mode.name()
         ));
     }
-    let chosen = stream.sample_indices(poles.len(), count);
-    let row = |(index, pole): (usize, usize)| {
-        let pole = &poles[pole];
-        PlanAgentRow {
-            scene,
-            agent: AgentId::rsu(index as u16).to_string(),
-            model: RSU_MODEL.into(),
-            color: RSU_COLOR.to_vec(),
-            xyz_m: pole.xyz_m.coords.into(),
-            rpy_rad: [0.0, 0.0, pole.yaw_rad],
-            reckless: false,
-            distracted: false,
-            speed_difference: 0.0,
-            standstill_gap_m: 0.0,
-            signal: Some(pole.signal.clone()),
-        }
+    let row = |(index, pole): (usize, &Pole)| PlanAgentRow {
+        scene,
+        agent: AgentId::rsu(index as u16).to_string(),
+        model: RSU_MODEL.into(),
+        color: RSU_COLOR.to_vec(),
+        xyz_m: pole.xyz_m.coords.into(),
+        rpy_rad: [0.0, 0.0, pole.yaw_rad],
+        reckless: false,
+        distracted: false,
+        speed_difference: 0.0,
+        standstill_gap_m: 0.0,
+        signal: Some(pole.signal.clone()),
     };
     chosen.into_iter().enumerate().map(row).collect()
 }

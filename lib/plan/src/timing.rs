@@ -7,13 +7,13 @@ use schema::settings::TimingSettings;
 /// Recorded time of a scene: whole seconds, uniform before rounding (so the two end values are half as likely as the
 /// others), at least 1.
 pub fn draw_duration_s(timing: &TimingSettings, stream: &mut Stream) -> f64 {
-    stream.uniform(timing.min_duration_s, timing.max_duration_s).round().max(1.0)
+    stream.uniform(timing.min_duration_s, timing.max_duration_s).round_ties_even().max(1.0)
 }
 
 /// Frames of a recorded time.
 #[must_use]
 pub fn frame_count(duration_s: f64) -> u32 {
-    (duration_s / FRAME_PERIOD_S).round().max(0.0) as u32
+    (duration_s / FRAME_PERIOD_S).round_ties_even().max(0.0) as u32
 }
 
 /// Distance from a vehicle agent within which background actors start, metres: far enough that an agent meets them
@@ -63,5 +63,11 @@ mod tests {
     fn a_scene_lasts_at_least_a_second() {
         let timing = TimingSettings { min_duration_s: 0.1, max_duration_s: 0.3, ..TimingSettings::default() };
         assert_eq!(draw_duration_s(&timing, &mut Stream::new(1, 0, "plan/duration", 0)), 1.0);
+        // Half seconds go to the even one.
+        for (fixed, rounded) in [(12.5, 12.0), (13.5, 14.0)] {
+            let timing =
+                TimingSettings { min_duration_s: fixed, max_duration_s: fixed, ..TimingSettings::default() };
+            assert_eq!(draw_duration_s(&timing, &mut Stream::new(1, 0, "plan/duration", 0)), rounded);
+        }
     }
 }
