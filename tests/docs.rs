@@ -45,5 +45,9 @@ fn configuration_page_names_every_key() {
         let row = [format!("`{}`", key.path), key.kind, default, key.doc];
         writeln!(text, "| {} |", row.join(" | ")).expect("writes");
     }
+    text.push_str("\n### Keys of SimBEV2X\n\n| key there | here |\n|---|---|\n");
+    for (key, ours) in pipeline::simbev2x_keys() {
+        writeln!(text, "| `{key}` | {ours} |").expect("writes");
+    }
     check("configuration.md", &text);
 }

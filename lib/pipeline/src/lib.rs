@@ -16,7 +16,7 @@ mod status;
 
 pub use args::{ProgressMode, StageArgs};
 pub use code_version::code_version;
-pub use config::{ConfigKey, Fault, config_keys, load as load_config, parse as parse_config};
+pub use config::{ConfigKey, Fault, config_keys, load as load_config, parse as parse_config, simbev2x_keys};
 pub use drive::{StoreCommand, drive, say};
 pub use graph::{Graph, StageSpec, UnitKind, config_hash};
 pub use progress::Progress;

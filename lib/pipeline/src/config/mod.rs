@@ -9,6 +9,8 @@ mod yaml;
 mod yaml_keys;
 mod yaml_special;
 
+pub use yaml_keys::simbev2x_keys;
+
 use std::path::Path;
 
 use schema::settings::{AnnotationSettings, BevSettings, DatasetSettings};
@@ -283,6 +285,28 @@ mod tests {
     }
 
     #[test]
+    fn every_listed_key_of_the_original_is_known() {
+        let keys = simbev2x_keys();
+        assert!(keys.len() > 110, "{}", keys.len());
+        for (key, _) in keys {
+            let text = match key.split_once('.') {
+                Some((mapping, key)) => format!("{mapping}: {{{key}: 1}}\n"),
+                None => format!("{key}: 1\n"),
+            };
+            // A wrong value may be a fault; an unknown key is a warning.
+            let Ok(translation) = yaml::translate(&text, "x.yaml") else { continue };
+            let unknown = translation.warnings.iter().any(|w| w.message.contains("no such key"));
+            let ineffective = translation.toml.is_empty() && translation.warnings.is_empty();
+            let conditional =
+                ["dynamic_settings_adjustments", "random_street_light_failure", "npc_spawn_radius"];
+            let quiet =
+                ["replacement_scene_config", "use_scene_number_for_random_seed", "_weather", "_scene_config"];
+            let may_be_quiet = conditional.iter().chain(&quiet).any(|q| key.contains(q)) || key.contains('.');
+            assert!(!unknown && (!ineffective || may_be_quiet), "{key}: {translation:?}");
+        }
+    }
+
+    #[test]
     fn yaml_of_the_original_is_read() {
         let text = "\
 mode: replace
@@ -319,6 +343,9 @@ data_collection_vehicle_spawn_points:
     - [[10.0, 20.0, 0.5], [0, 0, 90]]
 colour_of_the_sky: green
 ";
+        let wrong =
+            parse_yaml(&text.replace("mode: replace", "mode: augment"), "x.yaml").expect_err("no such mode");
+        assert_eq!(wrong[0].to_string(), "x.yaml:1: `mode`: expected create, replace or replay");
         let (s, warnings) = parse_yaml(text, "x.yaml").expect("is valid");
         let scenes: Vec<_> = s.scenes.iter().map(|w| (w.split.name(), w.map.as_str(), w.count)).collect();
         assert_eq!(scenes, [("train", "Town01", 8), ("train", "convoy/02", 1), ("test", "Town12", 3)]);
@@ -343,6 +370,7 @@ colour_of_the_sky: green
         assert!((s.agents.starts[0].yaw_rad + std::f64::consts::FRAC_PI_2).abs() < 1e-12);
         let said: String = warnings.iter().map(|w| format!("{w}\n")).collect();
         insta::assert_snapshot!(said, @r"
+        x.yaml:1: `mode`: the scenes of `replacement_scene_config` become their first other draw; for further ones set [scenes.redraw] in a TOML configuration, as another `random_seed_offset` draws all scenes anew
         x.yaml:10: `vehicle_list`: no body like `zeppelin` here, `car.sedan` takes its place
         x.yaml:17: `host` has no effect here: there is no game engine and no window
         x.yaml:21: `initial_weather.snow`: no such weather parameter, ignored

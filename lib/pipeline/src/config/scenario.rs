@@ -213,9 +213,9 @@ pub(crate) fn traffic(s: &Section<'_>) -> TrafficSettings {
         standstill_gap_m: s.optional_number(
             "standstill_gap_m",
             DRAWN_PER_DRIVER,
-            0.5,
+            0.0,
             50.0,
-            "gap to a standing leader, m",
+            "gap to a standing leader, m; nobody comes nearer than 0.5",
         ),
         green_time_s: s.optional_number(
             "green_time_s",

@@ -19,13 +19,13 @@ pub(crate) struct Translation {
     pub(crate) warnings: Vec<Fault>,
 }
 
-/// Translates a YAML text; `file` is its name in messages.
+/// Translates a YAML text (`source`); `file` is its name in messages.
 ///
 /// # Errors
-/// It is no YAML mapping.
-pub(crate) fn translate(text: &str, file: &str) -> Result<Translation, Vec<Fault>> {
+/// It is no YAML mapping, or it asks for something that is neither creating, replacing nor replaying.
+pub(crate) fn translate(source: &str, file: &str) -> Result<Translation, Vec<Fault>> {
     let fault = |line, message: String| vec![Fault { file: file.to_owned(), line, message }];
-    let documents = MarkedYaml::load_from_str(text)
+    let documents = MarkedYaml::load_from_str(source)
         .map_err(|e| fault(Some(e.marker().line()), format!("broken YAML: {}", e.info())))?;
     let mut writer = Writer { file, out: Translation::default(), written: BTreeMap::new() };
     let Some(root) = documents.first() else { return Ok(writer.out) };
@@ -33,6 +33,11 @@ pub(crate) fn translate(text: &str, file: &str) -> Result<Translation, Vec<Fault
         return Err(fault(Some(line(root)), "expected keys with values at the top".into()));
     };
     let keys: BTreeMap<&str, &MarkedYaml<'_>> = pairs.iter().map(|(key, _, value)| (*key, *value)).collect();
+    if let Some(mode) =
+        keys.get("mode").filter(|mode| !matches!(text(mode), Some("create" | "replace" | "replay")))
+    {
+        return Err(fault(Some(line(mode)), "`mode`: expected create, replace or replay".into()));
+    }
     for (key, at, value) in &pairs {
         writer.key(key, *at, value, &keys);
     }

@@ -93,6 +93,59 @@ const RULES: &[(&str, Rule)] = &[
     ("turn_off_street_lights", Same("lights.street_lamps_off")),
 ];
 
+/// Keys that need more than a new name (`yaml_special` translates them), and what becomes of them.
+const SPECIAL: &[(&str, &str)] = &[
+    ("mode", "the store follows its configuration; `replace` makes `replacement_scene_config` count"),
+    ("train_scene_config", "`scenes.train`"),
+    ("val_scene_config", "`scenes.val`"),
+    ("test_scene_config", "`scenes.test`"),
+    ("replacement_scene_config", "`scenes.redraw`, each of them 1"),
+    ("vehicle_list", "`agents.vehicle_models`, by the nearest body style"),
+    ("vehicle_color_list", "`agents.vehicle_colors`"),
+    ("use_scene_number_for_random_seed", "no effect: every scene has a seed, from its number"),
+    ("random_seed_offset", "`seed`"),
+    ("timestep", "no effect: a frame is 0.05 s"),
+    ("dynamic_settings_adjustments", "False: `traffic.spawn_radius_m` is `npc_spawn_radius`"),
+    ("npc_spawn_radius", "`traffic.spawn_radius_m`, without `dynamic_settings_adjustments`"),
+    ("random_street_light_failure", "False: `lights.street_lamp_failure` is 0"),
+    ("street_light_failure_percentage", "`lights.street_lamp_failure`, as a share"),
+    ("initial_weather", "`weather.initial`"),
+    ("final_weather", "`weather.final`"),
+    ("data_collection_vehicle_spawn_points", "`agents.starts`, mirrored"),
+    ("semantic_lidar_channels", "no effect: the semantic lidar has the rays of the lidar"),
+    ("semantic_lidar_range", "no effect: as above"),
+    ("semantic_lidar_properties", "no effect: as above"),
+];
+
+/// Every key of a SimBEV2X configuration with what becomes of it, as text of a page. Those of sensors stand for
+/// vehicles; with `rsu_` they are about RSUs.
+#[must_use]
+pub fn simbev2x_keys() -> Vec<(String, String)> {
+    let plain = RULES.iter().map(|(key, rule)| {
+        let what = match rule {
+            Same(ours) => format!("`{ours}`"),
+            Percent(ours) => format!("`{ours}`, as a share"),
+            Nothing(why) => format!("no effect: {why}"),
+        };
+        ((*key).to_owned(), what)
+    });
+    let special = SPECIAL.iter().map(|(key, what)| ((*key).to_owned(), (*what).to_owned()));
+    let sensors = SENSOR_KEYS.iter().map(|(key, ours)| ((*key).to_owned(), format!("`vehicle.{ours}`")));
+    let properties = PROPERTY_KEYS.iter().map(|(mapping, key, ours)| {
+        let what = match (*ours, *mapping, *key) {
+            ("", "lidar_properties", "points_per_second") => {
+                "`vehicle.lidar.columns`, points a frame and channel".into()
+            }
+            ("", "radar_properties", "points_per_second") => "`vehicle.radar.rays`, points a frame".into(),
+            ("", _, "rotation_frequency") => "no effect: one turn a frame".into(),
+            ("", ..) => "no effect: `camera_fov` says it".into(),
+            (ours, ..) => format!("`vehicle.{ours}`"),
+        };
+        (format!("{mapping}.{key}"), what)
+    });
+    plain.chain(special).chain(sensors).chain(properties).collect()
+}
+
 /// The rule of a key that is translated by itself.
 pub(crate) fn rule(key: &str) -> Option<Rule> {
     RULES.iter().find(|(name, _)| *name == key).map(|(_, rule)| *rule)
@@ -181,6 +234,19 @@ pub(crate) const MODELS: &[(&str, &str)] = &[
     ("police", "car.police"),
     ("taxi", "car.taxi"),
     ("sprinter", "van.delivery"),
+    ("volkswagen.t2", "van.camper"),
+    ("fusorosa", "bus.city"),
+    ("carlacola", "truck.box"),
+    ("cybertruck", "truck.pickup"),
+    ("european_hgv", "truck.heavy"),
+    ("firetruck", "truck.fire"),
+    ("low_rider", "motorcycle.cruiser"),
+    ("ninja", "motorcycle.sport"),
+    ("yzf", "motorcycle.sport"),
+    ("vespa", "motorcycle.scooter"),
+    ("crossbike", "bicycle.city"),
+    ("omafiets", "bicycle.city"),
+    ("century", "bicycle.road"),
     ("ambulance", "van.ambulance"),
 ];
 

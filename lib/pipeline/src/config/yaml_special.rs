@@ -22,11 +22,15 @@ pub(crate) fn translate(
     let other = |name: &str| all.get(name).copied();
     match key {
         "mode" => match text(value) {
-            Some("create" | "replace") => {}
+            Some("create") => {}
+            Some("replace") => to.warn(
+                at,
+                "`mode`: the scenes of `replacement_scene_config` become their first other draw; for further ones set [scenes.redraw] in a TOML configuration, as another `random_seed_offset` draws all scenes anew".into(),
+            ),
             Some("replay") => {
                 to.warn(at, "`mode`: any stage runs again from the logs, planned as `create`".into())
             }
-            _ => to.warn(at, "`mode`: expected create, replace or replay; planned as `create`".into()),
+            _ => {}
         },
         "train_scene_config" | "val_scene_config" | "test_scene_config" => {
             let split = key.trim_end_matches("_scene_config");
