@@ -7,6 +7,7 @@
 
 use std::collections::VecDeque;
 
+use crate::moving::Glide;
 use crate::net::Net;
 use crate::occupancy::{Occupancy, Spot, is_stranded};
 use crate::sides::{CHANGE_WIDTH_M, Side};
@@ -38,43 +39,26 @@ const CALM_M: f64 = 60.0;
 const END_M: f64 = 150.0;
 /// Middles of lanes side by side lie this far apart, metres.
 const APART_M: [f64; 2] = [2.0, 5.0];
+/// The place on the new lane lies this exactly beside the vehicle, metres.
+const SQUARE_M: f64 = 1e-3;
 
 /// A lane change under way.
 #[derive(Clone, Debug)]
 pub(crate) struct Shift {
-    /// Place to the left of the new lane's middle at the beginning, metres.
-    from_m: f64,
-    /// Way over and way gone, metres.
-    span_m: f64,
-    gone_m: f64,
+    pub(crate) glide: Glide,
     /// The vehicle that was ahead.
     pub(crate) passed: Option<usize>,
 }
 
 impl Shift {
-    /// Goes on; whether the new lane is not reached yet.
-    pub(crate) fn advance(&mut self, step_m: f64) -> bool {
-        self.gone_m += step_m;
-        self.gone_m < self.span_m
-    }
-
-    /// Place to the left of the lane's middle, metres, and its change per metre of way: a quintic whose slope and curvature
-    /// are zero at both ends.
-    pub(crate) fn offset(&self) -> [f64; 2] {
-        let u = (self.gone_m / self.span_m).clamp(0.0, 1.0);
-        let share = u * u * u * (10.0 - u * (15.0 - 6.0 * u));
-        let slope = 30.0 * u * u * (1.0 - u) * (1.0 - u);
-        [self.from_m * (1.0 - share), -self.from_m * slope / self.span_m]
-    }
-
     /// Whether it has left its old lane.
     pub(crate) fn is_out(&self) -> bool {
-        self.gone_m > OUT * self.span_m
+        self.glide.gone_m > OUT * self.glide.span_m
     }
 
     /// The side it goes to.
     pub(crate) fn side(&self) -> Side {
-        if self.from_m > 0.0 { Side::Right } else { Side::Left }
+        if self.glide.from_m > 0.0 { Side::Right } else { Side::Left }
     }
 }
 
@@ -137,6 +121,7 @@ fn begin(net: &Net, occupancy: &mut Occupancy, vehicle: &mut Vehicle, me: usize,
     vehicle.route = VecDeque::from([change.lane]);
     vehicle.along_m = change.along_m;
     vehicle.shift = Some(change.shift);
+    vehicle.slack = None;
     vehicle.changed_m = vehicle.odometer_m;
     vehicle.waiting_since = None;
     vehicle.arrive(net);
@@ -196,7 +181,10 @@ fn look(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize, side:
     // On the lane all the way, between marks that may be crossed, wide enough, and done before the next junction.
     let [first, last] =
         [0.0, OUT * span_m].map(|on| own.way.index((vehicle.along_m + on).min(own.way.length_m)));
-    let level = (target.way.place(along_m).point.z - vehicle.place.point.z).abs() < 1.0;
+    let opposite = target.way.place(along_m);
+    let level = (opposite.point.z - vehicle.place.point.z).abs() < 1.0;
+    // Not before its beginning.
+    let square = opposite.local(&vehicle.place.point)[0].abs() < SQUARE_M;
     let wide = [0.4, 1.0]
         .iter()
         .all(|part| target.way.place(along_m + part * span_m).width_m >= CHANGE_WIDTH_M.max(width + 0.4));
@@ -209,6 +197,7 @@ fn look(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize, side:
         && (from_m > 0.0) == (side == Side::Right)
         && (0.0..target.way.length_m).contains(&along_m)
         && level
+        && square
         && better
         && room_m > span_m + half + 1.0;
     if !reachable {
@@ -222,7 +211,7 @@ fn look(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize, side:
             lane: beside.lane,
             along_m,
             gain,
-            shift: Shift { from_m, span_m, gone_m: 0.0, passed },
+            shift: Shift { glide: Glide { from_m, span_m, gone_m: 0.0 }, passed },
         }),
         None => Found::Full(beside.lane),
     }
@@ -305,23 +294,4 @@ fn room(net: &Net, lane: usize, along_m: f64, limit_m: f64) -> (f64, bool) {
         }
     }
     (room_m, false)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_way_over_begins_and_ends_along_the_lanes() {
-        let at = |gone_m: f64| Shift { from_m: -3.5, span_m: 40.0, gone_m, passed: None }.offset();
-        assert_eq!(at(0.0), [-3.5, 0.0]);
-        assert_eq!(at(40.0)[0].abs(), 0.0);
-        assert!((at(20.0)[0] + 1.75).abs() < 1e-12);
-        for k in 1..400 {
-            let gone = 0.1 * f64::from(k);
-            let slope = (at(gone + 1e-5)[0] - at(gone - 1e-5)[0]) / 2e-5;
-            assert!((at(gone)[1] - slope).abs() < 1e-8, "at {gone}: {} instead of {slope}", at(gone)[1]);
-            assert!((0.0..=1.875 * 3.5 / 40.0 + 1e-12).contains(&at(gone)[1]));
-        }
-    }
 }

@@ -17,6 +17,7 @@ mod input;
 mod junction;
 mod links;
 mod log;
+mod moving;
 mod net;
 mod occupancy;
 mod paths;

@@ -302,7 +302,7 @@ impl<'a> Simulation<'a> {
                 world_from_object: vehicle_pose(vehicle),
                 world_from_object_before: self.before[i],
                 steer_rad: vehicle.steer_rad,
-                phase_rad: vehicle.odometer_m / vehicle.model.wheel_radius_m.max(0.05),
+                phase_rad: vehicle.rolled_m / vehicle.model.wheel_radius_m.max(0.05),
                 lights: vehicle_lamps(&self.net, vehicle, lamps, emergency),
             };
             rows.push(snapshot.row(frame));
@@ -370,6 +370,7 @@ fn place_vehicles(
             route: VecDeque::from([start.lane]),
             along_m: start.along_m,
             odometer_m: 0.0,
+            rolled_m: 0.0,
             speed_mps: 0.0,
             acceleration_mps2: 0.0,
             yaw_rad: start.yaw_rad,
@@ -377,6 +378,7 @@ fn place_vehicles(
             steer_rad: 0.0,
             sway: Sway::default(),
             shift: None,
+            slack: None,
             pocket: None,
             asks: None,
             changed_m: 0.0,

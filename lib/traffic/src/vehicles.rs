@@ -2,15 +2,14 @@
 
 use std::collections::VecDeque;
 
-use nalgebra::Point3;
 use random::Stream;
-use schema::FRAME_PERIOD_S;
 use schema::models::{BaseType, Model};
 
 use crate::bodies::Body;
 use crate::change::Shift;
 use crate::driver::{COMFORT_BRAKING, Idm, envelope};
 use crate::junction::Held;
+use crate::moving::Glide;
 use crate::net::{Net, PLANNED_BRAKING};
 use crate::occupancy::{Occupancy, is_stranded};
 use crate::sides::Side;
@@ -36,12 +35,6 @@ const WRECK_GAP_M: f64 = 6.0;
 /// Gap to the rear of a vehicle that is being passed, metres, and free space beside it.
 const PASSED_GAP_M: f64 = 0.5;
 const PASSED_ASIDE_M: f64 = 0.3;
-/// Vehicles longer than this steer their rear wheels a little, too, or they would not get round town corners, metres.
-const LONG_M: f64 = 7.0;
-/// The point of such a vehicle that never slides sideways is this far behind its middle, metres.
-const STEERED_HITCH_M: f64 = 1.6;
-/// Largest steering angle, radians.
-const MAX_STEER_RAD: f64 = 0.7;
 
 /// Who drives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,8 +80,10 @@ pub(crate) struct Vehicle {
     pub(crate) route: VecDeque<usize>,
     /// Way on the first lane, metres.
     pub(crate) along_m: f64,
-    /// Way since the start, metres.
+    /// Way along lanes since the start, metres.
     pub(crate) odometer_m: f64,
+    /// Way in space since the start, metres.
+    pub(crate) rolled_m: f64,
     pub(crate) speed_mps: f64,
     pub(crate) acceleration_mps2: f64,
     pub(crate) yaw_rad: f64,
@@ -98,6 +93,8 @@ pub(crate) struct Vehicle {
     pub(crate) sway: Sway,
     /// The lane change under way.
     pub(crate) shift: Option<Shift>,
+    /// What it is off its way since a seam where two ways do not quite meet.
+    pub(crate) slack: Option<Glide>,
     /// The turn lane beside that it means to take.
     pub(crate) pocket: Option<usize>,
     /// The lane beside that it must change to and finds no gap on.
@@ -273,87 +270,5 @@ impl Vehicle {
         let free = 0.5 * (self.model.size_m[1] + other.model.size_m[1]) + PASSED_ASIDE_M;
         let gap = ahead - self.half_length_m() - other.half_length_m();
         (aside < free && ahead > 0.0).then_some((gap, other.speed_mps))
-    }
-
-    /// Metres along the lane per metre of way: fewer while crossing over, more on the inside of a bend.
-    fn along_per_metre(&self, net: &Net) -> f64 {
-        let Some(shift) = &self.shift else { return 1.0 };
-        let [left, slope] = shift.offset();
-        let bent = 1.0 - left * net.lanes[self.route[0]].way.curvature(self.along_m);
-        1.0 / (slope * slope + bent * bent).sqrt().max(0.5)
-    }
-
-    /// The place of the followed point: on the route, or beside it in a lane change.
-    fn place_on(&self, net: &Net) -> Place {
-        let mut place = net.lanes[self.route[0]].way.place(self.along_m);
-        if let Some(shift) = &self.shift {
-            let [left, slope] = shift.offset();
-            let (sin, cos) = frames::math::sin_cos(place.heading_rad);
-            let up = left * frames::math::tan(place.roll_rad);
-            place.point += nalgebra::Vector3::new(-sin * left, cos * left, up);
-            place.heading_rad = frames::wrap_pi(place.heading_rad + frames::math::atan(slope));
-        }
-        place
-    }
-
-    /// Moves the followed point one step along the route, and turns the body after it: the rear axle never slides
-    /// sideways (the kinematic bicycle with its reference in the middle between the axles).
-    pub(crate) fn advance(&mut self, net: &Net, acceleration_mps2: f64) {
-        let dt = FRAME_PERIOD_S;
-        let mut speed = (self.speed_mps + acceleration_mps2 * dt).max(0.0);
-        if speed < 0.02 && acceleration_mps2 < 0.1 {
-            speed = 0.0;
-        }
-        let mut step = 0.5 * (self.speed_mps + speed) * dt;
-        let remaining: f64 =
-            self.route.iter().map(|&l| net.lanes[l].way.length_m).sum::<f64>() - self.along_m;
-        if step >= remaining {
-            step = remaining.max(0.0);
-            speed = 0.0;
-        }
-        self.acceleration_mps2 = (speed - self.speed_mps) / dt;
-        self.speed_mps = speed;
-        let before_rad = self.yaw_rad;
-        if step > 0.0 {
-            let on = step * self.along_per_metre(net);
-            self.along_m += on;
-            self.odometer_m += on;
-            if self.shift.as_mut().is_some_and(|shift| !shift.advance(step)) {
-                self.shift = None;
-            }
-            while self.route.len() > 1 && self.along_m >= net.lanes[self.route[0]].way.length_m {
-                self.along_m -= net.lanes[self.route[0]].way.length_m;
-                self.route.pop_front();
-                self.arrive(net);
-            }
-            self.extend_route(net);
-            self.place = self.place_on(net);
-            // A wheel dragged along a line: tan(slip / 2) decays with the way over the distance from the rear axle.
-            let half_base = 0.5 * self.model.wheelbase_m.max(0.5);
-            let hitch =
-                if self.model.size_m[0] > LONG_M { half_base.min(STEERED_HITCH_M) } else { half_base };
-            let slip = frames::wrap_pi(self.place.heading_rad - self.yaw_rad).clamp(-1.5, 1.5);
-            let half = frames::math::tan(0.5 * slip) * frames::math::exp(-step / hitch);
-            let slip = 2.0 * frames::math::atan(half);
-            self.yaw_rad = frames::wrap_pi(self.place.heading_rad - slip);
-            // Bicycle model: the front axle turns about the same point as the middle does.
-            let front = (hitch + half_base) / hitch;
-            self.steer_rad =
-                frames::math::atan(front * frames::math::tan(slip)).clamp(-MAX_STEER_RAD, MAX_STEER_RAD);
-        }
-        let turn = frames::wrap_pi(self.yaw_rad - before_rad) / dt;
-        let two_wheeled = matches!(self.model.base, BaseType::Motorcycle | BaseType::Bicycle);
-        self.sway.step(self.acceleration_mps2, speed * turn, two_wheeled, dt);
-    }
-
-    /// Ground point under a crashed vehicle: the plane of the last place on the route.
-    pub(crate) fn slide_to(&mut self, x_m: f64, y_m: f64) {
-        let place = &mut self.place;
-        let (sin, cos) = frames::math::sin_cos(place.heading_rad);
-        let (dx, dy) = (x_m - place.point.x, y_m - place.point.y);
-        let (ahead, left) = (dx * cos + dy * sin, dy * cos - dx * sin);
-        let z = place.point.z - ahead * frames::math::tan(place.pitch_rad)
-            + left * frames::math::tan(place.roll_rad);
-        place.point = Point3::new(x_m, y_m, z);
     }
 }

@@ -37,6 +37,15 @@ pub(crate) struct Place {
     pub(crate) width_m: f64,
 }
 
+impl Place {
+    /// Metres ahead of and to the left of it.
+    pub(crate) fn local(&self, point: &Point3<f64>) -> [f64; 2] {
+        let (sin, cos) = frames::math::sin_cos(self.heading_rad);
+        let away = point - self.point;
+        [away.x * cos + away.y * sin, away.y * cos - away.x * sin]
+    }
+}
+
 /// A lane's centre line in the direction of travel.
 #[derive(Clone, Debug)]
 pub(crate) struct Way {
@@ -145,6 +154,18 @@ impl Way {
         }
     }
 
+    /// The place at a distance, before the beginning and beyond the end on the straight line that goes on there.
+    pub(crate) fn place_beyond(&self, along_m: f64) -> Place {
+        let mut place = self.place(along_m);
+        let over_m = along_m - along_m.clamp(0.0, self.length_m);
+        if over_m != 0.0 {
+            let (sin, cos) = frames::math::sin_cos(place.heading_rad);
+            let (down, flat) = frames::math::sin_cos(place.pitch_rad);
+            place.point += Vector3::new(cos * flat, sin * flat, -down) * over_m;
+        }
+        place
+    }
+
     /// The nearest distance along the way to a point, and the point's offset to the left, by the chords of the samples.
     pub(crate) fn project(&self, point: Point3<f64>) -> (f64, f64) {
         let mut best = (f64::INFINITY, 0.0, 0.0);
@@ -170,11 +191,21 @@ impl Way {
         let mut along_m = near_m;
         let mut left_m = 0.0;
         for _ in 0..4 {
-            let place = self.place(along_m);
-            let (sin, cos) = frames::math::sin_cos(place.heading_rad);
-            let away = point - place.point;
-            left_m = away.y * cos - away.x * sin;
-            along_m = (along_m + away.x * cos + away.y * sin).clamp(0.0, self.length_m);
+            let [ahead, left] = self.place(along_m).local(&point);
+            left_m = left;
+            along_m = (along_m + ahead).clamp(0.0, self.length_m);
+        }
+        (along_m, left_m)
+    }
+
+    /// The same on the way and its straight continuations.
+    pub(crate) fn cross_beyond(&self, point: Point3<f64>, near_m: f64) -> (f64, f64) {
+        let mut along_m = near_m;
+        let mut left_m = 0.0;
+        for _ in 0..8 {
+            let [ahead, left] = self.place_beyond(along_m).local(&point);
+            left_m = left;
+            along_m += ahead;
         }
         (along_m, left_m)
     }

@@ -16,6 +16,8 @@ pub(crate) const DT: f64 = schema::FRAME_PERIOD_S;
 pub(crate) const SAMPLE: usize = 10;
 /// Lanes whose direction differs by more than this are not the vehicle's own, radians.
 const ASKEW_RAD: f64 = 0.7;
+/// Ends of lanes farther from each other than this do not meet, metres.
+const APART_M: f64 = 0.1;
 /// Ways ahead are followed this far beyond the end of a track, metres.
 const BEYOND_M: f64 = 24.0;
 /// Distance between the points of a way ahead, metres.
@@ -105,6 +107,8 @@ pub(crate) struct Film<'a> {
     pub(crate) vehicles: Vec<Body>,
     pub(crate) walkers: Vec<Body>,
     pub(crate) holds: Vec<Hold>,
+    /// Ends of lanes that the map links to beginnings which lie elsewhere, with how far apart, metres.
+    pub(crate) leaps: Vec<(Point3<f64>, f64)>,
     /// States of each track.
     pub(crate) states: usize,
 }
@@ -143,7 +147,7 @@ impl<'a> Film<'a> {
         };
         let (vehicles, walkers) = (bodies("vehicle"), bodies("walker"));
         let states = vehicles.first().or(walkers.first()).map_or(0, |b| b.track.len());
-        Self { map, vehicles, walkers, holds: holds(map, log), states }
+        Self { map, vehicles, walkers, holds: holds(map, log), leaps: leaps(map), states }
     }
 
     /// Every sampled state.
@@ -213,6 +217,18 @@ fn way(map: &Map, track: &[Snap]) -> (Vec<(f64, Point3<f64>)>, Vec<f64>) {
         }
     }
     (way, gone_m)
+}
+
+/// Where the map leads from the end of one lane to the beginning of one that lies apart: vehicles go over before.
+fn leaps(map: &Map) -> Vec<(Point3<f64>, f64)> {
+    let at = |lane, along_m| map.point_at(LanePos { lane, along_m }).map(|p| p.position);
+    let mut found = Vec::new();
+    for lane in map.lanes().iter().filter(|l| l.lane_type.is_drivable()) {
+        let Some(end) = at(lane.id, lane.s_length()) else { continue };
+        let starts = map.successors(lane.id).iter().filter_map(|&next| at(next, 0.0));
+        found.extend(starts.map(|s| (end, (s - end).norm())).filter(|(_, apart_m)| *apart_m > APART_M));
+    }
+    found
 }
 
 /// Lights, and stop and yield signs, with where they hold traffic.

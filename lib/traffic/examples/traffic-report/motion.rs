@@ -16,6 +16,8 @@ const MOVING_MPS: f64 = 3.0;
 const STEADY: usize = 80;
 /// Vehicles that change lanes are off their lane by more than this before and after, metres.
 const CHANGING_M: f64 = 0.25;
+/// Vehicles come by within this distance of the place where lanes that the map links lie apart, metres, and that distance.
+const LEAP_M: f64 = 5.0;
 
 /// Figures of ordinary drivers who never crashed.
 #[derive(Debug, Default)]
@@ -72,26 +74,23 @@ fn forces(body: &Body, end: usize, motion: &mut Motion) {
 fn on_lanes(film: &Film<'_>, body: &Body, end: usize, motion: &mut Motion) {
     let samples: Vec<usize> = film.samples().filter(|i| *i < end).collect();
     let hits: Vec<_> = samples.iter().map(|&i| film.lane(&body.track[i])).collect();
-    // A lane change: on the same road, not on what the lane before leads to.
     let changes: Vec<usize> = (1..hits.len())
         .filter(|&k| match (&hits[k - 1], &hits[k]) {
-            (Some(a), Some(b)) => {
-                let (a, b) = (a.lane, b.lane);
-                let lane = film.map.lane(b);
-                a.road == b.road
-                    && a != b
-                    && !leads_to(film, a, b)
-                    && lane.is_some_and(|l| l.junction.is_none())
-            }
+            (Some(a), Some(b)) => changes_over(film, a.lane, b.lane),
             _ => false,
         })
         .map(|k| samples[k])
         .collect();
     motion.lane_changes += changes.len();
     let offsets: Vec<f64> = hits.iter().map(|hit| hit.map_or(3.5, |h| h.distance_m)).collect();
-    // What is off the lane without a break before or after a change, or when the scene ends, belongs to a change.
+    // What is off the lane without a break before or after a change, or when the scene ends, belongs to a change; so does
+    // what is off where the map itself leads from the end of one lane to the beginning of another one that lies apart.
     let mut changing = vec![false; offsets.len() + 1];
-    for k in changes.iter().map(|c| c / SAMPLE).chain([offsets.len()]) {
+    let led_over = (0..samples.len()).filter(|&k| {
+        let at = body.track[samples[k]].at;
+        film.leaps.iter().any(|(leap, apart_m)| (leap - at).norm() < apart_m + LEAP_M)
+    });
+    for k in changes.iter().map(|c| c / SAMPLE).chain(led_over).chain([offsets.len()]) {
         changing[k] = true;
         (k..offsets.len()).take_while(|&j| offsets[j] > CHANGING_M).for_each(|j| changing[j] = true);
         (0..k).rev().take_while(|&j| offsets[j] > CHANGING_M).for_each(|j| changing[j] = true);
@@ -112,6 +111,17 @@ fn on_lanes(film: &Film<'_>, body: &Body, end: usize, motion: &mut Motion) {
             motion.free_flow.push(body.track[i].speed_mps / limit);
         }
     }
+}
+
+/// Whether who is on one lane and then on another one has changed lanes: outside junctions, not to what the first lane leads
+/// to, but to another lane of the same road or beside what it leads to.
+fn changes_over(film: &Film<'_>, from: LaneId, to: LaneId) -> bool {
+    let outside = film.map.lane(to).is_some_and(|l| l.junction.is_none());
+    let beside = || {
+        let lanes = [film.map.left_of(to), film.map.right_of(to)].into_iter().flatten();
+        lanes.filter(|l| film.map.same_direction(*l, to)).any(|l| leads_to(film, from, l))
+    };
+    from != to && outside && !leads_to(film, from, to) && (from.road == to.road || beside())
 }
 
 /// Whether a lane leads to another one, over at most one between.

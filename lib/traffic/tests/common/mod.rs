@@ -7,9 +7,9 @@ use std::path::Path;
 
 use frames::math::sin_cos;
 use opendrive::{
-    Connection, ContactPoint, Controller, Cubic, Geometry, Junction, JunctionController, Lane, LaneLink,
-    LaneSection, LaneType, LaneValidity, Map, MarkType, Network, Road, RoadLink, RoadMark, RoadType, Signal,
-    Speed, SpeedUnit, read_bytes,
+    Connection, ContactPoint, Controller, Cubic, Curve, Geometry, Junction, JunctionController, Lane,
+    LaneLink, LaneSection, LaneType, LaneValidity, Map, MarkType, Network, Road, RoadLink, RoadMark,
+    RoadType, Signal, Speed, SpeedUnit, read_bytes,
 };
 use schema::settings::{DatasetSettings, TrafficSettings};
 use schema::tables::{ActorRow, PlanAgentRow, PlanSceneRow, StateRow, Weather};
@@ -122,6 +122,41 @@ pub(crate) fn two_lanes(between: MarkType, right_ends_m: Option<f64>) -> Map {
             ];
         }
     }
+    Map::new(Network { roads: vec![road], ..Network::default() })
+}
+
+/// Two lanes with broken marks between them, 150 m to the east; there the next road begins, at an angle, and bends: as much
+/// as files have of both.
+pub(crate) fn bent_seam() -> Map {
+    let lanes = |on: &str| {
+        let mut pair = [lane(-1, LaneType::Driving, 3.5), lane(-2, LaneType::Driving, 3.5)];
+        pair[0].marks = vec![RoadMark { mark_type: MarkType::Broken, ..RoadMark::default() }];
+        for l in &mut pair {
+            (if on == "1" { &mut l.successors } else { &mut l.predecessors }).push(l.id);
+        }
+        LaneSection { right: pair.to_vec(), ..LaneSection::default() }
+    };
+    let mut first = town_road("1", 0.0, 0.0, 0.0, 150.0, lanes("1"));
+    first.successor = Some(RoadLink::Road { id: "2".into(), contact: ContactPoint::Start });
+    let mut second = town_road("2", 150.0, 0.0, 0.03, 250.0, lanes("2"));
+    second.plan_view[0].curve = Curve::Arc { curvature: 1.0 / 60.0 };
+    second.predecessor = Some(RoadLink::Road { id: "1".into(), contact: ContactPoint::End });
+    Map::new(Network { roads: vec![first, second], ..Network::default() })
+}
+
+/// A road of one lane: 20 m to the east, then 270 degrees to the left on a circle, the lane's middle at a radius.
+pub(crate) fn circle(radius_m: f64) -> Map {
+    let section = LaneSection { right: vec![lane(-1, LaneType::Driving, 3.5)], ..LaneSection::default() };
+    let arc_m = 1.5 * std::f64::consts::PI * (radius_m - 1.75);
+    let mut road = town_road("1", 0.0, 0.0, 0.0, 20.0 + arc_m, section);
+    road.plan_view[0].length_m = 20.0;
+    road.plan_view.push(Geometry {
+        s: 20.0,
+        x_m: 20.0,
+        length_m: arc_m,
+        curve: Curve::Arc { curvature: 1.0 / (radius_m - 1.75) },
+        ..Geometry::default()
+    });
     Map::new(Network { roads: vec![road], ..Network::default() })
 }
 

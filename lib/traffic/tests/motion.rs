@@ -1,0 +1,106 @@
+//! How vehicles move: as fast as their drivers wish, along their lanes, without sliding sideways.
+
+mod common;
+
+use common::{agent, agents_on, bent_seam, carla, circle, collisions, run, scene, settings, tracks, yaw};
+use frames::math::{atan, sin_cos};
+use opendrive::Map;
+use schema::models;
+use schema::tables::StateRow;
+use traffic::SceneLog;
+
+/// Speed in space over the step before a state, m/s.
+fn speed(state: &StateRow) -> f64 {
+    nalgebra::Vector3::from(state.velocity_mps.map(f64::from)).norm()
+}
+
+/// Strongest braking and acceleration of speeds in space, m/s2, of all vehicles of a log that nothing hits.
+fn extremes(log: &SceneLog) -> [f64; 2] {
+    let tracks = tracks(log);
+    let vehicles = log.actors.iter().filter(|a| a.kind == "vehicle");
+    let pairs = vehicles.flat_map(|a| tracks[&a.id].windows(2));
+    let rates = pairs.map(|p| (speed(p[1]) - speed(p[0])) / 0.05);
+    rates.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], a| [least.min(a), most.max(a)])
+}
+
+#[test]
+fn no_seam_makes_a_vehicle_faster_or_slower() {
+    let map = bent_seam();
+    let mut straddled = 0;
+    for k in 0..12 {
+        let x = 20.0 + 5.0 * f64::from(k);
+        let mut agents = vec![agent(0, [x + 40.0, -5.25, 0.0], 0.0), agent(1, [x, -5.25, 0.0], 0.0)];
+        agents[0].speed_difference = 0.6;
+        let log = run(&map, &scene(20.0), &agents, &settings());
+        assert_eq!(collisions(&log, false), []);
+        let track = &tracks(&log)[&2];
+        let over =
+            |s: &&&StateRow| (148.0..152.0).contains(&s.xyz_m[0]) && (-4.7..-2.3).contains(&s.xyz_m[1]);
+        straddled += usize::from(track.iter().any(|s| over(&s)));
+        // What drivers can do at most, and the speed limits' ends.
+        let [braking, acceleration] = extremes(&log);
+        assert!(braking > -8.01 && acceleration < 3.01, "{k}: {braking} {acceleration}");
+        // Nor is one pushed sideways: 3 m/s2 of the bend, 2 m/s2 of the way over, and the angle, turned over a metre or so.
+        for pair in track.windows(2) {
+            let turned = frames::wrap_pi(yaw(pair[1].quaternion) - yaw(pair[0].quaternion));
+            assert!(turned.abs() / 0.05 * speed(pair[1]) < 7.0, "{:?}", pair[1]);
+        }
+    }
+    assert!(straddled >= 2, "{straddled} crossed over the seam");
+}
+
+#[test]
+fn vehicles_go_as_fast_as_their_drivers_wish_on_any_map() {
+    let town = |name: &str| Some(Map::new(town::generate(&town::named(name)?).ok()?));
+    let maps = [
+        ("convoy/demo", town("convoy/demo")),
+        ("Town10HD", carla("Town10HD.xodr")),
+        ("Town04", carla("Town04.xodr")),
+        ("Town05", carla("Town05.xodr")),
+    ];
+    for (name, map) in maps {
+        let Some(map) = map else { continue };
+        let mut scene = scene(40.0);
+        scene.background_vehicles = Some(80);
+        let log = run(&map, &scene, &agents_on(&map, 4, 7), &settings());
+        assert_eq!(collisions(&log, false), [], "{name}");
+        let [braking, acceleration] = extremes(&log);
+        assert!(braking > -8.05 && acceleration < 3.05, "{name}: {braking} {acceleration}");
+    }
+}
+
+#[test]
+fn on_a_circle_the_wheels_roll_where_they_point() {
+    for (model, radius_m) in [("car.sedan", 12.0), ("car.sedan", 40.0), ("motorcycle.sport", 15.0)] {
+        let rider = schema::tables::PlanAgentRow { model: model.into(), ..agent(0, [5.0, -1.75, 0.0], 0.0) };
+        let log = run(&circle(radius_m), &scene(40.0), &[rider], &settings());
+        let base = models::find(model).expect("a model").wheelbase_m;
+        // The middle between the axles goes round on the circle, the rear axle on a smaller one about the same point.
+        let rear_m = (radius_m * radius_m - 0.25 * base * base).sqrt();
+        let expected = atan(base / rear_m);
+        let track = &tracks(&log)[&1];
+        let mut checked = 0;
+        for pair in track.windows(2) {
+            let [before, now] = pair else { continue };
+            let turn = frames::wrap_pi(yaw(now.quaternion) - yaw(before.quaternion));
+            let (sin, cos) = sin_cos(yaw(before.quaternion) + 0.5 * turn);
+            let rear = |s: &StateRow| {
+                let (sin, cos) = sin_cos(yaw(s.quaternion));
+                [s.xyz_m[0] - 0.5 * base * cos, s.xyz_m[1] - 0.5 * base * sin]
+            };
+            let ([x0, y0], [x1, y1]) = (rear(before), rear(now));
+            let slide = ((y1 - y0) * cos - (x1 - x0) * sin) / 0.05;
+            assert!(slide.abs() < 0.02, "{model} on {radius_m} m slides at {slide} m/s: {now:?}");
+            // Well into the bend, as long as it rolls.
+            let in_bend = now.xyz_m[0] < 20.0 && now.xyz_m[1] > radius_m - 1.75 && speed(now) > 1.0;
+            if in_bend {
+                assert!((f64::from(now.steer_rad) - expected).abs() < 0.01, "{} {expected}", now.steer_rad);
+                let rolled = f64::from(now.phase_rad - before.phase_rad);
+                let wheel = models::find(model).expect("a model").wheel_radius_m;
+                assert!((rolled * wheel - 0.05 * speed(now)).abs() < 1e-3, "{rolled}");
+                checked += 1;
+            }
+        }
+        assert!(checked > 20, "{checked} states in the bend");
+    }
+}
