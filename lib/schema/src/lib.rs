@@ -7,6 +7,7 @@ pub mod agent;
 pub mod bev;
 pub mod class;
 pub mod fleet;
+pub mod footprint;
 pub mod geometry;
 pub mod lights;
 pub mod measures;

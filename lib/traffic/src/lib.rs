@@ -12,6 +12,7 @@ mod change;
 mod crowd;
 mod driver;
 mod error;
+mod fixtures;
 mod hazards;
 mod input;
 mod junction;

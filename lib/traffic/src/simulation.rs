@@ -7,6 +7,7 @@ use frames::{LocalOrigin, Object, Pose, World};
 use nalgebra::Point3;
 use opendrive::Map;
 use random::Stream;
+use schema::footprint::footprint;
 use schema::models;
 use schema::tables::{FrameRow, SignalRow, StateRow, Weather};
 use schema::{FRAME_PERIOD_S, ObjectId};
@@ -15,6 +16,7 @@ use crate::bodies::Bodies;
 use crate::change::change_lanes;
 use crate::crowd::Crowd;
 use crate::driver::{COMFORT_BRAKING, MAX_ACCELERATION, MAX_BRAKING};
+use crate::fixtures::Fixtures;
 use crate::junction::Reservations;
 use crate::log::{Snapshot, rsu_actor, vehicle_actor, vehicle_lamps, walker_actor, weather_lamps};
 use crate::net::Net;
@@ -24,7 +26,7 @@ use crate::signals::Signals;
 use crate::spawn::{Start, ids, vehicle_starts};
 use crate::sway::Sway;
 use crate::vehicles::{Vehicle, wished_acceleration};
-use crate::walkers::Walker;
+use crate::walkers::{Place, Walker};
 use crate::{SceneInput, SceneLog, TrafficError};
 
 /// Longest warm-up, seconds.
@@ -84,6 +86,7 @@ struct Simulation<'a> {
     net: Net,
     signals: Signals,
     paths: Paths,
+    fixtures: Fixtures,
     vehicles: Vec<Vehicle>,
     starts: Vec<Start>,
     walkers: Vec<Walker>,
@@ -144,12 +147,16 @@ impl<'a> Simulation<'a> {
         }
         let mut reservations = Reservations::new(net.lanes.len());
         let vehicles = place_vehicles(&net, &starts, input, &mut bodies, &mut reservations);
-        let walkers = place_walkers(input, &paths, &places, &mut bodies);
+        let standing: Vec<_> =
+            hazard_ids.iter().zip(&hazards.things).map(|(id, thing)| thing.actor(*id)).collect();
+        let fixed = input.fixed.iter().chain(log.actors.iter().filter(|a| a.fixed)).chain(&standing);
+        let fixtures = Fixtures::new(fixed.filter_map(footprint));
+        let walkers = place_walkers(input, &paths, &fixtures, &places, &mut bodies);
         for ((walker, anywhere), id) in walkers.iter().zip(walker_ids) {
             log.actors.push(walker_actor(*id, walker, *anywhere));
             log.n_walkers += 1;
         }
-        log.actors.extend(hazard_ids.iter().zip(&hazards.things).map(|(id, thing)| thing.actor(*id)));
+        log.actors.extend(standing);
         add_fixed(input, &net, &mut bodies);
         let mut occupancy = Occupancy::new(net.lanes.len());
         for (i, thing) in hazards.things.iter().enumerate() {
@@ -167,6 +174,7 @@ impl<'a> Simulation<'a> {
             net,
             signals,
             paths,
+            fixtures,
             vehicles,
             starts,
             walkers: walkers.into_iter().map(|(walker, _)| walker).collect(),
@@ -226,8 +234,8 @@ impl<'a> Simulation<'a> {
         }
         for (me, walker) in self.walkers.iter_mut().enumerate() {
             let was_on_road = walker.is_on_road();
-            let (paths, net) = (&self.paths, &self.net);
-            walker.step(paths, net, &self.occupancy, &self.vehicles, time_s, &mut crowd, me);
+            let place = Place { paths: &self.paths, fixtures: &self.fixtures, net: &self.net };
+            walker.step(&place, &self.occupancy, &self.vehicles, time_s, &mut crowd, me);
             if walker.is_on_road() != was_on_road {
                 self.bodies.set_on_road(walker.body, walker.is_on_road());
             }
@@ -408,6 +416,7 @@ fn place_vehicles(
 fn place_walkers(
     input: &SceneInput<'_>,
     paths: &Paths,
+    fixtures: &Fixtures,
     places: &[(usize, usize, f64)],
     bodies: &mut Bodies,
 ) -> Vec<(Walker, bool)> {
@@ -423,7 +432,7 @@ fn place_walkers(
         let owner = WALKERS + i as u32;
         let make_body = |at: &Point3<f64>| bodies.walker(at, model.size_m, owner);
         let mut walker = Walker::new(model, color, draw, paths, (way, along), speed, anywhere, make_body);
-        walker.find_room(paths, &crowd);
+        walker.find_room(paths, fixtures, &crowd);
         crowd.add(walker.point, walker.velocity_mps, walker.radius_m());
         walkers.push((walker, anywhere));
     }

@@ -7,6 +7,7 @@ use schema::models::Model;
 
 use crate::bodies::Body;
 use crate::crowd::{Crowd, Wish, radius_m};
+use crate::fixtures::Fixtures;
 use crate::net::Net;
 use crate::occupancy::Occupancy;
 use crate::paths::{Crossing, Paths};
@@ -61,6 +62,13 @@ enum Mode {
     ToWalk,
     /// Hit by a vehicle.
     Struck,
+}
+
+/// Where walkers walk, and what stands there.
+pub(crate) struct Place<'a> {
+    pub(crate) paths: &'a Paths,
+    pub(crate) fixtures: &'a Fixtures,
+    pub(crate) net: &'a Net,
 }
 
 /// A walker.
@@ -123,7 +131,7 @@ impl Walker {
     }
 
     /// Moves a walker who would start in another one along its sidewalk to the nearest place where it does not.
-    pub(crate) fn find_room(&mut self, paths: &Paths, crowd: &Crowd) {
+    pub(crate) fn find_room(&mut self, paths: &Paths, fixtures: &Fixtures, crowd: &Crowd) {
         let length = paths.ways[self.way].length_m;
         let Mode::Along { forward } = self.mode else { return };
         let share = if forward { self.offset } else { -self.offset };
@@ -133,7 +141,7 @@ impl Walker {
             .filter(|along| (0.0..=length).contains(along))
             .find_map(|along| {
                 let point = paths.point(self.way, along, share).0;
-                crowd.is_free(point, self.radius_m()).then_some((along, point))
+                crowd.is_free(point, self.radius_m(), fixtures).then_some((along, point))
             });
         if let Some((along, point)) = free {
             (self.along_m, self.point) = (along, point);
@@ -178,21 +186,20 @@ impl Walker {
     }
 
     /// One step of walker `me` of the crowd.
-    #[allow(clippy::too_many_arguments)] // The world, and who the walker is in it.
     pub(crate) fn step(
         &mut self,
-        paths: &Paths,
-        net: &Net,
+        place: &Place<'_>,
         occupancy: &Occupancy,
         vehicles: &[Vehicle],
         time_s: f64,
         crowd: &mut Crowd,
         me: usize,
     ) {
+        let &Place { paths, fixtures, net } = place;
         let wish = match self.mode.clone() {
             Mode::Struck => None,
             Mode::Along { forward } => {
-                self.turn_off(paths, net, forward);
+                self.turn_off(place, forward);
                 // Who turned off thinks anew in the next step.
                 matches!(self.mode, Mode::Along { .. }).then(|| self.along_wish(paths, forward))
             }
@@ -234,8 +241,8 @@ impl Walker {
         let before = self.point;
         match wish {
             Some((wish, height_m)) => {
-                let velocity = crowd.velocity(me, &wish);
-                let moved = crowd.step(me, velocity * FRAME_PERIOD_S);
+                let velocity = crowd.velocity(me, &wish, fixtures);
+                let moved = crowd.step(me, velocity * FRAME_PERIOD_S, fixtures);
                 self.velocity_mps = moved / FRAME_PERIOD_S;
                 (self.point.x, self.point.y) = (before.x + moved.x, before.y + moved.y);
                 let rise = moved.norm();
@@ -262,10 +269,11 @@ impl Walker {
     }
 
     /// Leaves the sidewalk for the road now and then, where that is this walker's way, and turns about where it is stuck.
-    fn turn_off(&mut self, paths: &Paths, net: &Net, forward: bool) {
+    fn turn_off(&mut self, place: &Place<'_>, forward: bool) {
         if self.anywhere
             && self.stream.chance(CROSS_ANYWHERE)
-            && let Some(crossing) = paths.straight_over(net, self.way, self.point)
+            && let Some(crossing) = place.paths.straight_over(place.net, self.way, self.point)
+            && place.fixtures.is_way_free(crossing.ends[0], crossing.ends[1], self.radius_m())
         {
             self.mode = Mode::ToKerb { crossing, side: 0 };
         } else if self.stuck_s > STUCK_S {

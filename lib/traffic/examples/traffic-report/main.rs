@@ -12,6 +12,7 @@ mod lights;
 mod motion;
 mod scenes;
 mod standing;
+mod things;
 mod touching;
 
 use std::io::Write;
@@ -31,10 +32,11 @@ struct Report {
     lights: lights::Lights,
     motion: motion::Motion,
     standing: standing::Standing,
+    inside: Vec<things::Inside>,
 }
 
 fn watch(plan: &Plan, dump: Option<&Path>) -> Report {
-    let (map, log) = plan.simulate();
+    let (map, fixed, log) = plan.simulate();
     let mut film = Film::new(&map, &log);
     if let Some(folder) = dump
         && let Err(fault) = write(&film, &folder.join(plan.name().replace(['/', ' '], "-") + ".csv"))
@@ -42,6 +44,7 @@ fn watch(plan: &Plan, dump: Option<&Path>) -> Report {
         println!("{}: {fault}", folder.display());
     }
     let touching = touching::find(&mut film);
+    let fixed: Vec<_> = fixed.iter().chain(log.actors.iter().filter(|a| a.fixed)).collect();
     Report {
         name: plan.name(),
         vehicles: film.vehicles.len(),
@@ -50,6 +53,7 @@ fn watch(plan: &Plan, dump: Option<&Path>) -> Report {
         lights: lights::measure(&film),
         motion: motion::measure(&film),
         standing: standing::measure(&film),
+        inside: things::measure(&film, &fixed),
     }
 }
 
@@ -143,6 +147,10 @@ fn print(reports: &[Report], faults: bool) {
     println!("| ordinary drivers who touch a walker | {} |", sum(|r| r.touching.vehicle_walker.len()));
     println!("| walkers who touch a walker | {} |", sum(|r| r.touching.walker_walker));
     println!(
+        "| walkers in a building, a parked car, a pole or another thing | {} |",
+        sum(|r| r.inside.len())
+    );
+    println!(
         "| red-light runs of ordinary drivers (of {} passages) | {} |",
         sum(|r| r.lights.passages),
         sum(|r| r.lights.red_runs.len())
@@ -200,6 +208,7 @@ fn print(reports: &[Report], faults: bool) {
                 "{}: collisions {:?}, walkers {:?}, red {:?}",
                 r.name, r.touching.ordinary, r.touching.vehicle_walker, r.lights.red_runs
             );
+            println!("  walkers in things {:?}", r.inside);
             println!("  braking {:?}, offset {:?}", r.motion.worst_braking, r.motion.worst_offset);
             println!("  longest {:?}, gridlock {:?}", r.standing.longest, r.standing.gridlock);
             let mut ids: Vec<(u16, usize)> = r.standing.faults.iter().map(|(i, id)| (*id, *i)).collect();

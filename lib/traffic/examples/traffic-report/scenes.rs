@@ -1,16 +1,21 @@
 //! The scenes to watch.
 
-use opendrive::Map;
-use schema::tables::PlanAgentRow;
-use traffic::SceneLog;
+use std::ops::ControlFlow;
 
-use crate::common::{agent, agents_on, carla, crossing, run, scene, settings};
+use opendrive::Map;
+use schema::settings::WorldSettings;
+use schema::tables::{ActorRow, PlanAgentRow};
+use traffic::{SceneInput, SceneLog, simulate};
+
+use crate::common::{agent, agents_on, carla, crossing, lights, scene, settings};
 
 /// Seconds that are watched.
 const DURATION_S: f64 = 90.0;
 /// Background vehicles and walkers wished for.
 const VEHICLES: i32 = 120;
 const WALKERS: u32 = 100;
+/// Scenery stands within this distance of an agent, metres.
+const SCENERY_M: f64 = 300.0;
 /// Maps to look at: our towns, then real ones that may be absent, then a crossing with full queues.
 const MAPS: [&str; 7] =
     ["convoy/01", "convoy/03", "convoy/05", "convoy/06", "Town03", "Town10HD", "crossing"];
@@ -51,12 +56,27 @@ fn queues() -> Vec<PlanAgentRow> {
     agents
 }
 
+/// What stands beside the roads around the agents, as in a dataset, and the lights that are farther off.
+fn scenery(map: &Map, seed: u64, agents: &[PlanAgentRow]) -> Vec<ActorRow> {
+    let centres: Vec<[f64; 3]> = agents.iter().map(|a| a.xyz_m).collect();
+    let settings = WorldSettings { radius_m: SCENERY_M, ..WorldSettings::default() };
+    let mut fixed = world::place(map, &settings, seed, &centres, 1).unwrap_or_default();
+    let mut missing = lights(map);
+    missing.retain(|light| fixed.iter().all(|a| a.opendrive_id != light.opendrive_id));
+    fixed.extend(missing);
+    for (id, actor) in (1..).zip(&mut fixed) {
+        actor.id = id;
+    }
+    fixed
+}
+
 impl Plan {
     pub(crate) fn name(&self) -> String {
         format!("{} {}", self.map, self.seed)
     }
 
-    pub(crate) fn simulate(&self) -> (Map, SceneLog) {
+    /// The map, what stands on it, and what happens.
+    pub(crate) fn simulate(&self) -> (Map, Vec<ActorRow>, SceneLog) {
         let map = load(&self.map).unwrap_or_else(|| crossing(true));
         let mut scene = scene(DURATION_S);
         scene.seed = 1000 + self.seed;
@@ -78,7 +98,17 @@ impl Plan {
             scene.walkers = WALKERS;
             agents_on(&map, 4, 7)
         };
-        let log = run(&map, &scene, &agents, &settings);
-        (map, log)
+        let fixed = scenery(&map, scene.seed, &agents);
+        let input = SceneInput {
+            map: &map,
+            scene: &scene,
+            agents: &agents,
+            hazards: &[],
+            settings: &settings,
+            fixed: &fixed,
+            first_id: fixed.len() as u16 + 1,
+        };
+        let log = simulate(&input, &mut |_, _| ControlFlow::Continue(())).expect("a log");
+        (map, fixed, log)
     }
 }

@@ -19,7 +19,7 @@ use schema::models::{self, BaseType};
 
 pub(crate) use building::{BUILDINGS, BuildingKind};
 pub(crate) use nature::TREES;
-pub(crate) use street::{LAMP_FAILED, LightMount};
+pub(crate) use street::LAMP_FAILED;
 
 /// How a piece of an actor moves.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,6 +4,7 @@ use std::f32::consts::TAU;
 
 use frames::math::f32::sin_cos;
 use glam::Vec3;
+use schema::footprint::LightMount;
 use schema::geometry::{Part, Surface, TriMesh};
 use schema::{Tag, lights};
 
@@ -13,33 +14,6 @@ use crate::build::{MeshBuilder, circle, part};
 pub(crate) const LAMP_FAILED: u32 = 1 << 8;
 
 const STEEL: Part = part(Tag::Pole, Surface::Metal, [0.22, 0.23, 0.24]);
-
-/// How a traffic light is held, as the variant of its row says it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LightMount {
-    /// Bottom of the housing over the ground at the pole, metres (0..=40.95).
-    pub(crate) height_m: f32,
-    /// Distance from the pole to the housing along the arm, metres (0..=25.5); 0: on the pole itself.
-    pub(crate) arm_m: f32,
-    /// Whether the pole stands at the right of the traffic that looks at the light.
-    pub(crate) pole_right: bool,
-}
-
-impl LightMount {
-    pub(crate) fn to_variant(self) -> u32 {
-        let height = (self.height_m * 100.0).round().clamp(0.0, 4095.0) as u32;
-        let arm = (self.arm_m * 10.0).round().clamp(0.0, 255.0) as u32;
-        height | arm << 12 | u32::from(self.pole_right) << 20
-    }
-
-    pub(crate) fn from_variant(variant: u32) -> Self {
-        Self {
-            height_m: (variant & 0xfff) as f32 / 100.0,
-            arm_m: (variant >> 12 & 0xff) as f32 / 10.0,
-            pole_right: variant >> 20 & 1 == 1,
-        }
-    }
-}
 
 pub(super) fn street(family: &str, kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> {
     match (family, kind) {

@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 
 use frames::Aabb;
 use glam::Vec3;
+use schema::footprint::LightMount;
 use schema::geometry::{Surface, TriMesh};
 use schema::models::{BaseType, MODELS};
 use schema::{Tag, lights};

@@ -5,11 +5,11 @@ use nalgebra::{Point3, Vector3};
 use opendrive::SignalInfo;
 use random::Stream;
 use schema::Tag;
+use schema::footprint::LightMount;
 
 use super::frontage::Frontage;
 use super::land::{Land, Rect};
 use super::{Draft, Site};
-use crate::actors::LightMount;
 use crate::surfaces::Ground;
 
 /// Housing of a traffic light: length, width, height, metres.
