@@ -143,7 +143,7 @@ fn standing(actor: &ActorRow) -> Option<Thing> {
         "parked" | "vehicle" => Look::Vehicle,
         "rsu" => Look::Station,
         "walker" => Look::Walker,
-        "prop" if actor.role == "hazard" => Look::Obstacle,
+        "prop" | "sign" if actor.role == "hazard" => Look::Obstacle,
         "prop" => Look::Furniture,
         _ => return None,
     };

@@ -1,8 +1,8 @@
-//! Walkers on the ground that is drawn under them.
+//! Walkers, and signs before hazards, on the ground that is drawn under them.
 //!
 //! Traffic knows the map's surfaces alone. What is drawn differs from them: kerbs where the map states none, sidewalks
-//! cut away where a road crosses them, asphalt between the lanes of a junction, grass beside the road. Walkers are put
-//! on the triangles themselves.
+//! cut away where a road crosses them, asphalt between the lanes of a junction, grass beside the road. Walkers and signs
+//! are put on the triangles themselves.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -87,7 +87,12 @@ fn height_in([a, b, c]: &[Point3<f64>; 3], x: f64, y: f64) -> Option<f64> {
     (u >= -1e-6 && v >= -1e-6 && u + v <= 1.0 + 1e-6).then(|| a.z + u * ab.z + v * ac.z)
 }
 
-/// Puts walkers on the ground that is drawn under them. What follows from their heights follows again: velocities are
+/// Whether it is a warning sign before a hazard: it stands on a sidewalk, say.
+fn is_warning(actor: &ActorRow) -> bool {
+    actor.role == "hazard" && actor.kind == "sign"
+}
+
+/// Puts walkers and warning signs on the ground that is drawn under them. What follows from their heights follows again: velocities are
 /// differences of the final positions, and actor rows have the pose at frame 0.
 ///
 /// `states` are sorted by frame.
@@ -99,7 +104,8 @@ pub(crate) fn stand(world: &World, actors: &mut [ActorRow], states: &mut [StateR
             track.push(i);
         }
     }
-    let places: Vec<[f64; 3]> = tracks.values().flatten().map(|&i| states[i].xyz_m).collect();
+    let signs = actors.iter().filter(|a| is_warning(a)).map(|a| a.xyz_m);
+    let places: Vec<[f64; 3]> = tracks.values().flatten().map(|&i| states[i].xyz_m).chain(signs).collect();
     let ground = Ground::under(world, actors, &places);
     for track in tracks.values() {
         let mut way_m = 0.0;
@@ -118,6 +124,9 @@ pub(crate) fn stand(world: &World, actors: &mut [ActorRow], states: &mut [StateR
             let (from, to) = if k == 0 { (0, 1.min(heights.len() - 1)) } else { (k - 1, k) };
             states[i].velocity_mps[2] = ((heights[to] - heights[from]) / FRAME_PERIOD_S) as f32;
         }
+    }
+    for sign in actors.iter_mut().filter(|a| is_warning(a)) {
+        sign.xyz_m[2] = ground.height(sign.xyz_m);
     }
     for actor in actors.iter_mut() {
         let at_start = tracks.get(&actor.id).and_then(|t| t.iter().find(|&&i| states[i].frame == 0));

@@ -17,6 +17,7 @@ pub mod settings;
 pub mod table;
 pub mod tables;
 mod tag;
+pub mod works;
 
 pub use agent::{AgentId, AgentKind, ParseAgentError};
 pub use bev::BevClass;

@@ -77,8 +77,20 @@ pub struct Model {
     pub wheelbase_m: f64,
     /// Wheel radius, metres.
     pub wheel_radius_m: f64,
-    /// `emergency`, `taxi`, `electric` or empty.
+    /// `emergency`, `taxi`, `electric`, of people `police`, `worker`; or empty.
     pub special: &'static str,
+}
+
+impl Model {
+    /// Doors that open: the two in front, or four; none of trucks, buses and two-wheelers.
+    #[must_use]
+    pub fn doors(&self) -> usize {
+        match (self.base, self.name) {
+            (BaseType::Car, "car.coupe" | "car.sports" | "car.mini" | "car.micro") | (BaseType::Van, _) => 2,
+            (BaseType::Car, _) | (_, "truck.pickup") => 4,
+            _ => 0,
+        }
+    }
 }
 
 const fn model(
@@ -128,8 +140,18 @@ pub const MODELS: &[Model] = {
         model("walker.tall", Pedestrian, [0.42, 0.60, 1.90], 0.0, 0.0, ""),
         model("walker.elder", Pedestrian, [0.38, 0.55, 1.62], 0.0, 0.0, ""),
         model("walker.child", Pedestrian, [0.28, 0.38, 1.25], 0.0, 0.0, ""),
-        model("prop.cone", Cone, [0.36, 0.36, 0.72], 0.0, 0.0, ""),
-        model("prop.barrier", Barrier, [1.20, 0.45, 1.00], 0.0, 0.0, ""),
+        model("walker.police", Pedestrian, [0.42, 0.60, 1.84], 0.0, 0.0, "police"),
+        model("walker.worker", Pedestrian, [0.42, 0.60, 1.86], 0.0, 0.0, "worker"),
+        model("cone.traffic", Cone, [0.36, 0.36, 0.72], 0.0, 0.0, ""),
+        model("cone.plain", Cone, [0.30, 0.30, 0.50], 0.0, 0.0, ""),
+        model("cone.big", Cone, [0.48, 0.48, 0.95], 0.0, 0.0, ""),
+        model("cone.barrel", Cone, [0.58, 0.58, 1.02], 0.0, 0.0, ""),
+        model("cone.skinny", Cone, [0.34, 0.34, 1.07], 0.0, 0.0, ""),
+        model("cone.construction", Cone, [0.38, 0.38, 0.76], 0.0, 0.0, ""),
+        model("cone.small", Cone, [0.24, 0.24, 0.32], 0.0, 0.0, ""),
+        model("barrier.street", Barrier, [1.20, 0.45, 1.00], 0.0, 0.0, ""),
+        model("barrier.concrete", Barrier, [2.00, 0.58, 0.82], 0.0, 0.0, ""),
+        model("barrier.wooden", Barrier, [1.50, 0.60, 1.05], 0.0, 0.0, ""),
     ]
 };
 
@@ -144,9 +166,9 @@ pub fn vehicles() -> impl Iterator<Item = &'static Model> {
     MODELS.iter().filter(|m| m.wheelbase_m > 0.0)
 }
 
-/// Models that walk.
+/// Models that walk about; police and workers have their places.
 pub fn walkers() -> impl Iterator<Item = &'static Model> {
-    MODELS.iter().filter(|m| m.base == BaseType::Pedestrian)
+    MODELS.iter().filter(|m| m.base == BaseType::Pedestrian && m.special.is_empty())
 }
 
 #[cfg(test)]

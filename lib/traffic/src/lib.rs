@@ -10,6 +10,7 @@
 mod bodies;
 mod change;
 mod crowd;
+mod doors;
 mod driver;
 mod error;
 mod fixtures;

@@ -149,6 +149,7 @@ pub(crate) struct Snapshot {
     pub(crate) steer_rad: f64,
     pub(crate) phase_rad: f64,
     pub(crate) lights: u32,
+    pub(crate) door_rad: [f32; 4],
 }
 
 impl Snapshot {
@@ -167,6 +168,7 @@ impl Snapshot {
             steer_rad: self.steer_rad as f32,
             phase_rad: self.phase_rad as f32,
             lights: self.lights,
+            door_rad: self.door_rad,
         }
     }
 }
@@ -228,6 +230,7 @@ mod tests {
             steer_rad: 0.0,
             phase_rad: 0.0,
             lights: 0,
+            door_rad: [0.0; 4],
         };
         let rate = state.row(0).angular_velocity_radps;
         assert!(rate[0].abs() < 1e-6 && rate[1].abs() < 1e-6 && (rate[2] - 0.4).abs() < 1e-6, "{rate:?}");

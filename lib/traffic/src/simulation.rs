@@ -15,8 +15,10 @@ use schema::{FRAME_PERIOD_S, ObjectId};
 use crate::bodies::Bodies;
 use crate::change::change_lanes;
 use crate::crowd::Crowd;
+use crate::doors::Doors;
 use crate::driver::{COMFORT_BRAKING, MAX_ACCELERATION, MAX_BRAKING};
 use crate::fixtures::Fixtures;
+use crate::hazards::Thing;
 use crate::junction::Reservations;
 use crate::log::{Snapshot, rsu_actor, vehicle_actor, vehicle_lamps, walker_actor, weather_lamps};
 use crate::net::Net;
@@ -92,6 +94,10 @@ struct Simulation<'a> {
     walkers: Vec<Walker>,
     vehicle_ids: Vec<ObjectId>,
     walker_ids: Vec<ObjectId>,
+    /// Doors of each vehicle.
+    doors: Vec<Doors>,
+    /// Vehicles that stand in hazards.
+    standing: Vec<(ObjectId, Thing)>,
     /// Traffic lights of the scene: object id, signal of the map.
     lamps: Vec<(ObjectId, usize)>,
     occupancy: Occupancy,
@@ -160,14 +166,25 @@ impl<'a> Simulation<'a> {
         add_fixed(input, &net, &mut bodies);
         let mut occupancy = Occupancy::new(net.lanes.len());
         for (i, thing) in hazards.things.iter().enumerate() {
-            occupancy.stand(&net, &thing.point, thing.yaw_rad(), thing.size_m);
+            if thing.is_on_lane() {
+                occupancy.stand(&net, &thing.point, thing.yaw_rad(), thing.size_m);
+            }
             if thing.solid {
                 bodies.fixed(&thing.point, thing.yaw_rad(), thing.size_m, 3 * WALKERS + i as u32);
             }
         }
         log.hazards = hazards.placed;
+        let standing =
+            hazard_ids.iter().copied().zip(hazards.things).filter(|(_, t)| t.has_states()).collect();
+        let doors = starts.iter().enumerate().map(|(i, start)| {
+            let chance = if start.role == "background" { input.settings.traffic.door_open } else { 0.0 };
+            Doors::new(start.model, chance, Stream::new(scene.seed, number, "traffic/doors", i as u64))
+        });
+        let doors = doors.collect();
         let mut simulation = Self {
             lamps: lamps(map, input),
+            doors,
+            standing,
             occupancy,
             before: Vec::new(),
             input,
@@ -247,6 +264,9 @@ impl<'a> Simulation<'a> {
         }
         self.bodies.step();
         self.take_hits();
+        for (doors, vehicle) in self.doors.iter_mut().zip(&self.vehicles) {
+            doors.step(vehicle.speed_mps);
+        }
     }
 
     /// Ends the drive of whoever touched something, and follows bodies that nobody steers.
@@ -312,6 +332,7 @@ impl<'a> Simulation<'a> {
                 steer_rad: vehicle.steer_rad,
                 phase_rad: vehicle.rolled_m / vehicle.model.wheel_radius_m.max(0.05),
                 lights: vehicle_lamps(&self.net, vehicle, lamps, emergency),
+                door_rad: self.doors[i].angles_rad(),
             };
             rows.push(snapshot.row(frame));
         }
@@ -323,9 +344,11 @@ impl<'a> Simulation<'a> {
                 steer_rad: 0.0,
                 phase_rad: walker.gait_phase_rad(),
                 lights: 0,
+                door_rad: [0.0; 4],
             };
             rows.push(snapshot.row(frame));
         }
+        rows.extend(self.standing.iter().map(|(id, thing)| thing.snapshot(*id, lamps).row(frame)));
         if frame == 0 {
             // Actor rows give the pose at frame 0.
             for actor in self.log.actors.iter_mut().filter(|a| !a.fixed) {

@@ -14,7 +14,7 @@ use schema::geometry::{Instance, Snapshot, Surface, TriMesh};
 use schema::models::MODELS;
 use schema::settings::WorldSettings;
 use schema::tables::FrameRow;
-use world::{Moment, World, actor_mesh, place};
+use world::{Moment, Posture, World, actor_mesh, place};
 
 /// A z-buffer with flat shading.
 struct Canvas {
@@ -106,8 +106,10 @@ fn sheet(models: &[(String, [f64; 3], u32)], columns: usize, pitch: f32) -> Snap
     for (k, (model, size, variant)) in models.iter().enumerate() {
         let at = Vec3::new((k / columns) as f32 * -pitch, (k % columns) as f32 * pitch, 0.0);
         let turn = Affine3A::from_rotation_z(-0.6);
+        let posture = Posture { steer_rad: 0.25, phase_rad: 1.2, door_rad: [1.1, 0.0, 1.1, 0.0] };
         for piece in actor_mesh(model, *size, *variant).unwrap().pieces {
-            let pose = Affine3A::from_translation(at) * turn * piece.joint.object_from_piece(0.25, 1.2);
+            let Some(joint) = piece.joint.object_from_piece(&posture) else { continue };
+            let pose = Affine3A::from_translation(at) * turn * joint;
             instances.push(Instance {
                 mesh: meshes.len() as u32,
                 object: 1,
@@ -161,6 +163,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     ] {
         small.push((name.to_owned(), size, 0));
     }
+    let works: Vec<(String, [f64; 3], u32)> =
+        schema::works::all().map(|(name, size)| (name.to_owned(), size, 0)).collect();
+    let mut canvas = Canvas::new(1800, 1100);
+    canvas.draw(
+        &sheet(&works, 9, 2.2),
+        view(Vec3::new(4.5, 8.8, 4.5), Vec3::new(-2.6, 8.8, 0.3), 0.95, 1800.0 / 1100.0),
+    );
+    canvas.save(&out.join("world-works.png"))?;
     let mut canvas = Canvas::new(1800, 1100);
     canvas.draw(
         &sheet(&small, 9, 2.2),

@@ -188,18 +188,61 @@ impl MeshBuilder {
         }
     }
 
-    /// Stretches everything along the axes so that it fills the box from `min` to `max` exactly.
-    pub(crate) fn fit(&mut self, min: Vec3, max: Vec3) {
+    /// Stretches everything along the axes so that it fills the box from `min` to `max` exactly, and says how.
+    pub(crate) fn fit(&mut self, min: Vec3, max: Vec3) -> Fit {
         let bounds = self.mesh.aabb();
         if bounds.is_empty() {
-            return;
+            return Fit { from: min, scale: Vec3::ONE, min };
         }
         let extent = (bounds.max - bounds.min).max(Vec3::splat(1e-6));
-        let scale = (max - min) / extent;
+        let fit = Fit { from: bounds.min, scale: (max - min) / extent, min };
         for p in &mut self.mesh.positions {
             // The clamp takes back the rounding of the product.
-            *p = (min + (*p - bounds.min) * scale).clamp(min, max);
+            *p = fit.apply(*p).clamp(min, max);
         }
+        fit
+    }
+
+    /// A tube: its profile of `(radius, height)` turned about the vertical through `centre`; the profile is closed and
+    /// runs counter-clockwise with the radius to the right and the height upward.
+    pub(crate) fn lathe(&mut self, part: Part, centre: Vec3, profile: &[(f32, f32)], sides: usize) {
+        let index = self.part_index(part);
+        let rings: Vec<Vec<u32>> = profile
+            .iter()
+            .map(|(r, z)| {
+                circle(sides).map(|(c, s)| centre + Vec3::new(r * c, r * s, *z)).collect::<Vec<_>>()
+            })
+            .map(|ring| ring.into_iter().map(|p| self.vertex(p)).collect())
+            .collect();
+        for (k, from) in rings.iter().enumerate() {
+            let to = &rings[(k + 1) % rings.len()];
+            for j in 0..sides {
+                let n = (j + 1) % sides;
+                self.quad(index, [from[j], from[n], to[n], to[j]]);
+            }
+        }
+    }
+
+    /// Turns everything so that what stood upright along z lies along x.
+    pub(crate) fn lay_down(&mut self) {
+        for p in &mut self.mesh.positions {
+            *p = Vec3::new(p.z, p.y, -p.x);
+        }
+    }
+}
+
+/// How [`MeshBuilder::fit`] stretched a mesh.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fit {
+    from: Vec3,
+    scale: Vec3,
+    min: Vec3,
+}
+
+impl Fit {
+    /// Where a point of the mesh went to.
+    pub(crate) fn apply(&self, p: Vec3) -> Vec3 {
+        self.min + (p - self.from) * self.scale
     }
 }
 

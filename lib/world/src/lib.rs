@@ -27,7 +27,7 @@ mod scenery;
 mod surfaces;
 mod world;
 
-pub use actors::{ActorMesh, Joint, Piece, actor_mesh};
+pub use actors::{ActorMesh, Joint, Piece, Posture, actor_mesh};
 pub use error::WorldError;
 pub use scenery::place;
 pub use surfaces::lane_raise_m;

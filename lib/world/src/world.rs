@@ -12,7 +12,7 @@ use schema::tables::{ActorRow, FrameRow, SignalRow, StateRow};
 use schema::{ObjectId, lights};
 
 use crate::WorldError;
-use crate::actors::{Joint, LAMP_FAILED, actor_mesh};
+use crate::actors::{Joint, LAMP_FAILED, Posture, actor_mesh};
 use crate::surfaces::{self, GroundLevels, Layer, Region};
 
 /// What the log says about one frame.
@@ -35,6 +35,8 @@ enum StaticLights {
     Signal,
     StreetLamp,
     Building,
+    /// A work light: burns in the dark.
+    Work,
 }
 
 /// An instance that never moves.
@@ -69,6 +71,9 @@ struct Pieces {
     pieces: Arc<[(u32, Joint)]>,
     reach_m: f64,
 }
+
+/// The lights that work sites are lit with.
+const WORK_LIGHT: &str = "prop.construction_light";
 
 /// What a model's meshes depend on: name, bits of the size, variant.
 type ModelKey = (String, [u64; 3], u32);
@@ -119,10 +124,7 @@ impl Library {
         let mut shared: Vec<(Arc<TriMesh>, u32)> = Vec::new();
         let mut pieces = Vec::with_capacity(made.pieces.len());
         for piece in made.pieces {
-            let joint_m = match piece.joint {
-                Joint::Fixed => 0.0,
-                Joint::Wheel { at, .. } | Joint::Limb { at, .. } => f64::from(at.length()),
-            };
+            let joint_m = f64::from(piece.joint.at().length());
             let radius = piece.mesh.positions.iter().map(|p| p.length_squared()).fold(0.0, f32::max).sqrt();
             reach = reach.max(joint_m + f64::from(radius));
             // Wheels of a vehicle share one mesh.
@@ -240,13 +242,14 @@ impl World {
         let lights = match actor.kind.as_str() {
             "traffic_light" => StaticLights::Signal,
             "building" => StaticLights::Building,
+            _ if actor.model == WORK_LIGHT => StaticLights::Work,
             _ if is_street_lamp(actor) && actor.variant & LAMP_FAILED == 0 => StaticLights::StreetLamp,
             _ => StaticLights::None,
         };
         let pose = Pose::<WorldFrame, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
         let rotation = rotation(&pose);
         for (mesh, joint) in pieces {
-            let joint = joint.object_from_piece(0.0, 0.0);
+            let Some(joint) = joint.object_from_piece(&Posture::default()) else { continue };
             let offset = rotation * joint.translation;
             let origin_m = [0, 1, 2].map(|k| actor.xyz_m[k] + f64::from(offset[k]));
             let fixed = Fixed {
@@ -296,6 +299,7 @@ impl World {
                 StaticLights::None => 0,
                 StaticLights::Signal => signals.get(&fixed.object).copied().unwrap_or(0),
                 StaticLights::StreetLamp if moment.frame.street_lamps => lights::STREET_LAMP,
+                StaticLights::Work if moment.frame.weather().is_night() => lights::STREET_LAMP,
                 StaticLights::Building if moment.frame.building_lights => lights::BUILDING,
                 _ => 0,
             };
@@ -325,15 +329,19 @@ impl World {
             let before = before.filter(|s| usable(s)).unwrap_or(state);
             let now = local_from_state(&origin, state);
             let then = local_from_state(&origin, before);
+            let (posture, posture_before) = (Posture::from(state), Posture::from(before));
+            let lamps = flashing(state, moment.frame.time_s);
             for (mesh, joint) in mover.model.pieces.iter() {
+                let Some(piece_now) = joint.object_from_piece(&posture) else { continue };
+                // A door that was still closed has swung from there.
+                let piece_then = joint.object_from_piece(&posture_before).unwrap_or_else(|| joint.at_rest());
                 instances.push(Instance {
                     mesh: *mesh,
                     object: state.id,
-                    local_from_object: now * joint.object_from_piece(state.steer_rad, state.phase_rad),
-                    previous_local_from_object: then
-                        * joint.object_from_piece(before.steer_rad, before.phase_rad),
+                    local_from_object: now * piece_now,
+                    previous_local_from_object: then * piece_then,
                     paint: mover.paint,
-                    lights: state.lights,
+                    lights: lamps,
                 });
             }
         }
@@ -374,6 +382,28 @@ fn usable(state: &StateRow) -> bool {
         && (0.5..2.0).contains(&norm)
         && state.steer_rad.is_finite()
         && state.phase_rad.is_finite()
+        && state.door_rad.iter().all(|angle| angle.is_finite())
+}
+
+/// Blinkers flash so often a second (the rule is 1 to 2 Hz), emergency lights to either side so often.
+const BLINK_HZ: f64 = 1.5;
+const EMERGENCY_HZ: f64 = 2.0;
+/// The golden ratio: no two objects flash in step.
+const OUT_OF_STEP: f64 = 0.618_033_988_749_895;
+
+/// The lamps of a state that burn at a time: those that flash do so in the first half of their period; of the emergency
+/// lights one half burns while the other is dark.
+fn flashing(state: &StateRow, time_s: f64) -> u32 {
+    let offset = OUT_OF_STEP * f64::from(state.id);
+    let first_half = |hz: f64| (time_s * hz + offset).rem_euclid(1.0) < 0.5;
+    let mut lamps = state.lights & !lights::EMERGENCY_OTHER;
+    if !first_half(BLINK_HZ) {
+        lamps &= !(lights::BLINK_LEFT | lights::BLINK_RIGHT);
+    }
+    if lamps & lights::EMERGENCY != 0 && !first_half(EMERGENCY_HZ) {
+        lamps = lamps & !lights::EMERGENCY | lights::EMERGENCY_OTHER;
+    }
+    lamps
 }
 
 fn rotation(pose: &Pose<WorldFrame, Object>) -> Mat3A {

@@ -202,3 +202,56 @@ fn faults_are_named() {
     let flat = ActorRow { height_m: f64::NAN, ..car(1) };
     assert!(matches!(World::new(&map, &[flat]), Err(WorldError::BadActor { id: 1, .. })));
 }
+
+#[test]
+fn blinkers_and_emergency_lights_flash_by_the_clock() {
+    use schema::lights::{BLINK_LEFT, EMERGENCY, EMERGENCY_OTHER, LOW_BEAM};
+    let map = demo();
+    let world = World::new(&map, &[car(7), car(8)]).unwrap();
+    let lamps = |frame: u32, id: u16| -> u32 {
+        let lights = BLINK_LEFT | EMERGENCY | LOW_BEAM;
+        let states = [7, 8].map(|id| StateRow { lights, ..state(frame as i32, id, 0.0, 0.0) });
+        let row = FrameRow::new(frame, &schema::tables::Weather::default(), false, false);
+        let moment = Moment { states: &states, previous: &states, signals: &[], frame: &row };
+        let snapshot = world.snapshot(&moment, [0.0; 3], 50.0);
+        let of: Vec<u32> = snapshot.instances.iter().filter(|i| i.object == id).map(|i| i.lights).collect();
+        assert!(of.iter().all(|l| *l == of[0]));
+        of[0]
+    };
+    // Forty seconds of twenty frames.
+    let frames: Vec<u32> = (0..800).map(|frame| lamps(frame, 7)).collect();
+    let starts = |bit: u32| frames.windows(2).filter(|w| w[0] & bit == 0 && w[1] & bit != 0).count();
+    let share = |bit: u32| frames.iter().filter(|l| **l & bit != 0).count();
+    assert!(starts(BLINK_LEFT).abs_diff(60) <= 1 && share(BLINK_LEFT).abs_diff(400) <= 10);
+    assert!(starts(EMERGENCY).abs_diff(80) <= 1 && share(EMERGENCY).abs_diff(400) <= 10);
+    // One side, then the other; beams burn on.
+    assert!(frames.iter().all(|l| (l & EMERGENCY == 0) != (l & EMERGENCY_OTHER == 0)));
+    assert!(frames.iter().all(|l| l & LOW_BEAM != 0));
+    // Two cars do not flash in step.
+    assert!((0..40).any(|frame| lamps(frame, 8) != frames[frame as usize]));
+}
+
+#[test]
+fn doors_are_there_while_they_stand_open() {
+    let map = demo();
+    let world = World::new(&map, &[car(7)]).unwrap();
+    let frame = FrameRow::default();
+    let with = |now: [f32; 4], before: [f32; 4]| {
+        let states = [StateRow { door_rad: now, ..state(0, 7, 10.0, 0.0) }];
+        let previous = [StateRow { door_rad: before, ..state(-1, 7, 10.0, 0.0) }];
+        let moment = Moment { states: &states, previous: &previous, signals: &[], frame: &frame };
+        world.snapshot(&moment, [10.0, 0.0, 0.0], 50.0).instances
+    };
+    let closed = with([0.0; 4], [0.0; 4]);
+    let opening = with([0.3, 0.0, 0.0, 0.0], [0.0; 4]);
+    // Body and wheels, and the leaf and the way in of one door.
+    assert_eq!([closed.len(), opening.len(), with([1.1; 4], [1.1; 4]).len()], [5, 7, 13]);
+    let leaf = opening[5];
+    let [hinge, was] = [leaf.local_from_object, leaf.previous_local_from_object].map(|p| p.translation);
+    assert!((hinge - was).length() < 1e-6);
+    let turned = leaf.local_from_object.matrix3 * leaf.previous_local_from_object.matrix3.transpose();
+    // By 0.3 rad about the vertical, clockwise from above.
+    assert!((turned.x_axis.y + 0.29552).abs() < 1e-4 && (turned.z_axis.z - 1.0).abs() < 1e-6, "{turned}");
+    let broken = with([f32::NAN, 0.0, 0.0, 0.0], [0.0; 4]);
+    assert!(broken.is_empty(), "a state that cannot be is passed over");
+}

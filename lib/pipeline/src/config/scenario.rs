@@ -262,6 +262,12 @@ pub(crate) fn traffic(s: &Section<'_>) -> TrafficSettings {
             d.emergency_lights,
             "chance that an emergency vehicle in traffic has its lights flashing",
         ),
+        door_open: share(
+            s,
+            "door_open",
+            d.door_open,
+            "chance that a background vehicle opens a door when it comes to a stop",
+        ),
         spawn_radius_m: s.optional_number(
             "spawn_radius_m",
             "from the duration",

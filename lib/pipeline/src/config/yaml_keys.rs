@@ -63,7 +63,7 @@ const RULES: &[(&str, Rule)] = &[
     ("ignore_signs_percentage", Nothing(NO_SLIPS)),
     ("ignore_vehicles_percentage", Nothing(NO_SLIPS)),
     ("ignore_walkers_percentage", Nothing(NO_SLIPS)),
-    ("door_open_percentage", Nothing("doors do not open yet")),
+    ("door_open_percentage", Percent("traffic.door_open")),
     ("wheelchair_use_percentage", Nothing("there are no wheelchairs yet")),
     ("hazard_area_percentage", Percent("hazards.share")),
     ("accident_hazard_percentage", Percent("hazards.accident_share")),

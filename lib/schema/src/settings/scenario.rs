@@ -176,6 +176,8 @@ pub struct TrafficSettings {
     pub distracted_background: f64,
     /// Chance that an emergency vehicle in traffic has its lights flashing (0.5).
     pub emergency_lights: f64,
+    /// Chance that a background vehicle that comes to a stop opens a door (0.1).
+    pub door_open: f64,
     /// Actors are placed within this distance of any agent, metres; from the duration when absent.
     pub spawn_radius_m: Option<f64>,
 }
@@ -194,6 +196,7 @@ impl Default for TrafficSettings {
             distracted_agent: 0.02,
             distracted_background: 0.02,
             emergency_lights: 0.5,
+            door_open: 0.1,
             spawn_radius_m: None,
         }
     }

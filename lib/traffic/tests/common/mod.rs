@@ -12,7 +12,7 @@ use opendrive::{
     RoadType, Signal, Speed, SpeedUnit, read_bytes,
 };
 use schema::settings::{DatasetSettings, TrafficSettings};
-use schema::tables::{ActorRow, PlanAgentRow, PlanSceneRow, StateRow, Weather};
+use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, StateRow, Weather};
 use traffic::{SceneInput, SceneLog, simulate};
 
 pub(crate) fn settings() -> DatasetSettings {
@@ -267,17 +267,36 @@ pub(crate) fn run(
     agents: &[PlanAgentRow],
     settings: &DatasetSettings,
 ) -> SceneLog {
+    run_with(map, scene, agents, &[], settings)
+}
+
+/// A scene with accidents and road works.
+pub(crate) fn run_with(
+    map: &Map,
+    scene: &PlanSceneRow,
+    agents: &[PlanAgentRow],
+    hazards: &[PlanHazardRow],
+    settings: &DatasetSettings,
+) -> SceneLog {
     let fixed = lights(map);
-    let input = SceneInput {
-        map,
-        scene,
-        agents,
-        hazards: &[],
-        settings,
-        fixed: &fixed,
-        first_id: fixed.len() as u16 + 1,
-    };
+    let first_id = fixed.len() as u16 + 1;
+    let input = SceneInput { map, scene, agents, hazards, settings, fixed: &fixed, first_id };
     simulate(&input, &mut |_, _| ControlFlow::Continue(())).expect("a log")
+}
+
+/// A hazard on a lane of a road, between two places of it.
+pub(crate) fn hazard(kind: &str, road: &str, lane: i32, [back_m, front_m]: [f64; 2]) -> PlanHazardRow {
+    PlanHazardRow {
+        scene: 1,
+        kind: kind.into(),
+        back_road: road.into(),
+        back_lane: lane,
+        back_s_m: back_m,
+        front_road: road.into(),
+        front_lane: lane,
+        front_s_m: front_m,
+        ..PlanHazardRow::default()
+    }
 }
 
 /// Agents on spawn points of a map: every `stride`-th driving lane outside junctions that is long enough.

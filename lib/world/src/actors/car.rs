@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{Part, Surface, TriMesh};
 use schema::models::{BaseType, Model};
 use schema::{Tag, lights};
 
 use super::{ActorMesh, Joint, Piece, wheel};
-use crate::build::{MeshBuilder, chain_at, part};
+use crate::build::{Fit, MeshBuilder, chain_at, part};
 
 /// The outline of a car seen from its left side. Lengths are shares of the whole length counted from the nose, heights
 /// shares of the whole height.
@@ -219,7 +219,7 @@ fn style(name: &str) -> Style {
     }
 }
 
-/// A car, van or pickup with its wheels.
+/// A car, van or pickup with its wheels and doors.
 pub(super) fn vehicle(model: &Model, size: Vec3) -> ActorMesh {
     let style = style(model.name);
     let tag = if model.base == BaseType::Car { Tag::Car } else { Tag::Truck };
@@ -227,56 +227,141 @@ pub(super) fn vehicle(model: &Model, size: Vec3) -> ActorMesh {
     // Front overhang is a little shorter than the rear one.
     let front = 0.5 * size.x - 0.46 * (size.x - wheelbase);
     let axles = [front, front - wheelbase];
+    let hull = Hull::new(style, size, axles, radius);
+    let looks = Looks::new(tag, model);
     let mut b = MeshBuilder::new();
-    body(&mut b, &style, tag, size, axles, radius, model);
+    body(&mut b, &hull, &looks);
     details(&mut b, &style, tag, size, model);
     let bottom = style.clearance * size.z;
-    b.fit(Vec3::new(-0.5 * size.x, -0.5 * size.y, bottom), Vec3::new(0.5 * size.x, 0.5 * size.y, size.z));
+    let fit =
+        b.fit(Vec3::new(-0.5 * size.x, -0.5 * size.y, bottom), Vec3::new(0.5 * size.x, 0.5 * size.y, size.z));
     let mut pieces = vec![Piece { mesh: Arc::new(b.finish()), joint: Joint::Fixed }];
     pieces.extend(wheel::wheels(tag, &axles, radius, 0.125 * size.y, 0.5 * size.y - 0.02));
+    pieces.extend(doors(model, &hull, &looks, &fit));
     ActorMesh { pieces }
 }
 
-fn body(
-    b: &mut MeshBuilder,
-    style: &Style,
-    tag: Tag,
+/// What the skin of a car is made of.
+struct Looks {
+    paint: Part,
+    glass: Part,
+    under: Part,
+    sill: Part,
+    /// Lower band of the sides.
+    livery: Part,
+    trim: Part,
+    seat: Part,
+    gap: Part,
+}
+
+impl Looks {
+    fn new(tag: Tag, model: &Model) -> Self {
+        let paint = part(tag, Surface::Paint, [0.5; 3]);
+        Self {
+            paint,
+            glass: part(tag, Surface::Glass, [0.04, 0.05, 0.06]),
+            under: part(tag, Surface::Plain, [0.04, 0.04, 0.04]),
+            sill: part(tag, Surface::Plain, [0.06, 0.06, 0.065]),
+            livery: match model.name {
+                "car.police" => part(tag, Surface::Plain, [0.85, 0.85, 0.85]),
+                "van.ambulance" => part(tag, Surface::Plain, [0.75, 0.08, 0.05]),
+                _ => paint,
+            },
+            trim: part(tag, Surface::Plain, [0.07, 0.07, 0.075]),
+            seat: part(tag, Surface::Cloth, [0.09, 0.085, 0.08]),
+            gap: part(tag, Surface::Plain, [0.012, 0.012, 0.013]),
+        }
+    }
+}
+
+/// The skin of a car: its cross-section at any place along it.
+struct Hull {
+    style: Style,
     size: Vec3,
     axles: [f32; 2],
     radius: f32,
-    model: &Model,
-) {
-    let (length, height, half) = (size.x, size.z, 0.5 * size.y);
-    let roof_z = style.roof_z;
+    arch: f32,
+    top: [(f32, f32); 9],
+    belt: [(f32, f32); 4],
+    belt_width: [(f32, f32); 4],
+    top_width: [(f32, f32); 6],
+}
+
+impl Hull {
+    fn new(style: Style, size: Vec3, axles: [f32; 2], radius: f32) -> Self {
+        let roof_z = style.roof_z;
+        let (roof0, roof1) = style.roof;
+        Self {
+            style,
+            size,
+            axles,
+            radius,
+            arch: 1.14 * radius,
+            top: [
+                (0.0, style.nose_z * 0.94),
+                (0.05, style.nose_z + 0.01),
+                (0.6 * style.cowl.0, 0.35 * style.nose_z + 0.65 * style.cowl.1),
+                style.cowl,
+                (roof0, 0.97 * roof_z),
+                (0.5 * (roof0 + roof1), roof_z),
+                (roof1, 0.975 * roof_z),
+                style.deck,
+                (1.0, style.tail_z),
+            ],
+            belt: [
+                (0.0, 0.80 * style.nose_z),
+                (style.cowl.0, 0.95 * style.cowl.1),
+                (style.deck.0, 0.97 * style.deck.1),
+                (1.0, 0.86 * style.tail_z),
+            ],
+            belt_width: [(0.0, 0.93), (style.cowl.0, 0.95), (style.deck.0, 0.95), (1.0, 0.95)],
+            top_width: [
+                (0.0, 0.80),
+                (style.cowl.0, 0.84),
+                (roof0, style.roof_width),
+                (roof1, style.roof_width),
+                (style.deck.0, 0.84),
+                (1.0, 0.84),
+            ],
+        }
+    }
+
+    /// x of a place given as a share of the length from the nose.
+    fn x(&self, f: f32) -> f32 {
+        0.5 * self.size.x - f * self.size.x
+    }
+
+    /// The left side there as `(y, z)` from the bottom to the roof: bottom, sill, shoulder, belt, top.
+    fn section(&self, f: f32) -> [(f32, f32); 5] {
+        const PLAN: [(f32, f32); 6] =
+            [(0.0, 0.80), (0.05, 0.92), (0.14, 1.0), (0.88, 1.0), (0.96, 0.95), (1.0, 0.88)];
+        let (height, x) = (self.size.z, self.x(f));
+        let mut low = self.style.clearance * height;
+        for axle in self.axles {
+            let d = (x - axle).abs();
+            if d <= 1.001 * self.arch {
+                low = low.max(self.radius + (self.arch * self.arch - d * d).max(0.0).sqrt());
+            }
+        }
+        let top_z = chain_at(&self.top, f) * height;
+        let belt_z = (chain_at(&self.belt, f) * height).min(top_z - 0.015).max(low + 0.04);
+        let top_z = top_z.max(belt_z + 0.015);
+        let sill_z = low.max(0.21 * height);
+        let shoulder_z = (0.82 * belt_z).max(sill_z + 0.01).min(belt_z - 0.01);
+        let w = 0.5 * self.size.y * chain_at(&PLAN, f);
+        [
+            (0.88 * w, low),
+            (0.985 * w, sill_z),
+            (w, shoulder_z),
+            (w * chain_at(&self.belt_width, f), belt_z),
+            (w * chain_at(&self.top_width, f), top_z),
+        ]
+    }
+}
+
+fn body(b: &mut MeshBuilder, hull: &Hull, looks: &Looks) {
+    let (style, length) = (&hull.style, hull.size.x);
     let (roof0, roof1) = style.roof;
-    let top = [
-        (0.0, style.nose_z * 0.94),
-        (0.05, style.nose_z + 0.01),
-        (0.6 * style.cowl.0, 0.35 * style.nose_z + 0.65 * style.cowl.1),
-        style.cowl,
-        (roof0, 0.97 * roof_z),
-        (0.5 * (roof0 + roof1), roof_z),
-        (roof1, 0.975 * roof_z),
-        style.deck,
-        (1.0, style.tail_z),
-    ];
-    let belt = [
-        (0.0, 0.80 * style.nose_z),
-        (style.cowl.0, 0.95 * style.cowl.1),
-        (style.deck.0, 0.97 * style.deck.1),
-        (1.0, 0.86 * style.tail_z),
-    ];
-    let belt_width = [(0.0, 0.93), (style.cowl.0, 0.95), (style.deck.0, 0.95), (1.0, 0.95)];
-    let top_width = [
-        (0.0, 0.80),
-        (style.cowl.0, 0.84),
-        (roof0, style.roof_width),
-        (roof1, style.roof_width),
-        (style.deck.0, 0.84),
-        (1.0, 0.84),
-    ];
-    let plan = [(0.0, 0.80), (0.05, 0.92), (0.14, 1.0), (0.88, 1.0), (0.96, 0.95), (1.0, 0.88)];
-    let arch = 1.14 * radius;
     let mut stations = vec![0.006, 0.05, 0.12, 0.6 * style.cowl.0, 0.92, 0.96, 0.994];
     stations.extend([
         style.cowl.0,
@@ -290,9 +375,9 @@ fn body(
     for p in style.pillars {
         stations.extend([p - 0.009, p + 0.009]);
     }
-    for axle in axles {
+    for axle in hull.axles {
         for share in [-1.03, -1.0, -0.85, -0.5, 0.0, 0.5, 0.85, 1.0, 1.03] {
-            stations.push((0.5 * length - axle + share * arch) / length);
+            stations.push((0.5 * length - axle + share * hull.arch) / length);
         }
     }
     stations.retain(|f| (0.006..=0.994).contains(f));
@@ -303,27 +388,7 @@ fn body(
     let rings: Vec<Vec<Vec3>> = stations
         .iter()
         .map(|f| {
-            let x = 0.5 * length - f * length;
-            let mut low = style.clearance * height;
-            for axle in axles {
-                let d = (x - axle).abs();
-                if d <= 1.001 * arch {
-                    low = low.max(radius + (arch * arch - d * d).max(0.0).sqrt());
-                }
-            }
-            let top_z = chain_at(&top, *f) * height;
-            let belt_z = (chain_at(&belt, *f) * height).min(top_z - 0.015).max(low + 0.04);
-            let top_z = top_z.max(belt_z + 0.015);
-            let sill_z = low.max(0.21 * height);
-            let shoulder_z = (0.82 * belt_z).max(sill_z + 0.01).min(belt_z - 0.01);
-            let w = half * chain_at(&plan, *f);
-            let widths = [
-                (0.88 * w, low),
-                (0.985 * w, sill_z),
-                (w, shoulder_z),
-                (w * chain_at(&belt_width, *f), belt_z),
-                (w * chain_at(&top_width, *f), top_z),
-            ];
+            let (x, widths) = (hull.x(*f), hull.section(*f));
             let left = widths.iter().map(|(y, z)| Vec3::new(x, *y, *z));
             let right = widths.iter().rev().map(|(y, z)| Vec3::new(x, -*y, *z));
             // Counter-clockwise about +x: right bottom, left bottom, up the left side, down the right side.
@@ -332,15 +397,7 @@ fn body(
             ring
         })
         .collect();
-    let paint = part(tag, Surface::Paint, [0.5; 3]);
-    let glass = part(tag, Surface::Glass, [0.04, 0.05, 0.06]);
-    let under = part(tag, Surface::Plain, [0.04, 0.04, 0.04]);
-    let sill = part(tag, Surface::Plain, [0.06, 0.06, 0.065]);
-    let livery = match model.name {
-        "car.police" => part(tag, Surface::Plain, [0.85, 0.85, 0.85]),
-        "van.ambulance" => part(tag, Surface::Plain, [0.75, 0.08, 0.05]),
-        _ => paint,
-    };
+    let Looks { paint, glass, under, sill, livery, .. } = *looks;
     b.loft(
         &rings,
         |k, j| {
@@ -358,6 +415,71 @@ fn body(
         },
         [paint, paint],
     );
+}
+
+/// Thickness of a door, and how far the way in stands out of the skin, metres.
+const LEAF_M: f32 = 0.07;
+const STANDS_OUT_M: f32 = 0.008;
+/// Rings of a door's mesh.
+const DOOR_RINGS: usize = 5;
+
+/// The doors: the leaves, and what shows behind an open one in place of the closed skin.
+fn doors(model: &Model, hull: &Hull, looks: &Looks, fit: &Fit) -> Vec<Piece> {
+    let style = &hull.style;
+    let behind = |at: f32| style.pillars.iter().copied().find(|p| *p > at + 0.05).unwrap_or(style.windows.1);
+    let middle = behind(style.windows.0);
+    let spans = [[style.windows.0, middle], [middle, behind(middle)]];
+    let mut pieces = Vec::new();
+    for (row, [ahead, behind]) in spans.into_iter().take(model.doors() / 2).enumerate() {
+        for (side, left) in [(0, 1.0), (1, -1.0)] {
+            let door = 2 * row + side;
+            let [leaf, way_in] = door_meshes(hull, looks, fit, [ahead + 0.008, behind - 0.008], left);
+            let (y, z) = hull.section(ahead)[2];
+            let at = fit.apply(Vec3::new(hull.x(ahead + 0.008), left * (y - 0.02), 0.5 * z));
+            pieces.push(Piece { mesh: Arc::new(moved(leaf, -at)), joint: Joint::Door { at, door } });
+            pieces.push(Piece { mesh: Arc::new(way_in), joint: Joint::Doorway { door } });
+        }
+    }
+    pieces
+}
+
+fn moved(mut mesh: TriMesh, by: Vec3) -> TriMesh {
+    mesh.positions.iter_mut().for_each(|p| *p += by);
+    mesh
+}
+
+/// A leaf and a way in over a span of the side, from the sill to the roof; `left` is 1 or -1.
+fn door_meshes(hull: &Hull, looks: &Looks, fit: &Fit, span: [f32; 2], left: f32) -> [TriMesh; 2] {
+    // From behind to the front: along +x. The rings run counter-clockwise about it.
+    let ring = |k: usize, out_m: f32, in_m: f32| -> Vec<Vec3> {
+        let f = span[1] + (span[0] - span[1]) * k as f32 / (DOOR_RINGS - 1) as f32;
+        let section = hull.section(f);
+        let side =
+            |push: f32| section[1..].iter().map(move |(y, z)| Vec3::new(hull.x(f), left * (y + push), *z));
+        let mut points: Vec<Vec3> = side(out_m).chain(side(-in_m).rev()).collect();
+        if left < 0.0 {
+            points.reverse();
+        }
+        points.into_iter().map(|p| fit.apply(p)).collect()
+    };
+    // Bands from below: to the shoulder, to the belt, to the roof, outside (0 to 2) and inside (6 to 4); mirrored for the
+    // right side, where the order is reversed.
+    let band = |j: usize| if left > 0.0 { j } else { (14 - j) % 8 };
+    let mut leaf = MeshBuilder::new();
+    let rings: Vec<Vec<Vec3>> = (0..DOOR_RINGS).map(|k| ring(k, 0.0, LEAF_M)).collect();
+    let skin = |_: usize, j: usize| match band(j) {
+        0 => looks.livery,
+        1 => looks.paint,
+        2 | 4 => looks.glass,
+        _ => looks.trim,
+    };
+    leaf.loft(&rings, skin, [looks.trim; 2]);
+    let mut way_in = MeshBuilder::new();
+    let rings: Vec<Vec<Vec3>> = (0..DOOR_RINGS).map(|k| ring(k, STANDS_OUT_M, LEAF_M)).collect();
+    // The seat is in the rear half, up to the belt.
+    let inside = |k: usize, j: usize| if k < 2 && band(j) < 2 { looks.seat } else { looks.gap };
+    way_in.loft(&rings, inside, [looks.gap; 2]);
+    [leaf.finish(), way_in.finish()]
 }
 
 /// Lamps, plates, mirrors, grille and what stands on the roof.
@@ -418,10 +540,12 @@ fn details(b: &mut MeshBuilder, style: &Style, tag: Tag, size: Vec3, model: &Mod
     match model.special {
         "emergency" => {
             let bar_x = if tag == Tag::Truck { half_l - (style.roof.0 + 0.05) * size.x } else { roof_middle };
-            for (y0, y1, rgb) in [(0.02, 0.55, [0.05, 0.1, 0.8]), (-0.55, -0.02, [0.8, 0.05, 0.05])] {
-                let blue = lamp(lights::EMERGENCY, rgb);
+            for (y0, y1, bits, rgb) in [
+                (0.02, 0.55, lights::EMERGENCY, [0.05, 0.1, 0.8]),
+                (-0.55, -0.02, lights::EMERGENCY_OTHER, [0.8, 0.05, 0.05]),
+            ] {
                 b.cuboid(
-                    blue,
+                    lamp(bits, rgb),
                     Vec3::new(bar_x - 0.14, y0 * half_w, roof_low),
                     Vec3::new(bar_x + 0.14, y1 * half_w, height),
                 );

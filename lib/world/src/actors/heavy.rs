@@ -206,12 +206,13 @@ pub(super) fn truck(model: &Model, size: Vec3) -> ActorMesh {
             b.cuboid(ladder, Vec3::new(x, -0.30, height - 0.24), Vec3::new(x + 0.05, 0.30, height - 0.18));
             x += 0.45;
         }
-        let blue = part(tag, Surface::Lamp(lights::EMERGENCY), [0.05, 0.1, 0.8]);
-        b.cuboid(
-            blue,
-            Vec3::new(half_l - 0.9, -0.7 * half_w, cab_top - 0.02),
-            Vec3::new(half_l - 0.6, 0.7 * half_w, height),
-        );
+        for (y0, y1, bits) in [(0.0, 0.7, lights::EMERGENCY), (-0.7, 0.0, lights::EMERGENCY_OTHER)] {
+            b.cuboid(
+                part(tag, Surface::Lamp(bits), [0.05, 0.1, 0.8]),
+                Vec3::new(half_l - 0.9, y0 * half_w, cab_top - 0.02),
+                Vec3::new(half_l - 0.6, y1 * half_w, height),
+            );
+        }
         let stripe = part(tag, Surface::Plain, [0.85, 0.85, 0.3]);
         b.cuboid(
             stripe,

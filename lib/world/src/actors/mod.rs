@@ -2,13 +2,16 @@
 
 mod building;
 mod car;
+mod cones;
 mod heavy;
 mod nature;
 mod props;
 mod street;
 mod two_wheeler;
 mod walker;
+mod warning;
 mod wheel;
+mod works;
 
 use std::sync::Arc;
 
@@ -16,6 +19,7 @@ use frames::math::f32::{sin, sin_cos};
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use schema::geometry::TriMesh;
 use schema::models::{self, BaseType};
+use schema::tables::StateRow;
 
 pub(crate) use building::{BUILDINGS, BuildingKind};
 pub(crate) use nature::TREES;
@@ -42,6 +46,35 @@ pub enum Joint {
         /// Largest angle from the vertical, radians; negative swings the other way first.
         swing_rad: f32,
     },
+    /// A door's leaf: turns outward about its front edge; there only while the door stands open.
+    Door {
+        /// Hinge, object frame, metres.
+        at: Vec3,
+        /// Number of the door: front left, front right, rear left, rear right.
+        door: usize,
+    },
+    /// What shows behind a door that stands open.
+    Doorway {
+        /// Number of the door.
+        door: usize,
+    },
+}
+
+/// How an actor's joints are turned.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Posture {
+    /// Steering angle of the front wheels, radians, positive left.
+    pub steer_rad: f32,
+    /// Rotation of the wheels; of walkers the gait phase, radians.
+    pub phase_rad: f32,
+    /// How far the doors stand open, radians.
+    pub door_rad: [f32; 4],
+}
+
+impl From<&StateRow> for Posture {
+    fn from(state: &StateRow) -> Self {
+        Self { steer_rad: state.steer_rad, phase_rad: state.phase_rad, door_rad: state.door_rad }
+    }
 }
 
 /// One piece of an actor.
@@ -61,23 +94,44 @@ pub struct ActorMesh {
 }
 
 impl Joint {
-    /// Takes the piece's points to the object frame.
+    /// Takes the piece's points to the object frame; none where the piece is not to be seen.
     #[must_use]
-    pub fn object_from_piece(&self, steer_rad: f32, phase_rad: f32) -> Affine3A {
-        match *self {
+    pub fn object_from_piece(&self, posture: &Posture) -> Option<Affine3A> {
+        let open = |door: usize| posture.door_rad.get(door).copied().filter(|angle| *angle > 0.0);
+        Some(match *self {
             Self::Fixed => Affine3A::IDENTITY,
             Self::Wheel { at, steered, right } => {
-                let steer = if steered { steer_rad } else { 0.0 };
+                let steer = if steered { posture.steer_rad } else { 0.0 };
                 // The half turn swaps the axle's ends, and with them the sense of rotation.
-                let spin = if right { -phase_rad } else { phase_rad };
+                let spin = if right { -posture.phase_rad } else { posture.phase_rad };
                 let turn =
                     if right { Mat3A::from_diagonal(Vec3::new(-1.0, -1.0, 1.0)) } else { Mat3A::IDENTITY };
                 Affine3A { matrix3: about_z(steer) * turn * about_y(spin), translation: Vec3A::from(at) }
             }
             Self::Limb { at, swing_rad } => {
-                let angle = swing_rad * sin(phase_rad);
+                let angle = swing_rad * sin(posture.phase_rad);
                 Affine3A { matrix3: about_y(-angle), translation: Vec3A::from(at) }
             }
+            Self::Door { at, door } => {
+                // From the hinge the leaf reaches back: outward is clockwise on the left, counter-clockwise on the right.
+                let angle = open(door)?;
+                let turn = if at.y > 0.0 { -angle } else { angle };
+                Affine3A { matrix3: about_z(turn), translation: Vec3A::from(at) }
+            }
+            Self::Doorway { door } => open(door).map(|_| Affine3A::IDENTITY)?,
+        })
+    }
+
+    /// Takes the piece's points to the object frame where nothing is turned and doors are closed.
+    pub(crate) fn at_rest(&self) -> Affine3A {
+        Affine3A::from_translation(self.at())
+    }
+
+    /// Where the piece hangs, object frame, metres.
+    pub(crate) fn at(&self) -> Vec3 {
+        match *self {
+            Self::Wheel { at, .. } | Self::Limb { at, .. } | Self::Door { at, .. } => at,
+            Self::Fixed | Self::Doorway { .. } => Vec3::ZERO,
         }
     }
 }
@@ -110,8 +164,8 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
             BaseType::Bus => Some(heavy::bus(known, size)),
             BaseType::Motorcycle | BaseType::Bicycle => Some(two_wheeler::two_wheeler(known, size, variant)),
             BaseType::Pedestrian => Some(walker::walker(known, size, variant)),
-            BaseType::Cone => fixed(props::cone(size)),
-            BaseType::Barrier => fixed(props::barrier(size)),
+            BaseType::Cone => fixed(cones::cone(known.name, size)),
+            BaseType::Barrier => fixed(cones::barrier(known.name, size)),
         };
     }
     let (family, kind) = model.split_once('.')?;
@@ -119,7 +173,9 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
         "building" => building::building(kind, size, variant).and_then(fixed),
         "tree" | "bush" => nature::plant(family, kind, size, variant).and_then(fixed),
         "light" | "sign" | "pole" => street::street(family, kind, size, variant).and_then(fixed),
-        "prop" => props::prop(kind, size, variant).and_then(fixed),
+        "prop" => {
+            props::prop(kind, size, variant).or_else(|| works::item(kind, size, variant)).and_then(fixed)
+        }
         _ => None,
     }
 }

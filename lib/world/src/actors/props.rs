@@ -1,54 +1,10 @@
-//! Cones, barriers, benches, bins, fences and walls.
+//! Benches, bins, fences, walls and rocks.
 
 use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Surface, TriMesh};
 
 use crate::build::{MeshBuilder, part};
-
-pub(super) fn cone(size: Vec3) -> TriMesh {
-    let orange = part(Tag::TrafficCone, Surface::Plain, [0.85, 0.18, 0.02]);
-    let white = part(Tag::TrafficCone, Surface::Plain, [0.85; 3]);
-    let half = 0.5 * size;
-    let mut b = MeshBuilder::new();
-    b.cuboid(
-        part(Tag::TrafficCone, Surface::Rubber, [0.06; 3]),
-        Vec3::new(-half.x, -half.y, 0.0),
-        Vec3::new(half.x, half.y, 0.05 * size.z),
-    );
-    let layer = |share: f32| {
-        let r = 0.42 * size.x * (1.0 - 0.85 * share);
-        (Vec3::Z * share * size.z, r, r)
-    };
-    b.stack_with(
-        |k| if k == 1 || k == 3 { white } else { orange },
-        &[layer(0.04), layer(0.35), layer(0.52), layer(0.66), layer(0.80), layer(1.0)],
-        12,
-    );
-    b.finish()
-}
-
-/// A work-site barrier across x: its long side is the length.
-pub(super) fn barrier(size: Vec3) -> TriMesh {
-    let red = part(Tag::Barrier, Surface::Plain, [0.75, 0.10, 0.05]);
-    let white = part(Tag::Barrier, Surface::Plain, [0.85; 3]);
-    let dark = part(Tag::Barrier, Surface::Rubber, [0.07; 3]);
-    let half = 0.5 * size;
-    let mut b = MeshBuilder::new();
-    for x in [-0.78 * half.x, 0.78 * half.x] {
-        b.cuboid(dark, Vec3::new(x - 0.09, -half.y, 0.0), Vec3::new(x + 0.09, half.y, 0.09));
-        b.cuboid(white, Vec3::new(x - 0.03, -0.03, 0.09), Vec3::new(x + 0.03, 0.03, size.z));
-    }
-    for (z0, z1) in [(0.68 * size.z, 0.97 * size.z), (0.28 * size.z, 0.50 * size.z)] {
-        let fields = 6;
-        for i in 0..fields {
-            let x0 = -half.x + size.x * i as f32 / fields as f32;
-            let paint = if i % 2 == 0 { red } else { white };
-            b.cuboid(paint, Vec3::new(x0, -0.05, z0), Vec3::new(x0 + size.x / fields as f32, 0.05, z1));
-        }
-    }
-    b.finish()
-}
 
 /// Street furniture by name.
 pub(super) fn prop(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> {
@@ -145,64 +101,6 @@ pub(super) fn prop(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> {
                 Vec3::new(high.x - 0.02, high.y - 0.04, 0.93 * size.z),
             );
             b.cuboid(cap, Vec3::new(low.x, low.y, 0.93 * size.z), high);
-        }
-        "sandbag" => {
-            let cloth = part(Tag::Static, Surface::Plain, [0.36, 0.30, 0.20]);
-            b.blob(cloth, Vec3::Z * 0.4 * size.z, half, 5, 10, |_, _| 1.0);
-            b.fit(low, high);
-        }
-        "pile" => {
-            let earth = part(Tag::Static, Surface::Concrete, [0.20, 0.14, 0.09]);
-            let bump = |ring: usize, side: usize| {
-                0.85 + 0.04 * ((ring * 3 + side * 7 + variant as usize) % 4) as f32
-            };
-            b.blob(earth, Vec3::Z * 0.05 * size.z, half, 6, 12, bump);
-            b.fit(low, high);
-        }
-        "pallet" => {
-            let wood = part(Tag::Static, Surface::Wood, [0.40, 0.28, 0.15]);
-            for i in 0..3 {
-                let y = (0.5 * i as f32 - 0.5) * (size.y - 0.1);
-                b.cuboid(wood, Vec3::new(-half.x, y - 0.05, 0.0), Vec3::new(half.x, y + 0.05, 0.84 * size.z));
-            }
-            for i in 0..7 {
-                let x = -half.x + (size.x - 0.12) * i as f32 / 6.0;
-                b.cuboid(wood, Vec3::new(x, -half.y, 0.84 * size.z), Vec3::new(x + 0.12, half.y, size.z));
-            }
-        }
-        "toolbox" => {
-            let steel = part(Tag::Static, Surface::Metal, [0.55, 0.03, 0.02]);
-            let grip = part(Tag::Static, Surface::Rubber, [0.05; 3]);
-            b.cuboid(steel, low, Vec3::new(high.x, high.y, 0.75 * size.z));
-            b.cuboid(
-                grip,
-                Vec3::new(-0.5 * half.x, -0.12 * half.y, 0.75 * size.z),
-                Vec3::new(0.5 * half.x, 0.12 * half.y, size.z),
-            );
-        }
-        "bucket" => {
-            let plastic = part(Tag::Static, Surface::Plain, [0.04, 0.04, 0.05]);
-            let foot = (Vec3::ZERO, 0.75 * half.x, 0.75 * half.y);
-            b.stack(plastic, &[foot, (Vec3::Z * size.z, half.x, half.y)], 14);
-        }
-        "barrel" => {
-            let orange = part(Tag::Static, Surface::Plain, [0.85, 0.18, 0.02]);
-            let white = part(Tag::Static, Surface::Plain, [0.85; 3]);
-            let layer = |share: f32| {
-                let wide = 1.0 - 0.18 * share;
-                (Vec3::Z * share * size.z, wide * half.x, wide * half.y)
-            };
-            b.stack_with(
-                |k| if k % 2 == 1 { white } else { orange },
-                &[layer(0.0), layer(0.25), layer(0.45), layer(0.62), layer(0.82), layer(1.0)],
-                14,
-            );
-        }
-        "pipe" => {
-            let concrete = part(Tag::Static, Surface::Concrete, [0.42, 0.42, 0.41]);
-            let radius = half.y.min(half.z);
-            let end = |x: f32| Vec3::new(x, 0.0, radius);
-            b.bar(concrete, end(-half.x), end(high.x), [radius; 2], 16);
         }
         "rock" => {
             let stone = part(Tag::Rock, Surface::Concrete, [0.27, 0.26, 0.24]);

@@ -8,6 +8,7 @@ use schema::footprint::LightMount;
 use schema::geometry::{Part, Surface, TriMesh};
 use schema::{Tag, lights};
 
+use super::warning;
 use crate::build::{MeshBuilder, circle, part};
 
 /// Bit of a street lamp's variant: it never burns.
@@ -18,6 +19,7 @@ const STEEL: Part = part(Tag::Pole, Surface::Metal, [0.22, 0.23, 0.24]);
 pub(super) fn street(family: &str, kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> {
     match (family, kind) {
         ("light", "signal") => Some(signal(size, LightMount::from_variant(variant))),
+        ("sign", "accident" | "road_works" | "danger") => warning::warning(kind, size),
         ("sign", _) => Some(sign(kind, size, (variant & 0xfff) as f32 / 100.0)),
         ("pole", "lamp") => Some(lamp(size)),
         ("pole", "rsu") => Some(rsu(size)),

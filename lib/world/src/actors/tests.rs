@@ -5,7 +5,7 @@ use glam::Vec3;
 use schema::footprint::LightMount;
 use schema::geometry::{Surface, TriMesh};
 use schema::models::{BaseType, MODELS};
-use schema::{Tag, lights};
+use schema::{Tag, lights, works};
 
 use super::*;
 
@@ -34,13 +34,6 @@ fn everything() -> Vec<(String, [f64; 3], u32)> {
         ("prop.fence", [6.0, 0.1, 1.1]),
         ("prop.wall", [6.0, 0.3, 1.4]),
         ("prop.rock", [1.0, 1.0, 0.7]),
-        ("prop.sandbag", [0.62, 0.40, 0.18]),
-        ("prop.pile", [1.70, 1.40, 0.70]),
-        ("prop.pallet", [1.20, 0.80, 0.15]),
-        ("prop.toolbox", [0.55, 0.28, 0.30]),
-        ("prop.bucket", [0.34, 0.34, 0.36]),
-        ("prop.barrel", [0.60, 0.60, 0.90]),
-        ("prop.pipe", [2.00, 0.60, 0.60]),
         ("pole.lamp", [2.4, 0.28, 7.5]),
         ("pole.rsu", [0.4, 0.4, 3.5]),
         ("sign.stop", [0.08, 0.76, 0.76]),
@@ -49,7 +42,7 @@ fn everything() -> Vec<(String, [f64; 3], u32)> {
         ("sign.other", [0.08, 0.76, 0.76]),
         ("light.signal", [0.36, 0.42, 1.1]),
     ];
-    all.extend(others.map(|(name, size)| (name.to_owned(), size, 1)));
+    all.extend(others.into_iter().chain(works::all()).map(|(name, size)| (name.to_owned(), size, 1)));
     all
 }
 
@@ -58,10 +51,11 @@ fn made(name: &str, size: [f64; 3], variant: u32) -> ActorMesh {
 }
 
 /// Where a mesh's vertices are in the object frame at some pose of its joints.
-fn bounds(actor: &ActorMesh, steer: f32, phase: f32, keep: impl Fn(Tag) -> bool) -> Aabb {
+fn bounds(actor: &ActorMesh, phase_rad: f32, keep: impl Fn(Tag) -> bool) -> Aabb {
     let mut found = Aabb::EMPTY;
     for piece in &actor.pieces {
-        let pose = piece.joint.object_from_piece(steer, phase);
+        let posture = Posture { phase_rad, ..Posture::default() };
+        let Some(pose) = piece.joint.object_from_piece(&posture) else { continue };
         for i in 0..piece.mesh.triangles.len() {
             if keep(piece.mesh.part(i).tag) {
                 found = piece.mesh.corners(i).iter().fold(found, |b, p| b.with(pose.transform_point3(*p)));
@@ -114,7 +108,7 @@ fn meshes_stay_inside_their_boxes() {
         // Poles of lights and signs are not part of the box.
         let boxed = |tag: Tag| tag != Tag::Pole || name == "pole.lamp";
         for phase in [0.0, 0.9, 2.2] {
-            let b = bounds(&actor, 0.0, phase, boxed);
+            let b = bounds(&actor, phase, boxed);
             // Swinging feet dip by millimetres.
             let slack = 0.012;
             let inside = b.min.cmpge(-half - slack).all()
@@ -133,7 +127,7 @@ fn vehicles_fill_their_boxes() {
         .iter()
         .filter(|m| matches!(m.base, BaseType::Car | BaseType::Van | BaseType::Truck | BaseType::Bus))
     {
-        let b = bounds(&made(model.name, model.size_m, 0), 0.0, 0.0, |_| true);
+        let b = bounds(&made(model.name, model.size_m, 0), 0.0, |_| true);
         let [l, w, h] = model.size_m.map(|v| v as f32);
         for (got, want) in [
             (b.min.x, -0.5 * l),
@@ -151,7 +145,10 @@ fn vehicles_fill_their_boxes() {
 #[test]
 fn sizes_in_triangles_are_moderate() {
     for (name, size, variant) in everything() {
-        let count: usize = made(&name, size, variant).pieces.iter().map(|p| p.mesh.triangles.len()).sum();
+        // Doors are there only while they stand open.
+        let seen = |p: &&Piece| p.joint.object_from_piece(&Posture::default()).is_some();
+        let pieces = made(&name, size, variant).pieces;
+        let count: usize = pieces.iter().filter(seen).map(|p| p.mesh.triangles.len()).sum();
         assert!((12..=1500).contains(&count), "{name}: {count}");
     }
 }
@@ -183,7 +180,7 @@ fn a_traffic_light_has_red_on_top_and_a_pole_to_the_ground() {
     };
     assert!(middle(lights::SIGNAL_RED) > middle(lights::SIGNAL_YELLOW));
     assert!(middle(lights::SIGNAL_YELLOW) > middle(lights::SIGNAL_GREEN));
-    let pole = bounds(&actor, 0.0, 0.0, |tag| tag == Tag::Pole);
+    let pole = bounds(&actor, 0.0, |tag| tag == Tag::Pole);
     assert!(pole.min.z <= -5.2 && pole.max.y > 3.9, "{pole:?}");
 }
 
@@ -194,11 +191,54 @@ fn wheels_roll_forward_and_steer_left() {
         (wheel, Vec3::Z * 0.33),
         (Joint::Wheel { at: Vec3::new(1.4, -0.8, 0.33), steered: true, right: true }, Vec3::Z * 0.33),
     ] {
-        let rest = joint.object_from_piece(0.0, 0.0).transform_point3(top);
-        let rolled = joint.object_from_piece(0.0, 0.1).transform_point3(top);
+        let turned = |steer_rad: f32, phase_rad: f32| {
+            let posture = Posture { steer_rad, phase_rad, ..Posture::default() };
+            joint.object_from_piece(&posture).expect("wheels are always there")
+        };
+        let rest = turned(0.0, 0.0).transform_point3(top);
+        let rolled = turned(0.0, 0.1).transform_point3(top);
         assert!(rolled.x > rest.x + 0.03, "the top of a rolling wheel moves forward");
-        let ahead = joint.object_from_piece(0.2, 0.0).transform_vector3(Vec3::X);
+        let ahead = turned(0.2, 0.0).transform_vector3(Vec3::X);
         assert!(ahead.x.abs() > 0.97 && (ahead.y * ahead.x) > 0.1, "{ahead}");
+    }
+}
+
+#[test]
+fn doors_swing_outward_about_their_front_edge() {
+    for model in MODELS.iter().filter(|m| m.wheelbase_m > 0.0) {
+        let actor = made(model.name, model.size_m, 0);
+        let leaves: Vec<&Piece> =
+            actor.pieces.iter().filter(|p| matches!(p.joint, Joint::Door { .. })).collect();
+        assert_eq!(leaves.len(), model.doors(), "{}", model.name);
+        let half_width = 0.5 * model.size_m[1] as f32;
+        for (number, leaf) in leaves.iter().enumerate() {
+            let Joint::Door { at, door } = leaf.joint else { unreachable!("a door") };
+            assert_eq!(door, number);
+            // Left ones are even; rear ones lie behind front ones.
+            assert_eq!(at.y > 0.0, door % 2 == 0, "{}", model.name);
+            let span = |angle: f32| {
+                let mut posture = Posture::default();
+                posture.door_rad[door] = angle;
+                let pose = leaf.joint.object_from_piece(&posture).expect("it is open");
+                leaf.mesh.positions.iter().fold(Aabb::EMPTY, |b, p| b.with(pose.transform_point3(*p)))
+            };
+            assert!(leaf.joint.object_from_piece(&Posture::default()).is_none());
+            let (closed, open) = (span(1e-4), span(1.1));
+            // A leaf in the skin, of a door's size.
+            let size = closed.max - closed.min;
+            assert!(
+                closed.min.y.abs().max(closed.max.y.abs()) < half_width + 0.01,
+                "{}: {closed:?}",
+                model.name
+            );
+            assert!((0.5..1.7).contains(&size.x) && (0.7..2.2).contains(&size.z), "{}: {size}", model.name);
+            // Opened by 63 degrees its rear edge is out by 0.89 of its length, and its front edge where it was.
+            let outside = if at.y > 0.0 { open.max.y } else { -open.min.y };
+            assert!(outside > half_width + 0.6 * size.x, "{}: {open:?}", model.name);
+            assert!((open.max.x - closed.max.x).abs() < 0.12, "{}: {open:?} {closed:?}", model.name);
+            let frame = actor.pieces.iter().filter(|p| p.joint == Joint::Doorway { door }).count();
+            assert_eq!(frame, 1);
+        }
     }
 }
 

@@ -38,6 +38,12 @@ pub(super) const SKIN: [[f32; 3]; 5] =
 const HAIR: [[f32; 3]; 5] =
     [[0.02, 0.015, 0.01], [0.08, 0.04, 0.02], [0.25, 0.15, 0.06], [0.35, 0.34, 0.33], [0.18, 0.06, 0.02]];
 
+/// High-visibility clothing: orange or yellow; and the bands on it.
+const VESTS: [[f32; 3]; 2] = [[0.85, 0.25, 0.02], [0.62, 0.72, 0.03]];
+const BAND: [f32; 3] = [0.75, 0.76, 0.74];
+const HELMETS: [[f32; 3]; 3] = [[0.80, 0.58, 0.03], [0.80, 0.80, 0.78], [0.78, 0.22, 0.02]];
+const UNIFORM: [f32; 3] = [0.015, 0.022, 0.06];
+
 fn pick(colours: &[[f32; 3]], word: u32) -> [f32; 3] {
     colours[word as usize % colours.len()]
 }
@@ -47,8 +53,13 @@ pub(super) fn walker(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
     let woman = model.name == "walker.woman" || (model.name == "walker.child" && variant % 2 == 1);
     let elder = model.name == "walker.elder";
     let cloth = |rgb: [f32; 3]| part(Tag::Pedestrian, Surface::Cloth, rgb);
-    let top = cloth(pick(&TOPS, variant));
-    let trousers = cloth(pick(&TROUSERS, variant / 3));
+    let (worker, police) = (model.special == "worker", model.special == "police");
+    let (top, trousers) = match model.special {
+        "worker" => (pick(&VESTS, variant), if variant % 4 < 2 { pick(&VESTS, variant) } else { UNIFORM }),
+        "police" => (UNIFORM, UNIFORM),
+        _ => (pick(&TOPS, variant), pick(&TROUSERS, variant / 3)),
+    };
+    let (top, trousers) = (cloth(top), cloth(trousers));
     let skin = cloth(pick(&SKIN, variant / 7));
     let hair = cloth(if elder { HAIR[3] } else { pick(&HAIR, variant / 11) });
     let skirt = woman && variant.is_multiple_of(3);
@@ -87,6 +98,30 @@ pub(super) fn walker(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
     let head_half = Vec3::new(0.058, 0.046, 0.066) * height;
     let head = Vec3::Z * (height - head_half.z - 0.004 * height);
     b.ellipsoid(skin, head, head_half, 7, 10);
+    if worker || police {
+        // Bands around chest and belly; the police wear a vest under theirs.
+        let bands: &[[f32; 2]] = if worker { &[[0.575, 0.605], [0.69, 0.72]] } else { &[[0.58, 0.64]] };
+        for [low, high] in bands {
+            let wide = |share: f32| (at(share), 1.03 * depth, 1.02 * chest);
+            b.stack(cloth(if worker { BAND } else { VESTS[1] }), &[wide(*low), wide(*high)], 10);
+        }
+        // A helmet or a cap: a shell over the upper half of the head, its brim longer in front.
+        let shell =
+            part(Tag::Pedestrian, Surface::Plain, if worker { pick(&HELMETS, variant / 5) } else { UNIFORM });
+        let crown =
+            if worker { Vec3::new(0.064, 0.054, 0.046) } else { Vec3::new(0.066, 0.062, 0.026) } * height;
+        let middle = head + Vec3::Z * if worker { 0.034 } else { 0.052 } * height;
+        b.ellipsoid(shell, middle, crown, 6, 12);
+        let brim = head + Vec3::new(0.014, 0.0, 0.026) * height;
+        b.stack(
+            shell,
+            &[
+                (brim, 0.066 * height, 0.055 * height),
+                (brim + Vec3::Z * 0.005 * height, 0.062 * height, 0.052 * height),
+            ],
+            12,
+        );
+    }
     // Hair is a cap on the back and top of the head; its crown is the top of the box.
     let back = if woman { 0.020 } else { 0.010 };
     b.ellipsoid(
@@ -99,7 +134,7 @@ pub(super) fn walker(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
     if woman && !skirt {
         b.ellipsoid(hair, at(0.86) - Vec3::X * 0.035 * height, Vec3::new(0.028, 0.042, 0.055) * height, 5, 8);
     }
-    if variant % 5 == 2 && !elder {
+    if variant % 5 == 2 && !elder && !worker && !police {
         let bag = part(Tag::Pedestrian, Surface::Cloth, pick(&TOPS, variant / 2 + 3));
         let back_x = -0.5 * length;
         b.tapered(
