@@ -50,7 +50,9 @@ fn footprints_hold_what_is_drawn_at_walking_height_and_little_more() {
         let low = (held.xyz_m[2] - actor.xyz_m[2]) as f32;
         let mut reach = [0.0_f64; 2];
         for piece in &mesh.pieces {
-            let from_piece = piece.joint.object_from_piece(0.0, 0.0);
+            let Some(from_piece) = piece.joint.object_from_piece(&world::Posture::default()) else {
+                continue;
+            };
             for i in 0..piece.mesh.triangles.len() {
                 let leaves = piece.mesh.part(i).surface == Surface::Foliage;
                 if leaves && actor.model.starts_with("tree") {

@@ -40,7 +40,9 @@ impl<'a> Thing<'a> {
         let ground_m = if hung { lowest + SUNK_M } else { 0.0 };
         let mut triangles = Vec::new();
         for piece in &mesh.pieces {
-            let from_piece = piece.joint.object_from_piece(0.0, 0.0);
+            let Some(from_piece) = piece.joint.object_from_piece(&world::Posture::default()) else {
+                continue;
+            };
             for i in 0..piece.mesh.triangles.len() {
                 // Twigs give way; hedges do not.
                 let twigs = actor.model.starts_with("tree") && piece.mesh.part(i).surface == Surface::Foliage;
