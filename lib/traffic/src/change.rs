@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 
 use crate::moving::Glide;
 use crate::net::Net;
-use crate::occupancy::{Occupancy, Spot, is_stranded};
+use crate::occupancy::{Occupancy, Sense, Spot, is_stranded};
 use crate::sides::{CHANGE_WIDTH_M, Side};
 use crate::vehicles::Vehicle;
 
@@ -240,7 +240,7 @@ fn gap(
     }) {
         return None;
     }
-    let ahead = occupancy.first_ahead(net, lane, along_m, me, vehicle.view_m());
+    let ahead = occupancy.first(net, Sense::Ahead, (lane, along_m), me, vehicle.view_m());
     let then = match ahead {
         Some((to_m, spot)) => {
             let gap_m = to_m - half - spot.half_length_m;
@@ -257,7 +257,7 @@ fn gap(
         return None;
     }
     let mut loss = 0.0;
-    if let Some((to_m, spot)) = occupancy.first_behind(net, lane, along_m, me, 80.0)
+    if let Some((to_m, spot)) = occupancy.first(net, Sense::Behind, (lane, along_m), me, 80.0)
         && let Some(other) = vehicles.get(spot.vehicle).filter(|v| !v.crashed)
     {
         let gap_m = to_m - half - spot.half_length_m;

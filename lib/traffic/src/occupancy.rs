@@ -26,6 +26,13 @@ pub(crate) fn is_stranded(vehicles: &[Vehicle], who: usize) -> bool {
     vehicles.get(who).is_none_or(|v| v.crashed)
 }
 
+/// Onwards or backwards along lanes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sense {
+    Ahead,
+    Behind,
+}
+
 /// Something on a lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spot {
@@ -223,57 +230,41 @@ impl Occupancy {
         best
     }
 
-    /// The first vehicle but `me` after a place on a lane, on over all branches: metres between the middles.
-    pub(crate) fn first_ahead(
+    /// The first vehicle but `me` from a place on a lane onwards or backwards, over all branches: metres between the middles.
+    /// One at the very place is ahead.
+    pub(crate) fn first(
         &self,
         net: &Net,
-        lane: usize,
-        along_m: f64,
+        sense: Sense,
+        (lane, along_m): (usize, f64),
         me: usize,
         reach_m: f64,
     ) -> Option<(f64, Spot)> {
+        let length = |lane: usize| net.lanes[lane].way.length_m;
         let mut best: Option<(f64, Spot)> = None;
-        let mut open = vec![(lane, -along_m)];
-        let mut seen = 0;
-        while let Some((at, start)) = open.pop() {
-            seen += 1;
-            for spot in &self.vehicles[at] {
-                let to = start + spot.along_m;
-                if spot.vehicle != me && to >= 0.0 && best.is_none_or(|b| to < b.0) {
-                    best = Some((to, *spot));
-                }
-            }
-            let end = start + net.lanes[at].way.length_m;
-            if end < reach_m && best.is_none_or(|b| end < b.0) && seen < MAX_LANES {
-                open.extend(net.lanes[at].next.iter().map(|&n| (n, end)));
-            }
-        }
-        best
-    }
-
-    /// The first vehicle but `me` before a place on a lane, back over all branches: metres between the middles.
-    pub(crate) fn first_behind(
-        &self,
-        net: &Net,
-        lane: usize,
-        along_m: f64,
-        me: usize,
-        reach_m: f64,
-    ) -> Option<(f64, Spot)> {
-        let mut best: Option<(f64, Spot)> = None;
+        // Lanes with the place as metres along each of them, as if it went straight on.
         let mut open = vec![(lane, along_m)];
         let mut seen = 0;
-        while let Some((at, to_start)) = open.pop() {
+        while let Some((at, place_m)) = open.pop() {
             seen += 1;
             for spot in &self.vehicles[at] {
-                let to = to_start - spot.along_m;
-                if spot.vehicle != me && to > 0.0 && best.is_none_or(|b| to < b.0) {
+                let (to, is_there) = match sense {
+                    Sense::Ahead => (spot.along_m - place_m, spot.along_m >= place_m),
+                    Sense::Behind => (place_m - spot.along_m, spot.along_m < place_m),
+                };
+                if spot.vehicle != me && is_there && best.is_none_or(|b| to < b.0) {
                     best = Some((to, *spot));
                 }
             }
-            if to_start < reach_m && best.is_none_or(|b| to_start < b.0) && seen < MAX_LANES {
-                let back = net.lanes[at].previous.iter();
-                open.extend(back.map(|&p| (p, to_start + net.lanes[p].way.length_m)));
+            let (end, on) = match sense {
+                Sense::Ahead => (length(at) - place_m, &net.lanes[at].next),
+                Sense::Behind => (place_m, &net.lanes[at].previous),
+            };
+            if end < reach_m && best.is_none_or(|b| end < b.0) && seen < MAX_LANES {
+                open.extend(on.iter().map(|&l| match sense {
+                    Sense::Ahead => (l, place_m - length(at)),
+                    Sense::Behind => (l, place_m + length(l)),
+                }));
             }
         }
         best
