@@ -77,7 +77,7 @@ pub struct Model {
     pub wheelbase_m: f64,
     /// Wheel radius, metres.
     pub wheel_radius_m: f64,
-    /// `emergency`, `taxi`, `electric`, of people `police`, `worker`; or empty.
+    /// `emergency`, `taxi`, `electric`, of people `police`, `worker`, `wheelchair`; or empty.
     pub special: &'static str,
 }
 
@@ -152,6 +152,7 @@ pub const MODELS: &[Model] = {
         model("barrier.street", Barrier, [1.20, 0.45, 1.00], 0.0, 0.0, ""),
         model("barrier.concrete", Barrier, [2.00, 0.58, 0.82], 0.0, 0.0, ""),
         model("barrier.wooden", Barrier, [1.50, 0.60, 1.05], 0.0, 0.0, ""),
+        model("walker.wheelchair", Pedestrian, [1.10, 0.66, 1.32], 0.0, 0.31, "wheelchair"),
     ]
 };
 
@@ -169,6 +170,12 @@ pub fn vehicles() -> impl Iterator<Item = &'static Model> {
 /// Models that walk about; police and workers have their places.
 pub fn walkers() -> impl Iterator<Item = &'static Model> {
     MODELS.iter().filter(|m| m.base == BaseType::Pedestrian && m.special.is_empty())
+}
+
+/// Somebody in a wheelchair.
+#[must_use]
+pub fn wheelchair() -> Option<&'static Model> {
+    find("walker.wheelchair")
 }
 
 #[cfg(test)]

@@ -37,7 +37,7 @@ impl Fixture {
         [v.dot(&self.ahead), v.y * self.ahead.x - v.x * self.ahead.y]
     }
 
-    fn seen_from_middle(&self, point: &Point3<f64>) -> [f64; 2] {
+    fn local_point(&self, point: &Point3<f64>) -> [f64; 2] {
         self.local(&(point - self.centre).xy())
     }
 
@@ -47,14 +47,14 @@ impl Fixture {
 
     /// How far a point is outside the box, metres; inside it is less than 0.
     pub(crate) fn gap_m(&self, point: &Point3<f64>) -> f64 {
-        let at = self.seen_from_middle(point);
+        let at = self.local_point(point);
         let [a, b] = [0, 1].map(|k| at[k].abs() - self.half_m[k]);
         if a > 0.0 && b > 0.0 { (a * a + b * b).sqrt() } else { a.max(b) }
     }
 
     /// The direction in which a point gets away from the box fastest.
     pub(crate) fn away(&self, point: &Point3<f64>) -> Vector2<f64> {
-        let at = self.seen_from_middle(point);
+        let at = self.local_point(point);
         let over = [0, 1].map(|k| at[k].abs() - self.half_m[k]);
         let out = if over[0] > 0.0 && over[1] > 0.0 {
             [over[0].copysign(at[0]), over[1].copysign(at[1])]
@@ -75,7 +75,7 @@ impl Fixture {
         velocity_mps: &Vector2<f64>,
         within_m: f64,
     ) -> Option<f64> {
-        let (at, v) = (self.seen_from_middle(point), self.local(velocity_mps));
+        let (at, v) = (self.local_point(point), self.local(velocity_mps));
         let (mut first, mut last) = (0.0_f64, f64::INFINITY);
         for k in 0..2 {
             let reach = self.half_m[k] + within_m;

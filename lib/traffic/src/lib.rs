@@ -23,6 +23,7 @@ mod moving;
 mod net;
 mod occupancy;
 mod paths;
+mod routes;
 mod sides;
 mod signals;
 mod simulation;

@@ -69,7 +69,11 @@ pub(crate) fn vehicle_actor(id: ObjectId, start: &Start) -> ActorRow {
 
 pub(crate) fn walker_actor(id: ObjectId, walker: &Walker, crosses_anywhere: bool) -> ActorRow {
     let pose = Pose::from_xyz_rpy(walker.point.coords.into(), [0.0, 0.0, walker.yaw_rad]);
-    let facts = attributes(&[("crosses_anywhere", if crosses_anywhere { "true" } else { "false" })]);
+    let word = |b: bool| if b { "true" } else { "false" };
+    let facts = attributes(&[
+        ("crosses_anywhere", word(crosses_anywhere)),
+        ("use_wheelchair", word(walker.model.special == "wheelchair")),
+    ]);
     ActorRow { attributes: facts, ..moving(id, "walker", "walker", walker.model, &walker.color, &pose) }
 }
 

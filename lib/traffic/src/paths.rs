@@ -19,6 +19,8 @@ const EDGE_M: f64 = 0.35;
 const BESIDE_M: f64 = 2.0;
 /// Longest way over a road, metres.
 const MAX_CROSSING_M: f64 = 60.0;
+/// A light this near to a crosswalk is the crosswalk's, too, metres.
+const AT_LIGHT_M: f64 = 12.0;
 /// How far from the straight line walkers are who cross anywhere, and at most on crosswalks, metres.
 const BESIDE_LINE_M: [f64; 2] = [0.8, 2.0];
 
@@ -32,6 +34,8 @@ pub(crate) struct Crossing {
     pub(crate) half_width_m: f64,
     /// Driving lanes on the way: lane, metres along it, metres from the first end.
     pub(crate) lanes: Vec<(usize, f64, f64)>,
+    /// Signals that hold the traffic which comes over a crosswalk (indices of the map).
+    pub(crate) signals: Vec<usize>,
 }
 
 /// Where walkers walk.
@@ -42,8 +46,6 @@ pub(crate) struct Paths {
     /// Ends of ways (way, whether its last end) at each end.
     pub(crate) joined: BTreeMap<(usize, bool), Vec<(usize, bool)>>,
     pub(crate) crossings: Vec<Crossing>,
-    /// Crosswalks along each way: metres, crossing, which end.
-    pub(crate) doors: Vec<Vec<(f64, usize, usize)>>,
 }
 
 impl Paths {
@@ -68,13 +70,7 @@ impl Paths {
             })
             .collect();
         let ways: Vec<Way> = found.into_iter().map(|(way, _)| way).collect();
-        let mut paths = Self {
-            doors: vec![Vec::new(); ways.len()],
-            ways,
-            raised_m,
-            joined: BTreeMap::new(),
-            crossings: Vec::new(),
-        };
+        let mut paths = Self { ways, raised_m, joined: BTreeMap::new(), crossings: Vec::new() };
         paths.join();
         paths.add_crosswalks(map, net);
         paths
@@ -115,11 +111,9 @@ impl Paths {
                 continue;
             }
             let half_width_m = (half_width - EDGE_M).clamp(0.0, BESIDE_LINE_M[1]);
-            let crossing = Crossing { ends, doors: [a, b], half_width_m, lanes: lanes_on(net, &ends) };
-            for (side, (way, along)) in [a, b].into_iter().enumerate() {
-                self.doors[way].push((along, self.crossings.len(), side));
-            }
-            self.crossings.push(crossing);
+            let lanes = lanes_on(net, &ends);
+            let signals = signals_of(net, &lanes);
+            self.crossings.push(Crossing { ends, doors: [a, b], half_width_m, lanes, signals });
         }
     }
 
@@ -194,22 +188,35 @@ impl Paths {
         free_m(way.place(along_m).width_m).min(0.6 / way.curvature(along_m).abs().max(1e-6))
     }
 
-    /// Straight over the road to the sidewalk on its other side.
-    pub(crate) fn straight_over(&self, net: &Net, way: usize, from: Point3<f64>) -> Option<Crossing> {
+    /// The sidewalk on the other side of the road.
+    pub(crate) fn opposite(&self, way: usize) -> Option<usize> {
         let lane = self.ways[way].lane;
         let over = |w: &Way| {
             w.lane.road == lane.road && w.lane.section == lane.section && (w.lane.lane > 0) != (lane.lane > 0)
         };
-        let other = self.ways.iter().position(over)?;
+        self.ways.iter().position(over)
+    }
+
+    /// The way straight over the road from a sidewalk to the one on the other side: where it starts, and how far along the
+    /// other one it ends; none where it is too long.
+    pub(crate) fn across(&self, way: usize, other: usize, along_m: f64) -> Option<(Point3<f64>, f64)> {
+        let from = self.point(way, along_m, 0.0).0;
+        let to_m = self.ways[other].project(from).0;
+        let length = (self.point(other, to_m, 0.0).0 - from).norm();
+        (length > 2.0 && length < MAX_CROSSING_M).then_some((from, to_m))
+    }
+
+    /// Straight over the road to the sidewalk on its other side.
+    pub(crate) fn straight_over(&self, net: &Net, way: usize, from: Point3<f64>) -> Option<Crossing> {
+        let other = self.opposite(way)?;
         let along = self.ways[other].project(from).0;
         let to = self.point(other, along, 0.0).0;
         let ends = [from, to];
         let length = (to - from).norm();
-        (length > 2.0 && length < MAX_CROSSING_M).then(|| Crossing {
-            ends,
-            doors: [(way, 0.0), (other, along)],
-            half_width_m: BESIDE_LINE_M[0],
-            lanes: lanes_on(net, &ends),
+        (length > 2.0 && length < MAX_CROSSING_M).then(|| {
+            let lanes = lanes_on(net, &ends);
+            let doors = [(way, 0.0), (other, along)];
+            Crossing { ends, doors, half_width_m: BESIDE_LINE_M[0], lanes, signals: Vec::new() }
         })
     }
 }
@@ -244,6 +251,23 @@ fn long_axis(polygon: &[Point3<f64>]) -> Option<([Point3<f64>; 2], f64)> {
     let across = |p: &Point3<f64>| ((p.y - centre.y) * cos - (p.x - centre.x) * sin).abs();
     let half_width = polygon.iter().map(across).fold(f64::INFINITY, f64::min);
     (high - low > 1.0).then(|| ([at(low), at(high)], half_width))
+}
+
+/// Signals at whose lines traffic waits that would go over these places of lanes next.
+fn signals_of(net: &Net, places: &[(usize, f64, f64)]) -> Vec<usize> {
+    let mut found = Vec::new();
+    for &(lane, along_m, _) in places {
+        let facts = &net.lanes[lane];
+        if along_m < AT_LIGHT_M {
+            found.extend(&facts.signals);
+        }
+        if facts.way.length_m - along_m < AT_LIGHT_M {
+            found.extend(facts.next.iter().flat_map(|&n| &net.lanes[n].signals));
+        }
+    }
+    found.sort_unstable();
+    found.dedup();
+    found
 }
 
 /// Driving lanes under a straight line.

@@ -24,13 +24,16 @@ use crate::log::{Snapshot, rsu_actor, vehicle_actor, vehicle_lamps, walker_actor
 use crate::net::Net;
 use crate::occupancy::Occupancy;
 use crate::paths::Paths;
+use crate::routes::Routes;
 use crate::signals::Signals;
 use crate::spawn::{Start, ids, vehicle_starts};
 use crate::sway::Sway;
 use crate::vehicles::{Vehicle, wished_acceleration};
-use crate::walkers::{Place, Walker};
+use crate::walkers::{Place, WHEELCHAIR_MPS, Walker};
 use crate::{SceneInput, SceneLog, TrafficError};
 
+/// Walkers' destinations are at most this many times as far from an agent's start as walkers' starts.
+const DESTINATION_RADII: f64 = 1.6;
 /// Longest warm-up, seconds.
 const MAX_WARMUP_S: f64 = 3600.0;
 /// Owner numbers of bodies: vehicles from 0, walkers from here, fixed things from twice this, those of hazards
@@ -88,6 +91,7 @@ struct Simulation<'a> {
     net: Net,
     signals: Signals,
     paths: Paths,
+    routes: Routes,
     fixtures: Fixtures,
     vehicles: Vec<Vehicle>,
     starts: Vec<Start>,
@@ -120,6 +124,7 @@ impl<'a> Simulation<'a> {
         let paths = Paths::new(map, &net);
         let (starts, hazards) = vehicle_starts(input, &net)?;
         let agents = starts.iter().filter(|s| s.role != "background").map(|s| s.point).collect::<Vec<_>>();
+        let routes = Routes::new(&paths, &agents, DESTINATION_RADII * scene.spawn_radius_m);
         let middle = agents.first().map_or([0.0; 3], |p| (*p).into());
         let mut bodies = Bodies::new(LocalOrigin::near(middle));
 
@@ -157,7 +162,7 @@ impl<'a> Simulation<'a> {
             hazard_ids.iter().zip(&hazards.things).map(|(id, thing)| thing.actor(*id)).collect();
         let fixed = input.fixed.iter().chain(log.actors.iter().filter(|a| a.fixed)).chain(&standing);
         let fixtures = Fixtures::new(fixed.filter_map(footprint));
-        let walkers = place_walkers(input, &paths, &fixtures, &places, &mut bodies);
+        let walkers = place_walkers(input, &paths, &routes, &fixtures, &places, &mut bodies);
         for ((walker, anywhere), id) in walkers.iter().zip(walker_ids) {
             log.actors.push(walker_actor(*id, walker, *anywhere));
             log.n_walkers += 1;
@@ -191,6 +196,7 @@ impl<'a> Simulation<'a> {
             net,
             signals,
             paths,
+            routes,
             fixtures,
             vehicles,
             starts,
@@ -249,10 +255,19 @@ impl<'a> Simulation<'a> {
         for walker in &self.walkers {
             crowd.add(walker.point, walker.velocity_mps, walker.radius_m());
         }
+        let place = Place {
+            paths: &self.paths,
+            routes: &self.routes,
+            fixtures: &self.fixtures,
+            net: &self.net,
+            occupancy: &self.occupancy,
+            vehicles: &self.vehicles,
+            signals: &self.signals,
+            time_s,
+        };
         for (me, walker) in self.walkers.iter_mut().enumerate() {
             let was_on_road = walker.is_on_road();
-            let place = Place { paths: &self.paths, fixtures: &self.fixtures, net: &self.net };
-            walker.step(&place, &self.occupancy, &self.vehicles, time_s, &mut crowd, me);
+            walker.step(&place, &mut crowd, me);
             if walker.is_on_road() != was_on_road {
                 self.bodies.set_on_road(walker.body, walker.is_on_road());
             }
@@ -439,6 +454,7 @@ fn place_vehicles(
 fn place_walkers(
     input: &SceneInput<'_>,
     paths: &Paths,
+    routes: &Routes,
     fixtures: &Fixtures,
     places: &[(usize, usize, f64)],
     bodies: &mut Bodies,
@@ -451,10 +467,18 @@ fn place_walkers(
         let mut draw = Stream::new(scene.seed, u64::from(scene.scene), "traffic/walker", number as u64);
         let (Some(&model), Some(&color)) = (draw.choose(&catalogue), draw.choose(&CLOTHES)) else { break };
         let speed = draw.log_normal(0.16, 0.64).max(input.settings.walkers.min_speed_mps).max(0.1);
+        let mut chairs = Stream::new(scene.seed, u64::from(scene.scene), "traffic/wheelchair", number as u64);
+        let (model, speed) = match models::wheelchair() {
+            Some(chair) if chairs.chance(input.settings.walkers.wheelchair) => {
+                (chair, speed.min(WHEELCHAIR_MPS))
+            }
+            _ => (model, speed),
+        };
         let anywhere = draw.chance(scene.walker_cross_factor);
         let owner = WALKERS + i as u32;
         let make_body = |at: &Point3<f64>| bodies.walker(at, model.size_m, owner);
-        let mut walker = Walker::new(model, color, draw, paths, (way, along), speed, anywhere, make_body);
+        let mut walker =
+            Walker::new(model, color, draw, paths, routes, (way, along), speed, anywhere, make_body);
         walker.find_room(paths, fixtures, &crowd);
         crowd.add(walker.point, walker.velocity_mps, walker.radius_m());
         walkers.push((walker, anywhere));

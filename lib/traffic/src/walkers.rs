@@ -1,4 +1,4 @@
-//! Walkers on sidewalks, crosswalks and, some of them, anywhere.
+//! Walkers on their routes: over sidewalks, crosswalks and, some of them, straight over roads.
 
 use nalgebra::{Point3, Vector2};
 use random::Stream;
@@ -11,12 +11,10 @@ use crate::fixtures::Fixtures;
 use crate::net::Net;
 use crate::occupancy::Occupancy;
 use crate::paths::{Crossing, Paths};
+use crate::routes::{Leg, Route, Routes, Turn};
+use crate::signals::{Light, Signals};
 use crate::vehicles::Vehicle;
 
-/// Chance to take a crosswalk that one comes by.
-const TAKE_CROSSWALK: f64 = 0.4;
-/// Chance per step that one who may cross anywhere does so (once in about 10 s).
-const CROSS_ANYWHERE: f64 = 0.005;
 /// A stride's length, metres.
 const STRIDE_M: f64 = 1.4;
 /// Fastest turn, radians per second.
@@ -25,23 +23,30 @@ const TURN_RADPS: f64 = 5.0;
 const PATIENCE_S: f64 = 5.0;
 /// After waiting this long, a walker stays on its side, seconds.
 const GIVE_UP_S: f64 = 25.0;
+/// The same at a light, whose turn comes some time, seconds.
+const GIVE_UP_AT_LIGHT_S: f64 = 90.0;
+/// A light that turned red for the traffic this short a time ago is as good as one that stays red long enough, seconds.
+const JUST_RED_S: f64 = 2.0;
+/// Who may cross anywhere and finds no way through where it meant to tries again after this way, metres.
+const NEXT_TRY_M: f64 = 2.0;
+/// Users of wheelchairs are not faster than this, m/s.
+pub(crate) const WHEELCHAIR_MPS: f64 = 2.0;
 /// Vehicles are looked for this far upstream, metres.
 const LOOK_M: f64 = 60.0;
 /// A place is reached within this distance, metres.
 const REACH_M: f64 = 0.3;
 /// Who cannot get on waits behind those who stand at the kerb, within this distance of it, metres.
 const QUEUE_M: f64 = 3.0;
-/// Who gets on less than a fifth as fast as wished for this long tries something else, seconds.
-const STUCK_S: f64 = 6.0;
-/// Braking to a halt at the end of a sidewalk, m/s2.
+/// Who gets on less than a fifth as fast as wished for this long goes somewhere else, seconds.
+const STUCK_S: f64 = 4.0;
+/// Braking at a destination, m/s2, down to a speed at which one turns round, m/s.
 const HALT_MPS2: f64 = 2.5;
+const TURN_MPS: f64 = 0.4;
 
 #[derive(Clone, Debug)]
 enum Mode {
-    /// Along a sidewalk, in its direction or against it.
-    Along {
-        forward: bool,
-    },
+    /// Along a sidewalk, on the first leg of the route.
+    Along,
     /// To the kerb.
     ToKerb {
         crossing: Crossing,
@@ -64,11 +69,16 @@ enum Mode {
     Struck,
 }
 
-/// Where walkers walk, and what stands there.
+/// Where walkers walk, what stands there and what goes on there.
 pub(crate) struct Place<'a> {
     pub(crate) paths: &'a Paths,
+    pub(crate) routes: &'a Routes,
     pub(crate) fixtures: &'a Fixtures,
     pub(crate) net: &'a Net,
+    pub(crate) occupancy: &'a Occupancy,
+    pub(crate) vehicles: &'a [Vehicle],
+    pub(crate) signals: &'a Signals,
+    pub(crate) time_s: f64,
 }
 
 /// A walker.
@@ -90,8 +100,9 @@ pub(crate) struct Walker {
     stuck_s: f64,
     way: usize,
     along_m: f64,
+    /// What is left of the way to its destination; never empty.
+    route: Route,
     mode: Mode,
-    last_door: Option<usize>,
 }
 
 impl Walker {
@@ -101,13 +112,16 @@ impl Walker {
         color: [u8; 3],
         mut stream: Stream,
         paths: &Paths,
+        routes: &Routes,
         place: (usize, f64),
         speed_mps: f64,
         anywhere: bool,
         make_body: impl FnOnce(&Point3<f64>) -> Body,
     ) -> Self {
         // To the right, where nobody comes the other way.
-        let (forward, offset) = (stream.chance(0.5), stream.uniform(-1.0, 0.1));
+        let offset = stream.uniform(-1.0, 0.1);
+        let route = routes.draw(paths, place, anywhere, None, &mut stream);
+        let forward = route.front().is_none_or(|leg| leg.to_m >= place.1);
         let (point, way_heading) = paths.point(place.0, place.1, if forward { offset } else { -offset });
         let yaw_rad = if forward { way_heading } else { frames::wrap_pi(way_heading + std::f64::consts::PI) };
         Self {
@@ -125,16 +139,33 @@ impl Walker {
             stuck_s: 0.0,
             way: place.0,
             along_m: place.1,
-            mode: Mode::Along { forward },
-            last_door: None,
+            route,
+            mode: Mode::Along,
         }
+    }
+
+    /// The leg that is walked.
+    fn leg(&self) -> Leg {
+        let here = Leg { way: self.way, to_m: self.along_m, then: Turn::Arrive };
+        self.route.front().copied().filter(|leg| leg.way == self.way).unwrap_or(here)
+    }
+
+    /// Whether the leg that is walked leads in the sidewalk's direction.
+    fn is_forward(&self) -> bool {
+        self.leg().to_m >= self.along_m
+    }
+
+    /// Goes along the sidewalk to a new destination, if possible this way at first.
+    fn set_out(&mut self, place: &Place<'_>, forward: Option<bool>) {
+        let from = (self.way, self.along_m);
+        self.route = place.routes.draw(place.paths, from, self.anywhere, forward, &mut self.stream);
+        (self.stuck_s, self.mode) = (0.0, Mode::Along);
     }
 
     /// Moves a walker who would start in another one along its sidewalk to the nearest place where it does not.
     pub(crate) fn find_room(&mut self, paths: &Paths, fixtures: &Fixtures, crowd: &Crowd) {
         let length = paths.ways[self.way].length_m;
-        let Mode::Along { forward } = self.mode else { return };
-        let share = if forward { self.offset } else { -self.offset };
+        let share = if self.is_forward() { self.offset } else { -self.offset };
         let shifts = (0..100).map(|i| 0.5 * f64::from((i + 1) / 2) * if i % 2 == 0 { 1.0 } else { -1.0 });
         let free = shifts
             .map(|shift| self.along_m + shift)
@@ -148,8 +179,10 @@ impl Walker {
         }
     }
 
+    /// Phase of the stride; of a wheelchair the angle of its wheels.
     pub(crate) fn gait_phase_rad(&self) -> f64 {
-        std::f64::consts::TAU * self.walked_m / STRIDE_M
+        let radius = self.model.wheel_radius_m;
+        if radius > 0.0 { self.walked_m / radius } else { std::f64::consts::TAU * self.walked_m / STRIDE_M }
     }
 
     pub(crate) fn is_on_road(&self) -> bool {
@@ -186,22 +219,15 @@ impl Walker {
     }
 
     /// One step of walker `me` of the crowd.
-    pub(crate) fn step(
-        &mut self,
-        place: &Place<'_>,
-        occupancy: &Occupancy,
-        vehicles: &[Vehicle],
-        time_s: f64,
-        crowd: &mut Crowd,
-        me: usize,
-    ) {
-        let &Place { paths, fixtures, net } = place;
+    pub(crate) fn step(&mut self, place: &Place<'_>, crowd: &mut Crowd, me: usize) {
+        let &Place { paths, fixtures, time_s, .. } = place;
         let wish = match self.mode.clone() {
             Mode::Struck => None,
-            Mode::Along { forward } => {
-                self.turn_off(place, forward);
-                // Who turned off thinks anew in the next step.
-                matches!(self.mode, Mode::Along { .. }).then(|| self.along_wish(paths, forward))
+            Mode::Along => {
+                if self.stuck_s > STUCK_S {
+                    self.set_out(place, Some(!self.is_forward()));
+                }
+                Some(self.along_wish(paths))
             }
             Mode::ToKerb { crossing, side } => {
                 let to = self.kerb(&crossing, side, side);
@@ -212,12 +238,15 @@ impl Walker {
                 Some(self.straight_wish(&to, [-0.6, 0.6]))
             }
             Mode::Waiting { crossing, side, since_s } => {
-                if self.may_go(net, occupancy, vehicles, &crossing, time_s - since_s > PATIENCE_S) {
+                let waited_s = time_s - since_s;
+                let most_s = if crossing.signals.is_empty() { GIVE_UP_S } else { GIVE_UP_AT_LIGHT_S };
+                if self.may_go(place, &crossing, waited_s > PATIENCE_S) {
                     self.stuck_s = 0.0;
                     self.mode = Mode::Over { crossing: crossing.clone(), side, done_m: 0.0 };
-                } else if time_s - since_s > GIVE_UP_S {
-                    // Back to where it left the sidewalk.
+                } else if waited_s > most_s {
+                    // Back to where it left the sidewalk, and somewhere else.
                     self.stuck_s = 0.0;
+                    self.route.clear();
                     self.mode = Mode::ToWalk;
                 }
                 let to = crossing.ends[1 - side];
@@ -232,8 +261,10 @@ impl Walker {
                     || self.stuck_s > STUCK_S
                 {
                     (self.along_m, self.stuck_s) = (along, 0.0);
-                    let forward = self.stream.chance(0.5);
-                    self.mode = Mode::Along { forward };
+                    self.mode = Mode::Along;
+                    if self.route.front().is_none_or(|leg| leg.way != self.way) {
+                        self.set_out(place, None);
+                    }
                 }
                 Some(self.straight_wish(&to, [-0.6, 0.6]))
             }
@@ -241,7 +272,8 @@ impl Walker {
         let before = self.point;
         match wish {
             Some((wish, height_m)) => {
-                let velocity = crowd.velocity(me, &wish, fixtures);
+                let most = if self.model.wheel_radius_m > 0.0 { WHEELCHAIR_MPS } else { f64::INFINITY };
+                let velocity = crowd.velocity(me, &wish, fixtures).cap_magnitude(most);
                 let moved = crowd.step(me, velocity * FRAME_PERIOD_S, fixtures);
                 self.velocity_mps = moved / FRAME_PERIOD_S;
                 (self.point.x, self.point.y) = (before.x + moved.x, before.y + moved.y);
@@ -257,8 +289,8 @@ impl Walker {
             None => self.velocity_mps = Vector2::zeros(),
         }
         crowd.moved(me, self.point, self.velocity_mps);
-        if let Mode::Along { forward } = self.mode {
-            self.follow(paths, forward);
+        if matches!(self.mode, Mode::Along) {
+            self.follow(place);
         }
     }
 
@@ -268,31 +300,19 @@ impl Walker {
         self.yaw_rad = frames::wrap_pi(self.yaw_rad + turn.clamp(-most, most));
     }
 
-    /// Leaves the sidewalk for the road now and then, where that is this walker's way, and turns about where it is stuck.
-    fn turn_off(&mut self, place: &Place<'_>, forward: bool) {
-        if self.anywhere
-            && self.stream.chance(CROSS_ANYWHERE)
-            && let Some(crossing) = place.paths.straight_over(place.net, self.way, self.point)
-            && place.fixtures.is_way_free(crossing.ends[0], crossing.ends[1], self.radius_m())
-        {
-            self.mode = Mode::ToKerb { crossing, side: 0 };
-        } else if self.stuck_s > STUCK_S {
-            self.stuck_s = 0.0;
-            self.mode = Mode::Along { forward: !forward };
-        }
-    }
-
     /// Along the sidewalk, on the liked line. The second value of wishes is the surface's height.
-    fn along_wish(&self, paths: &Paths, forward: bool) -> (Wish, f64) {
-        let sense = if forward { 1.0 } else { -1.0 };
+    fn along_wish(&self, paths: &Paths) -> (Wish, f64) {
+        let leg = self.leg();
+        let sense = if self.is_forward() { 1.0 } else { -1.0 };
         let way = &paths.ways[self.way];
         let left = way.cross(self.point, self.along_m).1;
         let room = paths.room_m(self.way, self.along_m);
         let (sin, cos) = frames::math::sin_cos(way.place(self.along_m).heading_rad);
         let aside = sense * left;
+        let halt = TURN_MPS + (2.0 * HALT_MPS2 * (leg.to_m - self.along_m).abs()).sqrt();
         let wish = Wish {
             ahead: Vector2::new(cos, sin) * sense,
-            speed_mps: self.speed_mps,
+            speed_mps: if leg.then == Turn::Arrive { self.speed_mps.min(halt) } else { self.speed_mps },
             aside_m: self.offset * room - aside,
             room_m: [-room - aside, room - aside],
         };
@@ -348,53 +368,65 @@ impl Walker {
         (wish, height)
     }
 
-    /// Finds the place on the sidewalk after a step; takes a crosswalk that it came by, goes on along the next sidewalk, or
-    /// turns where there is none.
-    fn follow(&mut self, paths: &Paths, forward: bool) {
-        let way = &paths.ways[self.way];
-        let from = self.along_m;
-        self.along_m = way.cross(self.point, from).0;
-        let (low, high) = (from.min(self.along_m), from.max(self.along_m));
-        let passed = paths.doors[self.way]
-            .iter()
-            .find(|(at, c, _)| (low..high).contains(at) && self.last_door != Some(*c));
-        if let Some(&(_, crossing, side)) = passed {
-            self.last_door = Some(crossing);
-            if self.stream.chance(TAKE_CROSSWALK) {
-                self.mode = Mode::ToKerb { crossing: paths.crossings[crossing].clone(), side };
-                return;
-            }
+    /// Finds the place on the sidewalk after a step, and turns off at the end of a leg.
+    fn follow(&mut self, place: &Place<'_>) {
+        let paths = place.paths;
+        let (leg, forward) = (self.leg(), self.is_forward());
+        self.along_m = paths.ways[self.way].cross(self.point, self.along_m).0;
+        let rest = if forward { leg.to_m - self.along_m } else { self.along_m - leg.to_m };
+        let near = if leg.then == Turn::Arrive { REACH_M } else { 1e-6 };
+        if rest > near {
+            return;
         }
-        let rest = if forward { way.length_m - self.along_m } else { self.along_m };
-        let onward = paths.joined.get(&(self.way, forward)).map_or(&[][..], Vec::as_slice);
-        if onward.is_empty() {
-            let sense = if forward { 1.0 } else { -1.0 };
-            let (sin, cos) = frames::math::sin_cos(way.place(self.along_m).heading_rad);
-            let speed = (sense * self.velocity_mps.dot(&Vector2::new(cos, sin))).max(0.0);
-            let halt = REACH_M + 0.5 * speed * speed / HALT_MPS2;
-            if rest < halt.min(0.25 * way.length_m) {
-                self.mode = Mode::Along { forward: !forward };
+        self.route.pop_front();
+        match leg.then {
+            Turn::Arrive => self.set_out(place, None),
+            Turn::Join { way, last } => {
+                self.way = way;
+                self.along_m = if last { paths.ways[way].length_m } else { 0.0 };
             }
-        } else if rest <= 1e-6
-            && let Some(&(way, last)) = self.stream.choose(onward)
-        {
-            self.way = way;
-            self.along_m = if last { paths.ways[way].length_m } else { 0.0 };
-            self.mode = Mode::Along { forward: !last };
+            Turn::Crosswalk { crossing, side } => {
+                self.mode = Mode::ToKerb { crossing: paths.crossings[crossing].clone(), side };
+            }
+            Turn::Over => {
+                let clear = |c: &Crossing| place.fixtures.is_way_free(c.ends[0], c.ends[1], self.radius_m());
+                let length = paths.ways[self.way].length_m;
+                match paths.straight_over(place.net, self.way, self.point).filter(clear) {
+                    Some(crossing) => self.mode = Mode::ToKerb { crossing, side: 0 },
+                    // A parked car or a pole: a little farther on.
+                    None => {
+                        let to_m = leg.to_m + if forward { NEXT_TRY_M } else { -NEXT_TRY_M };
+                        if (0.0..length).contains(&to_m) {
+                            self.route.push_front(Leg { to_m, ..leg });
+                        } else {
+                            self.set_out(place, None);
+                        }
+                    }
+                }
+            }
         }
     }
 
-    /// Whether the road is clear long enough; an impatient walker only asks that everyone can stop.
-    fn may_go(
-        &self,
-        net: &Net,
-        occupancy: &Occupancy,
-        vehicles: &[Vehicle],
-        crossing: &Crossing,
-        impatient: bool,
-    ) -> bool {
+    /// Whether the lights hold the traffic until the walker is over. Those who cross anywhere do not look at them.
+    fn is_held(&self, place: &Place<'_>, crossing: &Crossing, needed_s: f64) -> bool {
+        let red = |after_s: f64| {
+            let lights = crossing.signals.iter().map(|&s| place.signals.state(s, place.time_s + after_s));
+            lights.filter(|l| *l != Light::Off).all(|l| l == Light::Red)
+        };
+        red(0.0) && (!red(-JUST_RED_S) || red(needed_s))
+    }
+
+    /// Whether the road is clear long enough; an impatient walker only asks that everyone can stop. At lights also whether
+    /// they hold the traffic.
+    fn may_go(&self, place: &Place<'_>, crossing: &Crossing, impatient: bool) -> bool {
+        let &Place { net, occupancy, vehicles, .. } = place;
         let length = (crossing.ends[1] - crossing.ends[0]).norm();
         let needed_s = length / self.speed_mps + 1.0;
+        let lights = !crossing.signals.is_empty();
+        let held = lights && self.is_held(place, crossing, needed_s);
+        if lights && !held && !self.anywhere {
+            return false;
+        }
         crossing.lanes.iter().all(|&(lane, along, _)| {
             // Upstream, depth first: lane and the metres from its beginning to the crossing point.
             let mut open = vec![(lane, along)];
@@ -407,7 +439,7 @@ impl Walker {
                     let stops = gap > 4.0 + 0.7 * speed + speed * speed / 4.0
                         && vehicles.get(spot.vehicle).is_none_or(|v| !v.driver.reckless);
                     let far = gap > speed * needed_s + 3.0;
-                    let clear = gone || far || (standing && gap > 1.5) || (impatient && stops);
+                    let clear = gone || far || (standing && gap > 1.5) || ((impatient || held) && stops);
                     if !clear {
                         return false;
                     }

@@ -4,7 +4,8 @@ mod common;
 
 use std::collections::BTreeMap;
 
-use common::{agent, run, scene, settings, straight, tracks};
+use common::{agent, crossing, run, scene, settings, straight, tracks};
+use opendrive::{Cubic, Lane, LaneType, Map, Object};
 use schema::tables::StateRow;
 use traffic::SceneLog;
 
@@ -58,4 +59,91 @@ fn walkers_never_overlap_and_all_get_on() {
             }
         }
     }
+}
+
+/// The crossing with lights, a sidewalk on each side of its arms, and a crosswalk 4 m before its lines.
+fn crosswalks() -> Map {
+    let mut network = crossing(true).network().clone();
+    for road in network.roads.iter_mut().filter(|r| r.junction.is_none()) {
+        for section in &mut road.sections {
+            let walk = |id| Lane {
+                id,
+                lane_type: LaneType::Sidewalk,
+                widths: vec![Cubic::constant(3.0)],
+                ..Lane::default()
+            };
+            section.left.push(walk(2));
+            section.right.push(walk(-2));
+        }
+        road.objects.push(Object {
+            id: format!("walk {}", road.id),
+            kind: "crosswalk".into(),
+            s: 4.0,
+            hdg_rad: std::f64::consts::FRAC_PI_2,
+            length_m: Some(9.0),
+            width_m: Some(3.0),
+            ..Object::default()
+        });
+    }
+    Map::new(network)
+}
+
+#[test]
+fn walkers_who_do_not_cross_anywhere_wait_for_red_at_crosswalks_with_lights() {
+    let map = crosswalks();
+    assert_eq!(map.crosswalks().len(), 4);
+    let mut begun = 0;
+    for seed in 1..=3 {
+        let mut scene = scene(60.0);
+        (scene.seed, scene.walkers, scene.walker_cross_factor) = (seed, 40, 0.0);
+        let mut settings = settings();
+        settings.traffic.green_time_s = Some(12.0);
+        let log = run(&map, &scene, &[agent(0, [60.0, 1.75, 0.0], std::f64::consts::PI)], &settings);
+        assert_eq!(overlaps(&log), []);
+        let tracks = tracks(&log);
+        for walker in log.actors.iter().filter(|a| a.kind == "walker") {
+            // On which arm's lanes, if on any: distance along and beside its middle line.
+            let on_lanes = |s: &StateRow| {
+                let [x, y, _] = s.xyz_m;
+                let arms = [(x, y), (y, -x), (-x, -y), (-y, x)];
+                arms.iter().position(|(ahead, aside)| *ahead > 10.0 && aside.abs() < 3.2)
+            };
+            for pair in tracks[&walker.id].windows(2) {
+                let (None, Some(arm)) = (on_lanes(pair[0]), on_lanes(pair[1])) else { continue };
+                let id = format!("s{arm}");
+                let light = log.signals.iter().find(|l| l.frame == pair[1].frame && l.opendrive_id == id);
+                let light = light.expect("a light");
+                assert_eq!(light.state, "Red", "seed {seed}: {} steps onto arm {arm}: {light:?}", walker.id);
+                begun += 1;
+            }
+        }
+    }
+    assert!(begun > 20, "{begun} crossed");
+}
+
+#[test]
+fn a_share_of_walkers_rolls_and_its_wheels_turn_with_the_way() {
+    let map = straight(400.0);
+    let mut scene = scene(20.0);
+    scene.walkers = 120;
+    let mut settings = settings();
+    settings.walkers.wheelchair = 0.25;
+    let log = run(&map, &scene, &[agent(0, [20.0, -1.75, 0.0], 0.0)], &settings);
+    assert_eq!(overlaps(&log), []);
+    let tracks = tracks(&log);
+    let mut chairs = 0;
+    for walker in log.actors.iter().filter(|a| a.kind == "walker") {
+        let rolls = walker.model == "walker.wheelchair";
+        assert_eq!(rolls, walker.attributes.contains("\"use_wheelchair\":\"true\""));
+        chairs += u32::from(rolls);
+        for pair in tracks[&walker.id].windows(2).filter(|_| rolls) {
+            let way = [0, 1].map(|k| pair[1].xyz_m[k] - pair[0].xyz_m[k]);
+            let way = (way[0] * way[0] + way[1] * way[1]).sqrt();
+            assert!(way <= 2.01 * 0.05, "{way} m in a step");
+            // A wheel of 0.31 m.
+            assert!((0.31 * f64::from(pair[1].phase_rad - pair[0].phase_rad) - way).abs() < 1e-4);
+        }
+    }
+    // A quarter of 120: 30, four standard deviations are 19.
+    assert!((11..=49).contains(&chairs), "{chairs} wheelchairs");
 }

@@ -293,6 +293,7 @@ pub(crate) fn walkers(s: &Section<'_>) -> WalkerSettings {
             1.0,
             "share of walkers who may cross roads anywhere",
         ),
+        wheelchair: s.number("wheelchair", d.wheelchair, 0.0, 1.0, "share of walkers who use a wheelchair"),
     }
 }
 

@@ -64,7 +64,7 @@ const RULES: &[(&str, Rule)] = &[
     ("ignore_vehicles_percentage", Nothing(NO_SLIPS)),
     ("ignore_walkers_percentage", Nothing(NO_SLIPS)),
     ("door_open_percentage", Percent("traffic.door_open")),
-    ("wheelchair_use_percentage", Nothing("there are no wheelchairs yet")),
+    ("wheelchair_use_percentage", Percent("walkers.wheelchair")),
     ("hazard_area_percentage", Percent("hazards.share")),
     ("accident_hazard_percentage", Percent("hazards.accident_share")),
     ("emergency_vehicle_at_accident_percentage", Percent("hazards.emergency_share")),

@@ -11,6 +11,7 @@ mod two_wheeler;
 mod walker;
 mod warning;
 mod wheel;
+mod wheelchair;
 mod works;
 
 use std::sync::Arc;
@@ -163,6 +164,9 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
             BaseType::Truck => Some(heavy::truck(known, size)),
             BaseType::Bus => Some(heavy::bus(known, size)),
             BaseType::Motorcycle | BaseType::Bicycle => Some(two_wheeler::two_wheeler(known, size, variant)),
+            BaseType::Pedestrian if known.wheel_radius_m > 0.0 => {
+                Some(wheelchair::wheelchair(known, size, variant))
+            }
             BaseType::Pedestrian => Some(walker::walker(known, size, variant)),
             BaseType::Cone => fixed(cones::cone(known.name, size)),
             BaseType::Barrier => fixed(cones::barrier(known.name, size)),

@@ -35,7 +35,7 @@ pub(super) const TROUSERS: [[f32; 3]; 6] = [
 /// Skin tones.
 pub(super) const SKIN: [[f32; 3]; 5] =
     [[0.60, 0.38, 0.28], [0.48, 0.28, 0.19], [0.30, 0.16, 0.10], [0.14, 0.07, 0.045], [0.66, 0.45, 0.35]];
-const HAIR: [[f32; 3]; 5] =
+pub(super) const HAIR: [[f32; 3]; 5] =
     [[0.02, 0.015, 0.01], [0.08, 0.04, 0.02], [0.25, 0.15, 0.06], [0.35, 0.34, 0.33], [0.18, 0.06, 0.02]];
 
 /// High-visibility clothing: orange or yellow; and the bands on it.
@@ -44,7 +44,7 @@ const BAND: [f32; 3] = [0.75, 0.76, 0.74];
 const HELMETS: [[f32; 3]; 3] = [[0.80, 0.58, 0.03], [0.80, 0.80, 0.78], [0.78, 0.22, 0.02]];
 const UNIFORM: [f32; 3] = [0.015, 0.022, 0.06];
 
-fn pick(colours: &[[f32; 3]], word: u32) -> [f32; 3] {
+pub(super) fn pick(colours: &[[f32; 3]], word: u32) -> [f32; 3] {
     colours[word as usize % colours.len()]
 }
 
