@@ -29,6 +29,7 @@ mod signals;
 mod simulation;
 mod spawn;
 mod sway;
+mod sweep;
 mod vehicles;
 mod walkers;
 mod ways;

@@ -53,8 +53,20 @@ impl Glide {
 impl Vehicle {
     /// The followed point's place to the left of the lane's middle, metres, and its change per metre of way.
     fn offset(&self) -> [f64; 2] {
+        self.offset_after(0.0)
+    }
+
+    /// The same after some more metres of way.
+    pub(crate) fn offset_after(&self, on_m: f64) -> [f64; 2] {
         let glides = self.shift.iter().map(|s| s.glide).chain(self.slack);
-        glides.map(|g| g.offset()).fold([0.0; 2], |sum, o| [sum[0] + o[0], sum[1] + o[1]])
+        let after = glides.map(|g| Glide { gone_m: g.gone_m + on_m, ..g }.offset());
+        after.fold([0.0; 2], |sum, o| [sum[0] + o[0], sum[1] + o[1]])
+    }
+
+    /// From the middle back to the point that never slides sideways, metres.
+    pub(crate) fn hitch_m(&self) -> f64 {
+        let half_base = 0.5 * self.model.wheelbase_m.max(0.5);
+        if self.model.size_m[0] > LONG_M { half_base.min(STEERED_HITCH_M) } else { half_base }
     }
 
     /// The followed point's place at a distance along the lane it is on, or along its straight continuation: in the middle,
@@ -154,20 +166,10 @@ impl Vehicle {
         self.sway.step(self.acceleration_mps2, speed * turn, two_wheeled, dt);
     }
 
-    /// Turns the body after its followed point, which has come straight from another place: as a rod whose end is dragged
-    /// along a line, tan(slip / 2) decays with the way over the distance to the rear axle.
+    /// Turns the body after its followed point, which has come straight from another place.
     fn turn_after(&mut self, from: &Point3<f64>) {
-        let half_base = 0.5 * self.model.wheelbase_m.max(0.5);
-        let moved = self.place.point - from;
-        let way = (moved.x * moved.x + moved.y * moved.y).sqrt();
-        if way < 1e-9 {
-            return;
-        }
-        let towards = heading(&moved);
-        let hitch = if self.model.size_m[0] > LONG_M { half_base.min(STEERED_HITCH_M) } else { half_base };
-        let slip = frames::wrap_pi(towards - self.yaw_rad).clamp(-1.5, 1.5);
-        let half = frames::math::tan(0.5 * slip) * frames::math::exp(-way / hitch);
-        self.yaw_rad = frames::wrap_pi(towards - 2.0 * frames::math::atan(half));
+        let (half_base, hitch) = (0.5 * self.model.wheelbase_m.max(0.5), self.hitch_m());
+        self.yaw_rad = after_rod(self.yaw_rad, &(self.place.point - from), hitch);
         // Bicycle model: the front axle turns about the same point as the middle does.
         let slip = frames::wrap_pi(self.place.heading_rad - self.yaw_rad).clamp(-1.5, 1.5);
         let front = (hitch + half_base) / hitch;
@@ -185,6 +187,19 @@ impl Vehicle {
             + left * frames::math::tan(place.roll_rad);
         place.point = Point3::new(x_m, y_m, z);
     }
+}
+
+/// Heading of a rod whose front end is dragged straight on from one place to another, while its hind end, `rod_m` behind,
+/// rolls after it: tan(slip / 2) decays with the way over the rod's length.
+pub(crate) fn after_rod(yaw_rad: f64, moved: &Vector3<f64>, rod_m: f64) -> f64 {
+    let way = (moved.x * moved.x + moved.y * moved.y).sqrt();
+    if way < 1e-9 {
+        return yaw_rad;
+    }
+    let towards = heading(moved);
+    let slip = frames::wrap_pi(towards - yaw_rad).clamp(-1.5, 1.5);
+    let half = frames::math::tan(0.5 * slip) * frames::math::exp(-way / rod_m);
+    frames::wrap_pi(towards - 2.0 * frames::math::atan(half))
 }
 
 #[cfg(test)]

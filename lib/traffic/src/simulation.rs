@@ -28,6 +28,7 @@ use crate::routes::Routes;
 use crate::signals::Signals;
 use crate::spawn::{Start, ids, vehicle_starts};
 use crate::sway::Sway;
+use crate::sweep::Sweeps;
 use crate::vehicles::{Vehicle, wished_acceleration};
 use crate::walkers::{Place, WHEELCHAIR_MPS, Walker};
 use crate::{SceneInput, SceneLog, TrafficError};
@@ -107,6 +108,7 @@ struct Simulation<'a> {
     occupancy: Occupancy,
     reservations: Reservations,
     bodies: Bodies,
+    sweeps: Sweeps,
     /// Poses one step ago, for velocities: vehicles, then walkers.
     before: Vec<Pose<World, Object>>,
     log: SceneLog,
@@ -205,6 +207,7 @@ impl<'a> Simulation<'a> {
             walker_ids: walker_ids.to_vec(),
             reservations,
             bodies,
+            sweeps: Sweeps::default(),
             log,
         };
         simulation.remember();
@@ -217,8 +220,10 @@ impl<'a> Simulation<'a> {
         let time_s = f64::from(step) * FRAME_PERIOD_S;
         self.occupancy.fill(&self.net, &self.vehicles);
         change_lanes(&self.net, &mut self.occupancy, &mut self.vehicles, step);
+        self.sweeps.clear();
         for walker in &self.walkers {
             walker.mark(&self.net, &mut self.occupancy);
+            self.sweeps.add_walker(walker.point, walker.radius_m());
         }
         let approaches = self.reservations.serve(
             &self.net,
@@ -234,7 +239,11 @@ impl<'a> Simulation<'a> {
                 0.0
             } else {
                 let cap = approach.cap_mps;
-                wished_acceleration(&self.net, &self.occupancy, &self.vehicles, me, approach.stop_gap_m, cap)
+                let vehicle = &self.vehicles[me];
+                let sees = !vehicle.driver.reckless;
+                let touching_m = sees.then(|| self.sweeps.gap_m(&self.net, vehicle)).flatten();
+                let gaps = [approach.stop_gap_m, touching_m];
+                wished_acceleration(&self.net, &self.occupancy, &self.vehicles, me, gaps, cap)
             };
             wishes.push(wish.clamp(-MAX_BRAKING, MAX_ACCELERATION));
         }
@@ -262,6 +271,7 @@ impl<'a> Simulation<'a> {
             net: &self.net,
             occupancy: &self.occupancy,
             vehicles: &self.vehicles,
+            sweeps: &self.sweeps,
             signals: &self.signals,
             time_s,
         };

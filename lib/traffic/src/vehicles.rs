@@ -26,6 +26,8 @@ const HEADWAY_S: f64 = 0.8;
 const NEAR_M: f64 = 40.0;
 /// Gap to a walker on the road, metres.
 const WALKER_GAP_M: f64 = 2.0;
+/// Way left before a walker would be touched by any part of the vehicle, metres.
+const TOUCHING_GAP_M: f64 = 0.6;
 /// Gap to the place before a line where drivers come to rest, metres.
 const LINE_GAP_M: f64 = 0.2;
 /// Drivers stop this far before the end of a road, metres.
@@ -217,13 +219,13 @@ impl Vehicle {
     }
 }
 
-/// The acceleration a driver wishes for, given the gap to the line it must stop at.
+/// The acceleration a driver wishes for, given the gaps to the line it must stop at and to where it would touch a walker.
 pub(crate) fn wished_acceleration(
     net: &Net,
     occupancy: &Occupancy,
     vehicles: &[Vehicle],
     me: usize,
-    line_m: Option<f64>,
+    [line_m, touching_m]: [Option<f64>; 2],
     speed_cap_mps: f64,
 ) -> f64 {
     let vehicle = &vehicles[me];
@@ -251,6 +253,10 @@ pub(crate) fn wished_acceleration(
     }
     if let Some(gap) = occupancy.walker_gap(net, vehicle) {
         let idm = Idm { standstill_gap_m: WALKER_GAP_M, ..idm };
+        acceleration = acceleration.min(idm.following(speed, wished, gap, 0.0));
+    }
+    if let Some(gap) = touching_m {
+        let idm = Idm { standstill_gap_m: TOUCHING_GAP_M, headway_s: 0.3, ..idm };
         acceleration = acceleration.min(idm.following(speed, wished, gap, 0.0));
     }
     for gap in line_m.into_iter().chain(vehicle.end_of_road_m(net)) {

@@ -13,6 +13,7 @@ use crate::occupancy::Occupancy;
 use crate::paths::{Crossing, Paths};
 use crate::routes::{Leg, Route, Routes, Turn};
 use crate::signals::{Light, Signals};
+use crate::sweep::Sweeps;
 use crate::vehicles::Vehicle;
 
 /// A stride's length, metres.
@@ -42,6 +43,10 @@ const STUCK_S: f64 = 4.0;
 /// Braking at a destination, m/s2, down to a speed at which one turns round, m/s.
 const HALT_MPS2: f64 = 2.5;
 const TURN_MPS: f64 = 0.4;
+
+/// Who is in the way of a vehicle's corner steps back as fast as this, m/s, and looks this far ahead, seconds.
+const STEPS_BACK_MPS: f64 = 1.4;
+const STEPS_BACK_S: f64 = 0.5;
 
 #[derive(Clone, Debug)]
 enum Mode {
@@ -77,6 +82,7 @@ pub(crate) struct Place<'a> {
     pub(crate) net: &'a Net,
     pub(crate) occupancy: &'a Occupancy,
     pub(crate) vehicles: &'a [Vehicle],
+    pub(crate) sweeps: &'a Sweeps,
     pub(crate) signals: &'a Signals,
     pub(crate) time_s: f64,
 }
@@ -273,6 +279,7 @@ impl Walker {
         match wish {
             Some((wish, height_m)) => {
                 let most = if self.model.wheel_radius_m > 0.0 { WHEELCHAIR_MPS } else { f64::INFINITY };
+                let wish = if self.is_on_road() { wish } else { self.heed(place.sweeps, wish) };
                 let velocity = crowd.velocity(me, &wish, fixtures).cap_magnitude(most);
                 let moved = crowd.step(me, velocity * FRAME_PERIOD_S, fixtures);
                 self.velocity_mps = moved / FRAME_PERIOD_S;
@@ -291,6 +298,17 @@ impl Walker {
         crowd.moved(me, self.point, self.velocity_mps);
         if matches!(self.mode, Mode::Along) {
             self.follow(place);
+        }
+    }
+
+    /// The wish of one beside the road whom a long vehicle's corner may come to: out of its way, or not into it.
+    fn heed(&self, sweeps: &Sweeps, wish: Wish) -> Wish {
+        let next = wish.ahead * (wish.speed_mps * STEPS_BACK_S);
+        let next = Point3::new(self.point.x + next.x, self.point.y + next.y, self.point.z);
+        match sweeps.way_out(&self.point, self.radius_m()) {
+            Some(ahead) => Wish { ahead, speed_mps: STEPS_BACK_MPS, aside_m: 0.0, room_m: [-0.3, 0.3] },
+            None if sweeps.way_out(&next, self.radius_m()).is_some() => Wish { speed_mps: 0.0, ..wish },
+            None => wish,
         }
     }
 

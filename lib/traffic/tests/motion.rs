@@ -6,7 +6,7 @@ use common::{agent, agents_on, bent_seam, carla, circle, collisions, run, scene,
 use frames::math::{atan, sin_cos};
 use opendrive::Map;
 use schema::models;
-use schema::tables::StateRow;
+use schema::tables::{PlanAgentRow, StateRow};
 use traffic::SceneLog;
 
 /// Speed in space over the step before a state, m/s.
@@ -72,7 +72,7 @@ fn vehicles_go_as_fast_as_their_drivers_wish_on_any_map() {
 #[test]
 fn on_a_circle_the_wheels_roll_where_they_point() {
     for (model, radius_m) in [("car.sedan", 12.0), ("car.sedan", 40.0), ("motorcycle.sport", 15.0)] {
-        let rider = schema::tables::PlanAgentRow { model: model.into(), ..agent(0, [5.0, -1.75, 0.0], 0.0) };
+        let rider = PlanAgentRow { model: model.into(), ..agent(0, [5.0, -1.75, 0.0], 0.0) };
         let log = run(&circle(radius_m), &scene(40.0), &[rider], &settings());
         let base = models::find(model).expect("a model").wheelbase_m;
         // The middle between the axles goes round on the circle, the rear axle on a smaller one about the same point.
@@ -103,4 +103,30 @@ fn on_a_circle_the_wheels_roll_where_they_point() {
         }
         assert!(checked > 20, "{checked} states in the bend");
     }
+}
+
+#[test]
+fn a_bus_whose_corner_sweeps_the_sidewalk_hits_nobody_there() {
+    let radius_m = 10.0;
+    let map = circle(radius_m);
+    let mut swept: f64 = 0.0;
+    for seed in 0..4 {
+        let mut scene = scene(60.0);
+        (scene.seed, scene.walkers, scene.walker_cross_factor) = (seed, 25, 0.0);
+        let bus = PlanAgentRow { model: "bus.city".into(), ..agent(0, [7.0, -1.75, 0.0], 0.0) };
+        let log = run(&map, &scene, &[bus], &settings());
+        assert_eq!(collisions(&log, true), [], "{seed}");
+        let [length, width, _] = models::find("bus.city").expect("a bus").size_m;
+        let track = &tracks(&log)[&1];
+        for state in track {
+            let (sin, cos) = sin_cos(yaw(state.quaternion));
+            let x = state.xyz_m[0] + 0.5 * (length * cos + width * sin);
+            let y = state.xyz_m[1] + 0.5 * (length * sin - width * cos);
+            let from_centre = frames::math::hypot(x - 20.0, y - (radius_m - 1.75));
+            swept = swept.max(from_centre - radius_m - 1.75);
+        }
+        let end = track[track.len() - 1].xyz_m;
+        assert!(end[0] < 15.0 && end[1] > 10.0, "it gets round: {end:?}");
+    }
+    assert!(swept > 0.5, "it needs the sidewalk: {swept}");
 }

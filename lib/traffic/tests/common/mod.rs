@@ -144,9 +144,11 @@ pub(crate) fn bent_seam() -> Map {
     Map::new(Network { roads: vec![first, second], ..Network::default() })
 }
 
-/// A road of one lane: 20 m to the east, then 270 degrees to the left on a circle, the lane's middle at a radius.
+/// A road of one lane and a sidewalk: 20 m to the east, then 270 degrees to the left on a circle, the lane's middle at a
+/// radius.
 pub(crate) fn circle(radius_m: f64) -> Map {
-    let section = LaneSection { right: vec![lane(-1, LaneType::Driving, 3.5)], ..LaneSection::default() };
+    let right = vec![lane(-1, LaneType::Driving, 3.5), lane(-2, LaneType::Sidewalk, 3.0)];
+    let section = LaneSection { right, ..LaneSection::default() };
     let arc_m = 1.5 * std::f64::consts::PI * (radius_m - 1.75);
     let mut road = town_road("1", 0.0, 0.0, 0.0, 20.0 + arc_m, section);
     road.plan_view[0].length_m = 20.0;

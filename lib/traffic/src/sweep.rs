@@ -1,0 +1,160 @@
+//! The ground that vehicles are about to sweep, corners and all: drivers stop for whoever is on it, be it beside their lane,
+//! and walkers who are not crossing step back from it.
+
+use nalgebra::{Point3, Vector2, Vector3};
+
+use crate::moving::after_rod;
+use crate::net::Net;
+use crate::vehicles::Vehicle;
+
+/// Distances between the places on the way that are looked at, within the second one and beyond, metres.
+const STEPS_M: [f64; 2] = [0.25, 1.0];
+/// Drivers look as far ahead as they need to stop at this braking, m/s2, and so much farther, but never farther than that,
+/// metres.
+const BRAKING: f64 = 2.0;
+const REACH_M: [f64; 2] = [5.0, 25.0];
+/// Walkers look at what is swept within this time, seconds, and this way, metres.
+const SOON_S: f64 = 1.5;
+const SOON_M: f64 = 1.5;
+/// Walkers as near to a vehicle as this do not walk into it, metres.
+const BESIDE_M: f64 = 1.5;
+/// Room left around vehicles, metres: by drivers and by walkers.
+const DRIVERS_M: f64 = 0.1;
+/// Nearer means by more than this, metres.
+const NEARER_M: f64 = 0.02;
+const WALKERS_M: f64 = 0.25;
+/// Bodies on other levels do not meet, metres.
+const LEVEL_M: f64 = 2.5;
+
+/// The ground under a vehicle at some place on its way.
+#[derive(Clone, Copy, Debug)]
+struct Print {
+    at: Point3<f64>,
+    ahead: Vector2<f64>,
+    half_m: [f64; 2],
+}
+
+impl Print {
+    fn new(at: Point3<f64>, yaw_rad: f64, vehicle: &Vehicle) -> Self {
+        let (sin, cos) = frames::math::sin_cos(yaw_rad);
+        let [length, width, _] = vehicle.model.size_m;
+        Self { at, ahead: Vector2::new(cos, sin), half_m: [0.5 * length, 0.5 * width] }
+    }
+
+    /// Metres ahead of and to the left of its middle.
+    fn local(&self, point: &Point3<f64>) -> [f64; 2] {
+        let away = (point - self.at).xy();
+        [away.dot(&self.ahead), self.ahead.perp(&away)]
+    }
+
+    /// How far outside a point on this level is, metres; negative inside.
+    fn outside_m(&self, point: &Point3<f64>) -> f64 {
+        let [ahead, left] = self.local(point);
+        (ahead.abs() - self.half_m[0]).max(left.abs() - self.half_m[1])
+    }
+
+    fn is_level(&self, point: &Point3<f64>) -> bool {
+        (point.z - self.at.z).abs() < LEVEL_M
+    }
+}
+
+/// Who is about and what is swept soon, in one step of time.
+#[derive(Debug, Default)]
+pub(crate) struct Sweeps {
+    walkers: Vec<(Point3<f64>, f64)>,
+    soon: Vec<Print>,
+}
+
+impl Sweeps {
+    /// Forgets the step before.
+    pub(crate) fn clear(&mut self) {
+        self.walkers.clear();
+        self.soon.clear();
+    }
+
+    /// A walker, as a disc.
+    pub(crate) fn add_walker(&mut self, point: Point3<f64>, radius_m: f64) {
+        self.walkers.push((point, radius_m));
+    }
+
+    /// Metres that a vehicle can go on until it would touch a walker, if there is one in its way; notes what it sweeps soon.
+    pub(crate) fn gap_m(&mut self, net: &Net, vehicle: &Vehicle) -> Option<f64> {
+        let speed = vehicle.speed_mps;
+        let reach_m = (speed * speed / (2.0 * BRAKING) + REACH_M[0]).min(REACH_M[1]);
+        let here = Print::new(vehicle.place.point, vehicle.yaw_rad, vehicle);
+        // The tightest bend within reach bounds what is swept aside.
+        let lanes = vehicle.lanes_ahead(net).take_while(|(_, start)| *start < reach_m);
+        let radius_m = lanes.map(|(lane, _)| net.lanes[lane].radius_m).fold(f64::INFINITY, f64::min);
+        let glides = if vehicle.shift.is_some() { 1.0 } else { 0.0 };
+        let near: Vec<&(Point3<f64>, f64)> = self
+            .walkers
+            .iter()
+            .filter(|(point, radius)| {
+                let [ahead, left] = here.local(point);
+                let to = ahead - radius;
+                let aside = left.abs() - here.half_m[1] - radius - WALKERS_M;
+                ahead > -here.half_m[0]
+                    && to < here.half_m[0] + reach_m
+                    && aside < glides + to.abs() * to.abs() / radius_m
+                    && here.is_level(point)
+            })
+            .collect();
+        let beside = self.walkers.iter().any(|(point, radius)| {
+            let [ahead, left] = here.local(point);
+            ahead.abs() < here.half_m[0] + BESIDE_M
+                && left.abs() < here.half_m[1] + radius + BESIDE_M
+                && here.is_level(point)
+        });
+        if beside {
+            self.soon.push(here);
+        }
+        if near.is_empty() {
+            return None;
+        }
+        let soon_m = SOON_S * speed + SOON_M;
+        let mut gap_m = None;
+        let mut on_m = 0.0;
+        let (mut at, mut yaw_rad) = (vehicle.place.point, vehicle.yaw_rad);
+        while on_m < reach_m {
+            let step_m = if on_m < STEPS_M[1] { STEPS_M[0] } else { STEPS_M[1] };
+            on_m += step_m;
+            let Some(next) = vehicle.point_ahead(net, on_m) else { break };
+            yaw_rad = after_rod(yaw_rad, &(next - at), vehicle.hitch_m());
+            at = next;
+            let print = Print::new(at, yaw_rad, vehicle);
+            if on_m <= soon_m {
+                self.soon.push(print);
+            }
+            // Who is beside it and comes no nearer is passed.
+            let hit = |(point, radius): &&(Point3<f64>, f64)| {
+                let outside_m = print.outside_m(point);
+                outside_m < radius + DRIVERS_M && outside_m < here.outside_m(point) - NEARER_M
+            };
+            if near.iter().any(hit) {
+                gap_m = Some(on_m - step_m);
+                break;
+            }
+        }
+        gap_m
+    }
+
+    /// The way out for a walker on ground that is swept soon.
+    pub(crate) fn way_out(&self, point: &Point3<f64>, radius_m: f64) -> Option<Vector2<f64>> {
+        let print =
+            self.soon.iter().find(|p| p.outside_m(point) < radius_m + WALKERS_M && p.is_level(point))?;
+        let left = Vector2::new(-print.ahead.y, print.ahead.x);
+        Some(left * print.local(point)[1].signum())
+    }
+}
+
+impl Vehicle {
+    /// The followed point after some more metres of way; none beyond the end of the route.
+    fn point_ahead(&self, net: &Net, on_m: f64) -> Option<Point3<f64>> {
+        let length = |lane: usize| net.lanes[lane].way.length_m;
+        let (lane, start) = self.lanes_ahead(net).find(|(lane, start)| on_m <= start + length(*lane))?;
+        let place = net.lanes[lane].way.place(on_m - start);
+        let left = self.offset_after(on_m)[0];
+        let (sin, cos) = frames::math::sin_cos(place.heading_rad);
+        Some(place.point + Vector3::new(-sin, cos, 0.0) * left)
+    }
+}
