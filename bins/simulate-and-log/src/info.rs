@@ -67,6 +67,7 @@ pub(crate) fn scene_info(
         n_walkers: log.n_walkers,
         n_accident_hazards: hazards("accident"),
         n_road_work_hazards: hazards("road_works"),
+        n_hazard_attempts: plan.hazard_attempts,
         hazards: log.hazards.clone(),
         n_reckless_vehicles: log.n_reckless,
         n_distracted_vehicles: log.n_distracted,
@@ -74,6 +75,8 @@ pub(crate) fn scene_info(
         speed_difference: settings.traffic.speed_difference,
         standstill_gap_m: settings.traffic.standstill_gap_m,
         green_time_s: settings.traffic.green_time_s,
+        drivers: log.drivers.clone(),
+        signal_groups: log.signal_groups.clone(),
     })
 }
 

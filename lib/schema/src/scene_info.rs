@@ -51,6 +51,8 @@ pub struct SceneInfo {
     pub n_accident_hazards: u32,
     /// Road works that were really placed.
     pub n_road_work_hazards: u32,
+    /// Places at which accidents and road works were tried; those that are not among `hazards` found no room.
+    pub n_hazard_attempts: u32,
     /// The accidents and road works.
     pub hazards: Vec<HazardInfo>,
     /// Reckless background drivers.
@@ -65,6 +67,38 @@ pub struct SceneInfo {
     pub standstill_gap_m: Option<f64>,
     /// Green time of every signal, s, when it was configured.
     pub green_time_s: Option<f64>,
+    /// The drivers of the background vehicles, by object id.
+    pub drivers: Vec<DriverInfo>,
+    /// The programs of the traffic lights: signals that show the same, one entry.
+    pub signal_groups: Vec<SignalGroupInfo>,
+}
+
+/// The driver of a background vehicle.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct DriverInfo {
+    /// Object id of the vehicle.
+    pub id: u16,
+    /// Speed below the limit as a share of it (negative: faster).
+    pub speed_difference: f64,
+    /// Gap to a standing leader, m.
+    pub standstill_gap_m: f64,
+    /// Ignores lights, signs, vehicles and walkers.
+    pub reckless: bool,
+    /// Ignores lights and signs.
+    pub distracted: bool,
+}
+
+/// Signals of a junction that show the same all the time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SignalGroupInfo {
+    /// OpenDRIVE ids of the signals.
+    pub signals: Vec<String>,
+    /// Time of green in a cycle, s; yellow and red follow.
+    pub green_time_s: f64,
+    /// When green begins in the cycle, s.
+    pub start_s: f64,
+    /// Length of the junction's cycle, s; the first one begins with the warm-up.
+    pub cycle_s: f64,
 }
 
 /// An accident or road works of a scene.
@@ -103,4 +137,45 @@ pub struct AgentInfo {
     pub reckless: bool,
     /// Ignores lights and signs.
     pub distracted: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Keys of an object and of the objects in its lists.
+    fn keys(value: &serde_json::Value, found: &mut Vec<String>) {
+        match value {
+            serde_json::Value::Object(map) => {
+                for (key, value) in map {
+                    found.push(key.clone());
+                    keys(value, found);
+                }
+            }
+            serde_json::Value::Array(list) => list.iter().for_each(|v| keys(v, found)),
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn the_page_names_every_key() {
+        let info = SceneInfo {
+            agents: vec![AgentInfo::default()],
+            hazards: vec![HazardInfo::default()],
+            drivers: vec![DriverInfo::default()],
+            signal_groups: vec![SignalGroupInfo::default()],
+            ..SceneInfo::default()
+        };
+        let mut found = Vec::new();
+        keys(&serde_json::to_value(&info).expect("an object"), &mut found);
+        let page = include_str!("../../../docs/schema.md");
+        let section = page.split("## Scene facts").nth(1).expect("the page has the section");
+        let section = section.split("\n## ").next().expect("a section");
+        for key in found {
+            assert!(
+                section.contains(&format!("`{key}`")),
+                "docs/schema.md, Scene facts, does not name {key}"
+            );
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use opendrive::Map;
 use schema::ObjectId;
-use schema::scene_info::HazardInfo;
+use schema::scene_info::{DriverInfo, HazardInfo, SignalGroupInfo};
 use schema::settings::DatasetSettings;
 use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, SignalRow, StateRow};
 
@@ -47,4 +47,8 @@ pub struct SceneLog {
     pub n_distracted: u32,
     /// Accidents and road works that found room.
     pub hazards: Vec<HazardInfo>,
+    /// The drivers of the background vehicles, by object id.
+    pub drivers: Vec<DriverInfo>,
+    /// The programs of the traffic lights.
+    pub signal_groups: Vec<SignalGroupInfo>,
 }

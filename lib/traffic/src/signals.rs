@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use opendrive::Map;
 use random::Stream;
+use schema::scene_info::SignalGroupInfo;
 use schema::settings::TrafficSettings;
 
 /// What a traffic light shows.
@@ -27,7 +28,7 @@ impl Light {
 }
 
 /// When a signal is green within its junction's cycle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Phase {
     cycle_s: f64,
     start_s: f64,
@@ -101,6 +102,26 @@ impl Signals {
             }
         }
         Self { phases, yellow_s }
+    }
+
+    /// The programs, for the log: by the first signal of each.
+    pub(crate) fn groups(&self, map: &Map) -> Vec<SignalGroupInfo> {
+        let mut groups: Vec<(Phase, Option<usize>, SignalGroupInfo)> = Vec::new();
+        for (phase, signal) in self.phases.iter().zip(map.signals()) {
+            let Some(phase) = *phase else { continue };
+            let same =
+                |g: &&mut (Phase, Option<usize>, SignalGroupInfo)| g.0 == phase && g.1 == signal.junction;
+            match groups.iter_mut().find(same) {
+                Some((_, _, group)) => group.signals.push(signal.id.clone()),
+                None => {
+                    let Phase { cycle_s, start_s, green_s } = phase;
+                    let signals = vec![signal.id.clone()];
+                    let group = SignalGroupInfo { signals, green_time_s: green_s, start_s, cycle_s };
+                    groups.push((phase, signal.junction, group));
+                }
+            }
+        }
+        groups.into_iter().map(|(_, _, group)| group).collect()
     }
 
     /// What a signal shows at a time since the start of the simulation.

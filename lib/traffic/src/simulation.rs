@@ -9,6 +9,7 @@ use opendrive::Map;
 use random::Stream;
 use schema::footprint::footprint;
 use schema::models;
+use schema::scene_info::DriverInfo;
 use schema::tables::{FrameRow, SignalRow, StateRow, Weather};
 use schema::{FRAME_PERIOD_S, ObjectId};
 
@@ -157,6 +158,13 @@ impl<'a> Simulation<'a> {
             log.n_vehicles += 1;
             log.n_reckless += u32::from(start.driver.reckless);
             log.n_distracted += u32::from(start.driver.distracted);
+            log.drivers.push(DriverInfo {
+                id: *id,
+                speed_difference: start.driver.speed_difference,
+                standstill_gap_m: start.driver.idm.standstill_gap_m,
+                reckless: start.driver.reckless,
+                distracted: start.driver.distracted,
+            });
         }
         let mut reservations = Reservations::new(net.lanes.len());
         let vehicles = place_vehicles(&net, &starts, input, &mut bodies, &mut reservations);
@@ -181,6 +189,7 @@ impl<'a> Simulation<'a> {
             }
         }
         log.hazards = hazards.placed;
+        log.signal_groups = signals.groups(map);
         let standing =
             hazard_ids.iter().copied().zip(hazards.things).filter(|(_, t)| t.has_states()).collect();
         let doors = starts.iter().enumerate().map(|(i, start)| {
