@@ -1,14 +1,9 @@
 //! The lights of the scenery: which street lamps have failed, how bright the others are, the colour of windows.
 
 use random::Stream;
-use schema::lights::STREET_LAMP_LM;
+use schema::lights::{STREET_LAMP_LM, STREET_LAMP_RGB, WINDOW_RGB};
 use schema::settings::LightSettings;
 use schema::tables::{ActorRow, LampRow, PlanSceneRow};
-
-/// Light of a street lamp, sRGB.
-const STREET_COLOR: [u8; 3] = [255, 226, 183];
-/// Light of a window, sRGB.
-const WINDOW_COLOR: [u8; 3] = [255, 214, 170];
 
 /// One row per street lamp and building, ascending by id; failed lamps are marked among the actors, too.
 ///
@@ -24,14 +19,14 @@ pub(crate) fn draw(actors: &mut [ActorRow], plan: &PlanSceneRow, settings: &Ligh
             if !works {
                 world::mark_failed(actor);
             }
-            let (kind, color) = ("street".to_owned(), STREET_COLOR.to_vec());
+            let (kind, color) = ("street".to_owned(), STREET_LAMP_RGB.to_vec());
             rows.push(LampRow { id: actor.id, kind, works, flux_lm: Some(flux_lm), color });
         } else if actor.kind == "building" {
             let mut draw = stream("lights/building", actor);
             let color = if plan.random_building_colors {
                 (0..3).map(|_| draw.int_inclusive(0, 255) as u8).collect()
             } else {
-                WINDOW_COLOR.to_vec()
+                WINDOW_RGB.to_vec()
             };
             rows.push(LampRow { id: actor.id, kind: "building".into(), works: true, flux_lm: None, color });
         }
@@ -99,7 +94,7 @@ mod tests {
             let rows = draw(&mut town(4000), &plan(0.0, random), &LightSettings::default());
             rows.into_iter().filter(|r| r.kind == "building").map(|r| r.color).collect()
         };
-        assert!(colors(false).iter().all(|c| *c == WINDOW_COLOR));
+        assert!(colors(false).iter().all(|c| *c == WINDOW_RGB));
         let drawn = colors(true);
         for k in 0..3 {
             // Mean 127.5, standard deviation 73.9.

@@ -6,7 +6,7 @@ use frames::{Agent, Pose, World};
 use pipeline::{Job, StageError};
 use schema::AgentId;
 use schema::scene_info::SceneInfo;
-use schema::tables::{ActorRow, AgentRow, FrameRow, SignalRow, StateRow};
+use schema::tables::{ActorRow, AgentRow, FrameRow, LampRow, SignalRow, StateRow};
 use store::{Manifest, Store, StoreError, keys};
 
 /// The stage that writes the log.
@@ -19,6 +19,8 @@ pub struct SceneLog {
     pub info: SceneInfo,
     /// All objects, by id.
     pub actors: Vec<ActorRow>,
+    /// Street lamps and windows.
+    pub lamps: Vec<LampRow>,
     /// Time and weather, by frame.
     pub frames: Vec<FrameRow>,
     /// Agents, by frame, each frame in the order of [`SceneLog::agent_ids`].
@@ -94,6 +96,7 @@ impl SceneLog {
         Ok(Self {
             info,
             actors: store.read_rows(manifest, &key("log/actors.parquet"))?,
+            lamps: store.read_rows(manifest, &key("log/lamps.parquet"))?,
             frames: store.read_rows(manifest, &key("log/frames.parquet"))?,
             agent_rows,
             agents,

@@ -27,7 +27,8 @@ impl Replay {
     pub fn open(job: &Job<'_>) -> Result<Self, StageError> {
         let log = SceneLog::read(job)?;
         let map = read_map(job.store(), &log.info.map, &log.info.map_hash)?;
-        let world = World::new(&map, &log.actors).map_err(|e| StageError::failed(&e))?;
+        let mut world = World::new(&map, &log.actors).map_err(|e| StageError::failed(&e))?;
+        world.set_lamps(&log.lamps);
         Ok(Self { log, map, world })
     }
 

@@ -99,6 +99,8 @@ pub struct Instance {
     pub paint: [f32; 3],
     /// Which of its lamps burn ([`crate::lights`]).
     pub lights: u32,
+    /// Light of its street lamp or windows, linear RGB: the colour, times the flux over the nominal one.
+    pub glow: [f32; 3],
 }
 
 /// The world at one instant, near one place: the triangles that every sensor and label is computed from.

@@ -30,5 +30,9 @@ pub const SIGNAL_GREEN: u32 = 1 << 18;
 pub const STREET_LAMP: u32 = 1 << 19;
 /// Nominal luminous flux of a street lamp, lumens: a bright LED luminaire of a main street.
 pub const STREET_LAMP_LM: f64 = 20_000.0;
+/// Light of a street lamp, sRGB.
+pub const STREET_LAMP_RGB: [u8; 3] = [255, 226, 183];
+/// Light of a window, sRGB.
+pub const WINDOW_RGB: [u8; 3] = [255, 214, 170];
 /// Lit windows of a building.
 pub const BUILDING: u32 = 1 << 20;

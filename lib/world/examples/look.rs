@@ -117,6 +117,7 @@ fn sheet(models: &[(String, [f64; 3], u32)], columns: usize, pitch: f32) -> Snap
                 previous_local_from_object: pose,
                 paint: [[0.5, 0.04, 0.04], [0.04, 0.1, 0.4], [0.6, 0.6, 0.6], [0.5, 0.4, 0.05]][k % 4],
                 lights: 0,
+                glow: [1.0; 3],
             });
             meshes.push(piece.mesh);
         }

@@ -8,7 +8,7 @@ use frames::{LocalOrigin, Object, Pose, World as WorldFrame};
 use glam::{Affine3A, Mat3A, Quat, Vec3A};
 use opendrive::Map;
 use schema::geometry::{Instance, Snapshot, TriMesh};
-use schema::tables::{ActorRow, FrameRow, SignalRow, StateRow};
+use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
 use schema::{ObjectId, lights};
 
 use crate::WorldError;
@@ -48,6 +48,7 @@ struct Fixed {
     rotation: Mat3A,
     paint: [f32; 3],
     lights: StaticLights,
+    glow: [f32; 3],
 }
 
 /// Bounding sphere in the world, metres; kept apart from [`Fixed`] so that culling reads little memory.
@@ -229,6 +230,7 @@ impl World {
                     rotation: Mat3A::IDENTITY,
                     paint: [0.5; 3],
                     lights: StaticLights::None,
+                    glow: [0.0; 3],
                 };
                 let mesh = library.add(Arc::new(tile.mesh));
                 self.push_fixed(Fixed { mesh, ..fixed }, &library.meshes[mesh as usize]);
@@ -246,6 +248,11 @@ impl World {
             _ if is_street_lamp(actor) && actor.variant & LAMP_FAILED == 0 => StaticLights::StreetLamp,
             _ => StaticLights::None,
         };
+        let glow = match lights {
+            StaticLights::StreetLamp => linear_rgb(&lights::STREET_LAMP_RGB),
+            StaticLights::Building => linear_rgb(&lights::WINDOW_RGB),
+            _ => [0.0; 3],
+        };
         let pose = Pose::<WorldFrame, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
         let rotation = rotation(&pose);
         for (mesh, joint) in pieces {
@@ -259,6 +266,7 @@ impl World {
                 rotation: rotation * joint.matrix3,
                 paint,
                 lights,
+                glow,
             };
             self.push_fixed(fixed, &library.meshes[*mesh as usize]);
         }
@@ -271,6 +279,24 @@ impl World {
         let centre = [0, 1, 2].map(|k| fixed.origin_m[k] + f64::from(centre[k]));
         self.spheres.push(Sphere { centre, radius: f64::from(half.length()) });
         self.fixed.push(fixed);
+    }
+
+    /// Gives street lamps and windows the light that the log says. Without it they have their nominal one; lamps that do
+    /// not work stay dark.
+    pub fn set_lamps(&mut self, rows: &[LampRow]) {
+        let rows: BTreeMap<ObjectId, &LampRow> = rows.iter().map(|row| (row.id, row)).collect();
+        for fixed in &mut self.fixed {
+            let Some(row) = rows.get(&fixed.object) else { continue };
+            if !matches!(fixed.lights, StaticLights::StreetLamp | StaticLights::Building) {
+                continue;
+            }
+            if !row.works {
+                fixed.lights = StaticLights::None;
+            }
+            let strength =
+                row.flux_lm.map_or(1.0, |flux| (flux / lights::STREET_LAMP_LM).clamp(0.0, 1e6) as f32);
+            fixed.glow = linear_rgb(&row.color).map(|c| c * strength);
+        }
     }
 
     /// All meshes of the scene; the same list in every snapshot.
@@ -312,6 +338,7 @@ impl World {
                 previous_local_from_object: pose,
                 paint: fixed.paint,
                 lights,
+                glow: fixed.glow,
             });
         }
         let mut previous: Vec<&StateRow> = moment.previous.iter().collect();
@@ -342,6 +369,7 @@ impl World {
                     previous_local_from_object: then * piece_then,
                     paint: mover.paint,
                     lights: lamps,
+                    glow: [0.0; 3],
                 });
             }
         }

@@ -156,7 +156,9 @@ fn burning(snapshot: &Snapshot, centre: Vec3) -> Vec<Lamp> {
                 continue;
             }
             let (beam, rgb, radius_m, direction) = if on & lights::STREET_LAMP != 0 {
-                (Beam::Street, warm(fitting.rgb) * 0.75, 30.0, -Vec3::Z)
+                // 0.75 kcd downwards at the nominal flux.
+                let glow = Vec3::from_array(instance.glow);
+                (Beam::Street, glow * 0.75, reach_m(glow.max_element()), -Vec3::Z)
             } else if on & (lights::LOW_BEAM | lights::HIGH_BEAM) != 0 {
                 // Dipped by two degrees.
                 let ahead = pose.transform_vector3(Vec3::new(0.999, 0.0, -0.035));
@@ -172,6 +174,11 @@ fn burning(snapshot: &Snapshot, centre: Vec3) -> Vec<Lamp> {
         }
     }
     lamps
+}
+
+/// How far a street lamp's light is followed, metres: 30 at the nominal flux, and to the same illuminance at others.
+fn reach_m(strength: f32) -> f32 {
+    (30.0 * strength.max(0.0).sqrt()).clamp(5.0, 60.0)
 }
 
 /// A lamp's colour at full brightness: its greatest component is 1.

@@ -295,6 +295,7 @@ mod tests {
             previous_local_from_object: Affine3A::IDENTITY,
             paint: [0.5; 3],
             lights: 0,
+            glow: [1.0; 3],
         };
         let ground = slab(Vec3::splat(200.0), 0.0);
         let roof = slab(Vec3::new(2.0, 1.0, 0.0), 1.5);

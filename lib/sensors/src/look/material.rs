@@ -20,6 +20,7 @@ pub(crate) struct Facet<'a> {
     part: &'a Part,
     paint: Vec3,
     lights: u32,
+    glow: Vec3,
     object: ObjectId,
     pub(crate) normal_local: Vec3,
     normal_object: Vec3,
@@ -73,6 +74,7 @@ impl<'a> Facet<'a> {
             part,
             paint: Vec3::from_array(instance.paint),
             lights: instance.lights,
+            glow: Vec3::from_array(instance.glow),
             object: instance.object,
             normal_local,
             normal_object: object_from_local * normal_local,
@@ -121,7 +123,9 @@ pub(crate) fn look(
         Surface::Facade => facade(noise, facet, rgb, &point),
         Surface::Lamp(bits) => {
             if facet.lights & bits != 0 {
-                Look { albedo: rgb * 0.3, emission: rgb * 1.6, ..Look::default() }
+                let street = bits == lights::STREET_LAMP;
+                let emission = if street { rgb * facet.glow * 1.6 } else { rgb * 1.6 };
+                Look { albedo: rgb * 0.3, emission, ..Look::default() }
             } else {
                 // A lens that does not burn: its colour, deep and glossy.
                 Look { albedo: rgb * 0.35, mirror: 0.05, roughness: 0.1, ..Look::default() }
@@ -275,7 +279,8 @@ fn facade(noise: &Noise, facet: &Facet<'_>, rgb: Vec3, p: &Point) -> Look {
         let on = if unit(cell) < LIT_SHARE { 1.0 } else { 0.0 };
         let bright = 0.3 + 0.7 * unit(cell.wrapping_mul(0x85eb_ca6b));
         let warm = unit(cell.wrapping_mul(0xc2b2_ae35));
-        let glow = Vec3::new(1.0, 0.72 + 0.2 * warm, 0.38 + 0.5 * warm);
+        // Rooms of one building differ a little.
+        let glow = facet.glow * Vec3::new(1.0, 1.0 + 0.3 * warm, 0.8 + 1.2 * warm);
         let lit = on * bright * (1.0 - far) + LIT_SHARE * 0.65 * far;
         look.emission = glow * (0.55 * pane * lit);
     }

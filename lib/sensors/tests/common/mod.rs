@@ -92,6 +92,7 @@ pub(crate) fn instance(mesh: u32, object: ObjectId, pose: Affine3A) -> Instance 
         previous_local_from_object: pose,
         paint: [0.5; 3],
         lights: 0,
+        glow: [1.0; 3],
     }
 }
 
@@ -256,6 +257,7 @@ pub(crate) fn street(night: bool) -> Snapshot {
             previous_local_from_object: previous,
             paint,
             lights,
+            glow: [1.0, 0.7, 0.4],
         });
         next += 1;
     };

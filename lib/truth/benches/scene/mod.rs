@@ -47,6 +47,7 @@ impl Builder {
                 previous_local_from_object: local_from_object,
                 paint: [0.5; 3],
                 lights: 0,
+                glow: [1.0; 3],
             }
         };
         Snapshot {

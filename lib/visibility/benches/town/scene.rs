@@ -117,6 +117,7 @@ pub(crate) fn town() -> Snapshot {
             previous_local_from_object: pose,
             paint: [0.5; 3],
             lights: 0,
+            glow: [1.0; 3],
         });
     };
     let centre = |i: i32| (i as f32 - BLOCKS as f32 / 2.0 + 0.5) * BLOCK_M;

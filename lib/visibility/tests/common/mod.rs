@@ -97,6 +97,7 @@ pub(crate) fn instance(mesh: u32, object: u16, pose: Affine3A) -> Instance {
         previous_local_from_object: pose,
         paint: [0.5; 3],
         lights: 0,
+        glow: [1.0; 3],
     }
 }
 

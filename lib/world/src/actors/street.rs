@@ -157,7 +157,7 @@ fn lamp(size: Vec3) -> TriMesh {
         0.8,
         0.6,
     );
-    let lens = part(Tag::Pole, Surface::Lamp(lights::STREET_LAMP), [0.75, 0.73, 0.65]);
+    let lens = part(Tag::Pole, Surface::Lamp(lights::STREET_LAMP), [0.75; 3]);
     b.cuboid(
         lens,
         Vec3::new(half.x - 0.65, -0.75 * half.y, size.z - 0.16),
