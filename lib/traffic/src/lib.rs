@@ -7,6 +7,7 @@
 //! The rigid-body engine moves the bodies: as drivers wish while nothing touches, and by its contact solver when a
 //! driver who looks at nothing hits something.
 
+mod bends;
 mod bodies;
 mod change;
 mod crowd;

@@ -13,6 +13,7 @@ use schema::scene_info::DriverInfo;
 use schema::tables::{FrameRow, SignalRow, StateRow, Weather};
 use schema::{FRAME_PERIOD_S, ObjectId};
 
+use crate::bends::Bends;
 use crate::bodies::Bodies;
 use crate::change::change_lanes;
 use crate::crowd::Crowd;
@@ -110,6 +111,7 @@ struct Simulation<'a> {
     reservations: Reservations,
     bodies: Bodies,
     sweeps: Sweeps,
+    bends: Bends,
     /// Poses one step ago, for velocities: vehicles, then walkers.
     before: Vec<Pose<World, Object>>,
     log: SceneLog,
@@ -197,6 +199,7 @@ impl<'a> Simulation<'a> {
             Doors::new(start.model, chance, Stream::new(scene.seed, number, "traffic/doors", i as u64))
         });
         let doors = doors.collect();
+        let bends = Bends::new(&net, vehicles.len());
         let mut simulation = Self {
             lamps: lamps(map, input),
             doors,
@@ -217,6 +220,7 @@ impl<'a> Simulation<'a> {
             reservations,
             bodies,
             sweeps: Sweeps::default(),
+            bends,
             log,
         };
         simulation.remember();
@@ -242,6 +246,7 @@ impl<'a> Simulation<'a> {
             step,
             time_s,
         );
+        let bends = self.bends.serve(&self.net, &self.vehicles);
         let mut wishes = Vec::with_capacity(self.vehicles.len());
         for (me, approach) in approaches.iter().enumerate() {
             let wish = if self.vehicles[me].crashed {
@@ -251,7 +256,8 @@ impl<'a> Simulation<'a> {
                 let vehicle = &self.vehicles[me];
                 let sees = !vehicle.driver.reckless;
                 let touching_m = sees.then(|| self.sweeps.gap_m(&self.net, vehicle)).flatten();
-                let gaps = [approach.stop_gap_m, touching_m];
+                let line_m = [approach.stop_gap_m, bends[me]].into_iter().flatten().reduce(f64::min);
+                let gaps = [line_m, touching_m];
                 wished_acceleration(&self.net, &self.occupancy, &self.vehicles, me, gaps, cap)
             };
             wishes.push(wish.clamp(-MAX_BRAKING, MAX_ACCELERATION));

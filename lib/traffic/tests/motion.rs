@@ -2,7 +2,9 @@
 
 mod common;
 
-use common::{agent, agents_on, bent_seam, carla, circle, collisions, run, scene, settings, tracks, yaw};
+use common::{
+    agent, agents_on, bent_seam, carla, circle, collisions, right_bend, run, scene, settings, tracks, yaw,
+};
 use frames::math::{atan, sin_cos};
 use opendrive::Map;
 use schema::models;
@@ -129,4 +131,43 @@ fn a_bus_whose_corner_sweeps_the_sidewalk_hits_nobody_there() {
         assert!(end[0] < 15.0 && end[1] > 10.0, "it gets round: {end:?}");
     }
     assert!(swept > 0.5, "it needs the sidewalk: {swept}");
+}
+
+#[test]
+fn a_bus_meets_nobody_in_a_bend_too_tight_for_it() {
+    let map = right_bend(15.0);
+    let north = std::f64::consts::FRAC_PI_2;
+    let mut met = [0, 0];
+    for k in 0..10 {
+        // The bus on the inside; two cars come towards it on the outside.
+        let bus = PlanAgentRow { model: "bus.city".into(), ..agent(0, [40.0, -1.75, 0.0], 0.0) };
+        let y = -40.0 - 5.0 * f64::from(k);
+        let cars = [agent(1, [118.5, y, 0.0], north), agent(2, [118.5, y - 12.0, 0.0], north)];
+        let log = run(&map, &scene(60.0), &[bus, cars[0].clone(), cars[1].clone()], &settings());
+        assert_eq!(collisions(&log, false), [], "{k}");
+        let tracks = tracks(&log);
+        // All come through, one after the other or side by side where the road is straight.
+        let ends = [1, 3].map(|id| tracks[&id][1200].xyz_m);
+        assert!(ends[0][1] < -60.0 && ends[1][0] < 60.0, "{k}: {ends:?}");
+        let least = |id: u16| tracks[&id][60..400].iter().map(|s| speed(s)).fold(f64::INFINITY, f64::min);
+        met[0] += usize::from(least(1) < 0.5);
+        met[1] += usize::from(least(2) < 0.5);
+    }
+    assert!(met[0] > 0 && met[1] > 0, "now one waits, now the other one: {met:?}");
+}
+
+#[test]
+fn cars_do_not_wait_for_cars_in_a_bend() {
+    let map = right_bend(15.0);
+    for k in 0..4 {
+        let y = -40.0 - 8.0 * f64::from(k);
+        let cars =
+            [agent(0, [40.0, -1.75, 0.0], 0.0), agent(1, [118.5, y, 0.0], std::f64::consts::FRAC_PI_2)];
+        let log = run(&map, &scene(25.0), &cars, &settings());
+        assert_eq!(collisions(&log, false), []);
+        for track in tracks(&log).values() {
+            // The bend's speed is that of 3 m/s2 sideways.
+            assert!(track[60..240].iter().all(|s| speed(s) > 4.0));
+        }
+    }
 }

@@ -162,6 +162,33 @@ pub(crate) fn circle(radius_m: f64) -> Map {
     Map::new(Network { roads: vec![road], ..Network::default() })
 }
 
+/// A road of one lane each way: 100 m to the east, a quarter turn to the right (the inner lane's middle at a radius), 100 m to
+/// the south.
+pub(crate) fn right_bend(radius_m: f64) -> Map {
+    let lanes = |sign: i16| vec![lane(sign, LaneType::Driving, 3.5)];
+    let section = LaneSection { left: lanes(1), right: lanes(-1), ..LaneSection::default() };
+    let (radius_m, quarter) = (radius_m + 1.75, std::f64::consts::FRAC_PI_2);
+    let arc_m = quarter * radius_m;
+    let mut road = town_road("1", 0.0, 0.0, 0.0, 200.0 + arc_m, section);
+    road.plan_view[0].length_m = 100.0;
+    road.plan_view.push(Geometry {
+        s: 100.0,
+        x_m: 100.0,
+        length_m: arc_m,
+        curve: Curve::Arc { curvature: -1.0 / radius_m },
+        ..Geometry::default()
+    });
+    road.plan_view.push(Geometry {
+        s: 100.0 + arc_m,
+        x_m: 100.0 + radius_m,
+        y_m: -radius_m,
+        hdg_rad: -quarter,
+        length_m: 100.0,
+        ..Geometry::default()
+    });
+    Map::new(Network { roads: vec![road], ..Network::default() })
+}
+
 /// A straight road of one lane, 200 m over a crest: its height is `20 - 0.002 (s - 100)^2`.
 pub(crate) fn crest(heading_rad: f64) -> Map {
     let section = LaneSection { right: vec![lane(-1, LaneType::Driving, 3.5)], ..LaneSection::default() };

@@ -1,0 +1,249 @@
+//! Bends so tight that long vehicles need the lane of those who come towards them, too: whoever would touch there waits
+//! before the bend until the other one is through.
+//!
+//! A vehicle holds a bend from when it could hardly stop before it until its rear has left it. Vehicles that have room
+//! beside one another hold it together, so that cars never wait for cars. Who has waited for long goes before those who
+//! would come towards it after.
+
+use crate::driver::braking_to_stop;
+use crate::net::Net;
+use crate::vehicles::Vehicle;
+
+/// Bends are looked at where the inner lane's radius is smaller than this, metres.
+const TIGHT_M: f64 = 45.0;
+/// Lanes with their middles nearer than this lie beside each other, metres.
+const BESIDE_M: f64 = 4.6;
+/// Room between two who meet, metres.
+const SPARE_M: f64 = 0.35;
+/// What belongs to a bend before and behind it, metres.
+const ENDS_M: f64 = 2.0;
+/// Stops are planned with this braking, m/s2, from so far before the bend on, metres.
+const BRAKING: f64 = 1.8;
+const BEFORE_M: f64 = 6.0;
+/// Those who wait come to rest this far before it, metres.
+const STOP_M: f64 = 1.0;
+/// Who would have to brake harder than this goes, m/s2.
+const HARD_BRAKING: f64 = 5.0;
+/// Who has waited for as long as this goes first, steps (5 s).
+const PATIENCE_STEPS: u32 = 100;
+/// Bends nearer to each other than this and the vehicle's length are one for it, metres.
+const BETWEEN_M: f64 = 6.0;
+
+/// A lane's part in a bend.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    lane: usize,
+    from_m: f64,
+    to_m: f64,
+}
+
+/// A bend of two lanes that run towards each other.
+#[derive(Clone, Debug)]
+struct Bend {
+    /// The lane on the inside, and the one on the outside.
+    parts: [Part; 2],
+    /// Smallest radius of the inner lane's middle, and distance of the two middles, metres.
+    radius_m: f64,
+    apart_m: f64,
+    holders: Vec<Holder>,
+    /// Those who have waited for long, with their part.
+    claims: Vec<(usize, usize)>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Holder {
+    vehicle: usize,
+    part: usize,
+    /// The vehicle's odometer when its rear leaves the bend, metres.
+    until_m: f64,
+}
+
+/// A bend ahead of a vehicle.
+#[derive(Clone, Copy, Debug)]
+struct Ahead {
+    bend: usize,
+    part: usize,
+    /// From the front bumper to its beginning, and from the followed point to its end, metres.
+    gap_m: f64,
+    end_m: f64,
+}
+
+/// All such bends of a map, with who is in them.
+#[derive(Debug)]
+pub(crate) struct Bends {
+    bends: Vec<Bend>,
+    /// For each lane its bends, with the lane's part.
+    of_lane: Vec<Vec<(usize, usize)>>,
+    /// For each vehicle the steps it has waited.
+    waited: Vec<u32>,
+}
+
+impl Bends {
+    pub(crate) fn new(net: &Net, vehicles: usize) -> Self {
+        let mut found =
+            Self { bends: Vec::new(), of_lane: vec![Vec::new(); net.lanes.len()], waited: vec![0; vehicles] };
+        for lane in (0..net.lanes.len()).filter(|l| net.lanes[*l].junction.is_none()) {
+            for run in runs(net, lane) {
+                for bend in opposite(net, lane, &run) {
+                    for (part, p) in bend.parts.iter().enumerate() {
+                        found.of_lane[p.lane].push((found.bends.len(), part));
+                    }
+                    found.bends.push(bend);
+                }
+            }
+        }
+        found
+    }
+
+    /// The gap from a vehicle's front to the bend before which it has to wait, for each vehicle, metres.
+    pub(crate) fn serve(&mut self, net: &Net, vehicles: &[Vehicle]) -> Vec<Option<f64>> {
+        for bend in &mut self.bends {
+            bend.holders.retain(|h| {
+                let vehicle = &vehicles[h.vehicle];
+                !vehicle.crashed && vehicle.odometer_m < h.until_m
+            });
+            bend.claims.retain(|(v, _)| self.waited[*v] > PATIENCE_STEPS);
+        }
+        (0..vehicles.len()).map(|me| self.ask(net, vehicles, me)).collect()
+    }
+
+    fn ask(&mut self, net: &Net, vehicles: &[Vehicle], me: usize) -> Option<f64> {
+        let vehicle = &vehicles[me];
+        let speed = vehicle.speed_mps;
+        let ahead = if vehicle.crashed { Vec::new() } else { self.ahead(net, vehicle, me) };
+        let near_m = speed * speed / (2.0 * BRAKING) + BEFORE_M;
+        let Some(first) = ahead.first().filter(|a| a.gap_m < near_m) else {
+            self.waited[me] = 0;
+            return None;
+        };
+        let free = ahead.iter().all(|a| self.is_free(vehicles, me, a));
+        let goes = braking_to_stop(speed, first.gap_m) > HARD_BRAKING && speed > 1.0;
+        if free || goes || first.gap_m < 0.0 || vehicle.driver.reckless {
+            for a in &ahead {
+                let until_m = vehicle.odometer_m + a.end_m + vehicle.half_length_m();
+                self.bends[a.bend].holders.push(Holder { vehicle: me, part: a.part, until_m });
+            }
+            self.waited[me] = 0;
+            return None;
+        }
+        self.waited[me] += 1;
+        if self.waited[me] == PATIENCE_STEPS + 1 {
+            ahead.iter().for_each(|a| self.bends[a.bend].claims.push((me, a.part)));
+        }
+        Some(first.gap_m - STOP_M)
+    }
+
+    /// The next bends ahead that a vehicle does not hold, as far as it cannot wait between them.
+    fn ahead(&self, net: &Net, vehicle: &Vehicle, me: usize) -> Vec<Ahead> {
+        let mut found: Vec<Ahead> = Vec::new();
+        let (half, view) = (vehicle.half_length_m(), vehicle.view_m());
+        for (lane, start) in vehicle.lanes_ahead(net).take_while(|(_, start)| *start < view + 60.0) {
+            for &(bend, part) in &self.of_lane[lane] {
+                let b = &self.bends[bend];
+                let Part { from_m, to_m, .. } = b.parts[part];
+                let held = b.holders.iter().any(|h| h.vehicle == me);
+                if start + to_m + half > 0.0 && !held {
+                    found.push(Ahead { bend, part, gap_m: start + from_m - half, end_m: start + to_m });
+                }
+            }
+        }
+        found.sort_by(|a, b| a.gap_m.total_cmp(&b.gap_m));
+        let room_m = vehicle.model.size_m[0] + BETWEEN_M;
+        let mut end_m = f64::INFINITY;
+        let joined = found.iter().take_while(|a| {
+            let near = end_m == f64::INFINITY || a.gap_m + half - end_m < room_m;
+            end_m = if end_m == f64::INFINITY { a.end_m } else { end_m.max(a.end_m) };
+            near
+        });
+        joined.copied().collect()
+    }
+
+    /// Whether nobody is in a bend, or claims it, whom a vehicle there would touch.
+    fn is_free(&self, vehicles: &[Vehicle], me: usize, ahead: &Ahead) -> bool {
+        let bend = &self.bends[ahead.bend];
+        let touches = |other: usize| {
+            let pair = if ahead.part == 0 { [me, other] } else { [other, me] };
+            bend.is_too_tight(pair.map(|v| &vehicles[v]))
+        };
+        let waits_longer = |v: usize| self.waited[v] > self.waited[me];
+        bend.holders.iter().all(|h| h.part == ahead.part || !touches(h.vehicle))
+            && bend.claims.iter().all(|&(v, part)| part == ahead.part || !waits_longer(v) || !touches(v))
+    }
+}
+
+impl Bend {
+    /// Whether a vehicle on the inside and one on the outside would touch.
+    fn is_too_tight(&self, [inner, outer]: [&Vehicle; 2]) -> bool {
+        let out_m = swept(inner, self.radius_m)[1];
+        let in_m = swept(outer, self.radius_m + self.apart_m)[0];
+        out_m + in_m + SPARE_M > self.apart_m
+    }
+}
+
+/// How far a vehicle reaches inwards and outwards from a circle that its middle goes round on, metres: the point that does
+/// not slide goes round on a smaller one, and the outer corner before it on a larger one.
+fn swept(vehicle: &Vehicle, radius_m: f64) -> [f64; 2] {
+    let [length, width, _] = vehicle.model.size_m;
+    let hitch = vehicle.hitch_m();
+    let rear = (radius_m * radius_m - hitch * hitch).max(0.0).sqrt();
+    let (side, front) = (rear + 0.5 * width, hitch + 0.5 * length);
+    [radius_m - rear + 0.5 * width, (side * side + front * front).sqrt() - radius_m]
+}
+
+/// The stretches of a lane with a small radius: metres along it, the radius, and whether it turns left.
+fn runs(net: &Net, lane: usize) -> Vec<(f64, f64, f64, bool)> {
+    let way = &net.lanes[lane].way;
+    let mut found: Vec<(f64, f64, f64, bool)> = Vec::new();
+    for w in way.samples.windows(2) {
+        let middle = 0.5 * (w[0].along_m + w[1].along_m);
+        let curvature = way.curvature(middle);
+        let (radius_m, left) = (1.0 / curvature.abs().max(1e-9), curvature > 0.0);
+        if radius_m >= TIGHT_M {
+            continue;
+        }
+        match found.last_mut().filter(|r| r.3 == left && w[0].along_m - r.1 < 1e-6) {
+            Some(run) => (run.1, run.2) = (w[1].along_m, run.2.min(radius_m)),
+            None => found.push((w[0].along_m, w[1].along_m, radius_m, left)),
+        }
+    }
+    found
+}
+
+/// The bends that a lane's stretch makes with lanes that run the other way on its outside.
+fn opposite(net: &Net, lane: usize, run: &(f64, f64, f64, bool)) -> Vec<Bend> {
+    let &(from_m, to_m, radius_m, turns_left) = run;
+    let mut found: Vec<Bend> = Vec::new();
+    let way = &net.lanes[lane].way;
+    for sample in way.samples.iter().filter(|s| (from_m..=to_m).contains(&s.along_m)) {
+        for (other, along_m) in net.lanes_at(&sample.point, BESIDE_M) {
+            let facing = net.lanes[other].way.place(along_m);
+            let away = facing.point - sample.point;
+            let left_m = sample.tangent.x * away.y - sample.tangent.y * away.x;
+            let (sin, cos) = frames::math::sin_cos(facing.heading_rad);
+            let opposed = sample.tangent.x * cos + sample.tangent.y * sin < -0.7;
+            let outside = (left_m > 0.0) != turns_left;
+            if !opposed || !outside || left_m.abs() > BESIDE_M || net.lanes[other].junction.is_some() {
+                continue;
+            }
+            match found.iter_mut().find(|b| b.parts[1].lane == other) {
+                Some(bend) => {
+                    let part = &mut bend.parts[1];
+                    (part.from_m, part.to_m) =
+                        (part.from_m.min(along_m - ENDS_M), part.to_m.max(along_m + ENDS_M));
+                    bend.apart_m = bend.apart_m.min(left_m.abs());
+                }
+                None => found.push(Bend {
+                    parts: [
+                        Part { lane, from_m: from_m - ENDS_M, to_m: to_m + ENDS_M },
+                        Part { lane: other, from_m: along_m - ENDS_M, to_m: along_m + ENDS_M },
+                    ],
+                    radius_m,
+                    apart_m: left_m.abs(),
+                    holders: Vec::new(),
+                    claims: Vec::new(),
+                }),
+            }
+        }
+    }
+    found
+}
