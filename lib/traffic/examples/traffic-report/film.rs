@@ -18,8 +18,11 @@ pub(crate) const SAMPLE: usize = 10;
 const ASKEW_RAD: f64 = 0.7;
 /// Ends of lanes farther from each other than this do not meet, metres.
 const APART_M: f64 = 0.1;
-/// Ways ahead are followed this far beyond the end of a track, metres.
-const BEYOND_M: f64 = 24.0;
+/// Ways ahead are followed this far beyond the end of a track, metres: over a junction and what may block the way out of
+/// it. From the second length on, points are coarser.
+const BEYOND_M: f64 = 100.0;
+const FINE_M: f64 = 24.0;
+const COARSE_M: f64 = 2.0;
 /// Distance between the points of a way ahead, metres.
 const POINT_M: f64 = 0.5;
 
@@ -209,11 +212,16 @@ fn way(map: &Map, track: &[Snap]) -> (Vec<(f64, Point3<f64>)>, Vec<f64>) {
     if let Some((hit, map)) = last
         && let Some(info) = map.lane(hit.lane)
     {
-        let from = LanePos { lane: hit.lane, along_m: info.along_of_s(hit.s) };
-        for step in 1..=(BEYOND_M / POINT_M) as usize {
-            let on = POINT_M * step as f64;
-            let points = map.ahead(from, on).into_iter().filter_map(|p| map.point_at(p));
-            way.extend(points.map(|p| (gone + on, p.position)));
+        let mut ends = vec![LanePos { lane: hit.lane, along_m: info.along_of_s(hit.s) }];
+        let mut on = 0.0;
+        while on < BEYOND_M {
+            let step = if on < FINE_M { POINT_M } else { COARSE_M };
+            on += step;
+            ends = ends.into_iter().flat_map(|end| map.ahead(end, step)).collect();
+            // Ways that lead into one lane go on as one.
+            ends.sort_by_key(|end| end.lane);
+            ends.dedup_by_key(|end| end.lane);
+            way.extend(ends.iter().filter_map(|end| Some((gone + on, map.point_at(*end)?.position))));
         }
     }
     (way, gone_m)

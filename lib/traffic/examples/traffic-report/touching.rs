@@ -6,7 +6,8 @@ use frames::math::sin_cos;
 
 use crate::film::{Body, Film};
 
-/// Bodies that touch by less than this do not: rounding, metres.
+/// Walkers that touch one another by less than this do not, and vehicles that miss something by less do touch: rounding,
+/// and what the solver keeps free between bodies that push each other, metres.
 const ROUNDING_M: f64 = 0.02;
 /// Wrecks push whoever comes as near as this, metres.
 const PUSHED_M: f64 = 0.1;
@@ -67,7 +68,8 @@ pub(crate) fn find(film: &mut Film<'_>) -> Touching {
                 for &m in cells.get(&other).into_iter().flatten() {
                     let near =
                         (all[m].track[i].at - at).norm() < 0.6 * (all[m].size_m[0] + body.size_m[0] + 2.0);
-                    if near && touch(body, all[m], i, -ROUNDING_M) && seen.insert((all[m].id, body.id)) {
+                    let margin_m = if m < count { ROUNDING_M } else { -ROUNDING_M };
+                    if near && touch(body, all[m], i, margin_m) && seen.insert((all[m].id, body.id)) {
                         pairs.push((m, n));
                     }
                     let wrecked =
