@@ -1,15 +1,24 @@
 //! Who may enter a junction: signals, signs, and one at a time where ways cross.
 //!
-//! A driver may pass the line before a junction only with all lanes of its way through it reserved. A lane is reserved
-//! when no lane that conflicts with it is; reservations end when the vehicle's rear has left the lane (or, for one
-//! rival, the place where the two meet). Requests are served in the order in which drivers came to the line, vehicle
-//! numbers breaking ties, so no two wait for each other: whoever has entered can leave, because entry needs room behind
-//! the junction. Whoever has been refused for long claims its way: those who come later get no leave across it, so that
-//! a busy road does not starve a side street.
+//! A driver may pass the line before a junction only with all lanes of its way through it reserved. Where the ways of
+//! two meet, the one whose reservation is older goes first. A later one is given if nobody who goes first stands, and
+//! the driver comes to the place when it is free, or behind the other one where ways merge; if something takes longer,
+//! it waits before the place. It is also given before one that has not passed its line and is so far away that it need
+//! not brake: that one asks again. Reservations end when the vehicle's rear has left the lane.
+//!
+//! Nobody waits for ever inside: whoever waits there waits for an older reservation, or for who is ahead on its lane and
+//! has one, so that no ring of waiting vehicles closes; the oldest one can leave, because entry needs room behind the
+//! junction.
+//!
+//! Requests are served by rank: who is inside, who waits for long, who has no sign and does not turn left at a light, the
+//! others; then in the order in which drivers came to the line, vehicle numbers breaking ties. Whoever has been refused
+//! for long claims its way: those who come later get no leave across it, so that a busy road does not starve a side
+//! street.
 
 use crate::driver::{braking_to_stop, envelope};
-use crate::net::{CONFLICT_M, Lane, Net, PLANNED_BRAKING};
-use crate::occupancy::Occupancy;
+use crate::meeting::{Meeting, Wait};
+use crate::net::{Lane, Net, PLANNED_BRAKING};
+use crate::occupancy::{Occupancy, is_stranded};
 use crate::signals::{Light, Signals};
 use crate::vehicles::Vehicle;
 
@@ -29,10 +38,8 @@ const STOP_STEPS: u32 = 40;
 const QUEUE_M: f64 = 60.0;
 /// Who has been refused for this long claims its way, steps (10 s).
 const PATIENCE_STEPS: u32 = 200;
-/// Lanes with no smaller radius than this are straight for long vehicles, metres.
-const STRAIGHT_M: f64 = 60.0;
-/// Vehicles longer than this need room in turns, metres.
-const LONG_M: f64 = 5.2;
+/// Who can stop before its line with this braking may be asked to let another one go first, m/s2.
+const LEFT_BRAKING: f64 = 2.0;
 /// Speed towards traffic lights and towards signs, m/s.
 const LIGHT_MPS: f64 = 15.0 / 3.6;
 const SIGN_MPS: f64 = 10.0 / 3.6;
@@ -45,6 +52,8 @@ pub(crate) struct Held {
     pub(crate) lane: usize,
     /// The vehicle's odometer at the lane's beginning, metres.
     pub(crate) start_m: f64,
+    /// Number of the reservation: older ones go first.
+    order: u64,
 }
 
 /// The next line that a vehicle has no leave to pass.
@@ -62,16 +71,22 @@ pub(crate) struct Line {
 #[derive(Debug)]
 pub(crate) struct Reservations {
     holders: Vec<Vec<usize>>,
+    given: u64,
 }
 
 /// What a driver makes of the line ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Approach {
-    /// Gap to the place to stop before the line, if it must not be passed, metres.
+    /// Gap to the place to stop, before the line if it must not be passed, or inside, metres.
     pub(crate) stop_gap_m: Option<f64>,
+    /// Gap to and speed of one that goes first where ways merge, metres and m/s.
+    pub(crate) merging: Option<[f64; 2]>,
     /// Highest speed here, m/s.
     pub(crate) cap_mps: f64,
 }
+
+/// Nothing to mind.
+const OPEN: Approach = Approach { stop_gap_m: None, merging: None, cap_mps: f64::INFINITY };
 
 impl Vehicle {
     /// The next line ahead that the front has not passed, whether or not there is leave to pass it.
@@ -111,41 +126,40 @@ impl Vehicle {
 
 impl Reservations {
     pub(crate) fn new(lanes: usize) -> Self {
-        Self { holders: vec![Vec::new(); lanes] }
+        Self { holders: vec![Vec::new(); lanes], given: 0 }
     }
 
     /// Reserves a lane for a vehicle without asking.
     pub(crate) fn hold(&mut self, vehicle: &mut Vehicle, me: usize, lane: usize, start_m: f64) {
+        self.given += 1;
         if !vehicle.held.iter().any(|h| h.lane == lane) {
-            vehicle.held.push(Held { lane, start_m });
+            vehicle.held.push(Held { lane, start_m, order: self.given });
             self.holders[lane].push(me);
         }
+    }
+
+    /// Ends the reservations but for those to keep.
+    fn leave(&mut self, vehicle: &mut Vehicle, me: usize, keep: impl Fn(&Held) -> bool) {
+        let holders = &mut self.holders;
+        vehicle.held.retain(|held| {
+            let keep = keep(held);
+            if !keep {
+                holders[held.lane].retain(|&v| v != me);
+            }
+            keep
+        });
     }
 
     /// Ends the reservations of lanes that a vehicle's rear has left.
     pub(crate) fn release(&mut self, net: &Net, vehicle: &mut Vehicle, me: usize) {
         let rear = vehicle.odometer_m - vehicle.half_length_m();
-        let holders = &mut self.holders;
-        vehicle.held.retain(|held| {
-            let keep = rear <= held.start_m + net.lanes[held.lane].way.length_m + 0.3;
-            if !keep {
-                holders[held.lane].retain(|&v| v != me);
-            }
-            keep
-        });
+        self.leave(vehicle, me, |held| rear <= held.start_m + net.lanes[held.lane].way.length_m + 0.3);
     }
 
     /// Ends the reservations of lanes that a vehicle's front has not reached.
     fn give_back(&mut self, vehicle: &mut Vehicle, me: usize) {
         let front = vehicle.odometer_m + vehicle.half_length_m();
-        let holders = &mut self.holders;
-        vehicle.held.retain(|held| {
-            let keep = held.start_m <= front;
-            if !keep {
-                holders[held.lane].retain(|&v| v != me);
-            }
-            keep
-        });
+        self.leave(vehicle, me, |held| held.start_m <= front);
     }
 
     /// Reserves the lane that a driver who asks nobody is on.
@@ -182,31 +196,68 @@ impl Reservations {
         through
     }
 
-    /// Whether a lane can be reserved beside what is reserved already.
-    fn is_free(&self, net: &Net, vehicles: &[Vehicle], me: usize, lane: usize) -> bool {
-        net.lanes[lane].conflicts.iter().all(|conflict| {
-            self.holders[conflict.other].iter().all(|&rival| {
-                let rival_vehicle = &vehicles[rival];
-                let held = rival_vehicle.held.iter().find(|h| h.lane == conflict.other);
-                let passed = |start_m: f64| {
-                    let rear = rival_vehicle.odometer_m - start_m - rival_vehicle.half_length_m();
-                    !rival_vehicle.crashed && rear > conflict.other_end_m + 1.0
-                };
-                let together = swept_half_width(&vehicles[me], &net.lanes[lane])
-                    + swept_half_width(rival_vehicle, &net.lanes[conflict.other])
-                    + 0.4;
-                let beside = conflict.apart_m >= together.max(CONFLICT_M);
-                // One who follows on a lane that both are on waits behind.
-                let follows = |h: &Held| {
-                    let here = vehicles[me].held.iter().find(|own| own.lane == h.lane);
-                    here.is_some_and(|own| {
-                        let on = |v: &Vehicle, h: &Held| v.odometer_m - h.start_m;
-                        on(&vehicles[me], own) > on(rival_vehicle, h).max(0.0)
-                    })
-                };
-                rival == me || beside || held.is_none_or(|h| passed(h.start_m) || follows(h))
+    /// Those whom a vehicle meets on a lane, which it reaches at `start_m` of its odometer, with their reservations.
+    fn meetings<'a>(
+        &'a self,
+        net: &'a Net,
+        vehicles: &'a [Vehicle],
+        me: usize,
+        (lane, start_m): (usize, f64),
+    ) -> impl Iterator<Item = (usize, &'a Held, Meeting<'a>)> + 'a {
+        net.lanes[lane].conflicts.iter().flat_map(move |conflict| {
+            self.holders[conflict.other].iter().filter(move |&&rival| rival != me).filter_map(move |&rival| {
+                let held = vehicles[rival].held.iter().find(|h| h.lane == conflict.other)?;
+                let own = (&vehicles[me], lane, start_m);
+                Some((rival, held, Meeting::new(net, own, conflict, (&vehicles[rival], held))?))
             })
         })
+    }
+
+    /// Whether a lane can be reserved beside what is reserved already; notes whom that leaves to ask again.
+    fn is_free(
+        &self,
+        net: &Net,
+        vehicles: &[Vehicle],
+        me: usize,
+        place: (usize, f64),
+        ask_again: &mut Vec<usize>,
+    ) -> bool {
+        self.meetings(net, vehicles, me, place).all(|(rival, _, meeting)| {
+            if meeting.is_gap_behind() {
+                return true;
+            }
+            let before = is_before_line(net, &vehicles[rival]) && meeting.is_gap_before();
+            if before {
+                ask_again.push(rival);
+            }
+            before
+        })
+    }
+
+    /// What a vehicle does inside a junction, or near it, about those who go first.
+    fn give_way(&self, net: &Net, vehicles: &[Vehicle], me: usize, approach: &mut Approach) {
+        let vehicle = &vehicles[me];
+        let answer = |gap_m: f64, speed: f64| {
+            vehicle.driver.idm.following(vehicle.speed_mps, vehicle.speed_mps.max(1.0), gap_m, speed)
+        };
+        for own in &vehicle.held {
+            for (_, held, meeting) in self.meetings(net, vehicles, me, (own.lane, own.start_m)) {
+                if !meeting.rival_first(held.order < own.order) {
+                    continue;
+                }
+                match meeting.wait() {
+                    Some(Wait::Stop(gap_m)) => {
+                        approach.stop_gap_m = Some(approach.stop_gap_m.map_or(gap_m, |g| g.min(gap_m)));
+                    }
+                    Some(Wait::Follow(gap_m, speed))
+                        if approach.merging.is_none_or(|[g, s]| answer(gap_m, speed) < answer(g, s)) =>
+                    {
+                        approach.merging = Some([gap_m, speed]);
+                    }
+                    Some(Wait::Follow(..)) | None => {}
+                }
+            }
+        }
     }
 
     /// Whether there is room for the vehicle behind its last junction lane, those on their way there counted.
@@ -236,9 +287,13 @@ impl Reservations {
                     break;
                 }
                 let between = vehicle.lanes_ahead(net).filter(|(_, s)| (exit_at - 1e-6..start).contains(s));
+                // Wrecks reach over several places.
+                let mut seen = Vec::new();
                 for spot in between.flat_map(|(l, _)| &occupancy.vehicles[l]) {
+                    let again = seen.contains(&spot.vehicle);
+                    seen.push(spot.vehicle);
                     match vehicles.get(spot.vehicle) {
-                        Some(other) if spot.vehicle == me || leaves(other) => {}
+                        Some(other) if again || spot.vehicle == me || leaves(other) => {}
                         Some(other) => stored += gap(other),
                         None => stored += 2.0 * spot.half_length_m,
                     }
@@ -284,14 +339,24 @@ impl Reservations {
         let inside = !vehicles[me].held.is_empty();
         let claimed =
             |lane: usize| !inside && net.lanes[lane].conflicts.iter().any(|c| claims.contains(&c.other));
-        let free = movement.iter().all(|&(l, _)| self.is_free(net, vehicles, me, l) && !claimed(l));
+        let odometer = vehicles[me].odometer_m;
+        let mut ask_again = Vec::new();
+        let free = movement.iter().all(|&(lane, start)| {
+            let place = (lane, odometer + start);
+            // A wreck in the way.
+            let mut spots = occupancy.vehicles[lane].iter();
+            let open = !spots.any(|s| start + s.along_m > 0.0 && is_stranded(vehicles, s.vehicle));
+            open && !claimed(lane) && self.is_free(net, vehicles, me, place, &mut ask_again)
+        });
         if !free || !exit {
             if exit && vehicles[me].refused_steps > PATIENCE_STEPS {
                 claims.extend(movement.iter().map(|&(lane, _)| lane));
             }
             return false;
         }
-        let odometer = vehicles[me].odometer_m;
+        for rival in ask_again {
+            self.give_back(&mut vehicles[rival], rival);
+        }
         for (lane, start) in movement {
             self.hold(&mut vehicles[me], me, lane, odometer + start);
         }
@@ -308,11 +373,16 @@ impl Reservations {
         step: u32,
         time_s: f64,
     ) -> Vec<Approach> {
-        let mut approaches = vec![Approach { stop_gap_m: None, cap_mps: f64::INFINITY }; vehicles.len()];
-        let mut requests: Vec<(u32, usize, Line)> = Vec::new();
+        let mut approaches = vec![OPEN; vehicles.len()];
+        let mut requests: Vec<(u8, u32, usize, Line)> = Vec::new();
         for me in 0..vehicles.len() {
             self.release(net, &mut vehicles[me], me);
-            if vehicles[me].crashed || vehicles[me].driver.reckless {
+            if vehicles[me].crashed {
+                // Whoever meets the wreck sees it on its lane.
+                self.leave(&mut vehicles[me], me, |_| false);
+                continue;
+            }
+            if vehicles[me].driver.reckless {
                 let vehicle = &mut vehicles[me];
                 self.intrude(net, vehicle, me);
                 continue;
@@ -365,14 +435,14 @@ impl Reservations {
             let since = *vehicle.waiting_since.get_or_insert(step);
             let stood = !must_stand || vehicle.stood_steps >= STOP_STEPS;
             if (!forbidden || blind) && stood {
-                requests.push((since, me, line));
+                requests.push((rank(vehicle, entry), since, me, line));
             }
         }
-        requests.sort_by_key(|(since, me, _)| (*since, *me));
+        requests.sort_by_key(|(rank, since, me, _)| (*rank, *since, *me));
         let mut claims = Vec::new();
-        for (_, me, line) in requests {
+        for (_, _, me, line) in requests {
             if self.request(net, occupancy, vehicles, me, &line, &mut claims) {
-                approaches[me] = Approach { stop_gap_m: None, cap_mps: f64::INFINITY };
+                approaches[me] = OPEN;
                 vehicles[me].waiting_since = None;
                 vehicles[me].stood_steps = 0;
                 vehicles[me].refused_steps = 0;
@@ -380,21 +450,32 @@ impl Reservations {
                 vehicles[me].refused_steps += 1;
             }
         }
+        for (me, approach) in approaches.iter_mut().enumerate() {
+            if !vehicles[me].crashed && !vehicles[me].driver.reckless {
+                self.give_way(net, vehicles, me, approach);
+            }
+        }
         approaches
     }
 }
 
-/// Half the width of the strip that a vehicle sweeps on a lane, metres: long ones swing out and cut corners.
-fn swept_half_width(vehicle: &Vehicle, lane: &Lane) -> f64 {
-    let [length, width, _] = vehicle.model.size_m;
-    let swing = if lane.radius_m > STRAIGHT_M {
-        0.0
-    } else if length > LONG_M {
-        0.15 * length
-    } else {
-        0.2
-    };
-    0.5 * width + swing
+/// Who is asked first.
+fn rank(vehicle: &Vehicle, entry: &Lane) -> u8 {
+    let turns_left = entry.turn > 0 && !entry.signals.is_empty();
+    match () {
+        () if !vehicle.held.is_empty() => 0,
+        () if vehicle.refused_steps > PATIENCE_STEPS => 1,
+        () if !entry.yield_sign && !entry.stop_sign && !turns_left => 2,
+        () => 3,
+    }
+}
+
+/// Whether a vehicle with leave has not passed its line and can stop there with ease.
+fn is_before_line(net: &Net, vehicle: &Vehicle) -> bool {
+    let front = vehicle.odometer_m + vehicle.half_length_m();
+    let gap = |h: &Held| h.start_m - front - net.lanes[h.lane].line_gap_m;
+    let nearest = vehicle.held.iter().map(gap).fold(f64::INFINITY, f64::min);
+    nearest > 0.0 && braking_to_stop(vehicle.speed_mps, nearest) < LEFT_BRAKING
 }
 
 /// Whether a light keeps a driver before its line: not where the line is passed or stopping is impossible.

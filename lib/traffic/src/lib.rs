@@ -20,6 +20,7 @@ mod input;
 mod junction;
 mod links;
 mod log;
+mod meeting;
 mod moving;
 mod net;
 mod occupancy;

@@ -18,8 +18,11 @@ const CURVE_ACCELERATION: f64 = 3.0;
 pub(crate) const PLANNED_BRAKING: f64 = 2.0;
 /// Centre lines nearer than this cannot be driven at the same time by any two vehicles, metres.
 pub(crate) const CONFLICT_M: f64 = 3.0;
-/// Centre lines nearer than this cannot be driven at the same time by the longest vehicles, metres.
-const WIDE_CONFLICT_M: f64 = 6.5;
+/// Centre lines nearer than these are too near for pairs of narrower and of wider vehicles, metres; the last holds for the
+/// longest ones.
+const NEAR_M: [f64; 3] = [CONFLICT_M, 4.7, 6.5];
+/// Ways that end nearer to each other than this lead into the same lane, metres.
+const MERGE_M: f64 = 0.5;
 /// Lanes farther above each other than this do not meet, metres.
 const DECK_M: f64 = 3.0;
 /// Drivers stop this far before a line, metres.
@@ -38,14 +41,31 @@ const CELL_M: f64 = 4.0;
 /// A way through a junction that turns by more than this is a turn, radians.
 const TURN_RAD: f64 = 0.6;
 
+/// Where two lanes are too near each other: from and to, metres along each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Zone {
+    pub(crate) own_m: [f64; 2],
+    pub(crate) other_m: [f64; 2],
+}
+
 /// A lane of the same junction that must not be driven at the same time, at least not by long vehicles.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Conflict {
     pub(crate) other: usize,
-    /// Where on the other lane the conflict ends, metres along it.
-    pub(crate) other_end_m: f64,
     /// Smallest distance between the two centre lines, metres.
-    pub(crate) apart_m: f64,
+    apart_m: f64,
+    /// For each of the distances of [`NEAR_M`].
+    zones: [Zone; 3],
+    /// Both lead into the same lane.
+    pub(crate) merges: bool,
+}
+
+impl Conflict {
+    /// Where two vehicles that need so much room together, in half widths, cannot be at the same time.
+    pub(crate) fn zone(&self, together_m: f64) -> Option<Zone> {
+        let wide = NEAR_M.iter().position(|near| together_m <= *near).unwrap_or(NEAR_M.len() - 1);
+        (self.apart_m < together_m.max(CONFLICT_M)).then(|| self.zones[wide])
+    }
 }
 
 /// A driving lane.
@@ -174,7 +194,7 @@ impl Net {
             pairs(&lane.previous, &mut merging);
         }
         for &(a, b) in &diverging {
-            let zone = overlap(&self.lanes[a].way, &self.lanes[b].way, CONFLICT_M).map_or(0.0, |z| z.1);
+            let zone = overlap(&self.lanes[a].way, &self.lanes[b].way).ranges[0].map_or(0.0, |z| z[1]);
             self.lanes[a].diverging.push((b, zone));
         }
         for &(a, b) in &merging {
@@ -182,7 +202,7 @@ impl Net {
             if la.junction.is_some() && la.junction == lb.junction {
                 continue;
             }
-            let start = overlap(&la.way, &lb.way, CONFLICT_M).map_or(lb.way.length_m, |z| z.0);
+            let start = overlap(&la.way, &lb.way).ranges[0].map_or(lb.way.length_m, |z| z[0]);
             let zone = lb.way.length_m - start;
             self.lanes[a].merging.push((b, zone));
         }
@@ -202,16 +222,32 @@ impl Net {
                 if turns.iter().any(beside) {
                     self.lanes[a].line_gap_m = SWING_GAP_M;
                 }
-                for &b in members {
-                    if a == b || diverging.contains(&(a, b)) {
-                        continue;
-                    }
-                    let zone = overlap(&self.lanes[a].way, &self.lanes[b].way, WIDE_CONFLICT_M);
-                    if let Some((_, other_end_m, apart_m)) = zone {
-                        self.lanes[a].conflicts.push(Conflict { other: b, other_end_m, apart_m });
+                for &b in members.iter().filter(|&&b| a < b && !diverging.contains(&(a, b))) {
+                    // Who follows on the next lane has the one on this lane ahead.
+                    let follows = |a: usize, b: usize| self.lanes[a].next.contains(&b);
+                    if !follows(a, b) && !follows(b, a) {
+                        self.add_conflict(a, b);
                     }
                 }
             }
+        }
+    }
+
+    /// Enters that two lanes of a junction meet, if they do, for both.
+    fn add_conflict(&mut self, a: usize, b: usize) {
+        let (way_a, way_b) = (&self.lanes[a].way, &self.lanes[b].way);
+        let (on_a, on_b) = (overlap(way_b, way_a), overlap(way_a, way_b));
+        let apart_m = on_a.apart_m.min(on_b.apart_m);
+        if apart_m >= NEAR_M[NEAR_M.len() - 1] {
+            return;
+        }
+        let merges = (way_a.end() - way_b.end()).norm() < MERGE_M;
+        // Samples of one may miss what those of the other see: then all of it counts.
+        let all = |way: &Way, range: Option<[f64; 2]>| range.unwrap_or([0.0, way.length_m]);
+        let zones = [0, 1, 2].map(|k| [all(way_a, on_a.ranges[k]), all(way_b, on_b.ranges[k])]);
+        for (own, other, from) in [(a, b, 0), (b, a, 1)] {
+            let zones = zones.map(|z| Zone { own_m: z[from], other_m: z[1 - from] });
+            self.lanes[own].conflicts.push(Conflict { other, apart_m, zones, merges });
         }
     }
 
@@ -271,9 +307,18 @@ fn cell(point: &Point3<f64>) -> (i32, i32) {
     ((point.x / CELL_M).floor() as i32, (point.y / CELL_M).floor() as i32)
 }
 
-/// The first and last place on `b` (metres along it) nearer than `within_m` to `a`, and the smallest distance.
-fn overlap(a: &Way, b: &Way, within_m: f64) -> Option<(f64, f64, f64)> {
-    let mut range: Option<(f64, f64, f64)> = None;
+/// Where a way is near another one.
+struct Overlap {
+    /// Smallest distance, metres.
+    apart_m: f64,
+    /// First and last place that is nearer than each of [`NEAR_M`].
+    ranges: [Option<[f64; 2]>; 3],
+}
+
+/// Where `b` is near `a`, metres along `b`.
+fn overlap(a: &Way, b: &Way) -> Overlap {
+    let mut found = Overlap { apart_m: f64::INFINITY, ranges: [None; 3] };
+    let mut before: Option<(f64, f64)> = None;
     for sample in &b.samples {
         let mut nearest = f64::INFINITY;
         for pair in a.samples.windows(2) {
@@ -284,12 +329,29 @@ fn overlap(a: &Way, b: &Way, within_m: f64) -> Option<(f64, f64, f64)> {
                 nearest = nearest.min((off.x * off.x + off.y * off.y).sqrt());
             }
         }
-        if nearest < within_m {
-            let (first, apart) = range.map_or((sample.along_m, nearest), |r| (r.0, nearest.min(r.2)));
-            range = Some((first, sample.along_m, apart));
+        found.apart_m = found.apart_m.min(nearest);
+        for (range, near) in found.ranges.iter_mut().zip(NEAR_M) {
+            // Between a sample that is near and one that is not, the distance changes evenly.
+            let crossing = before.filter(|(_, off)| (*off < near) != (nearest < near)).map(|(along, off)| {
+                let share = if off.is_finite() && nearest.is_finite() {
+                    (near - off) / (nearest - off)
+                } else if off < near {
+                    1.0
+                } else {
+                    0.0
+                };
+                along + share * (sample.along_m - along)
+            });
+            if nearest < near {
+                let start = crossing.unwrap_or(sample.along_m);
+                *range = Some([range.map_or(start, |r| r[0]), sample.along_m]);
+            } else if let (Some(end), Some(range)) = (crossing, range.as_mut()) {
+                range[1] = end;
+            }
         }
+        before = Some((sample.along_m, nearest));
     }
-    range
+    found
 }
 
 /// Speed envelope of a way's curves, per sample.

@@ -252,13 +252,11 @@ impl<'a> Simulation<'a> {
             let wish = if self.vehicles[me].crashed {
                 0.0
             } else {
-                let cap = approach.cap_mps;
                 let vehicle = &self.vehicles[me];
                 let sees = !vehicle.driver.reckless;
                 let touching_m = sees.then(|| self.sweeps.gap_m(&self.net, vehicle)).flatten();
-                let line_m = [approach.stop_gap_m, bends[me]].into_iter().flatten().reduce(f64::min);
-                let gaps = [line_m, touching_m];
-                wished_acceleration(&self.net, &self.occupancy, &self.vehicles, me, gaps, cap)
+                let gaps = [bends[me], touching_m];
+                wished_acceleration(&self.net, &self.occupancy, &self.vehicles, me, approach, gaps)
             };
             wishes.push(wish.clamp(-MAX_BRAKING, MAX_ACCELERATION));
         }

@@ -8,7 +8,7 @@ use schema::models::{BaseType, Model};
 use crate::bodies::Body;
 use crate::change::Shift;
 use crate::driver::{COMFORT_BRAKING, Idm, envelope};
-use crate::junction::Held;
+use crate::junction::{Approach, Held};
 use crate::moving::Glide;
 use crate::net::{Net, PLANNED_BRAKING};
 use crate::occupancy::{Occupancy, is_stranded};
@@ -219,19 +219,20 @@ impl Vehicle {
     }
 }
 
-/// The acceleration a driver wishes for, given the gaps to the line it must stop at and to where it would touch a walker.
+/// The acceleration a driver wishes for, given what it makes of the junction ahead and the gaps to the bend it must wait
+/// before and to where it would touch a walker.
 pub(crate) fn wished_acceleration(
     net: &Net,
     occupancy: &Occupancy,
     vehicles: &[Vehicle],
     me: usize,
-    [line_m, touching_m]: [Option<f64>; 2],
-    speed_cap_mps: f64,
+    approach: &Approach,
+    [bend_m, touching_m]: [Option<f64>; 2],
 ) -> f64 {
     let vehicle = &vehicles[me];
     let idm = vehicle.driver.idm;
     let speed = vehicle.speed_mps;
-    let wished = vehicle.wished_speed(net).min(speed_cap_mps).max(0.1);
+    let wished = vehicle.wished_speed(net).min(approach.cap_mps).max(0.1);
     let mut acceleration = idm.free(speed, wished);
     if vehicle.driver.reckless {
         return acceleration;
@@ -259,7 +260,10 @@ pub(crate) fn wished_acceleration(
         let idm = Idm { standstill_gap_m: TOUCHING_GAP_M, headway_s: 0.3, ..idm };
         acceleration = acceleration.min(idm.following(speed, wished, gap, 0.0));
     }
-    for gap in line_m.into_iter().chain(vehicle.end_of_road_m(net)) {
+    if let Some([gap, ahead]) = approach.merging {
+        acceleration = acceleration.min(idm.following(speed, wished, gap, ahead));
+    }
+    for gap in [approach.stop_gap_m, bend_m, vehicle.end_of_road_m(net)].into_iter().flatten() {
         let idm = Idm { standstill_gap_m: LINE_GAP_M, headway_s: 0.6, ..idm };
         acceleration = acceleration.min(idm.following(speed, wished, gap, 0.0));
     }
