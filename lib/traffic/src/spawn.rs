@@ -3,12 +3,14 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use frames::math::sin_cos;
+use frames::{Object, Pose, World};
 use nalgebra::Point3;
 use opendrive::{LanePos, Map};
 use random::Stream;
 use schema::ObjectId;
 use schema::fleet;
 use schema::models::{self, BaseType, Model};
+use schema::tables::ActorRow;
 
 use crate::hazards::Hazards;
 use crate::net::Net;
@@ -18,6 +20,8 @@ use crate::{SceneInput, TrafficError};
 
 /// Free space around a vehicle at the start, metres.
 const CLEARANCE_M: f64 = 0.8;
+/// Free space to parked vehicles, metres: their lanes are beside.
+const PARKED_CLEARANCE_M: f64 = 0.1;
 /// Vehicles farther above each other than this are on different decks, metres.
 const DECK_M: f64 = 3.0;
 
@@ -36,9 +40,9 @@ pub(crate) struct Start {
     pub(crate) yaw_rad: f64,
 }
 
-/// Rectangles that are taken, in square cells.
+/// Rectangles that are taken, in square cells, each with the space that is to be left around it, metres.
 #[derive(Default)]
-pub(crate) struct Taken(BTreeMap<(i32, i32), Vec<Footprint>>);
+pub(crate) struct Taken(BTreeMap<(i32, i32), Vec<(Footprint, f64)>>);
 
 /// Middle, yaw and size.
 pub(crate) type Footprint = (Point3<f64>, f64, [f64; 3]);
@@ -56,11 +60,26 @@ impl Taken {
         let near = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (x + dx, y + dy)));
         near.filter_map(|c| self.0.get(&c))
             .flatten()
-            .all(|other| apart(&(*at, yaw, size), other, CLEARANCE_M))
+            .all(|(other, clearance_m)| apart(&(*at, yaw, size), other, *clearance_m))
+    }
+
+    /// The parked vehicles of a scene.
+    fn parked(fixed: &[ActorRow]) -> Self {
+        let mut taken = Self::default();
+        for actor in fixed.iter().filter(|a| a.kind == "parked") {
+            let pose = Pose::<World, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
+            let size = [actor.length_m, actor.width_m, actor.height_m];
+            taken.add((Point3::from(actor.xyz_m), pose.yaw(), size), PARKED_CLEARANCE_M);
+        }
+        taken
     }
 
     pub(crate) fn insert(&mut self, at: Point3<f64>, yaw: f64, size: [f64; 3]) {
-        self.0.entry(Self::cell(&at)).or_default().push((at, yaw, size));
+        self.add((at, yaw, size), CLEARANCE_M);
+    }
+
+    fn add(&mut self, print: Footprint, clearance_m: f64) {
+        self.0.entry(Self::cell(&print.0)).or_default().push((print, clearance_m));
     }
 }
 
@@ -83,7 +102,7 @@ pub(crate) fn vehicle_starts(
     net: &Net,
 ) -> Result<(Vec<Start>, Hazards), TrafficError> {
     let scene = input.scene;
-    let mut taken = Taken::default();
+    let mut taken = Taken::parked(input.fixed);
     let mut starts = Vec::new();
     for agent in input.agents.iter().filter(|a| a.signal.is_none() && a.agent.starts_with("vehicle")) {
         let model = models::find(&agent.model).filter(|m| m.wheelbase_m > 0.0).ok_or_else(|| {

@@ -32,7 +32,7 @@ struct Report {
     lights: lights::Lights,
     motion: motion::Motion,
     standing: standing::Standing,
-    inside: Vec<things::Inside>,
+    inside: things::Things,
 }
 
 fn watch(plan: &Plan, dump: Option<&Path>) -> Report {
@@ -148,8 +148,9 @@ fn print(reports: &[Report], faults: bool) {
     println!("| walkers who touch a walker | {} |", sum(|r| r.touching.walker_walker));
     println!(
         "| walkers in a building, a parked car, a pole or another thing | {} |",
-        sum(|r| r.inside.len())
+        sum(|r| r.inside.walkers.len())
     );
+    println!("| ordinary drivers who touch such a thing | {} |", sum(|r| r.inside.vehicles.len()));
     println!(
         "| red-light runs of ordinary drivers (of {} passages) | {} |",
         sum(|r| r.lights.passages),
@@ -208,7 +209,7 @@ fn print(reports: &[Report], faults: bool) {
                 "{}: collisions {:?}, walkers {:?}, red {:?}",
                 r.name, r.touching.ordinary, r.touching.vehicle_walker, r.lights.red_runs
             );
-            println!("  walkers in things {:?}", r.inside);
+            println!("  walkers in things {:?}, drivers {:?}", r.inside.walkers, r.inside.vehicles);
             println!("  braking {:?}, offset {:?}", r.motion.worst_braking, r.motion.worst_offset);
             println!("  longest {:?}, gridlock {:?}", r.standing.longest, r.standing.gridlock);
             let mut ids: Vec<(u16, usize)> = r.standing.faults.iter().map(|(i, id)| (*id, *i)).collect();

@@ -1,4 +1,4 @@
-//! Walkers in buildings, parked cars, poles and other things that stand: by the triangles that are drawn, not by what the
+//! Walkers and vehicles in buildings, parked cars, poles and other things that stand: by the triangles that are drawn, not by what the
 //! simulator takes for them.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -18,6 +18,8 @@ const LOW_M: f64 = 0.5;
 const SUNK_M: f64 = 0.15;
 /// Walkers who touch a thing by less than this do not, metres.
 const ROUNDING_M: f64 = 0.02;
+/// Half the diagonal of the longest vehicle, metres.
+const REACH_M: f64 = 7.0;
 const CELL_M: f64 = 8.0;
 
 /// A walker in a thing: state, walker, thing, the thing's model.
@@ -71,7 +73,9 @@ impl<'a> Thing<'a> {
 /// Whether a body's footprint and a triangle overlap (separating axes).
 fn meets(body: &Body, i: usize, triangle: &[[f64; 2]; 3]) -> bool {
     let snap = &body.track[i];
-    let half = body.size_m.map(|v| 0.5 * v - ROUNDING_M);
+    // Bodies that crash are kept a little apart.
+    let margin_m = if body.wheelbase_m > 0.0 { ROUNDING_M } else { -ROUNDING_M };
+    let half = body.size_m.map(|v| 0.5 * v + margin_m);
     let corners = triangle.map(|[x, y]| snap.local(&Point3::new(x, y, 0.0)));
     let apart_of = |axis: [f64; 2]| {
         let reach = half[0] * axis[0].abs() + half[1] * axis[1].abs();
@@ -83,8 +87,17 @@ fn meets(body: &Body, i: usize, triangle: &[[f64; 2]; 3]) -> bool {
     !([[1.0, 0.0], [0.0, 1.0]].into_iter().chain(edges).any(apart_of))
 }
 
-/// Walkers, not struck before, in things: each pair once.
-pub(crate) fn measure(film: &Film<'_>, fixed: &[&ActorRow]) -> Vec<Inside> {
+/// Who is in things that stand.
+#[derive(Debug, Default)]
+pub(crate) struct Things {
+    /// Walkers, not struck before.
+    pub(crate) walkers: Vec<Inside>,
+    /// Vehicles of ordinary drivers who had not crashed before.
+    pub(crate) vehicles: Vec<Inside>,
+}
+
+/// Walkers and ordinary drivers in things: each pair once.
+pub(crate) fn measure(film: &Film<'_>, fixed: &[&ActorRow]) -> Things {
     let things: Vec<Thing<'_>> =
         fixed.iter().filter(|a| a.kind != "surface").filter_map(|a| Thing::new(a)).collect();
     let cell = |x: f64, y: f64| ((x / CELL_M).floor() as i32, (y / CELL_M).floor() as i32);
@@ -100,8 +113,10 @@ pub(crate) fn measure(film: &Film<'_>, fixed: &[&ActorRow]) -> Vec<Inside> {
         if reach[0][0] > reach[1][0] {
             continue;
         }
-        let (low, high) =
-            (cell(reach[0][0] - 1.0, reach[0][1] - 1.0), cell(reach[1][0] + 1.0, reach[1][1] + 1.0));
+        let (low, high) = (
+            cell(reach[0][0] - REACH_M, reach[0][1] - REACH_M),
+            cell(reach[1][0] + REACH_M, reach[1][1] + REACH_M),
+        );
         for column in low.0..=high.0 {
             for row in low.1..=high.1 {
                 cells.entry((column, row)).or_default().push(n);
@@ -109,16 +124,18 @@ pub(crate) fn measure(film: &Film<'_>, fixed: &[&ActorRow]) -> Vec<Inside> {
         }
     }
     let mut seen: BTreeSet<(u16, u16)> = BTreeSet::new();
-    let mut found = Vec::new();
+    let mut found = Things::default();
     for i in film.samples() {
-        for body in film.walkers.iter().filter(|b| !b.is_wrecked(i)) {
+        let drivers = film.vehicles.iter().filter(|b| b.ordinary);
+        for body in film.walkers.iter().chain(drivers).filter(|b| !b.is_wrecked(i)) {
             let at = body.track[i].at;
             for &n in cells.get(&cell(at.x, at.y)).into_iter().flatten() {
                 let thing = &things[n];
                 let pair = (body.id, thing.actor.id);
                 if !seen.contains(&pair) && thing.holds(body, i) {
                     seen.insert(pair);
-                    found.push((i, pair.0, pair.1, thing.actor.model.clone()));
+                    let list = if body.wheelbase_m > 0.0 { &mut found.vehicles } else { &mut found.walkers };
+                    list.push((i, pair.0, pair.1, thing.actor.model.clone()));
                 }
             }
         }

@@ -2,7 +2,7 @@
 
 use frames::math::{atan2, sin_cos};
 use nalgebra::Point3;
-use opendrive::LaneType;
+use opendrive::{LaneInfo, LanePoint, LaneType};
 use random::Stream;
 use schema::models::{self, BaseType, Model};
 
@@ -24,6 +24,9 @@ const COLOURS: [[u8; 3]; 10] = [
 ];
 /// Length of a place in a parking lane without marked spaces, metres.
 const PLACE_M: f64 = 6.5;
+/// Nobody parks as near as this to a way through a junction, metres from the middle of the place: long vehicles swing out
+/// where they leave it.
+const CORNER_M: f64 = 9.0;
 
 pub(super) fn parked(site: &Site<'_>, land: &mut Land<'_>, drafts: &mut Vec<Draft>) {
     let cars: Vec<&Model> = models::vehicles()
@@ -54,7 +57,11 @@ pub(super) fn parked(site: &Site<'_>, land: &mut Land<'_>, drafts: &mut Vec<Draf
         let places = (lane.s_length() / PLACE_M).floor().clamp(0.0, 10_000.0) as usize;
         for k in 0..places {
             let s = lane.s_start + (k as f64 + 0.5) * PLACE_M;
-            if let Some(point) = site.map.lane_point(lane.id, s, 0.0) {
+            let open = |point: &LanePoint| {
+                let turns = |l: &LaneInfo| l.junction.is_some() && l.lane_type.is_drivable();
+                site.map.lanes_within(point.position, CORNER_M, turns).is_empty()
+            };
+            if let Some(point) = site.map.lane_point(lane.id, s, 0.0).filter(open) {
                 stand(
                     site,
                     point.position,
