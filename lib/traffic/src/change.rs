@@ -20,10 +20,14 @@ const CHANGE_S: f64 = 3.7;
 /// Speed that drivers gain while they change, as passing they accelerate, m/s.
 const GAINS_MPS: f64 = 2.0;
 /// Shortest way over, metres; long vehicles need more, in their lengths.
-const SHORTEST_M: f64 = 12.0;
+const SHORTEST_M: f64 = 11.0;
 const SHORTEST_LENGTHS: f64 = 2.2;
 /// After this share of the way over, a vehicle has left its old lane.
 const OUT: f64 = 0.62;
+/// Space left then to the rear of the one ahead, metres.
+const PAST_M: f64 = 1.5;
+/// Drivers who see late what stands ahead come nearer than they mean to, metres.
+const SPARE_M: f64 = 2.5;
 /// Gain in acceleration that a change has to bring, m/s2.
 const GAIN: f64 = 0.4;
 /// Weight of the loss of the one behind.
@@ -62,6 +66,16 @@ impl Shift {
     }
 }
 
+/// The shortest way over of a vehicle of a length, metres.
+fn shortest_m(length_m: f64) -> f64 {
+    SHORTEST_M.max(SHORTEST_LENGTHS * length_m)
+}
+
+/// Gap to what stands ahead from which a vehicle of a length gets past it, metres.
+pub(crate) fn room_to_pull_out_m(length_m: f64) -> f64 {
+    OUT * shortest_m(length_m) + PAST_M + SPARE_M
+}
+
 /// Why a driver wants to change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Wish {
@@ -69,6 +83,8 @@ enum Wish {
     LaneEnds(f64),
     /// The turn's own lane.
     Pocket(usize),
+    /// A wreck or a hazard blocks the lane.
+    Around,
     /// To go faster.
     Pass,
 }
@@ -153,15 +169,15 @@ fn wish(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize) -> Op
     if let Some(end_m) = vehicle.end_of_road_m(net).filter(|end_m| *end_m < END_M) {
         return Some(Wish::LaneEnds(end_m));
     }
-    let speed = vehicle.speed_mps;
-    if vehicle.odometer_m - vehicle.changed_m < (10.0 * speed).max(10.0) {
-        return None;
+    let leader = occupancy.leader(net, vehicles, me).filter(|leader| leader.gap_m < LEADER_M)?;
+    if is_stranded(vehicles, leader.vehicle) {
+        return Some(Wish::Around);
     }
-    let leader = occupancy.leader(net, vehicles, me)?;
-    let wrecked = is_stranded(vehicles, leader.vehicle);
-    let slow = leader.gap_m < LEADER_M && leader.speed_mps < SLOW * vehicle.wished_speed(net);
+    let speed = vehicle.speed_mps;
+    let settled = vehicle.odometer_m - vehicle.changed_m >= (10.0 * speed).max(10.0);
+    let slow = leader.speed_mps < SLOW * vehicle.wished_speed(net);
     let calm = vehicle.junction_gap_m(net) > CALM_M + speed * CHANGE_S;
-    (slow && (calm || wrecked)).then_some(Wish::Pass)
+    (settled && slow && calm).then_some(Wish::Pass)
 }
 
 /// What a driver finds on one side.
@@ -177,7 +193,7 @@ fn look(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize, side:
     let target = &net.lanes[beside.lane];
     let near_m = target.way.project(vehicle.place.point).0;
     let (along_m, from_m) = target.way.cross(vehicle.place.point, near_m);
-    let span_m = (CHANGE_S * (speed + GAINS_MPS)).max(SHORTEST_M).max(SHORTEST_LENGTHS * length);
+    let span_m = (CHANGE_S * (speed + GAINS_MPS)).max(shortest_m(length));
     // On the lane all the way, between marks that may be crossed, wide enough, and done before the next junction.
     let [first, last] =
         [0.0, OUT * span_m].map(|on| own.way.index((vehicle.along_m + on).min(own.way.length_m)));
@@ -236,7 +252,7 @@ fn gap(
     // Out of the old lane before its leader's rear is reached.
     if leader.is_some_and(|l| {
         let closing = 1.0 - (l.speed_mps / speed.max(2.0)).min(1.0);
-        l.gap_m < OUT * span_m * closing + 1.5
+        l.gap_m < OUT * span_m * closing + PAST_M
     }) {
         return None;
     }

@@ -6,7 +6,7 @@ use random::Stream;
 use schema::models::{BaseType, Model};
 
 use crate::bodies::Body;
-use crate::change::Shift;
+use crate::change::{Shift, room_to_pull_out_m};
 use crate::driver::{COMFORT_BRAKING, Idm, envelope};
 use crate::junction::{Approach, Held};
 use crate::moving::Glide;
@@ -32,8 +32,6 @@ const TOUCHING_GAP_M: f64 = 0.6;
 const LINE_GAP_M: f64 = 0.2;
 /// Drivers stop this far before the end of a road, metres.
 const ROAD_END_M: f64 = 1.0;
-/// More gap behind a wreck or a hazard, metres: room to pull out.
-const WRECK_GAP_M: f64 = 6.0;
 /// Gap to the rear of a vehicle that is being passed, metres, and free space beside it.
 const PASSED_GAP_M: f64 = 0.5;
 const PASSED_ASIDE_M: f64 = 0.3;
@@ -238,8 +236,12 @@ pub(crate) fn wished_acceleration(
         return acceleration;
     }
     if let Some(leader) = occupancy.leader(net, vehicles, me) {
-        let more = if is_stranded(vehicles, leader.vehicle) { WRECK_GAP_M } else { 0.0 };
-        let idm = Idm { standstill_gap_m: idm.standstill_gap_m + more, ..idm };
+        let room_m = if is_stranded(vehicles, leader.vehicle) {
+            room_to_pull_out_m(vehicle.model.size_m[0])
+        } else {
+            0.0
+        };
+        let idm = Idm { standstill_gap_m: idm.standstill_gap_m.max(room_m), ..idm };
         acceleration = acceleration.min(idm.following(speed, wished, leader.gap_m, leader.speed_mps));
     }
     if let Some(leader) = occupancy.asking(net, vehicles, me) {

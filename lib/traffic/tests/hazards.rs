@@ -164,6 +164,22 @@ fn drivers_pass_a_hazard_by_the_lane_beside() {
 }
 
 #[test]
+fn a_full_lane_lets_in_those_whose_lane_is_blocked() {
+    let row = accident(-2, 300.0, &["car.suv", "car.sedan"], 14.0);
+    let beside = (0..10).map(|k| agent(k, [250.0 - 16.0 * k as f64, -1.75, 0.0], 0.0));
+    let blocked = (0..4).map(|k| agent(10 + k, [240.0 - 18.0 * k as f64, -5.25, 0.0], 0.0));
+    let agents: Vec<_> = beside.chain(blocked).collect();
+    let map = two_lanes(MarkType::Broken, None);
+    let log = run_with(&map, &scene(60.0), &agents, &[row], &settings());
+    assert!(!hits(&log) && collisions(&log, false).is_empty());
+    let tracks = tracks(&log);
+    for id in 1..=agents.len() as u16 {
+        let last = tracks[&id][1200].xyz_m;
+        assert!(last[0] > 320.0, "{id} is at {last:?}");
+    }
+}
+
+#[test]
 fn nobody_starts_in_a_hazard_and_no_hazard_lies_on_an_agent() {
     let scene = PlanSceneRow { background_vehicles: Some(40), ..scene(2.0) };
     let works = works(-1, 40, [300.0, 360.0]);
