@@ -78,6 +78,8 @@ pub fn footprint(actor: &ActorRow) -> Option<Footprint> {
             let side = if mount.pole_right { 1.0 } else { -1.0 } * f64::from(mount.arm_m);
             ([-half[0] - LIGHT_BEHIND_M, side], f64::from(mount.height_m), [LIGHT_FOOT_M; 2])
         }
+        // Signs before hazards stand on the ground.
+        ("sign", _) if actor.role == "hazard" => ([0.0; 2], 0.0, half),
         ("sign", _) => ([-half[0], 0.0], f64::from(actor.variant & 0xfff) / 100.0, [SIGN_POLE_M; 2]),
         ("pole", _) if actor.model == "pole.lamp" => ([-half[0] + LAMP_FOOT_M, 0.0], 0.0, [LAMP_FOOT_M; 2]),
         ("vegetation", "tree") => {

@@ -238,8 +238,8 @@ fn signs_stand_before_hazards_beside_the_road() {
         assert_eq!(sign.model, "sign.accident");
         let [x, y, z] = sign.xyz_m;
         assert!((262.0 - 160.0..=262.0 - 40.0).contains(&x), "{sign:?}");
-        // In the middle of the sidewalk, between 3.5 and 6.5 m from the middle of the road; it looks west.
-        assert!((y + 5.0).abs() < 1e-9 && z.abs() < 1e-9, "{sign:?}");
+        // Just inside the kerb of the sidewalk, which is 3.5 to 6.5 m from the middle of the road; it looks west.
+        assert!((y + 4.05).abs() < 1e-9 && z.abs() < 1e-9, "{sign:?}");
         assert!(yaw(sign.quaternion).abs() > 170f64.to_radians() - 1e-9, "{sign:?}");
         signs += usize::from(x < 262.0 - 100.0);
 

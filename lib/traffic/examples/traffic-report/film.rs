@@ -42,6 +42,22 @@ impl Snap {
         let (dx, dy) = (point.x - self.at.x, point.y - self.at.y);
         [dx * cos + dy * sin, dy * cos - dx * sin]
     }
+
+    /// Whether a point is over a body of a size, widened by a margin.
+    pub(crate) fn covers(&self, size_m: [f64; 2], point: &Point3<f64>, margin_m: f64) -> bool {
+        let [ahead, left] = self.local(point);
+        ahead.abs() < 0.5 * size_m[0] + margin_m
+            && left.abs() < 0.5 * size_m[1] + margin_m
+            && (self.at.z - point.z).abs() < 3.0
+    }
+}
+
+/// Something or somebody that stands in a hazard.
+#[derive(Debug)]
+pub(crate) struct Obstacle {
+    pub(crate) id: u16,
+    pub(crate) size_m: [f64; 2],
+    pub(crate) snap: Snap,
 }
 
 /// A vehicle or a walker over the whole scene.
@@ -75,11 +91,7 @@ impl Body {
 
     /// Whether a point is over its footprint, widened by a margin.
     pub(crate) fn covers(&self, i: usize, point: &Point3<f64>, margin_m: f64) -> bool {
-        let snap = &self.track[i];
-        let [ahead, left] = snap.local(point);
-        ahead.abs() < 0.5 * self.size_m[0] + margin_m
-            && left.abs() < 0.5 * self.size_m[1] + margin_m
-            && (snap.at.z - point.z).abs() < 3.0
+        self.track[i].covers(self.size_m, point, margin_m)
     }
 
     /// Whether it has touched something before.
@@ -109,6 +121,8 @@ pub(crate) struct Film<'a> {
     pub(crate) map: &'a Map,
     pub(crate) vehicles: Vec<Body>,
     pub(crate) walkers: Vec<Body>,
+    /// What stands on the road in accidents and road works.
+    pub(crate) obstacles: Vec<Obstacle>,
     pub(crate) holds: Vec<Hold>,
     /// Ends of lanes that the map links to beginnings which lie elsewhere, with how far apart, metres.
     pub(crate) leaps: Vec<(Point3<f64>, f64)>,
@@ -127,7 +141,7 @@ impl<'a> Film<'a> {
             tracks.entry(state.id).or_default().push(Snap { at: state.xyz_m.into(), yaw_rad, speed_mps });
         }
         let bodies = |kind: &str| -> Vec<Body> {
-            let actors = log.actors.iter().filter(|a| a.kind == kind);
+            let actors = log.actors.iter().filter(|a| a.kind == kind && a.role != "hazard");
             actors
                 .filter_map(|actor| {
                     let model = models::find(&actor.model)?;
@@ -150,7 +164,14 @@ impl<'a> Film<'a> {
         };
         let (vehicles, walkers) = (bodies("vehicle"), bodies("walker"));
         let states = vehicles.first().or(walkers.first()).map_or(0, |b| b.track.len());
-        Self { map, vehicles, walkers, holds: holds(map, log), leaps: leaps(map), states }
+        let standing = log.actors.iter().filter(|a| a.role == "hazard" && a.kind != "sign");
+        let obstacle = |a: &schema::tables::ActorRow| Obstacle {
+            id: a.id,
+            size_m: [a.length_m, a.width_m],
+            snap: Snap { at: a.xyz_m.into(), yaw_rad: yaw(a.quaternion), speed_mps: 0.0 },
+        };
+        let obstacles = standing.map(obstacle).collect();
+        Self { map, vehicles, walkers, obstacles, holds: holds(map, log), leaps: leaps(map), states }
     }
 
     /// Every sampled state.

@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::film::Film;
+use crate::film::{Film, Snap};
 use crate::scenes::{Plan, plans};
 
 /// Everything measured of one scene.
@@ -57,15 +57,20 @@ fn watch(plan: &Plan, dump: Option<&Path>) -> Report {
     }
 }
 
-/// One line for each state of each body: id, length, width, state, x, y, yaw, speed.
+/// One line for each state of each body: id, length, width, state, x, y, yaw, speed; of what stands in hazards one line.
 fn write(film: &Film<'_>, path: &Path) -> std::io::Result<()> {
     let mut file = std::io::BufWriter::new(std::fs::File::create(path)?);
+    let mut line = |id: u16, [length, width]: [f64; 2], i: usize, s: &Snap| {
+        let ([x, y, _], yaw, speed) = (<[f64; 3]>::from(s.at), s.yaw_rad, s.speed_mps);
+        writeln!(file, "{id},{length},{width},{i},{x:.3},{y:.3},{yaw:.4},{speed:.3}")
+    };
     for body in film.vehicles.iter().chain(&film.walkers) {
         for (i, s) in body.track.iter().enumerate() {
-            let ([length, width], [x, y, _]) = (body.size_m, <[f64; 3]>::from(s.at));
-            let (yaw, speed) = (s.yaw_rad, s.speed_mps);
-            writeln!(file, "{},{length},{width},{i},{x:.3},{y:.3},{yaw:.4},{speed:.3}", body.id)?;
+            line(body.id, body.size_m, i, s)?;
         }
+    }
+    for thing in &film.obstacles {
+        line(thing.id, thing.size_m, 0, &thing.snap)?;
     }
     file.flush()
 }
@@ -128,7 +133,7 @@ fn print(reports: &[Report], faults: bool) {
             r.name,
             r.vehicles,
             r.walkers,
-            r.touching.ordinary.len() + r.touching.vehicle_walker.len(),
+            r.touching.ordinary.len() + r.touching.vehicle_walker.len() + r.touching.hazards.len(),
             r.touching.unruly,
             r.lights.red_runs.len(),
             worst(r.motion.worst_braking),
@@ -145,6 +150,7 @@ fn print(reports: &[Report], faults: bool) {
     println!("| collisions among ordinary drivers | {} |", sum(|r| r.touching.ordinary.len()));
     println!("| collisions with reckless, distracted or crashed ones | {} |", sum(|r| r.touching.unruly));
     println!("| ordinary drivers who touch a walker | {} |", sum(|r| r.touching.vehicle_walker.len()));
+    println!("| ordinary drivers who touch a hazard or its people | {} |", sum(|r| r.touching.hazards.len()));
     println!("| walkers who touch a walker | {} |", sum(|r| r.touching.walker_walker));
     println!(
         "| walkers in a building, a parked car, a pole or another thing | {} |",
@@ -206,8 +212,8 @@ fn print(reports: &[Report], faults: bool) {
     if faults {
         for r in reports {
             println!(
-                "{}: collisions {:?}, walkers {:?}, red {:?}",
-                r.name, r.touching.ordinary, r.touching.vehicle_walker, r.lights.red_runs
+                "{}: collisions {:?}, walkers {:?}, hazards {:?}, red {:?}",
+                r.name, r.touching.ordinary, r.touching.vehicle_walker, r.touching.hazards, r.lights.red_runs
             );
             println!("  walkers in things {:?}, drivers {:?}", r.inside.walkers, r.inside.vehicles);
             println!("  braking {:?}, offset {:?}", r.motion.worst_braking, r.motion.worst_offset);

@@ -2,12 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use opendrive::Map;
+use opendrive::{LaneInfo, LanePos, Map};
 use schema::settings::WorldSettings;
-use schema::tables::{ActorRow, PlanAgentRow};
+use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow};
 use traffic::{SceneInput, SceneLog, simulate};
 
-use crate::common::{agent, agents_on, carla, crossing, lights, scene, settings};
+use crate::common::{agent, agents_on, carla, crossing, hazard, lights, scene, settings};
 
 /// Seconds that are watched.
 const DURATION_S: f64 = 90.0;
@@ -19,6 +19,13 @@ const SCENERY_M: f64 = 300.0;
 /// Maps to look at: our towns, then real ones that may be absent, then a crossing with full queues.
 const MAPS: [&str; 7] =
     ["convoy/01", "convoy/03", "convoy/05", "convoy/06", "Town03", "Town10HD", "crossing"];
+
+/// One seed in so many has accidents and road works, so many of them; they are as long as this, metres, and keep as far off
+/// the ends of their lanes and off agents.
+const HAZARD_SEEDS: u64 = 4;
+const HAZARDS: usize = 8;
+const HAZARD_M: f64 = 26.0;
+const HAZARD_CLEAR_M: f64 = 30.0;
 
 /// A scene to simulate and watch.
 pub(crate) struct Plan {
@@ -70,6 +77,39 @@ fn scenery(map: &Map, seed: u64, agents: &[PlanAgentRow]) -> Vec<ActorRow> {
     fixed
 }
 
+/// Accidents and road works in turn, on lanes spread over the map.
+fn hazards(map: &Map, agents: &[PlanAgentRow]) -> Vec<PlanHazardRow> {
+    let clear = |lane: &&LaneInfo| {
+        let at = map.lane_point(lane.id, 0.5 * (lane.s_start + lane.s_end), 0.0);
+        let off = |p: &opendrive::LanePoint| {
+            agents
+                .iter()
+                .all(|a| (p.position - nalgebra::Point3::from(a.xyz_m)).norm() > 2.0 * HAZARD_CLEAR_M)
+        };
+        lane.lane_type.is_drivable()
+            && lane.junction.is_none()
+            && lane.s_length() > HAZARD_M + 2.0 * HAZARD_CLEAR_M
+            && at.as_ref().is_some_and(off)
+    };
+    let lanes: Vec<&LaneInfo> = map.lanes().iter().filter(clear).collect();
+    let places = lanes.iter().step_by((lanes.len() / HAZARDS).max(1)).take(HAZARDS);
+    let row = |(i, lane): (usize, &&LaneInfo)| {
+        let road = &map.network().roads.get(lane.id.road as usize)?.id;
+        let along_m = 0.5 * (lane.s_length() - HAZARD_M);
+        let s = |along_m| map.s_of(LanePos { lane: lane.id, along_m });
+        let between_m = [s(along_m)?, s(along_m + HAZARD_M)?];
+        let kind = if i % 2 == 0 { "accident" } else { "road_works" };
+        let models = ["van.delivery", "car.sedan", "van.ambulance"].map(String::from).to_vec();
+        Some(PlanHazardRow {
+            hazard: i as u32,
+            models: if i % 2 == 0 { models } else { Vec::new() },
+            items: if i % 2 == 0 { 0 } else { 18 },
+            ..hazard(kind, road, lane.id.lane.into(), between_m)
+        })
+    };
+    places.enumerate().filter_map(row).collect()
+}
+
 impl Plan {
     pub(crate) fn name(&self) -> String {
         format!("{} {}", self.map, self.seed)
@@ -99,11 +139,13 @@ impl Plan {
             agents_on(&map, 4, 7)
         };
         let fixed = scenery(&map, scene.seed, &agents);
+        let wanted = self.map != "crossing" && self.seed % HAZARD_SEEDS == 0;
+        let hazards = if wanted { hazards(&map, &agents) } else { Vec::new() };
         let input = SceneInput {
             map: &map,
             scene: &scene,
             agents: &agents,
-            hazards: &[],
+            hazards: &hazards,
             settings: &settings,
             fixed: &fixed,
             first_id: fixed.len() as u16 + 1,

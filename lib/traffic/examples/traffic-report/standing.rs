@@ -41,6 +41,8 @@ pub(crate) enum Reason {
     Wreck,
     /// It is about to move.
     SettingOff,
+    /// An accident or road works lie ahead.
+    Hazard,
     /// The road ends.
     DeadEnd,
     None,
@@ -56,6 +58,7 @@ impl Reason {
             Self::Exit(_) => "blocked exit",
             Self::Wreck => "wreck",
             Self::SettingOff => "setting off",
+            Self::Hazard => "hazard",
             Self::DeadEnd => "dead end",
             Self::None => "none",
         }
@@ -73,7 +76,7 @@ pub(crate) struct Standing {
     pub(crate) faults: Vec<(usize, u16)>,
     /// Longest standing for whatever reason.
     pub(crate) longest: Longest,
-    /// Longest standing of which the cause, at the head of the queue, is neither a light nor a wreck.
+    /// Longest standing of which the cause, at the head of the queue, is neither a light nor a wreck nor a hazard.
     pub(crate) gridlock: Longest,
 }
 
@@ -95,7 +98,7 @@ pub(crate) fn measure(film: &Film<'_>) -> Standing {
                     standing.faults.push((i, body.id));
                 }
             }
-            if matches!(head(&reasons, n), Reason::Light | Reason::Wreck | Reason::DeadEnd) {
+            if matches!(head(&reasons, n), Reason::Light | Reason::Wreck | Reason::Hazard | Reason::DeadEnd) {
                 since[n][1] = i;
             }
             for (longest, from) in [&mut standing.longest, &mut standing.gridlock].into_iter().zip(since[n]) {
@@ -149,6 +152,10 @@ fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
                 return Reason::Leader(m);
             }
         }
+        // Who waits for a gap to pass a hazard goes round it later: it lies ahead all the same.
+        if hazard_ahead(film, body, i, point) {
+            return Reason::Hazard;
+        }
         if junction.is_none() && to < JUNCTION_M {
             let at = film.map.nearest_driving_lane(*point);
             junction = at.and_then(|hit| film.map.lane(hit.lane)?.junction);
@@ -186,6 +193,17 @@ fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
         }
     }
     Reason::None
+}
+
+/// Whether something of a hazard is in the way of a vehicle: at a point of its way, or straight ahead.
+fn hazard_ahead(film: &Film<'_>, body: &Body, i: usize, point: &nalgebra::Point3<f64>) -> bool {
+    let [half_length, half_width] = body.size_m.map(|v| 0.5 * v);
+    film.obstacles.iter().any(|o| {
+        let [ahead, left] = body.track[i].local(&o.snap.at);
+        let straight = (half_length..half_length + WRECK_M).contains(&ahead) && left.abs() < half_width + 0.5;
+        let near = (body.track[i].at.z - o.snap.at.z).abs() < 3.0;
+        (straight && near) || o.snap.covers(o.size_m, point, half_width + 0.2)
+    })
 }
 
 /// A walker on the road close ahead.

@@ -1,8 +1,9 @@
 //! Where the warning sign of a hazard stands: beside the road, some way before it.
 
 use nalgebra::Point3;
-use opendrive::{LaneId, LanePoint, LanePos, LaneType, Map};
+use opendrive::{LaneId, LanePos, LaneType, Map};
 use random::Stream;
+use schema::footprint::footprint;
 use schema::tables::ActorRow;
 use schema::works::Item;
 
@@ -19,8 +20,10 @@ const LEAST_WIDTH_M: f64 = 1.0;
 const LANES: usize = 11;
 /// Places that are tried where something else stands.
 const TRIES: usize = 4;
-/// Half a pole or a trunk with some room around it, metres.
-const POLE_M: [f64; 3] = [0.5, 0.5, 1.0];
+/// Free space between a sign and what stands there, metres.
+const CLEAR_M: f64 = 0.2;
+/// From the kerb to the middle of a sign on a sidewalk, metres: walkers get by.
+const KERB_M: f64 = 0.55;
 
 /// A sign before a hazard that begins at `at`; none where no strip beside the road is wide enough, or all is taken.
 pub(super) fn before(
@@ -37,7 +40,7 @@ pub(super) fn before(
         let from = map.behind(at, way_m).first().copied().unwrap_or(at);
         let (foot, heading_rad) = strip(map, from)?;
         // The face looks at those who come.
-        let spot = Spot::upright(foot.position, heading_rad + std::f64::consts::PI + turn_rad);
+        let spot = Spot::upright(foot, heading_rad + std::f64::consts::PI + turn_rad);
         let thing = Thing::sign(sign, meaning, &spot);
         let (point, yaw_rad, size_m) = thing.footprint();
         let free = taken.is_free(&point, yaw_rad, size_m)
@@ -46,20 +49,27 @@ pub(super) fn before(
     })
 }
 
-/// The middle of the first sidewalk, shoulder or parking lane that is wide enough, to the right of a place on a lane; and
-/// the heading of traffic there.
+/// A place on the first sidewalk, shoulder or parking lane that is wide enough, to the right of a place on a lane; and the
+/// heading of traffic there.
 ///
-/// Kerbs, verges and cycle lanes are passed over, which the published rule does not have: ours are lanes of their own.
-fn strip(map: &Map, from: LanePos) -> Option<(LanePoint, f64)> {
+/// Kerbs, verges and cycle lanes are passed over, which the published rule does not have: ours are lanes of their own. On a
+/// sidewalk the sign stands at its edge and not in the middle.
+fn strip(map: &Map, from: LanePos) -> Option<(Point3<f64>, f64)> {
     let s = map.s_of(from)?;
-    let heading_rad = map.lane_point(from.lane, s, 0.0)?.heading_rad;
+    let road = map.lane_point(from.lane, s, 0.0)?;
     let mut lane: LaneId = from.lane;
     for _ in 0..LANES {
         lane = map.right_of(lane)?;
         let info = map.lane(lane)?;
         let stands = matches!(info.lane_type, LaneType::Sidewalk | LaneType::Shoulder | LaneType::Parking);
-        if stands && info.junction.is_none() && map.lane_width(lane, s)? >= LEAST_WIDTH_M {
-            return Some((map.lane_point(lane, s, 0.0)?, heading_rad));
+        let width_m = map.lane_width(lane, s)?;
+        if stands && info.junction.is_none() && width_m >= LEAST_WIDTH_M {
+            let walked = info.lane_type == LaneType::Sidewalk;
+            let aside_m = if walked { (0.5 * width_m - KERB_M).max(0.0) } else { 0.0 };
+            let places = [aside_m, -aside_m].map(|left_m| map.lane_point(lane, s, left_m));
+            let near = |p: &opendrive::LanePoint| (p.position - road.position).norm();
+            let foot = places.into_iter().flatten().min_by(|a, b| near(a).total_cmp(&near(b)))?;
+            return Some((foot.position, road.heading_rad));
         }
         // Beyond the lanes of oncoming traffic nobody looks.
         if info.lane_type.is_drivable() && !map.same_direction(from.lane, lane) {
@@ -71,14 +81,8 @@ fn strip(map: &Map, from: LanePos) -> Option<(LanePoint, f64)> {
 
 /// Whether a footprint is clear of something that stands in the scenery.
 fn is_clear(own: &Footprint, other: &ActorRow) -> bool {
-    let at = Point3::from(other.xyz_m);
-    let reach = 0.5 * (other.length_m * other.length_m + other.width_m * other.width_m).sqrt() + 2.0;
-    if other.kind == "surface" || (at - own.0).xy().norm() > reach {
-        return true;
-    }
-    let whole = matches!(other.kind.as_str(), "parked" | "building" | "prop");
-    let size_m = if whole { [other.length_m, other.width_m, other.height_m] } else { POLE_M };
-    let [w, x, y, z] = other.quaternion;
-    let yaw_rad = frames::math::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
-    apart(own, &(at, yaw_rad, size_m), 0.1)
+    footprint(other).is_none_or(|place| {
+        let size_m = [2.0 * place.half_m[0], 2.0 * place.half_m[1], place.height_m];
+        apart(own, &(place.xyz_m.into(), place.yaw_rad, size_m), CLEAR_M)
+    })
 }
