@@ -17,6 +17,8 @@ const BESIDE_M: f64 = 4.6;
 const SPARE_M: f64 = 0.35;
 /// What belongs to a bend before and behind it, metres.
 const ENDS_M: f64 = 2.0;
+/// A long vehicle that comes out on the inside has its front corner on the other lane still, metres.
+const EXIT_M: f64 = 11.0;
 /// Stops are planned with this braking, m/s2, from so far before the bend on, metres.
 const BRAKING: f64 = 1.8;
 const BEFORE_M: f64 = 6.0;
@@ -180,13 +182,13 @@ impl Bend {
     }
 }
 
-/// How far a vehicle reaches inwards and outwards from a circle that its middle goes round on, metres: the point that does
-/// not slide goes round on a smaller one, and the outer corner before it on a larger one.
+/// How far a vehicle reaches inwards and outwards from a circle that its middle goes round on, metres: its rear axle goes
+/// round on a smaller one, and its outer front corner on a larger one.
 fn swept(vehicle: &Vehicle, radius_m: f64) -> [f64; 2] {
     let [length, width, _] = vehicle.model.size_m;
-    let hitch = vehicle.hitch_m();
-    let rear = (radius_m * radius_m - hitch * hitch).max(0.0).sqrt();
-    let (side, front) = (rear + 0.5 * width, hitch + 0.5 * length);
+    let half_base = vehicle.half_base_m();
+    let rear = (radius_m * radius_m - half_base * half_base).max(0.0).sqrt();
+    let (side, front) = (rear + 0.5 * width, half_base + 0.5 * length);
     [radius_m - rear + 0.5 * width, (side * side + front * front).sqrt() - radius_m]
 }
 
@@ -229,13 +231,13 @@ fn opposite(net: &Net, lane: usize, run: &(f64, f64, f64, bool)) -> Vec<Bend> {
                 Some(bend) => {
                     let part = &mut bend.parts[1];
                     (part.from_m, part.to_m) =
-                        (part.from_m.min(along_m - ENDS_M), part.to_m.max(along_m + ENDS_M));
+                        (part.from_m.min(along_m - EXIT_M), part.to_m.max(along_m + ENDS_M));
                     bend.apart_m = bend.apart_m.min(left_m.abs());
                 }
                 None => found.push(Bend {
                     parts: [
                         Part { lane, from_m: from_m - ENDS_M, to_m: to_m + ENDS_M },
-                        Part { lane: other, from_m: along_m - ENDS_M, to_m: along_m + ENDS_M },
+                        Part { lane: other, from_m: along_m - EXIT_M, to_m: along_m + ENDS_M },
                     ],
                     radius_m,
                     apart_m: left_m.abs(),

@@ -8,12 +8,8 @@ use crate::net::Net;
 use crate::vehicles::Vehicle;
 use crate::ways::{Place, heading};
 
-/// Vehicles longer than this steer their rear wheels a little, too, or they would not get round town corners, metres.
-const LONG_M: f64 = 7.0;
-/// The point of such a vehicle that never slides sideways is this far behind its middle, metres.
-const STEERED_HITCH_M: f64 = 1.6;
-/// Largest steering angle, radians.
-const MAX_STEER_RAD: f64 = 0.7;
+/// Largest steering angle, radians: that of a town bus's inner wheel.
+const MAX_STEER_RAD: f64 = 0.9;
 /// Ways are gone to this accuracy, metres: 0.2 mm/s.
 const EXACT_M: f64 = 1e-5;
 /// Most trials to do so.
@@ -63,10 +59,9 @@ impl Vehicle {
         after.fold([0.0; 2], |sum, o| [sum[0] + o[0], sum[1] + o[1]])
     }
 
-    /// From the middle back to the point that never slides sideways, metres.
-    pub(crate) fn hitch_m(&self) -> f64 {
-        let half_base = 0.5 * self.model.wheelbase_m.max(0.5);
-        if self.model.size_m[0] > LONG_M { half_base.min(STEERED_HITCH_M) } else { half_base }
+    /// From the middle back to the rear axle, metres.
+    pub(crate) fn half_base_m(&self) -> f64 {
+        0.5 * self.model.wheelbase_m.max(0.5)
     }
 
     /// The followed point's place at a distance along the lane it is on, or along its straight continuation: in the middle,
@@ -168,13 +163,11 @@ impl Vehicle {
 
     /// Turns the body after its followed point, which has come straight from another place.
     fn turn_after(&mut self, from: &Point3<f64>) {
-        let (half_base, hitch) = (0.5 * self.model.wheelbase_m.max(0.5), self.hitch_m());
-        self.yaw_rad = after_rod(self.yaw_rad, &(self.place.point - from), hitch);
-        // Bicycle model: the front axle turns about the same point as the middle does.
+        self.yaw_rad = after_rod(self.yaw_rad, &(self.place.point - from), self.half_base_m());
+        // The bicycle model: seen from the rear axle, the front axle is twice as far ahead as the middle.
         let slip = frames::wrap_pi(self.place.heading_rad - self.yaw_rad).clamp(-1.5, 1.5);
-        let front = (hitch + half_base) / hitch;
         self.steer_rad =
-            frames::math::atan(front * frames::math::tan(slip)).clamp(-MAX_STEER_RAD, MAX_STEER_RAD);
+            frames::math::atan(2.0 * frames::math::tan(slip)).clamp(-MAX_STEER_RAD, MAX_STEER_RAD);
     }
 
     /// Ground point under a crashed vehicle: the plane of the last place on the route.

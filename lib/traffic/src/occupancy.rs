@@ -13,6 +13,10 @@ const WALKER_HALF_M: f64 = 0.6;
 const MAX_LANES: usize = 64;
 /// Drivers let in those who ask within this distance, metres.
 const ASKED_M: f64 = 50.0;
+/// The ends of a vehicle that changes lanes are this part of its length, metres.
+const END_M: f64 = 1.0;
+/// Half the length of the longest vehicle, metres.
+const LONGEST_HALF_M: f64 = 6.0;
 /// A vehicle that reaches this far over the edge of a lane is on it, metres.
 const REACHES_M: f64 = 0.3;
 
@@ -142,9 +146,16 @@ impl Occupancy {
                 self.add_vehicle(vehicle.route[0], spot);
                 if vehicle.shift.is_some() {
                     let margin_m = 0.5 * vehicle.model.size_m[1] - REACHES_M;
-                    for (lane, along_m) in net.lanes_at(&vehicle.place.point, margin_m) {
-                        if lane != vehicle.route[0] && net.lanes[lane].beside.iter().any(Option::is_some) {
-                            self.add_vehicle(lane, Spot { along_m, ..spot });
+                    let (sin, cos) = frames::math::sin_cos(vehicle.yaw_rad);
+                    // Its middle, and its ends: it stands askew.
+                    for (part, half_length_m) in [(0.0, half_length_m), (-1.0, END_M), (1.0, END_M)] {
+                        let off = part * (vehicle.half_length_m() - END_M).max(0.0);
+                        let point = vehicle.place.point + nalgebra::Vector3::new(cos * off, sin * off, 0.0);
+                        for (lane, along_m) in net.lanes_at(&point, margin_m) {
+                            if lane != vehicle.route[0] && net.lanes[lane].beside.iter().any(Option::is_some)
+                            {
+                                self.add_vehicle(lane, Spot { along_m, half_length_m, ..spot });
+                            }
                         }
                     }
                 }
@@ -189,6 +200,15 @@ impl Occupancy {
                 for spot in &self.vehicles[sibling] {
                     if spot.along_m - spot.half_length_m < zone {
                         consider(start + spot.along_m, spot);
+                    }
+                }
+                // Those who have branched off but for their rear.
+                let length = net.lanes[sibling].way.length_m;
+                if length < zone + LONGEST_HALF_M {
+                    for spot in net.lanes[sibling].next.iter().flat_map(|&on| &self.vehicles[on]) {
+                        if length + spot.along_m - spot.half_length_m < zone {
+                            consider(start + length + spot.along_m, spot);
+                        }
                     }
                 }
             }

@@ -119,7 +119,7 @@ impl Sweeps {
             let step_m = if on_m < STEPS_M[1] { STEPS_M[0] } else { STEPS_M[1] };
             on_m += step_m;
             let Some(next) = vehicle.point_ahead(net, on_m) else { break };
-            yaw_rad = after_rod(yaw_rad, &(next - at), vehicle.hitch_m());
+            yaw_rad = after_rod(yaw_rad, &(next - at), vehicle.half_base_m());
             at = next;
             let print = Print::new(at, yaw_rad, vehicle);
             if on_m <= soon_m {

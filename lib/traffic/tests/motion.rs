@@ -73,7 +73,9 @@ fn vehicles_go_as_fast_as_their_drivers_wish_on_any_map() {
 
 #[test]
 fn on_a_circle_the_wheels_roll_where_they_point() {
-    for (model, radius_m) in [("car.sedan", 12.0), ("car.sedan", 40.0), ("motorcycle.sport", 15.0)] {
+    for (model, radius_m) in
+        [("car.sedan", 12.0), ("bus.city", 12.0), ("truck.heavy", 25.0), ("motorcycle.sport", 15.0)]
+    {
         let rider = PlanAgentRow { model: model.into(), ..agent(0, [5.0, -1.75, 0.0], 0.0) };
         let log = run(&circle(radius_m), &scene(40.0), &[rider], &settings());
         let base = models::find(model).expect("a model").wheelbase_m;

@@ -16,8 +16,8 @@ const MOVING_MPS: f64 = 3.0;
 const STEADY: usize = 80;
 /// Vehicles that change lanes are off their lane by more than this before and after, metres.
 const CHANGING_M: f64 = 0.25;
-/// Vehicles come by within this distance of the place where lanes that the map links lie apart, metres, and that distance.
-const LEAP_M: f64 = 5.0;
+/// Vehicles go over to a lane that lies apart within this way before the end of the one that leads there, for each metre.
+const LEAP_M_PER_M: f64 = 4.0;
 
 /// Figures of ordinary drivers who never crashed.
 #[derive(Debug, Default)]
@@ -88,7 +88,7 @@ fn on_lanes(film: &Film<'_>, body: &Body, end: usize, motion: &mut Motion) {
     let mut changing = vec![false; offsets.len() + 1];
     let led_over = (0..samples.len()).filter(|&k| {
         let at = body.track[samples[k]].at;
-        film.leaps.iter().any(|(leap, apart_m)| (leap - at).norm() < apart_m + LEAP_M)
+        film.leaps.iter().any(|(leap, apart_m)| (leap - at).norm() < LEAP_M_PER_M * apart_m)
     });
     for k in changes.iter().map(|c| c / SAMPLE).chain(led_over).chain([offsets.len()]) {
         changing[k] = true;
