@@ -139,7 +139,7 @@ impl Plan {
             agents_on(&map, 4, 7)
         };
         let fixed = scenery(&map, scene.seed, &agents);
-        let wanted = self.map != "crossing" && self.seed % HAZARD_SEEDS == 0;
+        let wanted = self.map != "crossing" && self.seed.is_multiple_of(HAZARD_SEEDS);
         let hazards = if wanted { hazards(&map, &agents) } else { Vec::new() };
         let input = SceneInput {
             map: &map,
