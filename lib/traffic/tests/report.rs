@@ -342,7 +342,7 @@ fn walkers_in_things_are_found_by_what_is_drawn() {
     ] {
         let mut shot = Shot::new(180.0);
         shot.add("walker.man", "ordinary", |t| (30.0 + t, y, 0.0, 1.0));
-        let inside = things::measure(&shot.film(&map), &fixed);
+        let inside = things::measure(&shot.film(&map), &fixed).walkers;
         let ids: Vec<u16> = inside.iter().map(|i| i.2).collect();
         assert_eq!(ids, found, "{inside:?}");
         for (state, _, id, _) in inside {
@@ -356,5 +356,12 @@ fn walkers_in_things_are_found_by_what_is_drawn() {
             let at = 30.0 + 0.05 * state as f64;
             assert!((at - (x - half - 0.2)).abs() < 0.9, "{id} at {at}");
         }
+    }
+    // A car into the parked one, and one that passes it.
+    for (y, found) in [(5.0, vec![102]), (7.0, vec![])] {
+        let mut shot = Shot::new(30.0);
+        shot.add("car.sedan", "ordinary", |t| (80.0 + t, y, 0.0, 1.0));
+        let inside = things::measure(&shot.film(&map), &fixed).vehicles;
+        assert_eq!(inside.iter().map(|i| i.2).collect::<Vec<_>>(), found, "{inside:?}");
     }
 }
