@@ -62,6 +62,8 @@ impl Print {
 #[derive(Debug, Default)]
 pub(crate) struct Sweeps {
     walkers: Vec<(Point3<f64>, f64)>,
+    /// Vehicles with walkers beside them, where they are now.
+    here: Vec<Print>,
     soon: Vec<Print>,
 }
 
@@ -69,6 +71,7 @@ impl Sweeps {
     /// Forgets the step before.
     pub(crate) fn clear(&mut self) {
         self.walkers.clear();
+        self.here.clear();
         self.soon.clear();
     }
 
@@ -106,6 +109,7 @@ impl Sweeps {
                 && here.is_level(point)
         });
         if beside {
+            self.here.push(here);
             self.soon.push(here);
         }
         if near.is_empty() {
@@ -138,12 +142,24 @@ impl Sweeps {
         gap_m
     }
 
-    /// The way out for a walker on ground that is swept soon.
-    pub(crate) fn way_out(&self, point: &Point3<f64>, radius_m: f64) -> Option<Vector2<f64>> {
-        let print =
-            self.soon.iter().find(|p| p.outside_m(point) < radius_m + WALKERS_M && p.is_level(point))?;
-        let left = Vector2::new(-print.ahead.y, print.ahead.x);
-        Some(left * print.local(point)[1].signum())
+    /// Whether a step leads a walker into a vehicle or farther into it.
+    pub(crate) fn blocks(&self, from: &Point3<f64>, step: Vector2<f64>, radius_m: f64) -> bool {
+        let to = Point3::new(from.x + step.x, from.y + step.y, from.z);
+        self.here.iter().any(|print| {
+            let outside_m = print.outside_m(&to);
+            outside_m < radius_m && outside_m < print.outside_m(from) && print.is_level(from)
+        })
+    }
+
+    /// How far outside the ground that is swept soon a walker would be at a place, metres, at most [`WALKERS_M`] beyond.
+    pub(crate) fn clear_m(&self, at: &Point3<f64>, radius_m: f64) -> f64 {
+        let on_level = self.soon.iter().filter(|print| print.is_level(at));
+        on_level.map(|print| print.outside_m(at) - radius_m).fold(WALKERS_M, f64::min)
+    }
+
+    /// Whether a walker at a place is in the way of what is swept soon.
+    pub(crate) fn is_swept(&self, at: &Point3<f64>, radius_m: f64) -> bool {
+        self.clear_m(at, radius_m) < WALKERS_M
     }
 }
 

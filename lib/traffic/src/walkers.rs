@@ -47,6 +47,8 @@ const TURN_MPS: f64 = 0.4;
 /// Who is in the way of a vehicle's corner steps back as fast as this, m/s, and looks this far ahead, seconds.
 const STEPS_BACK_MPS: f64 = 1.4;
 const STEPS_BACK_S: f64 = 0.5;
+/// It looks for room this far around, metres.
+const STEP_M: f64 = 0.8;
 
 #[derive(Clone, Debug)]
 enum Mode {
@@ -282,6 +284,8 @@ impl Walker {
                 let wish = if self.is_on_road() { wish } else { self.heed(place.sweeps, wish) };
                 let velocity = crowd.velocity(me, &wish, fixtures).cap_magnitude(most);
                 let moved = crowd.step(me, velocity * FRAME_PERIOD_S, fixtures);
+                let blocked = place.sweeps.blocks(&before, moved, self.radius_m());
+                let moved = if blocked { Vector2::zeros() } else { moved };
                 self.velocity_mps = moved / FRAME_PERIOD_S;
                 (self.point.x, self.point.y) = (before.x + moved.x, before.y + moved.y);
                 let rise = moved.norm();
@@ -303,13 +307,29 @@ impl Walker {
 
     /// The wish of one beside the road whom a long vehicle's corner may come to: out of its way, or not into it.
     fn heed(&self, sweeps: &Sweeps, wish: Wish) -> Wish {
-        let next = wish.ahead * (wish.speed_mps * STEPS_BACK_S);
-        let next = Point3::new(self.point.x + next.x, self.point.y + next.y, self.point.z);
-        match sweeps.way_out(&self.point, self.radius_m()) {
-            Some(ahead) => Wish { ahead, speed_mps: STEPS_BACK_MPS, aside_m: 0.0, room_m: [-0.3, 0.3] },
-            None if sweeps.way_out(&next, self.radius_m()).is_some() => Wish { speed_mps: 0.0, ..wish },
-            None => wish,
+        let left = Vector2::new(-wish.ahead.y, wish.ahead.x);
+        let after =
+            |step: Vector2<f64>| Point3::new(self.point.x + step.x, self.point.y + step.y, self.point.z);
+        let next = after(wish.ahead * (wish.speed_mps * STEPS_BACK_S));
+        if !sweeps.is_swept(&self.point, self.radius_m()) {
+            let into = sweeps.is_swept(&next, self.radius_m());
+            return if into { Wish { speed_mps: 0.0, ..wish } } else { wish };
         }
+        // On the sidewalk, to wherever there is most room.
+        let asides = [wish.room_m[0].clamp(-STEP_M, -0.3), 0.0, wish.room_m[1].clamp(0.3, STEP_M)];
+        let steps = [0.0, -STEP_M, STEP_M]
+            .into_iter()
+            .flat_map(|on| asides.map(|aside| wish.ahead * on + left * aside));
+        let mut best = (f64::NEG_INFINITY, Vector2::zeros());
+        for step in steps {
+            let clear_m = sweeps.clear_m(&after(step), self.radius_m());
+            if clear_m > best.0 + 1e-6 {
+                best = (clear_m, step);
+            }
+        }
+        let ahead = best.1.try_normalize(1e-6).unwrap_or(wish.ahead);
+        let speed_mps = if best.1.norm() > 0.0 { STEPS_BACK_MPS } else { 0.0 };
+        Wish { ahead, speed_mps, aside_m: 0.0, room_m: [-0.3, 0.3] }
     }
 
     fn turn_to(&mut self, yaw_rad: f64) {
