@@ -279,7 +279,11 @@ impl Vehicle {
         let (sin, cos) = frames::math::sin_cos(self.yaw_rad);
         let away = other.place.point - self.place.point;
         let (ahead, aside) = (away.x * cos + away.y * sin, (away.y * cos - away.x * sin).abs());
-        let free = 0.5 * (self.model.size_m[1] + other.model.size_m[1]) + PASSED_ASIDE_M;
+        // The other one is askew seen from here: its ends reach farther across.
+        let (askew, straight) = frames::math::sin_cos(other.yaw_rad - self.yaw_rad);
+        let [length, width, _] = other.model.size_m;
+        let across = width * straight.abs() + length * askew.abs();
+        let free = 0.5 * (self.model.size_m[1] + across) + PASSED_ASIDE_M;
         let gap = ahead - self.half_length_m() - other.half_length_m();
         (aside < free && ahead > 0.0).then_some((gap, other.speed_mps))
     }
