@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use nalgebra::Point3;
 use opendrive::{Cubic, Geometry, Lane, LaneSection, LaneType, Map, Network, Road};
 use plan::{Plan, PlanMap, plan};
 use schema::settings::{DatasetSettings, SceneCount, SpawnMode, Split};
@@ -12,9 +13,12 @@ const SCENES: u32 = 50_000;
 
 /// A short street, so that planning is fast; weather and durations do not depend on it.
 fn planned(scenes: u32, change: impl FnOnce(&mut DatasetSettings)) -> Plan {
+    planned_on(200.0, scenes, change)
+}
+
+fn planned_on(length_m: f64, scenes: u32, change: impl FnOnce(&mut DatasetSettings)) -> Plan {
     let lane =
         |id| Lane { id, lane_type: LaneType::Driving, widths: vec![Cubic::constant(3.5)], ..Lane::default() };
-    let length_m = 200.0;
     let road = Road {
         id: "1".into(),
         length_m,
@@ -142,4 +146,99 @@ fn walkers_vehicles_and_modes_cover_their_ranges_evenly() {
     // Beta(2.4, 1.6): mean 0.6, variance 0.048.
     let variance = mean(&factors.iter().map(|f| (f - 0.6) * (f - 0.6)).collect::<Vec<_>>());
     assert!((mean(&factors) - 0.6).abs() < 0.007 && (variance - 0.048).abs() < 0.002);
+}
+
+#[test]
+fn rain_wind_and_fog_follow_their_rules() {
+    let plan = planned(SCENES, |_| {});
+    let ends: [fn(&PlanSceneRow) -> Weather; 2] =
+        [|s| Weather::from_array(s.initial_weather), |s| Weather::from_array(s.final_weather)];
+    for end in ends {
+        let draws: Vec<Weather> = plan.scenes.iter().map(end).collect();
+        let of = |holds: fn(&Weather) -> bool, value: fn(&Weather) -> f64| -> Vec<f64> {
+            draws.iter().filter(|w| holds(w)).map(value).collect()
+        };
+        let all: fn(&Weather) -> bool = |_| true;
+        let foggy: fn(&Weather) -> bool = |w| w.fog_density > 0.0;
+        // Puddles: 43 on the average without rain, 59 in all, never fewer than rain, practically never none.
+        let dry = of(|w| w.precipitation == 0.0, |w| w.precipitation_deposits);
+        let deposits = of(all, |w| w.precipitation_deposits);
+        assert!((mean(&dry) - 43.0).abs() < 0.7 && (mean(&deposits) - 59.0).abs() < 0.7, "{}", mean(&dry));
+        assert!(draws.iter().all(|w| w.precipitation <= w.precipitation_deposits));
+        assert!(share(&deposits, |d| d < 0.01) < 0.05);
+        // Rain and fog begin above 10 %, rain under clouds of more than 40 %, and there is no more rain than clouds.
+        for w in &draws {
+            assert!(w.precipitation == 0.0 || (w.precipitation > 10.0 && w.cloudiness > 40.0));
+            assert!(w.precipitation <= w.cloudiness && (w.cloudiness == 0.0 || w.cloudiness > 10.0));
+            assert!(w.fog_density == 0.0 || w.cloudiness > 40.0 || w.sun_altitude_deg < 10.0);
+        }
+        // Even distributions: mean and standard deviation (a twelfth of the square of the range).
+        for (values, range) in
+            [(of(all, |w| w.wind_intensity), 100.0), (of(all, |w| w.sun_azimuth_deg), 360.0)]
+        {
+            let middle = mean(&values);
+            let spread = mean(&values.iter().map(|v| (v - middle) * (v - middle)).collect::<Vec<_>>()).sqrt();
+            assert!(
+                (middle / range - 0.5).abs() < 0.006 && (spread / range - 12f64.sqrt().recip()).abs() < 0.004
+            );
+            assert!(values.iter().all(|v| (0.0..=range).contains(v)));
+        }
+        // What is wet: rain and a normal deviate of 10; where neither end is near, as it is.
+        let off = of(|w| (40.0..60.0).contains(&w.precipitation), |w| w.wetness - w.precipitation);
+        let spread = mean(&off.iter().map(|v| v * v).collect::<Vec<_>>()).sqrt();
+        assert!(mean(&off).abs() < 0.6 && (spread - 10.0).abs() < 0.4, "{} {spread}", mean(&off));
+        // Fog begins at a log-normal distance: median 24.5 m, 5 % and 95 % at 6.6 and 91 m; without fog at 100 m.
+        let distances = of(foggy, |w| w.fog_distance_m);
+        for (below, want) in [(6.6, 5.0), (24.5, 50.0), (91.0, 95.0)] {
+            let got = share(&distances, |d| d < below);
+            assert!((got - want).abs() < 1.3, "{got} % of fog begins within {below} m, published {want}");
+        }
+        // Five times Beta(1.2, 2.4): mean a third of 5, variance 25 x 2.88 / (12.96 x 4.6).
+        let falloff = of(foggy, |w| w.fog_falloff);
+        let spread = mean(&falloff.iter().map(|v| (v - 5.0 / 3.0) * (v - 5.0 / 3.0)).collect::<Vec<_>>());
+        assert!((mean(&falloff) - 5.0 / 3.0).abs() < 0.03 && (spread - 1.208).abs() < 0.05, "{spread}");
+        let clear = draws.iter().filter(|w| w.fog_density == 0.0);
+        assert!(
+            clear.clone().all(|w| w.fog_distance_m == 100.0 && w.fog_falloff == 1.0) && clear.count() > 1000
+        );
+    }
+}
+
+#[test]
+fn clusters_fill_their_radius_and_chains_reach_from_one_to_the_next() {
+    // Points every 24 m, each way beside each other.
+    let scenes = 1500;
+    for (count, radius_m) in
+        [(1, 48.0), (2, 48.0), (3, 55.4), (4, 67.9), (5, 81.7), (6, 96.0), (7, 110.6), (8, 125.4)]
+    {
+        for mode in [SpawnMode::Clustered, SpawnMode::Chained] {
+            let plan = planned_on(1992.0, scenes, |s| {
+                (s.agents.min_vehicles, s.agents.max_vehicles, s.agents.max_rsus) = (count, count, 0);
+                s.agents.spawn_mode = mode;
+                s.hazards.share = 0.0;
+            });
+            let mut farthest = 0.0_f64;
+            for (scene, vehicles) in plan.scenes.iter().zip(plan.agents.chunk_by(|a, b| a.scene == b.scene)) {
+                let at: Vec<Point3<f64>> = vehicles.iter().map(|v| v.xyz_m.into()).collect();
+                assert!(at.len() <= count as usize && scene.scene == vehicles[0].scene);
+                if mode == SpawnMode::Clustered {
+                    let pivot = Point3::from(scene.pivot_xyz_m);
+                    farthest = at.iter().map(|p| (p - pivot).norm()).fold(farthest, f64::max);
+                } else {
+                    for (i, p) in at.iter().enumerate().skip(1) {
+                        let near = at[..i].iter().map(|q| (p - q).norm()).fold(f64::INFINITY, f64::min);
+                        assert!(near <= 64.0);
+                        farthest = farthest.max(near);
+                    }
+                }
+            }
+            // The farthest of the places, straight on or on the other lane, that the rule allows.
+            let reach = if mode == SpawnMode::Clustered { radius_m + 0.05 } else { 64.0 };
+            let places = (0..10).flat_map(|k| [0.0, 3.5].map(|y| (576.0 * f64::from(k * k) + y * y).sqrt()));
+            let want = places.filter(|d| *d <= reach).fold(0.0, f64::max);
+            if count > 1 || mode == SpawnMode::Clustered {
+                assert!((farthest - want).abs() < 0.6, "{count} {mode:?}: {farthest}, not {want}");
+            }
+        }
+    }
 }
