@@ -226,11 +226,24 @@ impl Reservations {
             if meeting.is_gap_behind() {
                 return true;
             }
-            let before = is_before_line(net, &vehicles[rival]) && meeting.is_gap_before();
+            let before = is_before_line(net, &vehicles[rival])
+                && meeting.is_gap_before()
+                && !self.is_followed(vehicles, rival);
             if before {
                 ask_again.push(rival);
             }
             before
+        })
+    }
+
+    /// Whether somebody behind a vehicle has leave for one of its lanes: the one ahead must not ask again after that.
+    fn is_followed(&self, vehicles: &[Vehicle], who: usize) -> bool {
+        let to = |v: &Vehicle, h: &Held| h.start_m - v.odometer_m;
+        vehicles[who].held.iter().any(|own| {
+            self.holders[own.lane].iter().filter(|&&v| v != who).any(|&v| {
+                let held = vehicles[v].held.iter().find(|h| h.lane == own.lane);
+                held.is_some_and(|h| to(&vehicles[v], h) > to(&vehicles[who], own))
+            })
         })
     }
 

@@ -213,3 +213,25 @@ fn time_s(way_m: f64, speed_mps: f64, acceleration: f64, top_mps: f64) -> f64 {
         (top - speed_mps) / acceleration + (way_m - gaining_m) / top
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn times_are_those_of_small_steps(way in 0.0..80.0f64, speed in 0.0..20.0f64, more in 0.0..10.0f64, a in 0.4..3.0f64) {
+            let top = speed.max(1.0) + more;
+            let (mut v, mut gone, mut steps) = (speed, 0.0, 0u32);
+            while gone < way && steps < 1_000_000 {
+                let next: f64 = (v + 0.001 * a).min(top);
+                gone += 0.0005 * (v + next);
+                v = next;
+                steps += 1;
+            }
+            let expected = 0.001 * f64::from(steps);
+            prop_assert!((time_s(way, speed, a, top) - expected).abs() < 0.01, "{} {expected}", time_s(way, speed, a, top));
+        }
+    }
+}

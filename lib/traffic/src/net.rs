@@ -21,6 +21,8 @@ pub(crate) const CONFLICT_M: f64 = 3.0;
 /// Centre lines nearer than these are too near for pairs of narrower and of wider vehicles, metres; the last holds for the
 /// longest ones.
 const NEAR_M: [f64; 3] = [CONFLICT_M, 4.7, 6.5];
+/// Pieces between two lanes of a junction that are shorter than this in all do not part them, metres.
+const SHORT_M: f64 = 5.0;
 /// Ways that end nearer to each other than this lead into the same lane, metres.
 const MERGE_M: f64 = 0.5;
 /// Lanes farther above each other than this do not meet, metres.
@@ -224,13 +226,29 @@ impl Net {
                 }
                 for &b in members.iter().filter(|&&b| a < b && !diverging.contains(&(a, b))) {
                     // Who follows on the next lane has the one on this lane ahead.
-                    let follows = |a: usize, b: usize| self.lanes[a].next.contains(&b);
-                    if !follows(a, b) && !follows(b, a) {
+                    if !self.follows(a, b) && !self.follows(b, a) {
                         self.add_conflict(a, b);
                     }
                 }
             }
         }
+    }
+
+    /// Whether a lane leads to another one, if need be over pieces too short to part them.
+    fn follows(&self, lane: usize, next: usize) -> bool {
+        let mut open = vec![(lane, SHORT_M)];
+        while let Some((at, rest_m)) = open.pop() {
+            for &on in &self.lanes[at].next {
+                if on == next {
+                    return true;
+                }
+                let rest_m = rest_m - self.lanes[on].way.length_m;
+                if rest_m > 0.0 {
+                    open.push((on, rest_m));
+                }
+            }
+        }
+        false
     }
 
     /// Enters that two lanes of a junction meet, if they do, for both.
