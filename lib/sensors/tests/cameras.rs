@@ -8,10 +8,10 @@ use common::{at, block, instance, plane, snapshot, street};
 use frames::{Agent, LocalOrigin, Pose, Sensor, World, deg};
 use glam::{Affine3A, Vec3};
 use nalgebra::Point3;
-use schema::Tag;
 use schema::geometry::{Snapshot, Surface};
 use schema::settings::{CameraSettings, Mount};
 use schema::tables::Weather;
+use schema::{Tag, lights};
 use sensors::{CameraFrame, CameraView, Lighting, Picture, SensorError, Sky, decode_depth_m, render_camera};
 use visibility::{Meshes, Scene, rasterize};
 
@@ -280,4 +280,33 @@ fn odd_requests_are_refused_or_answered() {
     let meshes = Meshes::build(&empty.meshes);
     let scene = Scene::new(&meshes, &empty);
     assert!(matches!(render_camera(&scene, &view(10, 1.0), None), Err(SensorError::NoLight)));
+}
+
+#[test]
+fn street_lamps_and_windows_shine_as_told() {
+    let picture = |lamp: [f32; 3], window: [f32; 3]| {
+        let mut snapshot = street(true);
+        for instance in &mut snapshot.instances {
+            if instance.lights == lights::STREET_LAMP {
+                instance.glow = lamp;
+            } else if instance.lights == lights::BUILDING {
+                instance.glow = window;
+            }
+        }
+        let meshes = Meshes::build(&snapshot.meshes);
+        let scene = Scene::new(&meshes, &snapshot);
+        let weather = Weather { sun_altitude_deg: -40.0, ..Weather::default() };
+        let view = standing_view([0.0, -5.2, 0.0], [0.0; 3], &settings(320, 180));
+        let buffer = rasterize(&scene, &view.pinhole().expect("is a camera"));
+        let sky = Sky::new(&weather, 0.0);
+        Picture::new(&scene, &view, &buffer, &Lighting::new(&scene, &sky, &weather, Vec3::ZERO)).rgb
+    };
+    let sum = |rgb: &[u8], k: usize| rgb.iter().skip(k).step_by(3).map(|&v| f64::from(v)).sum::<f64>();
+    let all = |rgb: &[u8]| (0..3).map(|k| sum(rgb, k)).sum::<f64>();
+    let [dark, dim, bright] = [0.0, 1.0, 2.5].map(|s: f32| all(&picture([s, 0.76 * s, 0.47 * s], [0.0; 3])));
+    assert!(dark < 0.98 * dim && dim < 0.98 * bright, "{dark} {dim} {bright}");
+    let (green, red) = (picture([0.0; 3], [0.0, 1.0, 0.0]), picture([0.0; 3], [1.0, 0.0, 0.0]));
+    let none = picture([0.0; 3], [0.0; 3]);
+    assert!(sum(&green, 1) > 1.01 * sum(&none, 1) && sum(&green, 0) < 1.001 * sum(&none, 0));
+    assert!(sum(&red, 0) > 1.01 * sum(&none, 0) && sum(&red, 1) < 1.001 * sum(&none, 1));
 }

@@ -11,7 +11,7 @@ use nalgebra::Point3;
 use opendrive::{LaneInfo, LaneType, Map};
 use random::Stream;
 use schema::Tag;
-use schema::tables::{ActorRow, FrameRow, SignalRow, StateRow};
+use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
 use world::{Moment, World, WorldError, place};
 
 fn check_town(map: &Map, name: &str) {
@@ -188,6 +188,43 @@ fn lights_follow_the_log() {
     let day = FrameRow::default();
     let snapshot = world.snapshot(&empty_moment(&day), start(&map), 300.0);
     assert!(snapshot.instances.iter().all(|i| i.lights == 0));
+}
+
+#[test]
+fn lamps_and_windows_have_the_light_of_the_log() {
+    let map = demo();
+    let actors = place(&map, &settings(), 5, &[start(&map)], 1).unwrap();
+    let mut world = World::new(&map, &actors).unwrap();
+    let near = |ids: Vec<u16>, world: &World| -> Vec<(u32, [f32; 3])> {
+        let frame = FrameRow { street_lamps: true, building_lights: true, ..FrameRow::default() };
+        let snapshot = world.snapshot(&empty_moment(&frame), start(&map), 1e4);
+        let of = |id| snapshot.instances.iter().find(|i| i.object == id).map(|i| (i.lights, i.glow)).unwrap();
+        ids.into_iter().map(of).collect()
+    };
+    let lamps: Vec<u16> = actors.iter().filter(|a| world::is_street_lamp(a)).map(|a| a.id).collect();
+    let house = actors.iter().find(|a| a.kind == "building").unwrap().id;
+    let row = |id, kind: &str, works, flux_lm, color: [u8; 3]| LampRow {
+        id,
+        kind: kind.into(),
+        works,
+        flux_lm,
+        color: color.to_vec(),
+    };
+    let nominal = near(vec![lamps[1]], &world)[0];
+    world.set_lamps(&[
+        row(lamps[0], "street", false, Some(20_000.0), [255, 226, 183]),
+        row(lamps[1], "street", true, Some(50_000.0), [255, 226, 183]),
+        row(house, "building", true, None, [0, 255, 188]),
+    ]);
+    let found = near(vec![lamps[0], lamps[1], house, lamps[2]], &world);
+    assert_eq!(found[0].0, 0);
+    assert_eq!(found[1].0, schema::lights::STREET_LAMP);
+    // Two and a half times as bright as the nominal 20,000 lm, of the same colour.
+    assert!((0..3).all(|k| (found[1].1[k] - 2.5 * nominal.1[k]).abs() < 1e-5), "{found:?} {nominal:?}");
+    // sRGB 188 is half of the light.
+    let [r, g, b] = found[2].1;
+    assert!(r == 0.0 && (g - 1.0).abs() < 1e-5 && (b - 0.503).abs() < 0.002, "{found:?}");
+    assert_eq!(found[3], nominal);
 }
 
 #[test]
