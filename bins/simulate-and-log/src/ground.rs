@@ -198,7 +198,8 @@ mod tests {
         let text = format!(
             "name = \"test\"\n[scenes.train]\n\"{name}\" = 1\n[agents]\nmin_vehicles = 2\nmax_vehicles = 2\n\
              max_rsus = 0\n[timing]\nmin_duration_s = 20\nmax_duration_s = 20\n[traffic]\nvehicles = 10\n\
-             spawn_radius_m = 120\n[walkers]\ncount = 80\n[world]\nradius_m = 120\n"
+             spawn_radius_m = 120\n[walkers]\ncount = 80\n[hazards]\nshare = 0.1\n[world]\n\
+             radius_m = 120\n"
         );
         let settings: DatasetSettings = pipeline::parse_config(&text, "test").expect("good settings");
         let maps = BTreeMap::from([(name.to_owned(), PlanMap { map, hash: String::new() })]);
@@ -210,7 +211,7 @@ mod tests {
             map,
             scene,
             agents: &plan.agents,
-            hazards: &[],
+            hazards: &plan.hazards,
             settings: &settings,
             fixed: &actors.clone(),
             first_id: actors.len() as ObjectId + 1,
@@ -222,12 +223,43 @@ mod tests {
         (world, actors, log)
     }
 
-    fn check(name: &str, map: Map) {
-        let (world, actors, log) = walked(name, map);
+    /// How far a place is above or below what is drawn under it, by all triangles of the place; of some objects only.
+    fn off_ground_m(world: &World, at: [f64; 3], of: impl Fn(ObjectId) -> bool) -> f32 {
         let frame = FrameRow::default();
         let moment = Moment { states: &[], previous: &[], signals: &[], frame: &frame };
+        let snapshot = world.snapshot(&moment, at, 30.0);
+        let at = snapshot.origin.local_from_world(at);
+        let mut nearest = f32::INFINITY;
+        for instance in snapshot.instances.iter().filter(|i| of(i.object)) {
+            let mesh = snapshot.mesh(instance);
+            for i in 0..mesh.triangles.len() {
+                let [a, b, c] = mesh.corners(i).map(|v| instance.local_from_object.transform_point3(v));
+                let (ab, ac, to) = ((b - a).truncate(), (c - a).truncate(), (at - a).truncate());
+                let area = ab.perp_dot(ac);
+                let (u, v) = (to.perp_dot(ac) / area, ab.perp_dot(to) / area);
+                if u >= 0.0 && v >= 0.0 && u + v <= 1.0 {
+                    nearest = nearest.min((a.z + u * (b.z - a.z) + v * (c.z - a.z) - at.z).abs());
+                }
+            }
+        }
+        nearest
+    }
+
+    fn check(name: &str, map: Map) {
+        let (world, actors, log) = walked(name, map);
+        let surfaces: BTreeSet<ObjectId> =
+            actors.iter().filter(|a| a.kind == "surface").map(|a| a.id).collect();
+        let mut signs = 0;
+        for thing in actors.iter().filter(|a| a.role == "hazard") {
+            let off = off_ground_m(&world, thing.xyz_m, |id| surfaces.contains(&id));
+            // Beyond the drawn scenery nothing is drawn under it.
+            let most = if is_warning(thing) { 0.005 } else { 0.05 };
+            assert!(off < most || off == f32::INFINITY, "{name}: {thing:?} is {off} m off the ground");
+            signs += u32::from(is_warning(thing) && off < most);
+        }
+        assert!(signs > 0, "{name}: no sign on drawn ground");
         let (mut up, mut steps) = (0, 0);
-        for walker in actors.iter().filter(|a| a.kind == "walker") {
+        for walker in actors.iter().filter(|a| a.kind == "walker" && a.role != "hazard") {
             let track: Vec<&StateRow> = log.states.iter().filter(|s| s.id == walker.id).collect();
             assert_eq!(walker.xyz_m, track[1].xyz_m);
             for pair in track.windows(2) {
@@ -241,23 +273,9 @@ mod tests {
                 steps += 1;
                 up += u32::from(moved[2].abs() > 0.2 * flat + 0.002);
             }
-            // Feet are on what is drawn, by all triangles of the place: at most within the height of a step.
+            // Feet are on what is drawn: at most within the height of a step.
             let state = track[track.len() / 2];
-            let snapshot = world.snapshot(&moment, state.xyz_m, 30.0);
-            let at = snapshot.origin.local_from_world(state.xyz_m);
-            let mut nearest = f32::INFINITY;
-            for instance in &snapshot.instances {
-                let mesh = snapshot.mesh(instance);
-                for i in 0..mesh.triangles.len() {
-                    let [a, b, c] = mesh.corners(i).map(|v| instance.local_from_object.transform_point3(v));
-                    let (ab, ac, to) = ((b - a).truncate(), (c - a).truncate(), (at - a).truncate());
-                    let area = ab.perp_dot(ac);
-                    let (u, v) = (to.perp_dot(ac) / area, ab.perp_dot(to) / area);
-                    if u >= 0.0 && v >= 0.0 && u + v <= 1.0 {
-                        nearest = nearest.min((a.z + u * (b.z - a.z) + v * (c.z - a.z) - at.z).abs());
-                    }
-                }
-            }
+            let nearest = off_ground_m(&world, state.xyz_m, |_| true);
             assert!(
                 nearest < 0.16,
                 "{name}: walker {} is {nearest} m off the ground at {state:?}",

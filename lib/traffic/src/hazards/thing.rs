@@ -1,6 +1,6 @@
 //! One thing that stands in a hazard.
 
-use frames::math::sin_cos;
+use frames::math::{sin_cos, tan};
 use frames::{Object, Pose, World};
 use nalgebra::{Point3, Vector3};
 use opendrive::LanePoint;
@@ -43,13 +43,17 @@ pub(super) struct Spot {
 }
 
 impl Spot {
-    /// On a lane, turned and pushed aside, level with the road as far as that is flat.
+    /// On a lane, turned and pushed aside (in the world's plane), level with the road as far as that is flat.
     pub(super) fn new(place: &LanePoint, turn_rad: f64, push_m: [f64; 2]) -> Self {
         let (sin, cos) = sin_cos(turn_rad);
         let pitch = place.pitch_rad * cos - place.roll_rad * sin;
         let roll = place.roll_rad * cos + place.pitch_rad * sin;
+        let [x, y] = push_m;
+        let (sin, cos) = sin_cos(place.heading_rad);
+        let (ahead, left) = (x * cos + y * sin, y * cos - x * sin);
+        let up = left * tan(place.roll_rad) - ahead * tan(place.pitch_rad);
         Self {
-            point: place.position + Vector3::new(push_m[0], push_m[1], 0.0),
+            point: place.position + Vector3::new(x, y, up),
             rpy_rad: [roll, pitch, frames::wrap_pi(place.heading_rad + turn_rad)],
         }
     }
