@@ -74,6 +74,14 @@ pub(crate) struct Reservations {
     given: u64,
 }
 
+/// What those claim who have been refused for long, in one step: those who are asked later get no leave across their
+/// lanes and into the lanes they want to get to.
+#[derive(Debug, Default)]
+struct Claims {
+    lanes: Vec<usize>,
+    exits: Vec<usize>,
+}
+
 /// What a driver makes of the line ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Approach {
@@ -336,7 +344,15 @@ impl Reservations {
         need + stored <= stretch
     }
 
-    /// Tries to reserve the whole way through the junction behind a line, across no lane that another one claims.
+    /// The lane that a vehicle comes to behind its last junction lane.
+    fn exit_of(net: &Net, vehicle: &Vehicle, movement: &[(usize, f64)]) -> Option<usize> {
+        let &(last, start) = movement.last()?;
+        let exit_at = start + net.lanes[last].way.length_m;
+        vehicle.lanes_ahead(net).find(|(_, start)| start + 1e-6 >= exit_at).map(|(lane, _)| lane)
+    }
+
+    /// Tries to reserve the whole way through the junction behind a line, across no lane and into no exit that another one
+    /// claims.
     fn request(
         &mut self,
         net: &Net,
@@ -344,14 +360,16 @@ impl Reservations {
         vehicles: &mut [Vehicle],
         me: usize,
         line: &Line,
-        claims: &mut Vec<usize>,
+        claims: &mut Claims,
     ) -> bool {
         let movement = Self::movement(net, &vehicles[me], line);
-        let exit = self.has_exit(net, occupancy, vehicles, me, &movement);
+        let into = Self::exit_of(net, &vehicles[me], &movement);
         // Who is in a junction already must get out of it first.
         let inside = !vehicles[me].held.is_empty();
+        let exit = (inside || into.is_none_or(|lane| !claims.exits.contains(&lane)))
+            && self.has_exit(net, occupancy, vehicles, me, &movement);
         let claimed =
-            |lane: usize| !inside && net.lanes[lane].conflicts.iter().any(|c| claims.contains(&c.other));
+            |lane: usize| !inside && net.lanes[lane].conflicts.iter().any(|c| claims.lanes.contains(&c.other));
         let odometer = vehicles[me].odometer_m;
         let mut ask_again = Vec::new();
         let free = movement.iter().all(|&(lane, start)| {
@@ -362,8 +380,11 @@ impl Reservations {
             open && !claimed(lane) && self.is_free(net, vehicles, me, place, &mut ask_again)
         });
         if !free || !exit {
-            if exit && vehicles[me].refused_steps > PATIENCE_STEPS {
-                claims.extend(movement.iter().map(|&(lane, _)| lane));
+            if vehicles[me].refused_steps > PATIENCE_STEPS {
+                claims.exits.extend(into);
+                if exit {
+                    claims.lanes.extend(movement.iter().map(|&(lane, _)| lane));
+                }
             }
             return false;
         }
@@ -452,7 +473,7 @@ impl Reservations {
             }
         }
         requests.sort_by_key(|(rank, since, me, _)| (*rank, *since, *me));
-        let mut claims = Vec::new();
+        let mut claims = Claims::default();
         for (_, _, me, line) in requests {
             if self.request(net, occupancy, vehicles, me, &line, &mut claims) {
                 approaches[me] = OPEN;

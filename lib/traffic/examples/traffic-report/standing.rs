@@ -174,6 +174,12 @@ fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
     if body.track[later].speed_mps > STANDING_MPS {
         return Reason::SettingOff;
     }
+    // Whoever stops at a sign, too, waits for room behind the junction.
+    if junction.is_some()
+        && let Some(m) = exit_blocked(film, body, i)
+    {
+        return if film.vehicles[m].is_wrecked(i) { Reason::Wreck } else { Reason::Exit(m) };
+    }
     if held(false) {
         let wreck = junction.is_some_and(|j| wreck_in(film, j, i));
         return if wreck { Reason::Wreck } else { Reason::Priority };
@@ -184,9 +190,6 @@ fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
     if let Some(junction) = junction {
         if wreck_in(film, junction, i) {
             return Reason::Wreck;
-        }
-        if let Some(m) = exit_blocked(film, body, i) {
-            return if film.vehicles[m].is_wrecked(i) { Reason::Wreck } else { Reason::Exit(m) };
         }
         if rivals(film, n, i, junction) {
             return Reason::Priority;
