@@ -36,6 +36,8 @@ const RED_BRAKING: f64 = 7.5;
 const STOP_STEPS: u32 = 40;
 /// At green, queues this long set off as one, metres.
 const QUEUE_M: f64 = 60.0;
+/// Slower than this is standing, m/s.
+const STANDING_MPS: f64 = 0.3;
 /// Who has been refused for this long claims its way, steps (10 s).
 const PATIENCE_STEPS: u32 = 200;
 /// Who can stop before its line with this braking may be asked to let another one go first, m/s2.
@@ -230,12 +232,16 @@ impl Reservations {
         place: (usize, f64),
         ask_again: &mut Vec<usize>,
     ) -> bool {
-        self.meetings(net, vehicles, me, place).all(|(rival, _, meeting)| {
+        self.meetings(net, vehicles, me, place).all(|(rival, held, meeting)| {
             if meeting.is_gap_behind() {
                 return true;
             }
-            let before = is_before_line(net, &vehicles[rival])
-                && meeting.is_gap_before()
+            let other = &vehicles[rival];
+            // Who stands for this one anyway, before another line inside, would hold both up.
+            let stands = other.stands_for.contains(&me)
+                && held.start_m > other.odometer_m + other.half_length_m()
+                && comes_to_line(net, other);
+            let before = (stands || is_before_line(net, other) && meeting.is_gap_before())
                 && !self.is_followed(vehicles, rival);
             if before {
                 ask_again.push(rival);
@@ -255,20 +261,24 @@ impl Reservations {
         })
     }
 
-    /// What a vehicle does inside a junction, or near it, about those who go first.
-    fn give_way(&self, net: &Net, vehicles: &[Vehicle], me: usize, approach: &mut Approach) {
+    /// What a vehicle does inside a junction, or near it, about those who go first; returns whom it stands for.
+    fn give_way(&self, net: &Net, vehicles: &[Vehicle], me: usize, approach: &mut Approach) -> Vec<usize> {
         let vehicle = &vehicles[me];
+        let mut stands_for = Vec::new();
         let answer = |gap_m: f64, speed: f64| {
             vehicle.driver.idm.following(vehicle.speed_mps, vehicle.speed_mps.max(1.0), gap_m, speed)
         };
         for own in &vehicle.held {
-            for (_, held, meeting) in self.meetings(net, vehicles, me, (own.lane, own.start_m)) {
+            for (rival, held, meeting) in self.meetings(net, vehicles, me, (own.lane, own.start_m)) {
                 if !meeting.rival_first(held.order < own.order) {
                     continue;
                 }
                 match meeting.wait() {
                     Some(Wait::Stop(gap_m)) => {
                         approach.stop_gap_m = Some(approach.stop_gap_m.map_or(gap_m, |g| g.min(gap_m)));
+                        if vehicle.speed_mps < STANDING_MPS {
+                            stands_for.push(rival);
+                        }
                     }
                     Some(Wait::Follow(gap_m, speed))
                         if approach.merging.is_none_or(|[g, s]| answer(gap_m, speed) < answer(g, s)) =>
@@ -279,6 +289,7 @@ impl Reservations {
                 }
             }
         }
+        stands_for
     }
 
     /// Whether there is room for the vehicle behind its last junction lane, those on their way there counted.
@@ -368,8 +379,9 @@ impl Reservations {
         let inside = !vehicles[me].held.is_empty();
         let exit = (inside || into.is_none_or(|lane| !claims.exits.contains(&lane)))
             && self.has_exit(net, occupancy, vehicles, me, &movement);
-        let claimed =
-            |lane: usize| !inside && net.lanes[lane].conflicts.iter().any(|c| claims.lanes.contains(&c.other));
+        let claimed = |lane: usize| {
+            !inside && net.lanes[lane].conflicts.iter().any(|c| claims.lanes.contains(&c.other))
+        };
         let odometer = vehicles[me].odometer_m;
         let mut ask_again = Vec::new();
         let free = movement.iter().all(|&(lane, start)| {
@@ -486,7 +498,7 @@ impl Reservations {
         }
         for (me, approach) in approaches.iter_mut().enumerate() {
             if !vehicles[me].crashed && !vehicles[me].driver.reckless {
-                self.give_way(net, vehicles, me, approach);
+                vehicles[me].stands_for = self.give_way(net, vehicles, me, approach);
             }
         }
         approaches
@@ -502,6 +514,16 @@ fn rank(vehicle: &Vehicle, entry: &Lane) -> u8 {
         () if !entry.yield_sign && !entry.stop_sign && !turns_left => 2,
         () => 3,
     }
+}
+
+/// Whether the next lane that a vehicle has leave for and has not reached lies behind a line.
+fn comes_to_line(net: &Net, vehicle: &Vehicle) -> bool {
+    let front = vehicle.half_length_m();
+    let ahead = vehicle.lanes_ahead(net).zip(vehicle.lanes_ahead(net).skip(1));
+    let next = ahead
+        .map(|((before, _), at)| (before, at))
+        .find(|(_, (lane, start))| *start > front && vehicle.held.iter().any(|h| h.lane == *lane));
+    next.is_some_and(|(before, (lane, _))| net.lanes[before].junction != net.lanes[lane].junction)
 }
 
 /// Whether a vehicle with leave has not passed its line and can stop there with ease.

@@ -456,6 +456,7 @@ fn place_vehicles(
             waiting_since: None,
             stood_steps: 0,
             refused_steps: 0,
+            stands_for: Vec::new(),
             body: bodies.vehicle(&start.point, start.yaw_rad, start.model.size_m, i as u32),
         };
         vehicle.arrive(net);

@@ -111,6 +111,8 @@ pub(crate) struct Vehicle {
     pub(crate) stood_steps: u32,
     /// Steps that it has asked in vain for leave to pass a line.
     pub(crate) refused_steps: u32,
+    /// Those it stands for inside a junction, by their indices.
+    pub(crate) stands_for: Vec<usize>,
     pub(crate) body: Body,
 }
 

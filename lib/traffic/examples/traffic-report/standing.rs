@@ -76,7 +76,8 @@ pub(crate) struct Standing {
     pub(crate) faults: Vec<(usize, u16)>,
     /// Longest standing for whatever reason.
     pub(crate) longest: Longest,
-    /// Longest standing of which the cause, at the head of the queue, is neither a light nor a wreck nor a hazard.
+    /// Longest standing of which the cause, at the head of the queue, is neither a light nor a walker nor a wreck nor a
+    /// hazard.
     pub(crate) gridlock: Longest,
 }
 
@@ -98,7 +99,10 @@ pub(crate) fn measure(film: &Film<'_>) -> Standing {
                     standing.faults.push((i, body.id));
                 }
             }
-            if matches!(head(&reasons, n), Reason::Light | Reason::Wreck | Reason::Hazard | Reason::DeadEnd) {
+            if matches!(
+                head(&reasons, n),
+                Reason::Light | Reason::Wreck | Reason::Walker | Reason::Hazard | Reason::DeadEnd
+            ) {
                 since[n][1] = i;
             }
             for (longest, from) in [&mut standing.longest, &mut standing.gridlock].into_iter().zip(since[n]) {
