@@ -273,12 +273,13 @@ impl Reservations {
                 if !meeting.rival_first(held.order < own.order) {
                     continue;
                 }
-                match meeting.wait() {
+                let wait = meeting.wait();
+                if wait.is_some() && vehicle.speed_mps < STANDING_MPS {
+                    stands_for.push(rival);
+                }
+                match wait {
                     Some(Wait::Stop(gap_m)) => {
                         approach.stop_gap_m = Some(approach.stop_gap_m.map_or(gap_m, |g| g.min(gap_m)));
-                        if vehicle.speed_mps < STANDING_MPS {
-                            stands_for.push(rival);
-                        }
                     }
                     Some(Wait::Follow(gap_m, speed))
                         if approach.merging.is_none_or(|[g, s]| answer(gap_m, speed) < answer(g, s)) =>
