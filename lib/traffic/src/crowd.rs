@@ -5,12 +5,11 @@
 //! the first one met on it within [`LOOK_S`], the more the sooner. Right is a little cheaper than left, so that two who
 //! meet head on go to different sides.
 
-use std::collections::BTreeMap;
-
 use nalgebra::{Point3, Vector2};
 use schema::FRAME_PERIOD_S;
 
 use crate::fixtures::{Fixture, Fixtures};
+use crate::grid::Grid;
 
 /// Side of a cell, and how far around a walker looks, metres.
 const CELL_M: f64 = 5.0;
@@ -52,14 +51,16 @@ pub(crate) struct Wish {
 }
 
 /// All walkers, in a grid.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Crowd {
     discs: Vec<Disc>,
-    cells: BTreeMap<(i32, i32), Vec<usize>>,
+    grid: Grid,
 }
 
-fn cell(point: &Point3<f64>) -> (i32, i32) {
-    ((point.x / CELL_M).floor() as i32, (point.y / CELL_M).floor() as i32)
+impl Default for Crowd {
+    fn default() -> Self {
+        Self { discs: Vec::new(), grid: Grid::new(CELL_M) }
+    }
 }
 
 fn flat(from: &Point3<f64>, to: &Point3<f64>) -> Vector2<f64> {
@@ -74,7 +75,7 @@ pub(crate) fn radius_m(size_m: [f64; 3]) -> f64 {
 impl Crowd {
     /// Adds a walker and returns its number.
     pub(crate) fn add(&mut self, point: Point3<f64>, velocity_mps: Vector2<f64>, radius_m: f64) -> usize {
-        self.cells.entry(cell(&point)).or_default().push(self.discs.len());
+        self.grid.insert(point.x, point.y, self.discs.len());
         self.discs.push(Disc { point, velocity_mps, radius_m });
         self.discs.len() - 1
     }
@@ -88,15 +89,10 @@ impl Crowd {
 
     /// Those near a place on its level.
     fn near(&self, point: Point3<f64>) -> impl Iterator<Item = (usize, &Disc)> {
-        let (x, y) = cell(&point);
-        let around = (-1..=1).flat_map(move |dx| (-1..=1).map(move |dy| (x + dx, y + dy)));
-        around
-            .filter_map(|c| self.cells.get(&c))
-            .flatten()
-            .filter_map(|&j| Some((j, self.discs.get(j)?)))
-            .filter(move |(_, d)| {
-                (d.point.z - point.z).abs() < LEVEL_M && flat(&point, &d.point).norm() < CELL_M
-            })
+        let around = self.grid.around(point.x, point.y);
+        around.filter_map(|j| Some((j, self.discs.get(j)?))).filter(move |(_, d)| {
+            (d.point.z - point.z).abs() < LEVEL_M && flat(&point, &d.point).norm() < CELL_M
+        })
     }
 
     /// Whether a walker of a radius can stand at a place.

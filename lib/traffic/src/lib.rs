@@ -15,6 +15,7 @@ mod doors;
 mod driver;
 mod error;
 mod fixtures;
+mod grid;
 mod hazards;
 mod input;
 mod junction;

@@ -3,6 +3,7 @@
 
 use nalgebra::{Point3, Vector2, Vector3};
 
+use crate::grid::Grid;
 use crate::moving::after_rod;
 use crate::net::Net;
 use crate::vehicles::Vehicle;
@@ -23,6 +24,10 @@ const DRIVERS_M: f64 = 0.1;
 /// Nearer means by more than this, metres.
 const NEARER_M: f64 = 0.02;
 const WALKERS_M: f64 = 0.25;
+/// Walkers look at places so much farther than a vehicle sweeps soon, metres: half a second of the fastest, and a step.
+const MINDED_M: f64 = 6.0;
+/// Side of a cell, metres: drivers look no farther, half of the longest vehicle included.
+const CELL_M: f64 = 36.0;
 /// Bodies on other levels do not meet, metres.
 const LEVEL_M: f64 = 2.5;
 
@@ -59,25 +64,49 @@ impl Print {
 }
 
 /// Who is about and what is swept soon, in one step of time.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Sweeps {
     walkers: Vec<(Point3<f64>, f64)>,
+    grid: Grid,
+    /// For each walker whether a vehicle may come to where it is or steps to.
+    minded: Vec<bool>,
     /// Vehicles with walkers beside them, where they are now.
     here: Vec<Print>,
     soon: Vec<Print>,
+}
+
+impl Default for Sweeps {
+    fn default() -> Self {
+        Self {
+            walkers: Vec::new(),
+            grid: Grid::new(CELL_M),
+            minded: Vec::new(),
+            here: Vec::new(),
+            soon: Vec::new(),
+        }
+    }
 }
 
 impl Sweeps {
     /// Forgets the step before.
     pub(crate) fn clear(&mut self) {
         self.walkers.clear();
+        self.grid.clear();
+        self.minded.clear();
         self.here.clear();
         self.soon.clear();
     }
 
-    /// A walker, as a disc.
+    /// A walker, as a disc; they are numbered as they come.
     pub(crate) fn add_walker(&mut self, point: Point3<f64>, radius_m: f64) {
+        self.grid.insert(point.x, point.y, self.walkers.len());
         self.walkers.push((point, radius_m));
+        self.minded.push(false);
+    }
+
+    /// Whether a walker has to look out for vehicles off the road.
+    pub(crate) fn is_minded(&self, walker: usize) -> bool {
+        self.minded.get(walker).copied().unwrap_or(false)
     }
 
     /// Metres that a vehicle can go on until it would touch a walker, if there is one in its way; notes what it sweeps soon.
@@ -89,8 +118,21 @@ impl Sweeps {
         let lanes = vehicle.lanes_ahead(net).take_while(|(_, start)| *start < reach_m);
         let radius_m = lanes.map(|(lane, _)| net.lanes[lane].radius_m).fold(f64::INFINITY, f64::min);
         let glides = if vehicle.shift.is_some() { 1.0 } else { 0.0 };
-        let near: Vec<&(Point3<f64>, f64)> = self
-            .walkers
+        // Whatever the vehicle sweeps lies within the way it looks ahead and half its diagonal.
+        let at = vehicle.place.point;
+        let half_m = here.half_m[0] + here.half_m[1];
+        let soon_m = SOON_S * speed + SOON_M;
+        let mut around = Vec::new();
+        for walker in self.grid.around(at.x, at.y) {
+            let away_m = (self.walkers[walker].0 - at).xy().norm();
+            if away_m < half_m + soon_m + MINDED_M {
+                self.minded[walker] = true;
+            }
+            if away_m < half_m + reach_m + BESIDE_M {
+                around.push(self.walkers[walker]);
+            }
+        }
+        let near: Vec<&(Point3<f64>, f64)> = around
             .iter()
             .filter(|(point, radius)| {
                 let [ahead, left] = here.local(point);
@@ -102,7 +144,7 @@ impl Sweeps {
                     && here.is_level(point)
             })
             .collect();
-        let beside = self.walkers.iter().any(|(point, radius)| {
+        let beside = around.iter().any(|(point, radius)| {
             let [ahead, left] = here.local(point);
             ahead.abs() < here.half_m[0] + BESIDE_M
                 && left.abs() < here.half_m[1] + radius + BESIDE_M
@@ -115,7 +157,6 @@ impl Sweeps {
         if near.is_empty() {
             return None;
         }
-        let soon_m = SOON_S * speed + SOON_M;
         let mut gap_m = None;
         let mut on_m = 0.0;
         let (mut at, mut yaw_rad) = (vehicle.place.point, vehicle.yaw_rad);

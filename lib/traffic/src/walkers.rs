@@ -281,10 +281,11 @@ impl Walker {
         match wish {
             Some((wish, height_m)) => {
                 let most = if self.model.wheel_radius_m > 0.0 { WHEELCHAIR_MPS } else { f64::INFINITY };
-                let wish = if self.is_on_road() { wish } else { self.heed(place.sweeps, wish) };
+                let minded = place.sweeps.is_minded(me);
+                let wish = if self.is_on_road() || !minded { wish } else { self.heed(place.sweeps, wish) };
                 let velocity = crowd.velocity(me, &wish, fixtures).cap_magnitude(most);
                 let moved = crowd.step(me, velocity * FRAME_PERIOD_S, fixtures);
-                let blocked = place.sweeps.blocks(&before, moved, self.radius_m());
+                let blocked = minded && place.sweeps.blocks(&before, moved, self.radius_m());
                 let moved = if blocked { Vector2::zeros() } else { moved };
                 self.velocity_mps = moved / FRAME_PERIOD_S;
                 (self.point.x, self.point.y) = (before.x + moved.x, before.y + moved.y);
