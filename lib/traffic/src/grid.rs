@@ -8,13 +8,13 @@ pub(crate) struct Grid {
     sorted: Vec<((i32, i32), usize)>,
 }
 
+fn cell([x_m, y_m]: [f64; 2], cell_m: f64) -> (i32, i32) {
+    ((x_m / cell_m).floor() as i32, (y_m / cell_m).floor() as i32)
+}
+
 impl Grid {
     pub(crate) fn new(cell_m: f64) -> Self {
         Self { cell_m, sorted: Vec::new() }
-    }
-
-    fn cell(&self, x_m: f64, y_m: f64) -> (i32, i32) {
-        ((x_m / self.cell_m).floor() as i32, (y_m / self.cell_m).floor() as i32)
     }
 
     pub(crate) fn clear(&mut self) {
@@ -23,14 +23,21 @@ impl Grid {
 
     /// Adds a thing at a place.
     pub(crate) fn insert(&mut self, x_m: f64, y_m: f64, number: usize) {
-        let cell = self.cell(x_m, y_m);
+        let cell = cell([x_m, y_m], self.cell_m);
         let at = self.sorted.partition_point(|(other, _)| *other <= cell);
         self.sorted.insert(at, (cell, number));
     }
 
+    /// Adds things, given by place and number, at once.
+    pub(crate) fn fill(&mut self, things: impl Iterator<Item = ([f64; 2], usize)>) {
+        let (cell_m, sorted) = (self.cell_m, &mut self.sorted);
+        sorted.extend(things.map(|([x, y], number)| (cell([x, y], cell_m), number)));
+        sorted.sort_unstable();
+    }
+
     /// Everything in the cell of a place and the eight around it: all within a cell's side are among them.
     pub(crate) fn around(&self, x_m: f64, y_m: f64) -> impl Iterator<Item = usize> + '_ {
-        let (x, y) = self.cell(x_m, y_m);
+        let (x, y) = cell([x_m, y_m], self.cell_m);
         (x.saturating_sub(1)..=x.saturating_add(1)).flat_map(move |column| {
             let last = (column, y.saturating_add(1));
             let from = self.sorted.partition_point(|(cell, _)| *cell < (column, y.saturating_sub(1)));
@@ -55,6 +62,9 @@ mod tests {
             for (i, (x, y)) in points.iter().enumerate() {
                 grid.insert(*x, *y, i);
             }
+            let mut filled = Grid::new(3.0);
+            filled.fill(points.iter().enumerate().map(|(i, (x, y))| ([*x, *y], i)));
+            prop_assert_eq!(&grid.sorted, &filled.sorted);
             let mut found: Vec<usize> = grid.around(x, y).collect();
             found.sort_unstable();
             prop_assert!(found.windows(2).all(|pair| pair[0] < pair[1]));

@@ -277,6 +277,7 @@ impl<'a> Simulation<'a> {
         for walker in &self.walkers {
             crowd.add(walker.point, walker.velocity_mps, walker.radius_m());
         }
+        self.sweeps.settle();
         let place = Place {
             paths: &self.paths,
             routes: &self.routes,

@@ -28,6 +28,8 @@ const WALKERS_M: f64 = 0.25;
 const MINDED_M: f64 = 6.0;
 /// Side of a cell, metres: drivers look no farther, half of the longest vehicle included.
 const CELL_M: f64 = 36.0;
+/// The same for what is swept, metres: half the diagonal of the longest vehicle and a walker.
+const PRINT_CELL_M: f64 = 8.0;
 /// Bodies on other levels do not meet, metres.
 const LEVEL_M: f64 = 2.5;
 
@@ -73,6 +75,7 @@ pub(crate) struct Sweeps {
     /// Vehicles with walkers beside them, where they are now.
     here: Vec<Print>,
     soon: Vec<Print>,
+    soon_grid: Grid,
 }
 
 impl Default for Sweeps {
@@ -83,6 +86,7 @@ impl Default for Sweeps {
             minded: Vec::new(),
             here: Vec::new(),
             soon: Vec::new(),
+            soon_grid: Grid::new(PRINT_CELL_M),
         }
     }
 }
@@ -95,6 +99,7 @@ impl Sweeps {
         self.minded.clear();
         self.here.clear();
         self.soon.clear();
+        self.soon_grid.clear();
     }
 
     /// A walker, as a disc; they are numbered as they come.
@@ -192,9 +197,16 @@ impl Sweeps {
         })
     }
 
+    /// All vehicles have looked: walkers may look, too.
+    pub(crate) fn settle(&mut self) {
+        let prints = self.soon.iter().enumerate();
+        self.soon_grid.fill(prints.map(|(i, print)| ([print.at.x, print.at.y], i)));
+    }
+
     /// How far outside the ground that is swept soon a walker would be at a place, metres, at most [`WALKERS_M`] beyond.
     pub(crate) fn clear_m(&self, at: &Point3<f64>, radius_m: f64) -> f64 {
-        let on_level = self.soon.iter().filter(|print| print.is_level(at));
+        let around = self.soon_grid.around(at.x, at.y).map(|print| &self.soon[print]);
+        let on_level = around.filter(|print| print.is_level(at));
         on_level.map(|print| print.outside_m(at) - radius_m).fold(WALKERS_M, f64::min)
     }
 
