@@ -232,16 +232,14 @@ impl Reservations {
         place: (usize, f64),
         ask_again: &mut Vec<usize>,
     ) -> bool {
-        self.meetings(net, vehicles, me, place).all(|(rival, held, meeting)| {
-            if meeting.is_gap_behind() {
+        self.meetings(net, vehicles, me, place).all(|(rival, _, meeting)| {
+            // Who stands for this one anyway lets it go on, or both would stand for good.
+            let stands = vehicles[rival].stands_for.contains(&me) && !meeting.is_rival_in();
+            if stands || meeting.is_gap_behind() {
                 return true;
             }
-            let other = &vehicles[rival];
-            // Who stands for this one anyway, before another line inside, would hold both up.
-            let stands = other.stands_for.contains(&me)
-                && held.start_m > other.odometer_m + other.half_length_m()
-                && comes_to_line(net, other);
-            let before = (stands || is_before_line(net, other) && meeting.is_gap_before())
+            let before = is_before_line(net, &vehicles[rival])
+                && meeting.is_gap_before()
                 && !self.is_followed(vehicles, rival);
             if before {
                 ask_again.push(rival);
@@ -404,8 +402,14 @@ impl Reservations {
         for rival in ask_again {
             self.give_back(&mut vehicles[rival], rival);
         }
+        // Whoever stands for this one on the way it has stands for it on the way it gets: its leave is as old.
+        let age = vehicles[me].held.iter().map(|held| held.order).min();
+        let stood_for = vehicles.iter().any(|other| other.stands_for.contains(&me));
         for (lane, start) in movement {
             self.hold(&mut vehicles[me], me, lane, odometer + start);
+        }
+        if let Some(order) = age.filter(|_| stood_for) {
+            vehicles[me].held.iter_mut().for_each(|held| held.order = held.order.min(order));
         }
         true
     }
@@ -515,16 +519,6 @@ fn rank(vehicle: &Vehicle, entry: &Lane) -> u8 {
         () if !entry.yield_sign && !entry.stop_sign && !turns_left => 2,
         () => 3,
     }
-}
-
-/// Whether the next lane that a vehicle has leave for and has not reached lies behind a line.
-fn comes_to_line(net: &Net, vehicle: &Vehicle) -> bool {
-    let front = vehicle.half_length_m();
-    let ahead = vehicle.lanes_ahead(net).zip(vehicle.lanes_ahead(net).skip(1));
-    let next = ahead
-        .map(|((before, _), at)| (before, at))
-        .find(|(_, (lane, start))| *start > front && vehicle.held.iter().any(|h| h.lane == *lane));
-    next.is_some_and(|(before, (lane, _))| net.lanes[before].junction != net.lanes[lane].junction)
 }
 
 /// Whether a vehicle with leave has not passed its line and can stop there with ease.

@@ -131,6 +131,11 @@ impl<'a> Meeting<'a> {
         }
     }
 
+    /// Whether the rival is in the place.
+    pub(crate) fn is_rival_in(&self) -> bool {
+        self.theirs.is_in()
+    }
+
     /// What to do, if anything, while the rival goes first.
     pub(crate) fn wait(&self) -> Option<Wait> {
         if self.merges {
