@@ -82,6 +82,11 @@ pub(crate) fn measure(film: &Film<'_>) -> Lights {
     result
 }
 
+/// A vehicle is through a junction this far behind its line, metres, and has gone straight on if it has turned by less,
+/// radians.
+const THROUGH_M: f64 = 30.0;
+const STRAIGHT_RAD: f64 = 0.5;
+
 /// Time between the vehicles of one queue.
 fn headways(film: &Film<'_>, light: &[u8], passages: &[Passage], headways_s: &mut Vec<f64>) {
     let starts = (1..light.len()).filter(|&i| light[i] == b'G' && light[i - 1] != b'G');
@@ -98,11 +103,19 @@ fn headways(film: &Film<'_>, light: &[u8], passages: &[Passage], headways_s: &mu
             let set_off = (start..p.state).find(|&i| track[i].speed_mps > SET_OFF_MPS).unwrap_or(p.state);
             (set_off..p.state).all(|i| track[i].speed_mps > QUEUED_MPS)
         };
+        // Tight turns are slower; flows are given for lanes that go straight on.
+        let straight = |p: &&Passage| {
+            let track = &film.vehicles[p.vehicle].track;
+            let far = |i: &usize| (track[*i].at - track[p.state].at).norm() > THROUGH_M;
+            let later = (p.state..track.len()).find(far).unwrap_or(track.len() - 1);
+            frames::wrap_pi(track[later].yaw_rad - track[p.state].yaw_rad).abs() < STRAIGHT_RAD
+        };
         let car = |p: &&Passage| {
             let body = &film.vehicles[p.vehicle];
             body.size_m[0] < CAR_M && !body.two_wheeled
         };
-        let queue: Vec<&Passage> = inside.take_while(queued).take_while(flows).take_while(car).collect();
+        let queue: Vec<&Passage> =
+            inside.take_while(queued).take_while(flows).take_while(car).take_while(straight).collect();
         let pairs = queue.windows(2).skip(LOST - 1);
         headways_s.extend(pairs.map(|p| (p[1].state - p[0].state) as f64 * DT));
     }
