@@ -1,4 +1,4 @@
-//! Who may enter a junction: signals, signs, and one at a time where ways cross.
+//! Who may enter a junction: signals, signs, and by turns where ways cross.
 //!
 //! A driver may pass the line before a junction only with all lanes of its way through it reserved. Where the ways of
 //! two meet, the one whose reservation is older goes first. A later one is given if nobody who goes first stands, and
@@ -7,13 +7,14 @@
 //! not brake: that one asks again. Reservations end when the vehicle's rear has left the lane.
 //!
 //! Nobody waits for ever inside: whoever waits there waits for an older reservation, or for who is ahead on its lane and
-//! has one, so that no ring of waiting vehicles closes; the oldest one can leave, because entry needs room behind the
-//! junction.
+//! has one; the oldest one can leave, because entry needs room behind the junction. Where ways are reserved in parts, as on
+//! roundabouts, the next part may be held by one who stands for who asks for it: it is given then, and with the age of the
+//! part before, or both would stand for good.
 //!
 //! Requests are served by rank: who is inside, who waits for long, who has no sign and does not turn left at a light, the
 //! others; then in the order in which drivers came to the line, vehicle numbers breaking ties. Whoever has been refused
-//! for long claims its way: those who come later get no leave across it, so that a busy road does not starve a side
-//! street.
+//! for long claims its way and the room behind it: those who come later get no leave across the one or into the other, so
+//! that a busy road does not starve a side street.
 
 use crate::driver::{braking_to_stop, envelope};
 use crate::meeting::{Meeting, Wait};
