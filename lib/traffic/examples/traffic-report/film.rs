@@ -31,7 +31,7 @@ const POINT_M: f64 = 0.5;
 pub(crate) struct Snap {
     pub(crate) at: Point3<f64>,
     pub(crate) yaw_rad: f64,
-    /// Along its heading.
+    /// Of its middle; negative backwards.
     pub(crate) speed_mps: f64,
 }
 
@@ -137,7 +137,7 @@ impl<'a> Film<'a> {
             let yaw_rad = yaw(state.quaternion);
             let (sin, cos) = sin_cos(yaw_rad);
             let [vx, vy, _] = state.velocity_mps.map(f64::from);
-            let speed_mps = vx * cos + vy * sin;
+            let speed_mps = (vx * vx + vy * vy).sqrt().copysign(vx * cos + vy * sin);
             tracks.entry(state.id).or_default().push(Snap { at: state.xyz_m.into(), yaw_rad, speed_mps });
         }
         let bodies = |kind: &str| -> Vec<Body> {

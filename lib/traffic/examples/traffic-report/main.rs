@@ -1,7 +1,7 @@
 //! Watches traffic and tells what is wrong with it: scenes on towns of our own and, where they are at hand, on real
 //! maps, judged by their logs alone. `make traffic-report`.
 //!
-//! Arguments: names of maps (`convoy/03`, `Town03`) to look at only these; `--seeds N` for scenes per map; `--faults`
+//! Arguments: names of maps (`convoy/03`, `Town03`) to look at only these; `--seeds N` for scenes per map, or `--seeds 5-9` for those; `--faults`
 //! to list single faults; `--dump FOLDER` to write every track as CSV, for drawing.
 #![allow(clippy::print_stdout)] // It is a report.
 
@@ -16,6 +16,7 @@ mod things;
 mod touching;
 
 use std::io::Write;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -75,18 +76,32 @@ fn write(film: &Film<'_>, path: &Path) -> std::io::Result<()> {
     file.flush()
 }
 
+/// The seeds meant by `4` (1 to 4) or `5-9`.
+fn seeds_of(text: &str) -> Option<RangeInclusive<u64>> {
+    match text.split_once('-') {
+        Some((first, last)) => Some(first.parse().ok()?..=last.parse().ok()?),
+        None => Some(1..=text.parse().ok()?),
+    }
+}
+
 fn main() {
     let mut arguments = std::env::args().skip(1);
-    let (mut seeds, mut faults, mut dump, mut wanted) = (4, false, None, Vec::new());
+    let (mut seeds, mut faults, mut dump, mut wanted) = (1..=4, false, None, Vec::new());
     while let Some(word) = arguments.next() {
         match word.as_str() {
-            "--seeds" => seeds = arguments.next().and_then(|n| n.parse().ok()).unwrap_or(seeds),
+            "--seeds" => {
+                let range = arguments.next().as_deref().and_then(seeds_of);
+                seeds = range.unwrap_or_else(|| {
+                    eprintln!("--seeds wants a number of seeds, or the first and the last as 5-9");
+                    std::process::exit(2)
+                });
+            }
             "--faults" => faults = true,
             "--dump" => dump = arguments.next().map(PathBuf::from),
             _ => wanted.push(word),
         }
     }
-    let plans = plans(&wanted, seeds);
+    let plans = plans(&wanted, &seeds);
     let next = AtomicUsize::new(0);
     let reports: Vec<Mutex<Option<Report>>> = plans.iter().map(|_| Mutex::new(None)).collect();
     let threads = std::thread::available_parallelism().map_or(1, usize::from);

@@ -1,6 +1,6 @@
 //! The scenes to watch.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, RangeInclusive};
 
 use opendrive::{LaneInfo, LanePos, Map};
 use schema::settings::WorldSettings;
@@ -33,11 +33,11 @@ pub(crate) struct Plan {
     seed: u64,
 }
 
-pub(crate) fn plans(wanted: &[String], seeds: u64) -> Vec<Plan> {
+pub(crate) fn plans(wanted: &[String], seeds: &RangeInclusive<u64>) -> Vec<Plan> {
     let names = MAPS.iter().map(|m| (*m).to_owned());
     let names: Vec<String> = if wanted.is_empty() { names.collect() } else { wanted.to_vec() };
     let known = names.into_iter().filter(|name| load(name).is_some());
-    known.flat_map(|map| (1..=seeds).map(move |seed| Plan { map: map.clone(), seed })).collect()
+    known.flat_map(|map| seeds.clone().map(move |seed| Plan { map: map.clone(), seed })).collect()
 }
 
 fn load(name: &str) -> Option<Map> {
