@@ -192,28 +192,27 @@ fn swept(vehicle: &Vehicle, radius_m: f64) -> [f64; 2] {
     [radius_m - rear + 0.5 * width, (side * side + front * front).sqrt() - radius_m]
 }
 
-/// The stretches of a lane with a small radius: metres along it, the radius, and whether it turns left.
-fn runs(net: &Net, lane: usize) -> Vec<(f64, f64, f64, bool)> {
+/// The stretches of a lane with a small radius: metres along it, and whether it turns left.
+fn runs(net: &Net, lane: usize) -> Vec<(f64, f64, bool)> {
     let way = &net.lanes[lane].way;
-    let mut found: Vec<(f64, f64, f64, bool)> = Vec::new();
+    let mut found: Vec<(f64, f64, bool)> = Vec::new();
     for w in way.samples.windows(2) {
-        let middle = 0.5 * (w[0].along_m + w[1].along_m);
-        let curvature = way.curvature(middle);
-        let (radius_m, left) = (1.0 / curvature.abs().max(1e-9), curvature > 0.0);
-        if radius_m >= TIGHT_M {
+        let curvature = way.curvature(0.5 * (w[0].along_m + w[1].along_m));
+        if curvature.abs() * TIGHT_M <= 1.0 {
             continue;
         }
-        match found.last_mut().filter(|r| r.3 == left && w[0].along_m - r.1 < 1e-6) {
-            Some(run) => (run.1, run.2) = (w[1].along_m, run.2.min(radius_m)),
-            None => found.push((w[0].along_m, w[1].along_m, radius_m, left)),
+        let left = curvature > 0.0;
+        match found.last_mut().filter(|r| r.2 == left && w[0].along_m - r.1 < 1e-6) {
+            Some(run) => run.1 = w[1].along_m,
+            None => found.push((w[0].along_m, w[1].along_m, left)),
         }
     }
     found
 }
 
 /// The bends that a lane's stretch makes with lanes that run the other way on its outside.
-fn opposite(net: &Net, lane: usize, run: &(f64, f64, f64, bool)) -> Vec<Bend> {
-    let &(from_m, to_m, radius_m, turns_left) = run;
+fn opposite(net: &Net, lane: usize, run: &(f64, f64, bool)) -> Vec<Bend> {
+    let &(from_m, to_m, turns_left) = run;
     let mut found: Vec<Bend> = Vec::new();
     let way = &net.lanes[lane].way;
     for sample in way.samples.iter().filter(|s| (from_m..=to_m).contains(&s.along_m)) {
@@ -227,18 +226,20 @@ fn opposite(net: &Net, lane: usize, run: &(f64, f64, f64, bool)) -> Vec<Bend> {
             if !opposed || !outside || left_m.abs() > BESIDE_M || net.lanes[other].junction.is_some() {
                 continue;
             }
+            let radius_m = 1.0 / way.curvature(sample.along_m).abs().max(1e-9);
+            let around = [(lane, sample.along_m, ENDS_M), (other, along_m, EXIT_M)]
+                .map(|(lane, at_m, before_m)| Part { lane, from_m: at_m - before_m, to_m: at_m + ENDS_M });
             match found.iter_mut().find(|b| b.parts[1].lane == other) {
                 Some(bend) => {
-                    let part = &mut bend.parts[1];
-                    (part.from_m, part.to_m) =
-                        (part.from_m.min(along_m - EXIT_M), part.to_m.max(along_m + ENDS_M));
+                    for (part, more) in bend.parts.iter_mut().zip(around) {
+                        part.from_m = part.from_m.min(more.from_m);
+                        part.to_m = part.to_m.max(more.to_m);
+                    }
                     bend.apart_m = bend.apart_m.min(left_m.abs());
+                    bend.radius_m = bend.radius_m.min(radius_m);
                 }
                 None => found.push(Bend {
-                    parts: [
-                        Part { lane, from_m: from_m - ENDS_M, to_m: to_m + ENDS_M },
-                        Part { lane: other, from_m: along_m - EXIT_M, to_m: along_m + ENDS_M },
-                    ],
+                    parts: around,
                     radius_m,
                     apart_m: left_m.abs(),
                     holders: Vec::new(),

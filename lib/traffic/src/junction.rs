@@ -17,7 +17,7 @@
 //! that a busy road does not starve a side street.
 
 use crate::driver::{braking_to_stop, envelope};
-use crate::meeting::{Meeting, Wait};
+use crate::meeting::{LetIn, Meeting, Wait};
 use crate::net::{Lane, Net, PLANNED_BRAKING};
 use crate::occupancy::{Occupancy, is_stranded};
 use crate::signals::{Light, Signals};
@@ -33,6 +33,8 @@ const EXIT_SLOW_MPS: f64 = 5.0 / 3.6;
 const YELLOW_BRAKING: f64 = 3.5;
 /// Drivers stop at red if it is at all possible, m/s2.
 const RED_BRAKING: f64 = 7.5;
+/// Who stands within this distance of a line is at it, metres, and farther off where drivers stop farther off.
+const LINE_M: f64 = 7.0;
 /// Standing time at a stop sign, steps (2 s).
 const STOP_STEPS: u32 = 40;
 /// At green, queues this long set off as one, metres.
@@ -90,8 +92,8 @@ struct Claims {
 pub(crate) struct Approach {
     /// Gap to the place to stop, before the line if it must not be passed, or inside, metres.
     pub(crate) stop_gap_m: Option<f64>,
-    /// Gap to and speed of one that goes first where ways merge, metres and m/s.
-    pub(crate) merging: Option<[f64; 2]>,
+    /// The one that goes first where ways merge.
+    pub(crate) merging: Option<LetIn>,
     /// Highest speed here, m/s.
     pub(crate) cap_mps: f64,
 }
@@ -264,9 +266,8 @@ impl Reservations {
     fn give_way(&self, net: &Net, vehicles: &[Vehicle], me: usize, approach: &mut Approach) -> Vec<usize> {
         let vehicle = &vehicles[me];
         let mut stands_for = Vec::new();
-        let answer = |gap_m: f64, speed: f64| {
-            vehicle.driver.idm.following(vehicle.speed_mps, vehicle.speed_mps.max(1.0), gap_m, speed)
-        };
+        let answer =
+            |to: &LetIn| to.answer(&vehicle.driver.idm, vehicle.speed_mps, vehicle.speed_mps.max(1.0));
         for own in &vehicle.held {
             for (rival, held, meeting) in self.meetings(net, vehicles, me, (own.lane, own.start_m)) {
                 if !meeting.rival_first(held.order < own.order) {
@@ -280,12 +281,10 @@ impl Reservations {
                     Some(Wait::Stop(gap_m)) => {
                         approach.stop_gap_m = Some(approach.stop_gap_m.map_or(gap_m, |g| g.min(gap_m)));
                     }
-                    Some(Wait::Follow(gap_m, speed))
-                        if approach.merging.is_none_or(|[g, s]| answer(gap_m, speed) < answer(g, s)) =>
-                    {
-                        approach.merging = Some([gap_m, speed]);
+                    Some(Wait::LetIn(to)) if approach.merging.is_none_or(|m| answer(&to) < answer(&m)) => {
+                        approach.merging = Some(to);
                     }
-                    Some(Wait::Follow(..)) | None => {}
+                    Some(Wait::LetIn(_)) | None => {}
                 }
             }
         }
@@ -473,7 +472,8 @@ impl Reservations {
                 light == Light::Green && vehicles.get(l.vehicle).is_some_and(|v| v.held.iter().any(leave))
             });
             let second = leader.is_some() && !follows;
-            let near = line.gap_m <= 8.0 + speed * 1.0 + speed * speed / (2.0 * 1.5)
+            let near = line.gap_m
+                <= entry.line_gap_m.max(LINE_M) + 1.0 + speed * 1.0 + speed * speed / (2.0 * 1.5)
                 || follows && line.gap_m < QUEUE_M;
             let vehicle = &mut vehicles[me];
             let must_stand = entry.stop_sign && entry.signals.is_empty() && !blind;

@@ -1,6 +1,6 @@
 //! Two vehicles whose ways through a junction meet: who is first, who waits where, and which gaps are long enough.
 
-use crate::driver::braking_to_stop;
+use crate::driver::{Idm, braking_to_stop};
 use crate::junction::Held;
 use crate::net::{Conflict, Lane, Net};
 use crate::vehicles::Vehicle;
@@ -29,6 +29,10 @@ const IMPOSED_BRAKING: f64 = 1.2;
 /// Drivers brake before a place that will not be free in time from here, and in any case from here, m/s2.
 const EARLY_BRAKING: f64 = 1.2;
 const LATE_BRAKING: f64 = 2.5;
+/// Braking with which drivers fall behind one beside them whom they let go ahead where their ways merge, m/s2.
+const FALL_BACK_BRAKING: f64 = 1.2;
+/// Gap behind one who goes first that is enough where ways merge, metres.
+const MERGE_GAP_M: f64 = 2.0;
 /// Shares of a driver's acceleration that others count on who need it to be gone, and to be away still.
 const SLOW_SHARE: f64 = 0.4;
 const FAST_SHARE: f64 = 1.0;
@@ -92,8 +96,27 @@ pub(crate) struct Meeting<'a> {
 pub(crate) enum Wait {
     /// Stops within so many metres.
     Stop(f64),
-    /// Follows at a gap, metres, something that moves so fast, m/s.
-    Follow(f64, f64),
+    /// Lets one go ahead where the ways merge.
+    LetIn(LetIn),
+}
+
+/// One who goes first where ways merge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LetIn {
+    /// Between its rear bumper and the own front, as if both were on one lane already, metres; negative beside each other.
+    pub(crate) gap_m: f64,
+    /// From the own front to where the ways come too near each other, metres.
+    pub(crate) to_begin_m: f64,
+    pub(crate) speed_mps: f64,
+}
+
+impl LetIn {
+    /// Acceleration with which a driver falls behind in time: braking a little from the beginning, and as hard as for a
+    /// leader only for one who is there.
+    pub(crate) fn answer(&self, idm: &Idm, speed_mps: f64, wished_mps: f64) -> f64 {
+        let behind = |gap_m: f64| idm.following(speed_mps, wished_mps, gap_m, self.speed_mps);
+        behind(self.gap_m.max(self.to_begin_m)).min(behind(self.gap_m).max(-FALL_BACK_BRAKING))
+    }
 }
 
 impl<'a> Meeting<'a> {
@@ -121,12 +144,14 @@ impl<'a> Meeting<'a> {
         (!over).then_some(Self { net, lane, me, rival, mine, theirs, gap_m, merges: conflict.merges })
     }
 
-    /// Whether the rival goes first, who got its leave `earlier` or did not: what is in the place already is.
+    /// Whether the rival goes first, who got its leave `earlier` or did not: what is in the place already is. Where ways
+    /// merge, those who are beside each other may both be: then the one goes first who is nearer to their common lane.
     pub(crate) fn rival_first(&self, earlier: bool) -> bool {
+        let ahead_m = self.mine.to_lane_end_m - self.theirs.to_lane_end_m;
         match (self.mine.is_in(), self.theirs.is_in()) {
-            (true, true) => self.merges && self.gap_m > -self.me.half_length_m(),
-            (true, false) => false,
-            (false, true) => true,
+            (true, true) => self.merges && (ahead_m > 0.0 || ahead_m == 0.0 && earlier),
+            (true, false) => self.merges && earlier && ahead_m > 0.0,
+            (false, true) => !self.merges || earlier || ahead_m >= 0.0,
             (false, false) => earlier,
         }
     }
@@ -139,8 +164,7 @@ impl<'a> Meeting<'a> {
     /// What to do, if anything, while the rival goes first.
     pub(crate) fn wait(&self) -> Option<Wait> {
         if self.merges {
-            // Room is made until the ways are one.
-            return Some(Wait::Follow(self.gap_m.max(self.mine.to_begin_m), self.rival.speed_mps));
+            return Some(Wait::LetIn(self.let_in()));
         }
         let (speed, gap_m) = (self.me.speed_mps, self.mine.to_begin_m - BEFORE_M);
         if self.mine.to_begin_m < 0.0 {
@@ -158,7 +182,9 @@ impl<'a> Meeting<'a> {
             return false;
         }
         if self.merges {
-            return self.following(self.me, self.rival, self.mine.to_begin_m) > -OWN_BRAKING;
+            let (idm, speed) = (&self.me.driver.idm, self.me.speed_mps);
+            let wished = self.me.driver_speed(self.net).max(speed);
+            return self.falls_behind() && self.let_in().answer(idm, speed, wished) > -OWN_BRAKING;
         }
         let arrives_s = self.arrives_s(self.me, self.mine.to_begin_m);
         arrives_s > self.rival_gone_s() - SECOND_SLACK_S
@@ -172,21 +198,29 @@ impl<'a> Meeting<'a> {
                 - self.mine.to_lane_end_m
                 - self.me.half_length_m()
                 - self.rival.half_length_m();
-            return gap_m > 0.0 && self.following(self.rival, self.me, gap_m) > -IMPOSED_BRAKING;
+            let (idm, speed) = (&self.rival.driver.idm, self.rival.speed_mps);
+            let wished = self.rival.driver_speed(self.net).max(speed);
+            return gap_m > 0.0 && idm.following(speed, wished, gap_m, self.me.speed_mps) > -IMPOSED_BRAKING;
         }
         self.gone_s(self.me, self.mine.to_end_m) + FIRST_GAP_S
             < self.arrives_s(self.rival, self.theirs.to_begin_m)
     }
 
-    /// Acceleration with which one follows the other one, as on one lane.
-    fn following(&self, who: &Vehicle, ahead: &Vehicle, to_begin_m: f64) -> f64 {
-        let gap_m = if std::ptr::eq(who, self.me) { self.gap_m.max(to_begin_m) } else { to_begin_m };
-        who.driver.idm.following(
-            who.speed_mps,
-            who.driver_speed(self.net).max(who.speed_mps),
-            gap_m,
-            ahead.speed_mps,
-        )
+    fn let_in(&self) -> LetIn {
+        LetIn { gap_m: self.gap_m, to_begin_m: self.mine.to_begin_m, speed_mps: self.rival.speed_mps }
+    }
+
+    /// Whether the rival is far enough ahead, or will be with a little braking, when the own front comes to where the ways
+    /// are too near each other.
+    fn falls_behind(&self) -> bool {
+        let idm = &self.me.driver.idm;
+        // What the rival has to go until its rear is a gap beyond that place.
+        let missing_m = self.mine.to_begin_m.max(0.0) + idm.standstill_gap_m.min(MERGE_GAP_M) - self.gap_m;
+        let time_s = self.gone_s(self.rival, missing_m);
+        let speed = self.me.speed_mps;
+        let braking_s = time_s.min(speed / FALL_BACK_BRAKING);
+        speed * braking_s - 0.5 * FALL_BACK_BRAKING * braking_s * braking_s <= self.mine.to_begin_m.max(0.0)
+            || missing_m <= 0.0
     }
 
     fn rival_gone_s(&self) -> f64 {

@@ -30,7 +30,7 @@ const DECK_M: f64 = 3.0;
 /// Drivers stop this far before a line, metres.
 const LINE_GAP_M: f64 = 2.5;
 /// They stop this far before it where a tight turn ends beside it: long vehicles swing out there, metres.
-const SWING_GAP_M: f64 = 7.0;
+const SWING_GAP_M: f64 = 8.5;
 /// A turn ends beside a line within this distance, metres.
 const BESIDE_LINE_M: f64 = 6.5;
 /// Bends tighter than this, outside junctions, are shared like junctions: long vehicles there need their neighbours'

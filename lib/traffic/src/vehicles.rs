@@ -264,8 +264,8 @@ pub(crate) fn wished_acceleration(
         let idm = Idm { standstill_gap_m: TOUCHING_GAP_M, headway_s: 0.3, ..idm };
         acceleration = acceleration.min(idm.following(speed, wished, gap, 0.0));
     }
-    if let Some([gap, ahead]) = approach.merging {
-        acceleration = acceleration.min(idm.following(speed, wished, gap, ahead));
+    if let Some(first) = approach.merging {
+        acceleration = acceleration.min(first.answer(&idm, speed, wished));
     }
     for gap in [approach.stop_gap_m, bend_m, vehicle.end_of_road_m(net)].into_iter().flatten() {
         let idm = Idm { standstill_gap_m: LINE_GAP_M, headway_s: 0.6, ..idm };
