@@ -9,6 +9,7 @@ use schema::footprint::LightMount;
 
 use super::frontage::Frontage;
 use super::land::{Land, Rect};
+use super::swept::is_swept;
 use super::{Draft, Site};
 use crate::surfaces::Ground;
 
@@ -22,6 +23,8 @@ const BOARD_AT_M: f64 = 2.2;
 const ARM_FROM_M: f64 = 5.0;
 const MAX_ARM_M: f64 = 7.5;
 const LAMP_M: [f64; 3] = [2.4, 0.28, 7.5];
+/// Half the thickness of its pole, metres.
+const POLE_M: f64 = 0.14;
 
 pub(super) fn signals(site: &Site<'_>, land: &mut Land<'_>, drafts: &mut Vec<Draft>) {
     let mut signs = Vec::new();
@@ -153,6 +156,9 @@ pub(super) fn lamps(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_>, d
             let rect = Rect::around(foot.x, foot.y, 0.3);
             let on_lane = site.ground.cover.at(foot.x, foot.y).any(|(f, _)| f.ground == Ground::Paved);
             if on_lane || !site.near(foot.x, foot.y) || !land.unused(&rect) {
+                continue;
+            }
+            if is_swept(site.map, Point3::new(foot.x, foot.y, spot.point.z), POLE_M) {
                 continue;
             }
             let z = site.ground.height(foot.x, foot.y, spot.point.z);

@@ -6,6 +6,7 @@ mod islands;
 mod land;
 mod lots;
 mod parked;
+mod swept;
 
 use frames::{Object, Pose, World};
 use opendrive::Map;

@@ -7,6 +7,7 @@ use random::Stream;
 use schema::models::{self, BaseType, Model};
 
 use super::land::{Land, Rect};
+use super::swept::is_swept;
 use super::{Draft, Site};
 
 /// Ordinary car colours, sRGB.
@@ -101,7 +102,12 @@ fn stand(
     let (s, c) = sin_cos(yaw);
     let (x, y) = (at.x + shift * c, at.y + shift * s);
     let rect = Rect { centre: [x, y], axis: [c, s], half: [0.5 * length + 0.1, 0.5 * width] };
-    if !land.unused(&rect) {
+    // Its corners, not only its middle, stay clear of buses in bends.
+    let swept = [-1.0, 0.0, 1.0].iter().any(|end| {
+        let [x, y] = rect.at(*end, 0.0);
+        is_swept(site.map, Point3::new(x, y, at.z), 0.5 * width)
+    });
+    if swept || !land.unused(&rect) {
         return;
     }
     // On a slope the car lies with the road: heights under its ends and sides.
