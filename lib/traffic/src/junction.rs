@@ -16,7 +16,7 @@
 //! for long claims its way and the room behind it: those who come later get no leave across the one or into the other, so
 //! that a busy road does not starve a side street.
 
-use crate::driver::{braking_to_stop, envelope};
+use crate::driver::{COMFORT_BRAKING, braking_to_stop, envelope};
 use crate::meeting::{LetIn, Meeting, Wait};
 use crate::net::{Lane, Net, PLANNED_BRAKING};
 use crate::occupancy::{Occupancy, is_stranded};
@@ -33,6 +33,8 @@ const EXIT_SLOW_MPS: f64 = 5.0 / 3.6;
 const YELLOW_BRAKING: f64 = 3.5;
 /// Drivers stop at red if it is at all possible, m/s2.
 const RED_BRAKING: f64 = 7.5;
+/// Nobody means to stop nearer to a line than this, metres.
+const LINE_SPARE_M: f64 = 0.5;
 /// Who stands within this distance of a line is at it, metres, and farther off where drivers stop farther off.
 const LINE_M: f64 = 7.0;
 /// Standing time at a stop sign, steps (2 s).
@@ -454,7 +456,9 @@ impl Reservations {
             let blind = vehicles[me].driver.distracted;
             let speed = vehicles[me].speed_mps;
             let approach = &mut approaches[me];
-            approach.stop_gap_m = Some(line.gap_m - entry.line_gap_m);
+            // Who is beyond the place to stop when its light changes, or asks again, stops before the line as it can.
+            let soonest_m = (speed * speed / (2.0 * COMFORT_BRAKING)).min(line.gap_m - LINE_SPARE_M);
+            approach.stop_gap_m = Some((line.gap_m - entry.line_gap_m).max(soonest_m));
             if !blind {
                 approach.cap_mps = slow_down(
                     &vehicles[me],

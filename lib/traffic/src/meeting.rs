@@ -115,7 +115,13 @@ impl LetIn {
     /// leader only for one who is there.
     pub(crate) fn answer(&self, idm: &Idm, speed_mps: f64, wished_mps: f64) -> f64 {
         let behind = |gap_m: f64| idm.following(speed_mps, wished_mps, gap_m, self.speed_mps);
-        behind(self.gap_m.max(self.to_begin_m)).min(behind(self.gap_m).max(-FALL_BACK_BRAKING))
+        let there = behind(self.gap_m.max(self.to_begin_m));
+        // Who stands may stand for long: the driver goes as far as it can.
+        if self.speed_mps < MOVING_MPS {
+            there
+        } else {
+            there.min(behind(self.gap_m).max(-FALL_BACK_BRAKING))
+        }
     }
 }
 

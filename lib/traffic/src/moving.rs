@@ -14,6 +14,8 @@ const MAX_STEER_RAD: f64 = 0.9;
 const EXACT_M: f64 = 1e-5;
 /// Most trials to do so.
 const TRIALS: usize = 12;
+/// Who brakes and is slower than this stands, m/s.
+const STANDS_MPS: f64 = 0.004;
 /// Where ways meet less exactly than this, what is left wears off, metres; over how many seconds, and metres at least.
 const SEAM_M: f64 = 1e-3;
 const WEARS_OFF_S: f64 = 1.0;
@@ -131,7 +133,7 @@ impl Vehicle {
     pub(crate) fn advance(&mut self, net: &Net, acceleration_mps2: f64) {
         let dt = FRAME_PERIOD_S;
         let mut speed = (self.speed_mps + acceleration_mps2 * dt).max(0.0);
-        if speed < 0.02 && acceleration_mps2 < 0.1 {
+        if speed < STANDS_MPS && acceleration_mps2 < 0.1 {
             speed = 0.0;
         }
         let mut step = 0.5 * (self.speed_mps + speed) * dt;

@@ -36,7 +36,7 @@ const BESIDE_LINE_M: f64 = 6.5;
 /// Bends tighter than this, outside junctions, are shared like junctions: long vehicles there need their neighbours'
 /// lanes, too. Metres.
 const TIGHT_BEND_M: f64 = 22.0;
-/// Longest lane that is shared like a junction for a bend, metres.
+/// Longest inner lane of a bend that is shared like a junction, metres.
 const LONGEST_BEND_M: f64 = 60.0;
 /// Cell of the grid of lane samples, metres.
 const CELL_M: f64 = 4.0;
@@ -143,9 +143,9 @@ impl Net {
             let curve_mps = curve_speeds(&way);
             let turn = way_turn(&way);
             let radius_m = tightest_radius(&way);
-            // All lanes of a bend, however wide the outer one's.
+            // All lanes of a bend, however wide and long the outer one's.
             let inner = tightest.get(&(way.lane.road, way.lane.section));
-            let bend = way.length_m < LONGEST_BEND_M && inner.is_some_and(|r| *r < TIGHT_BEND_M);
+            let bend = inner.is_some_and(|r| *r < TIGHT_BEND_M);
             let usable = way.samples.iter().take_while(|s| s.width_m >= VEHICLE_LANE_WIDTH_M).last();
             let usable_m = usable.map_or(0.0, |s| s.along_m);
             let beside = [Side::Left, Side::Right].map(|side| beside(map, &way, &index, side));
