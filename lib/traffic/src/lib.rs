@@ -7,6 +7,7 @@
 //! The rigid-body engine moves the bodies: as drivers wish while nothing touches, and by its contact solver when a
 //! driver who looks at nothing hits something.
 
+mod approach;
 mod bends;
 mod bodies;
 mod change;
@@ -14,6 +15,7 @@ mod crowd;
 mod doors;
 mod driver;
 mod error;
+mod exits;
 mod fixtures;
 mod grid;
 mod hazards;
@@ -26,6 +28,7 @@ mod moving;
 mod net;
 mod occupancy;
 mod paths;
+mod reservations;
 mod routes;
 mod sides;
 mod signals;

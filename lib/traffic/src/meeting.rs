@@ -1,8 +1,8 @@
 //! Two vehicles whose ways through a junction meet: who is first, who waits where, and which gaps are long enough.
 
 use crate::driver::{Idm, braking_to_stop};
-use crate::junction::Held;
 use crate::net::{Conflict, Lane, Net};
+use crate::reservations::Held;
 use crate::vehicles::Vehicle;
 
 /// Lanes with no smaller radius than this are straight for long vehicles, metres.

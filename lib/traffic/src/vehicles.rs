@@ -5,13 +5,14 @@ use std::collections::VecDeque;
 use random::Stream;
 use schema::models::{BaseType, Model};
 
+use crate::approach::Approach;
 use crate::bodies::Body;
 use crate::change::{Shift, room_to_pull_out_m};
 use crate::driver::{COMFORT_BRAKING, Idm, envelope};
-use crate::junction::{Approach, Held};
 use crate::moving::Glide;
 use crate::net::{Net, PLANNED_BRAKING};
 use crate::occupancy::{Occupancy, is_stranded};
+use crate::reservations::Held;
 use crate::sides::Side;
 use crate::sway::Sway;
 use crate::ways::Place;

@@ -1,0 +1,115 @@
+//! The way through a junction and the room behind it: nobody sets off who would have to stop inside.
+
+use crate::approach::Line;
+use crate::net::Net;
+use crate::occupancy::Occupancy;
+use crate::reservations::Reservations;
+use crate::vehicles::Vehicle;
+
+/// Free space behind the rear of a vehicle that waits behind a junction, metres.
+const EXIT_MARGIN_M: f64 = 1.5;
+/// Vehicles between two junctions nearer than this are counted, so that none has to wait in the first one, metres.
+const STORED_M: f64 = 60.0;
+/// A vehicle behind a junction slower than this blocks it, m/s.
+const EXIT_SLOW_MPS: f64 = 5.0 / 3.6;
+
+/// What those claim who have been refused for long, in one step: those who are asked later get no leave across their
+/// lanes and into the lanes they want to get to.
+#[derive(Debug, Default)]
+pub(crate) struct Claims {
+    pub(crate) lanes: Vec<usize>,
+    pub(crate) exits: Vec<usize>,
+}
+
+/// The lanes through the junction, and on through the next one where the stretch between is too short to wait on.
+pub(crate) fn movement(net: &Net, vehicle: &Vehicle, line: &Line) -> Vec<(usize, f64)> {
+    let need = vehicle.model.size_m[0] + EXIT_MARGIN_M;
+    let mut through: Vec<(usize, f64)> = Vec::new();
+    let mut outside = f64::INFINITY;
+    for (lane, start) in vehicle.lanes_ahead(net).skip(line.position) {
+        if net.lanes[lane].junction.is_some() {
+            // Room to wait before the next line?
+            if !through.is_empty() && (need + net.lanes[lane].line_gap_m..f64::INFINITY).contains(&outside) {
+                break;
+            }
+            through.push((lane, start));
+            outside = 0.0;
+        } else {
+            outside += net.lanes[lane].way.length_m;
+        }
+        if through.len() >= 16 {
+            break;
+        }
+    }
+    through
+}
+
+/// The lane that a vehicle comes to behind its last junction lane.
+pub(crate) fn exit_of(net: &Net, vehicle: &Vehicle, movement: &[(usize, f64)]) -> Option<usize> {
+    let &(last, start) = movement.last()?;
+    let exit_at = start + net.lanes[last].way.length_m;
+    vehicle.lanes_ahead(net).find(|(_, start)| start + 1e-6 >= exit_at).map(|(lane, _)| lane)
+}
+
+/// Whether there is room for the vehicle behind its last junction lane, those on their way there counted.
+pub(crate) fn has_exit(
+    reservations: &Reservations,
+    net: &Net,
+    occupancy: &Occupancy,
+    vehicles: &[Vehicle],
+    me: usize,
+    movement: &[(usize, f64)],
+) -> bool {
+    let vehicle = &vehicles[me];
+    let Some(&(last, last_start)) = movement.last() else { return true };
+    let exit_at = last_start + net.lanes[last].way.length_m;
+    let gap = |v: &Vehicle| v.model.size_m[0] + v.driver.idm.standstill_gap_m;
+    let mut need = vehicle.model.size_m[0] + EXIT_MARGIN_M;
+    let mut first_exit = None;
+    // Those who will wait before the next line, and the way there.
+    let (mut stored, mut stretch) = (0.0, f64::INFINITY);
+    for (lane, start) in vehicle.lanes_ahead(net) {
+        if start + 1e-6 < exit_at {
+            continue;
+        }
+        if let Some(next) = net.lanes[lane].junction {
+            let leaves = |v: &Vehicle| v.held.iter().any(|h| net.lanes[h.lane].junction == Some(next));
+            if vehicle.held.iter().any(|h| h.lane == lane) || start - exit_at > STORED_M {
+                break;
+            }
+            let between = vehicle.lanes_ahead(net).filter(|(_, s)| (exit_at - 1e-6..start).contains(s));
+            // Wrecks reach over several places.
+            let mut seen = Vec::new();
+            for spot in between.flat_map(|(l, _)| &occupancy.vehicles[l]) {
+                let again = seen.contains(&spot.vehicle);
+                seen.push(spot.vehicle);
+                match vehicles.get(spot.vehicle) {
+                    Some(other) if again || spot.vehicle == me || leaves(other) => {}
+                    Some(other) => stored += gap(other),
+                    None => stored += 2.0 * spot.half_length_m,
+                }
+            }
+            stretch = start - exit_at - net.lanes[lane].line_gap_m;
+            break;
+        }
+        if first_exit.is_none() {
+            first_exit = Some(lane);
+            for &before in &net.lanes[lane].previous {
+                for &other in reservations.holders[before].iter().filter(|&&other| other != me) {
+                    need += gap(&vehicles[other]);
+                }
+            }
+        }
+        if start > exit_at + need.max(STORED_M) {
+            break;
+        }
+        let blocked = occupancy.vehicles[lane].iter().any(|spot| {
+            let rear = start + spot.along_m - spot.half_length_m - exit_at;
+            spot.vehicle != me && spot.speed_mps < EXIT_SLOW_MPS && rear < need
+        });
+        if blocked {
+            return false;
+        }
+    }
+    need + stored <= stretch
+}

@@ -1,0 +1,70 @@
+//! Leave to use the lanes of junctions: who holds which, and whose is older.
+
+use crate::net::Net;
+use crate::vehicles::Vehicle;
+
+/// A reserved junction lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Held {
+    pub(crate) lane: usize,
+    /// The vehicle's odometer at the lane's beginning, metres.
+    pub(crate) start_m: f64,
+    /// Number of the reservation: older ones go first.
+    pub(crate) order: u64,
+}
+
+/// Reservations of all junction lanes.
+#[derive(Debug)]
+pub(crate) struct Reservations {
+    /// The vehicles that hold each lane.
+    pub(crate) holders: Vec<Vec<usize>>,
+    given: u64,
+}
+
+impl Reservations {
+    pub(crate) fn new(lanes: usize) -> Self {
+        Self { holders: vec![Vec::new(); lanes], given: 0 }
+    }
+
+    /// Reserves a lane for a vehicle without asking.
+    pub(crate) fn hold(&mut self, vehicle: &mut Vehicle, me: usize, lane: usize, start_m: f64) {
+        self.given += 1;
+        if !vehicle.held.iter().any(|h| h.lane == lane) {
+            vehicle.held.push(Held { lane, start_m, order: self.given });
+            self.holders[lane].push(me);
+        }
+    }
+
+    /// Ends the reservations but for those to keep.
+    pub(crate) fn leave(&mut self, vehicle: &mut Vehicle, me: usize, keep: impl Fn(&Held) -> bool) {
+        let holders = &mut self.holders;
+        vehicle.held.retain(|held| {
+            let keep = keep(held);
+            if !keep {
+                holders[held.lane].retain(|&v| v != me);
+            }
+            keep
+        });
+    }
+
+    /// Ends the reservations of lanes that a vehicle's rear has left.
+    pub(crate) fn release(&mut self, net: &Net, vehicle: &mut Vehicle, me: usize) {
+        let rear = vehicle.odometer_m - vehicle.half_length_m();
+        self.leave(vehicle, me, |held| rear <= held.start_m + net.lanes[held.lane].way.length_m + 0.3);
+    }
+
+    /// Ends the reservations of lanes that a vehicle's front has not reached.
+    pub(crate) fn give_back(&mut self, vehicle: &mut Vehicle, me: usize) {
+        let front = vehicle.odometer_m + vehicle.half_length_m();
+        self.leave(vehicle, me, |held| held.start_m <= front);
+    }
+
+    /// Reserves the lane that a driver who asks nobody is on.
+    pub(crate) fn intrude(&mut self, net: &Net, vehicle: &mut Vehicle, me: usize) {
+        let lane = vehicle.route[0];
+        if net.lanes[lane].junction.is_some() {
+            let start = vehicle.odometer_m - vehicle.along_m;
+            self.hold(vehicle, me, lane, start);
+        }
+    }
+}
