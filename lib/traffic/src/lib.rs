@@ -28,6 +28,7 @@ mod moving;
 mod net;
 mod occupancy;
 mod paths;
+mod placing;
 mod reservations;
 mod routes;
 mod sides;
