@@ -17,6 +17,11 @@ const SPARE_M: f64 = 0.3;
 const REACH_M: f64 = 6.5;
 /// A bend's radius is taken over so many metres before and behind a place.
 const AROUND_M: f64 = 5.0;
+/// Bends are looked for this far back along the way, within so much of its straight line, metres, and where lanes run the
+/// same way, radians.
+const UPSTREAM_M: [f64; 2] = [4.0, 8.0];
+const UPSTREAM_ASIDE_M: f64 = 1.5;
+const SAME_WAY_RAD: f64 = 1.0;
 /// No bend is taken for tighter than this, metres.
 const TIGHTEST_M: f64 = 8.0;
 
@@ -45,11 +50,31 @@ fn direction(heading_rad: f64) -> [f64; 2] {
     [cos, sin]
 }
 
+/// The strongest curvature of the ways to a place on a lane, positive to the left, 1/m: a vehicle's front is beyond a bend
+/// while its middle is in it.
+fn curvature_towards(map: &Map, hit: &LaneHit) -> f64 {
+    let own = curvature(map, hit).unwrap_or(0.0);
+    let Some(here) = map.lane_point(hit.lane, hit.s, 0.0) else { return own };
+    let back = UPSTREAM_M.map(|back_m| {
+        let [x, y] = direction(here.heading_rad);
+        here.position - nalgebra::Vector3::new(x, y, 0.0) * back_m
+    });
+    let before = back.iter().flat_map(|point| {
+        let near = map.lanes_within(*point, UPSTREAM_ASIDE_M, |lane| lane.lane_type.is_drivable());
+        near.into_iter().filter_map(|hit| {
+            let heading_rad = map.lane_point(hit.lane, hit.s, 0.0)?.heading_rad;
+            let same_way = wrap_pi(heading_rad - here.heading_rad).abs() < SAME_WAY_RAD;
+            curvature(map, &hit).filter(|_| same_way)
+        })
+    });
+    before.fold(own, |most, c| if c.abs() > most.abs() { c } else { most })
+}
+
 /// Whether something that reaches so far around a place would stand in the way of long vehicles that keep to their lanes.
 pub(super) fn is_swept(map: &Map, place: Point3<f64>, half_m: f64) -> bool {
     let near = map.lanes_within(place, REACH_M, |lane| lane.lane_type.is_drivable());
     near.iter().any(|hit| {
-        let Some(curvature) = curvature(map, hit) else { return false };
+        let curvature = curvature_towards(map, hit);
         let [inwards, outwards] = reaches(1.0 / curvature.abs().clamp(1e-4, 1.0 / TIGHTEST_M));
         let inside = (hit.t_m > 0.0) == (curvature > 0.0);
         hit.t_m.abs() - half_m < if inside { inwards } else { outwards } + SPARE_M
