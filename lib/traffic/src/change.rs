@@ -222,7 +222,17 @@ fn look(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize, side:
     if !wide || !beside.allowed[first..=last].iter().all(|a| *a) {
         return Found::Nothing;
     }
-    match gap(net, occupancy, vehicles, me, (beside.lane, along_m), span_m, wish) {
+    // Out of the old lane before its leader's rear is reached: too near to it there is no way out, unless it goes on.
+    let leader = occupancy.leader(net, vehicles, me);
+    let near = leader.filter(|l| {
+        let closing = 1.0 - (l.speed_mps / speed.max(2.0)).min(1.0);
+        l.gap_m < OUT * span_m * closing + PAST_M
+    });
+    if let Some(leader) = near {
+        let is_stuck = is_stranded(vehicles, leader.vehicle);
+        return if is_stuck { Found::Nothing } else { Found::Full(beside.lane) };
+    }
+    match gap(net, occupancy, vehicles, me, (beside.lane, along_m), wish) {
         Some((gain, passed)) => Found::Way(Change {
             lane: beside.lane,
             along_m,
@@ -240,7 +250,6 @@ fn gap(
     vehicles: &[Vehicle],
     me: usize,
     (lane, along_m): (usize, f64),
-    span_m: f64,
     wish: Wish,
 ) -> Option<(f64, Option<usize>)> {
     let vehicle = &vehicles[me];
@@ -249,13 +258,6 @@ fn gap(
     let must = wish != Wish::Pass;
     let leader = occupancy.leader(net, vehicles, me);
     let now = leader.map_or(idm.free(speed, wished), |l| idm.following(speed, wished, l.gap_m, l.speed_mps));
-    // Out of the old lane before its leader's rear is reached.
-    if leader.is_some_and(|l| {
-        let closing = 1.0 - (l.speed_mps / speed.max(2.0)).min(1.0);
-        l.gap_m < OUT * span_m * closing + PAST_M
-    }) {
-        return None;
-    }
     let ahead = occupancy.first(net, Sense::Ahead, (lane, along_m), me, vehicle.view_m());
     let then = match ahead {
         Some((to_m, spot)) => {

@@ -1,6 +1,6 @@
 //! Two vehicles whose ways through a junction meet: who is first, who waits where, and which gaps are long enough.
 
-use crate::driver::{Idm, braking_to_stop};
+use crate::driver::{Idm, braking_to_stop, time_s};
 use crate::net::{Conflict, Lane, Net};
 use crate::reservations::Held;
 use crate::vehicles::Vehicle;
@@ -244,39 +244,5 @@ impl<'a> Meeting<'a> {
     fn arrives_s(&self, who: &Vehicle, way_m: f64) -> f64 {
         let top = who.wished_speed(self.net).max(who.speed_mps);
         time_s(way_m, who.speed_mps, FAST_SHARE * who.driver.idm.acceleration, top)
-    }
-}
-
-/// The time for a way with an even acceleration up to a top speed, seconds.
-fn time_s(way_m: f64, speed_mps: f64, acceleration: f64, top_mps: f64) -> f64 {
-    let way_m = way_m.max(0.0);
-    let gaining_m = (top_mps * top_mps - speed_mps * speed_mps).max(0.0) / (2.0 * acceleration);
-    if way_m <= gaining_m {
-        ((speed_mps * speed_mps + 2.0 * acceleration * way_m).sqrt() - speed_mps) / acceleration
-    } else {
-        let top = top_mps.max(speed_mps);
-        (top - speed_mps) / acceleration + (way_m - gaining_m) / top
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn times_are_those_of_small_steps(way in 0.0..80.0f64, speed in 0.0..20.0f64, more in 0.0..10.0f64, a in 0.4..3.0f64) {
-            let top = speed.max(1.0) + more;
-            let (mut v, mut gone, mut steps) = (speed, 0.0, 0u32);
-            while gone < way && steps < 1_000_000 {
-                let next: f64 = (v + 0.001 * a).min(top);
-                gone += 0.0005 * (v + next);
-                v = next;
-                steps += 1;
-            }
-            let expected = 0.001 * f64::from(steps);
-            prop_assert!((time_s(way, speed, a, top) - expected).abs() < 0.01, "{} {expected}", time_s(way, speed, a, top));
-        }
     }
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::Point3;
 
+use crate::driver::time_s;
 use crate::net::Net;
 use crate::vehicles::Vehicle;
 
@@ -9,6 +10,10 @@ use crate::vehicles::Vehicle;
 const MERGE_VIEW_M: f64 = 40.0;
 /// Half the length of road that a walker needs, metres.
 const WALKER_HALF_M: f64 = 0.6;
+/// Drivers pass before a walker who comes to their lane this long after they have, seconds, counting on this share of their
+/// acceleration.
+const PASSED_S: f64 = 1.5;
+const EASE: f64 = 0.5;
 /// Most lanes looked at in a search.
 const MAX_LANES: usize = 64;
 /// Drivers let in those who ask within this distance, metres.
@@ -37,6 +42,15 @@ pub(crate) enum Sense {
     Behind,
 }
 
+/// A walker who crosses a lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crosser {
+    /// Metres along the lane to where it does.
+    pub(crate) along_m: f64,
+    /// Seconds until it is there.
+    pub(crate) in_s: f64,
+}
+
 /// Something on a lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spot {
@@ -61,8 +75,8 @@ pub(crate) struct Leader {
 #[derive(Debug, Default)]
 pub(crate) struct Occupancy {
     pub(crate) vehicles: Vec<Vec<Spot>>,
-    /// Metres along the lane at which walkers are about to cross it.
-    pub(crate) walkers: Vec<Vec<f64>>,
+    /// Where walkers are about to cross the lane.
+    pub(crate) walkers: Vec<Vec<Crosser>>,
     /// Vehicles on lanes beside that must change to this one and find no gap.
     asking: Vec<Vec<Spot>>,
     /// Things that stand for the whole scene, with their lanes.
@@ -117,9 +131,9 @@ impl Occupancy {
         self.vehicles[lane].push(spot);
     }
 
-    pub(crate) fn add_walker(&mut self, lane: usize, along_m: f64) {
+    pub(crate) fn add_walker(&mut self, lane: usize, crosser: Crosser) {
         self.touched.push(lane);
-        self.walkers[lane].push(along_m);
+        self.walkers[lane].push(crosser);
     }
 
     /// Puts a thing on the lanes under it for good.
@@ -232,17 +246,20 @@ impl Occupancy {
         best
     }
 
-    /// The gap to the nearest place ahead where a walker is about to cross.
+    /// The gap to the nearest place ahead where a walker is about to cross whom the vehicle does not pass well before.
     pub(crate) fn walker_gap(&self, net: &Net, vehicle: &Vehicle) -> Option<f64> {
         let mut best: Option<f64> = None;
         for (lane, start) in vehicle.lanes_ahead(net) {
             if start > vehicle.view_m() {
                 break;
             }
-            for along in &self.walkers[lane] {
-                let gap = start + along - vehicle.half_length_m() - WALKER_HALF_M;
+            for crosser in &self.walkers[lane] {
+                let gap = start + crosser.along_m - vehicle.half_length_m() - WALKER_HALF_M;
+                let past_m = gap + vehicle.model.size_m[0] + 2.0 * WALKER_HALF_M;
+                let ease = EASE * vehicle.driver.idm.acceleration;
+                let passed_s = time_s(past_m, vehicle.speed_mps, ease, vehicle.driver_speed(net));
                 // One who is beside or behind the front is not run over by going on.
-                if gap > -0.3 && best.is_none_or(|b| gap < b) {
+                if gap > -0.3 && crosser.in_s < passed_s + PASSED_S && best.is_none_or(|b| gap < b) {
                     best = Some(gap);
                 }
             }

@@ -36,6 +36,8 @@ const ROAD_END_M: f64 = 1.0;
 /// Gap to the rear of a vehicle that is being passed, metres, and free space beside it.
 const PASSED_GAP_M: f64 = 0.5;
 const PASSED_ASIDE_M: f64 = 0.3;
+/// At walking speed it is less: metres more per m/s.
+const PASSED_ASIDE_S: f64 = 0.05;
 
 /// Who drives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -281,13 +283,18 @@ impl Vehicle {
         let other = vehicles.get(self.shift.as_ref().filter(|s| !s.is_out())?.passed?)?;
         let (sin, cos) = frames::math::sin_cos(self.yaw_rad);
         let away = other.place.point - self.place.point;
-        let (ahead, aside) = (away.x * cos + away.y * sin, (away.y * cos - away.x * sin).abs());
+        let (ahead, left) = (away.x * cos + away.y * sin, away.y * cos - away.x * sin);
         // The other one is askew seen from here: its ends reach farther across.
         let (askew, straight) = frames::math::sin_cos(other.yaw_rad - self.yaw_rad);
         let [length, width, _] = other.model.size_m;
         let across = width * straight.abs() + length * askew.abs();
-        let free = 0.5 * (self.model.size_m[1] + across) + PASSED_ASIDE_M;
+        // Slowly one passes more closely.
+        let spare = (0.1 + PASSED_ASIDE_S * self.speed_mps).min(PASSED_ASIDE_M);
+        let free = 0.5 * (self.model.size_m[1] + across) + spare;
         let gap = ahead - self.half_length_m() - other.half_length_m();
+        // By the time it is there it is farther over.
+        let over = self.offset_after(gap.max(0.0))[0] - self.offset_after(0.0)[0];
+        let aside = (left - over).abs();
         (aside < free && ahead > 0.0).then_some((gap, other.speed_mps))
     }
 }

@@ -9,7 +9,7 @@ use crate::bodies::Body;
 use crate::crowd::{Crowd, Wish, radius_m};
 use crate::fixtures::Fixtures;
 use crate::net::Net;
-use crate::occupancy::Occupancy;
+use crate::occupancy::{Crosser, Occupancy};
 use crate::paths::{Crossing, Paths};
 use crate::routes::{Leg, Route, Routes, Turn};
 use crate::signals::{Light, Signals};
@@ -43,6 +43,9 @@ const STUCK_S: f64 = 4.0;
 /// Braking at a destination, m/s2, down to a speed at which one turns round, m/s.
 const HALT_MPS2: f64 = 2.5;
 const TURN_MPS: f64 = 0.4;
+
+/// Whoever is as near to a lane's middle is on it for drivers, metres.
+const LANE_SIDE_M: f64 = 2.5;
 
 /// Who is in the way of a vehicle's corner steps back as fast as this, m/s, and looks this far ahead, seconds.
 const STEPS_BACK_MPS: f64 = 1.4;
@@ -205,19 +208,20 @@ impl Walker {
         self.mode = Mode::Struck;
     }
 
-    /// Marks the lanes that the walker is still going to cross.
+    /// Marks the lanes that the walker is still going to cross, with the time until then.
     pub(crate) fn mark(&self, net: &Net, occupancy: &mut Occupancy) {
         if let Mode::Over { crossing, side, done_m } = &self.mode {
             let length = (crossing.ends[1] - crossing.ends[0]).norm();
             for &(lane, along, from_first) in &crossing.lanes {
                 let at = if *side == 0 { from_first } else { length - from_first };
                 if at > done_m - 1.0 {
-                    occupancy.add_walker(lane, along);
+                    let in_s = (at - LANE_SIDE_M - done_m).max(0.0) / self.speed_mps;
+                    occupancy.add_walker(lane, Crosser { along_m: along, in_s });
                 }
             }
         } else if self.is_struck() {
-            for (lane, along) in net.lanes_at(&self.point, 0.3) {
-                occupancy.add_walker(lane, along);
+            for (lane, along_m) in net.lanes_at(&self.point, 0.3) {
+                occupancy.add_walker(lane, Crosser { along_m, in_s: 0.0 });
             }
         }
     }

@@ -33,6 +33,8 @@ pub(crate) struct Snap {
     pub(crate) yaw_rad: f64,
     /// Of its middle; negative backwards.
     pub(crate) speed_mps: f64,
+    /// Lamps that burn, as in the log.
+    pub(crate) lamps: u32,
 }
 
 impl Snap {
@@ -138,7 +140,8 @@ impl<'a> Film<'a> {
             let (sin, cos) = sin_cos(yaw_rad);
             let [vx, vy, _] = state.velocity_mps.map(f64::from);
             let speed_mps = (vx * vx + vy * vy).sqrt().copysign(vx * cos + vy * sin);
-            tracks.entry(state.id).or_default().push(Snap { at: state.xyz_m.into(), yaw_rad, speed_mps });
+            let snap = Snap { at: state.xyz_m.into(), yaw_rad, speed_mps, lamps: state.lights };
+            tracks.entry(state.id).or_default().push(snap);
         }
         let bodies = |kind: &str| -> Vec<Body> {
             let actors = log.actors.iter().filter(|a| a.kind == kind && a.role != "hazard");
@@ -168,7 +171,7 @@ impl<'a> Film<'a> {
         let obstacle = |a: &schema::tables::ActorRow| Obstacle {
             id: a.id,
             size_m: [a.length_m, a.width_m],
-            snap: Snap { at: a.xyz_m.into(), yaw_rad: yaw(a.quaternion), speed_mps: 0.0 },
+            snap: Snap { at: a.xyz_m.into(), yaw_rad: yaw(a.quaternion), speed_mps: 0.0, lamps: 0 },
         };
         let obstacles = standing.map(obstacle).collect();
         Self { map, vehicles, walkers, obstacles, holds: holds(map, log), leaps: leaps(map), states }
@@ -270,7 +273,7 @@ fn holds(map: &Map, log: &SceneLog) -> Vec<Hold> {
         let places = map.stop_points(signal).into_iter();
         let snap = |pos: LanePos| {
             let p = map.point_at(pos)?;
-            Some((pos, Snap { at: p.position, yaw_rad: p.heading_rad, speed_mps: 0.0 }))
+            Some((pos, Snap { at: p.position, yaw_rad: p.heading_rad, speed_mps: 0.0, lamps: 0 }))
         };
         places.filter_map(snap).collect()
     };

@@ -11,6 +11,15 @@ const START_S: f64 = 3.0;
 /// A leader's rear is this near, metres: the largest standing gap drawn, and as much again behind a wreck.
 const LEADER_M: f64 = 9.0;
 const WRECK_M: f64 = 16.0;
+/// Who stands straight ahead of the bumper, wherever the way leads later, is within this distance, metres, and not askew by
+/// more, radians.
+const STRAIGHT_M: f64 = 7.0;
+const ASKEW_RAD: f64 = 1.0;
+/// Who is let in is at most this far ahead, bumper to middle, and this far aside, metres.
+const LET_IN_M: [f64; 2] = [14.0, 5.0];
+/// Room between two who meet, metres; the ground that a vehicle needs is looked at over this way, metres.
+const MEET_M: f64 = 0.35;
+const NEEDED_M: f64 = 25.0;
 /// A line is this near, metres.
 const LINE_M: f64 = 9.0;
 /// Walkers on the road within this way ahead, and this far beside it, metres.
@@ -35,6 +44,10 @@ pub(crate) enum Reason {
     Light,
     /// A stop or yield sign, or others in an unsignalised junction.
     Priority,
+    /// Others who are about to come over the ground that it needs, as in tight bends.
+    Meeting,
+    /// One beside it that indicates and is let in.
+    LetIn,
     /// A vehicle that stands behind the junction; its index.
     Exit(usize),
     /// It has crashed, or one who has lies ahead.
@@ -55,6 +68,8 @@ impl Reason {
             Self::Walker => "walker",
             Self::Light => "light",
             Self::Priority => "sign or junction",
+            Self::Meeting => "others come through",
+            Self::LetIn => "lets one in",
             Self::Exit(_) => "blocked exit",
             Self::Wreck => "wreck",
             Self::SettingOff => "setting off",
@@ -165,6 +180,9 @@ fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
             junction = at.and_then(|hit| film.map.lane(hit.lane)?.junction);
         }
     }
+    if let Some(&m) = others.iter().find(|&&m| is_straight_ahead(body, &film.vehicles[m], i)) {
+        return if film.vehicles[m].is_wrecked(i) { Reason::Wreck } else { Reason::Leader(m) };
+    }
     if let Some(walker) = walker_ahead(film, body, i) {
         return if walker.is_wrecked(i) { Reason::Wreck } else { Reason::Walker };
     }
@@ -199,7 +217,52 @@ fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
             return Reason::Priority;
         }
     }
+    if others.iter().any(|&m| is_let_in(body, &film.vehicles[m], i)) {
+        return Reason::LetIn;
+    }
+    if film.vehicles.iter().any(|other| comes_through(film, body, other, i)) {
+        return Reason::Meeting;
+    }
     Reason::None
+}
+
+/// Whether another vehicle that goes the same way, or a wreck, is right ahead of a vehicle's front.
+fn is_straight_ahead(body: &Body, other: &Body, i: usize) -> bool {
+    let (snap, [half_length, half_width]) = (&body.track[i], body.size_m.map(|v| 0.5 * v));
+    let askew = frames::wrap_pi(other.track[i].yaw_rad - snap.yaw_rad).abs();
+    let (sin, cos) = frames::math::sin_cos(snap.yaw_rad);
+    let mut points = (1..).map(|k| 0.5 * f64::from(k)).take_while(|d| *d < STRAIGHT_M).flat_map(|d| {
+        [-half_width, 0.0, half_width].map(|left| {
+            let ahead = half_length + d;
+            snap.at + nalgebra::Vector3::new(ahead * cos - left * sin, ahead * sin + left * cos, 0.0)
+        })
+    });
+    (askew < ASKEW_RAD || other.is_wrecked(i)) && points.any(|p| other.covers(i, &p, 0.2))
+}
+
+/// Whether another vehicle beside the way ahead indicates that it wants to come over.
+fn is_let_in(body: &Body, other: &Body, i: usize) -> bool {
+    let (snap, there) = (&body.track[i], &other.track[i]);
+    let [ahead, left] = snap.local(&there.at);
+    // Blinkers flash: half a second before and after they burn at some time.
+    let states = i.saturating_sub(SAMPLE)..(i + SAMPLE).min(other.track.len());
+    let lamp = if left > 0.0 { schema::lights::BLINK_RIGHT } else { schema::lights::BLINK_LEFT };
+    (0.0..0.5 * body.size_m[0] + LET_IN_M[0]).contains(&ahead)
+        && (1.5..LET_IN_M[1]).contains(&left.abs())
+        && frames::wrap_pi(there.yaw_rad - snap.yaw_rad).abs() < ASKEW_RAD
+        && other.track[states].iter().any(|s| s.lamps & lamp != 0)
+}
+
+/// Whether another vehicle is on the ground that a vehicle needs ahead, or will be soon.
+fn comes_through(film: &Film<'_>, body: &Body, other: &Body, i: usize) -> bool {
+    let reach_m = NEEDED_M + RIVAL_M + RIVAL_S * other.track[i].speed_mps.abs();
+    if other.id == body.id || (other.track[i].at - body.track[i].at).norm() > reach_m {
+        return false;
+    }
+    let margin_m = 0.5 * body.size_m[1] + MEET_M;
+    let last = (i + (RIVAL_S / DT) as usize).min(film.states - 1);
+    let mut soon = (i..=last).step_by(SAMPLE);
+    soon.any(|j| body.ahead(i, NEEDED_M).any(|(_, point)| other.covers(j, point, margin_m)))
 }
 
 /// Whether something of a hazard is in the way of a vehicle: at a point of its way, or straight ahead.
