@@ -14,7 +14,7 @@ const TIGHT_M: f64 = 45.0;
 /// Lanes with their middles nearer than this lie beside each other, metres.
 const BESIDE_M: f64 = 4.6;
 /// Room between two who meet, metres.
-const SPARE_M: f64 = 0.35;
+const SPARE_M: f64 = 0.2;
 /// What belongs to a bend before and behind it, metres.
 const ENDS_M: f64 = 2.0;
 /// A long vehicle that comes out on the inside has its front corner on the other lane still, metres.

@@ -24,7 +24,7 @@ const BEYOND_M: f64 = 100.0;
 const FINE_M: f64 = 24.0;
 const COARSE_M: f64 = 2.0;
 /// Distance between the points of a way ahead, metres.
-const POINT_M: f64 = 0.5;
+pub(crate) const POINT_M: f64 = 0.5;
 
 /// A body at a moment.
 #[derive(Clone, Copy, Debug)]

@@ -259,10 +259,22 @@ fn comes_through(film: &Film<'_>, body: &Body, other: &Body, i: usize) -> bool {
     if other.id == body.id || (other.track[i].at - body.track[i].at).norm() > reach_m {
         return false;
     }
-    let margin_m = 0.5 * body.size_m[1] + MEET_M;
+    let margin_m = reach_aside_m(body, i) + MEET_M;
     let last = (i + (RIVAL_S / DT) as usize).min(film.states - 1);
     let mut soon = (i..=last).step_by(SAMPLE);
     soon.any(|j| body.ahead(i, NEEDED_M).any(|(_, point)| other.covers(j, point, margin_m)))
+}
+
+/// How far a vehicle reaches to its sides on the way that it needs, metres: in a bend of radius R its front corners are
+/// farther out by up to the square of the way from the rear axle to the bumper over 2 R.
+fn reach_aside_m(body: &Body, i: usize) -> f64 {
+    let points: Vec<_> = body.ahead(i, NEEDED_M).map(|(_, point)| point).collect();
+    let directions: Vec<f64> =
+        points.windows(9).step_by(8).map(|w| frames::math::atan2(w[8].y - w[0].y, w[8].x - w[0].x)).collect();
+    let turns =
+        directions.windows(2).map(|d| frames::wrap_pi(d[1] - d[0]).abs() / (8.0 * crate::film::POINT_M));
+    let axle_to_front_m = 0.5 * (body.size_m[0] + body.wheelbase_m);
+    0.5 * (body.size_m[1] + turns.fold(0.0, f64::max) * axle_to_front_m * axle_to_front_m)
 }
 
 /// Whether something of a hazard is in the way of a vehicle: at a point of its way, or straight ahead.
@@ -320,7 +332,7 @@ fn wreck_in(film: &Film<'_>, junction: usize, i: usize) -> bool {
     })
 }
 
-/// Others in the junction, or on their way to it.
+/// Others in the junction, or on their way to it, or at a line before it for longer.
 fn rivals(film: &Film<'_>, n: usize, i: usize, junction: usize) -> bool {
     film.vehicles.iter().enumerate().any(|(m, other)| {
         let snap = &other.track[i];
@@ -333,6 +345,14 @@ fn rivals(film: &Film<'_>, n: usize, i: usize, junction: usize) -> bool {
             hit.and_then(|h| film.map.lane(h.lane)?.junction) == Some(junction)
         };
         let moves = snap.speed_mps > STANDING_MPS;
-        here(&snap.at) || (moves && other.ahead(i, reach).step_by(4).any(|(_, p)| here(p)))
+        let waits = !moves && stood_since(other, i) < stood_since(&film.vehicles[n], i);
+        let reach_m = if waits { JUNCTION_M } else { reach };
+        here(&snap.at) || ((moves || waits) && other.ahead(i, reach_m).step_by(2).any(|(_, p)| here(p)))
     })
+}
+
+/// The state since which a vehicle stands.
+fn stood_since(body: &Body, i: usize) -> usize {
+    let stood = body.track[..=i].iter().rev().take_while(|s| s.speed_mps.abs() < STANDING_MPS).count();
+    i + 1 - stood
 }
