@@ -7,6 +7,7 @@
 
 use crate::driver::braking_to_stop;
 use crate::net::Net;
+use crate::sleep::Wake;
 use crate::vehicles::Vehicle;
 
 /// Bends are looked at where the inner lane's radius is smaller than this, metres.
@@ -109,10 +110,16 @@ impl Bends {
         (0..vehicles.len()).map(|me| self.ask(net, vehicles, me)).collect()
     }
 
+    /// Whether a vehicle holds a bend.
+    pub(crate) fn is_held_by(&self, vehicle: usize) -> bool {
+        self.bends.iter().any(|bend| bend.holders.iter().any(|h| h.vehicle == vehicle))
+    }
+
     fn ask(&mut self, net: &Net, vehicles: &[Vehicle], me: usize) -> Option<f64> {
         let vehicle = &vehicles[me];
         let speed = vehicle.speed_mps;
-        let ahead = if vehicle.crashed { Vec::new() } else { self.ahead(net, vehicle, me) };
+        let stays = vehicle.crashed || vehicle.wake == Wake::Asleep;
+        let ahead = if stays { Vec::new() } else { self.ahead(net, vehicle, me) };
         let near_m = speed * speed / (2.0 * BRAKING) + BEFORE_M;
         let Some(first) = ahead.first().filter(|a| a.gap_m < near_m) else {
             self.waited[me] = 0;

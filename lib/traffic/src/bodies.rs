@@ -145,6 +145,13 @@ impl Bodies {
         body.set_angvel(rate * (0.85 * kept), true);
     }
 
+    /// Leaves a body where it is.
+    pub(crate) fn rest(&mut self, body: Body) {
+        let Some(body) = self.world.bodies.get_mut(body.0) else { return };
+        body.set_linvel(Vec3::ZERO, true);
+        body.set_angvel(Vec3::ZERO, true);
+    }
+
     pub(crate) fn step(&mut self) {
         self.world.step();
     }

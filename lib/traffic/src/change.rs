@@ -11,6 +11,7 @@ use crate::moving::Glide;
 use crate::net::Net;
 use crate::occupancy::{Occupancy, Sense, Spot, is_stranded};
 use crate::sides::{CHANGE_WIDTH_M, Side};
+use crate::sleep::Wake;
 use crate::vehicles::Vehicle;
 
 /// Each driver looks every so many steps.
@@ -158,6 +159,7 @@ fn wish(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize) -> Op
     let settled = vehicle.shift.is_none() && !vehicle.crashed && vehicle.held.is_empty();
     if !settled
         || vehicle.driver.reckless
+        || vehicle.wake != Wake::Awake
         || lane.junction.is_some()
         || lane.beside.iter().all(Option::is_none)
     {

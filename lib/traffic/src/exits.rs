@@ -4,6 +4,7 @@ use crate::approach::Line;
 use crate::net::Net;
 use crate::occupancy::Occupancy;
 use crate::reservations::Reservations;
+use crate::sleep::Wake;
 use crate::vehicles::Vehicle;
 
 /// Free space behind the rear of a vehicle that waits behind a junction, metres.
@@ -68,6 +69,7 @@ pub(crate) fn has_exit(
     let mut first_exit = None;
     // Those who will wait before the next line, and the way there.
     let (mut stored, mut stretch) = (0.0, f64::INFINITY);
+    let mut sleeper_m = f64::INFINITY;
     for (lane, start) in vehicle.lanes_ahead(net) {
         if start + 1e-6 < exit_at {
             continue;
@@ -105,11 +107,45 @@ pub(crate) fn has_exit(
         }
         let blocked = occupancy.vehicles[lane].iter().any(|spot| {
             let rear = start + spot.along_m - spot.half_length_m - exit_at;
+            if vehicles.get(spot.vehicle).is_some_and(|v| v.wake == Wake::Asleep) {
+                sleeper_m = sleeper_m.min(rear);
+            }
             spot.vehicle != me && spot.speed_mps < EXIT_SLOW_MPS && rear < need
         });
         if blocked {
             return false;
         }
     }
+    if sleeper_m.is_finite() {
+        // All on their way to it will stand behind it, however fast they are.
+        let exits = vehicle.lanes_ahead(net).filter(|(_, start)| start + 1e-6 >= exit_at);
+        let spots = exits.flat_map(|(lane, start)| {
+            occupancy.vehicles[lane].iter().map(move |spot| (start + spot.along_m - exit_at, spot))
+        });
+        let before = spots.filter(|(to_m, spot)| *to_m < sleeper_m && spot.vehicle != me);
+        let queue: f64 = before.filter_map(|(_, spot)| vehicles.get(spot.vehicle)).map(gap).sum();
+        if need + queue > sleeper_m {
+            return false;
+        }
+    }
     need + stored <= stretch
+}
+
+/// Whether somebody has leave for a way through a junction that leads to a vehicle, and counts on its going on.
+pub(crate) fn is_counted_on(reservations: &Reservations, net: &Net, vehicle: &Vehicle) -> bool {
+    // Lanes upstream with the way from their beginnings to the vehicle's rear.
+    let mut open = vec![(vehicle.route[0], vehicle.along_m - vehicle.half_length_m())];
+    while let Some((lane, way_m)) = open.pop() {
+        if way_m > STORED_M || open.len() > 64 {
+            continue;
+        }
+        for &before in &net.lanes[lane].previous {
+            if net.lanes[before].junction.is_none() {
+                open.push((before, way_m + net.lanes[before].way.length_m));
+            } else if !reservations.holders[before].is_empty() {
+                return true;
+            }
+        }
+    }
+    false
 }

@@ -24,6 +24,7 @@ use crate::net::{Lane, Net};
 use crate::occupancy::{Occupancy, is_stranded};
 use crate::reservations::{Held, Reservations};
 use crate::signals::{Light, Signals};
+use crate::sleep::Wake;
 use crate::vehicles::Vehicle;
 
 /// Nobody means to stop nearer to a line than this, metres.
@@ -196,6 +197,9 @@ impl Reservations {
                 self.leave(&mut vehicles[me], me, |_| false);
                 continue;
             }
+            if vehicles[me].wake == Wake::Asleep {
+                continue;
+            }
             if vehicles[me].driver.reckless {
                 let vehicle = &mut vehicles[me];
                 self.intrude(net, vehicle, me);
@@ -251,7 +255,9 @@ impl Reservations {
             }
             let since = *vehicle.waiting_since.get_or_insert(step);
             let stood = !must_stand || vehicle.stood_steps >= STOP_STEPS;
-            if (!forbidden || blind) && stood {
+            // Who is about to sleep only goes on where it has leave already.
+            let goes = vehicle.wake == Wake::Awake || !vehicle.held.is_empty();
+            if (!forbidden || blind) && stood && goes {
                 requests.push((rank(vehicle, entry), since, me, line));
             }
         }

@@ -34,6 +34,7 @@ mod routes;
 mod sides;
 mod signals;
 mod simulation;
+mod sleep;
 mod spawn;
 mod sway;
 mod sweep;

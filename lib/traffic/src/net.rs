@@ -177,6 +177,18 @@ impl Net {
         net
     }
 
+    /// The longer side of the box around all lanes, metres.
+    pub(crate) fn extent_m(&self) -> f64 {
+        let points = || self.lanes.iter().flat_map(|l| &l.way.samples).map(|sample| sample.point);
+        let side = |of: fn(Point3<f64>) -> f64| {
+            let (low, high) = points()
+                .map(of)
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+            high - low
+        };
+        side(|p| p.x).max(side(|p| p.y))
+    }
+
     /// The index of a lane.
     pub(crate) fn find(&self, id: LaneId) -> Option<usize> {
         self.index.get(&id).copied()

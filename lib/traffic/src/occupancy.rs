@@ -4,6 +4,7 @@ use nalgebra::Point3;
 
 use crate::driver::time_s;
 use crate::net::Net;
+use crate::sleep::Wake;
 use crate::vehicles::Vehicle;
 
 /// Other lanes' traffic is looked at this far before a merge, metres.
@@ -236,7 +237,10 @@ impl Occupancy {
                 for spot in &self.vehicles[sibling] {
                     let to_end = sibling_length - spot.along_m;
                     let first = to_end < own_to_end || (to_end == own_to_end && spot.vehicle < me);
-                    let near = to_end < zone + MERGE_VIEW_M && k < 2;
+                    // A sleeper is not going to merge.
+                    let sleeps = vehicles.get(spot.vehicle).is_some_and(|v| v.wake == Wake::Asleep);
+                    let view_m = if sleeps { spot.half_length_m } else { MERGE_VIEW_M };
+                    let near = to_end < zone + view_m && k < 2;
                     if first && near {
                         consider((own_to_end - to_end).max(1e-6), spot);
                     }

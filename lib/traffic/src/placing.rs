@@ -17,6 +17,7 @@ use crate::net::Net;
 use crate::paths::Paths;
 use crate::reservations::Reservations;
 use crate::routes::Routes;
+use crate::sleep::Wake;
 use crate::spawn::Start;
 use crate::sway::Sway;
 use crate::vehicles::Vehicle;
@@ -73,6 +74,7 @@ pub(crate) fn place_vehicles(
             stood_steps: 0,
             refused_steps: 0,
             stands_for: Vec::new(),
+            wake: Wake::Awake,
             body: bodies.vehicle(&start.point, start.yaw_rad, start.model.size_m, i as u32),
         };
         vehicle.arrive(net);

@@ -6,7 +6,7 @@ use frames::{LocalOrigin, Object, Pose, World};
 use random::Stream;
 use schema::footprint::footprint;
 use schema::scene_info::DriverInfo;
-use schema::tables::{FrameRow, SignalRow, StateRow, Weather};
+use schema::tables::{FrameRow, PlanSceneRow, SignalRow, StateRow, Weather};
 use schema::{FRAME_PERIOD_S, ObjectId};
 
 use crate::bends::Bends;
@@ -25,16 +25,27 @@ use crate::placing::{WALKERS, add_fixed, lamps, place_vehicles, place_walkers};
 use crate::reservations::Reservations;
 use crate::routes::Routes;
 use crate::signals::Signals;
+use crate::sleep::{Wake, Watch};
 use crate::spawn::{Start, ids, vehicle_starts};
 use crate::sweep::Sweeps;
 use crate::vehicles::{Vehicle, wished_acceleration};
 use crate::walkers::{Place, Walker};
 use crate::{SceneInput, SceneLog, TrafficError};
 
-/// Walkers' destinations are at most this many times as far from an agent's start as walkers' starts.
+/// Walkers' destinations are at most this many times as far from an agent's start as walkers' starts, and on large maps at
+/// most so many metres for each second that is simulated.
 const DESTINATION_RADII: f64 = 1.6;
+const LARGE_DESTINATION_MPS: f64 = 35.0;
+/// Maps that extend farther than this are large, metres: CARLA's large ones are 10 km long, the others less than 3 km.
+const LARGE_M: f64 = 5000.0;
 /// Longest warm-up, seconds.
 const MAX_WARMUP_S: f64 = 3600.0;
+
+/// How far walkers' destinations are from an agent's start at most, metres, on a map that extends so far.
+fn destination_radius_m(scene: &PlanSceneRow, extent_m: f64) -> f64 {
+    let most_m = LARGE_DESTINATION_MPS * (scene.duration_s + scene.warmup_s);
+    (DESTINATION_RADII * scene.spawn_radius_m).min(if extent_m > LARGE_M { most_m } else { f64::INFINITY })
+}
 
 /// Simulates a scene. `on_step` hears of steps done and in all, and may stop the simulation.
 ///
@@ -94,6 +105,7 @@ struct Simulation<'a> {
     bodies: Bodies,
     sweeps: Sweeps,
     bends: Bends,
+    watch: Watch,
     /// Poses one step ago, for velocities: vehicles, then walkers.
     before: Vec<Pose<World, Object>>,
     log: SceneLog,
@@ -111,7 +123,7 @@ impl<'a> Simulation<'a> {
         let paths = Paths::new(map, &net);
         let (starts, hazards) = vehicle_starts(input, &net)?;
         let agents = starts.iter().filter(|s| s.role != "background").map(|s| s.point).collect::<Vec<_>>();
-        let routes = Routes::new(&paths, &agents, DESTINATION_RADII * scene.spawn_radius_m);
+        let routes = Routes::new(&paths, &agents, destination_radius_m(scene, net.extent_m()));
         let middle = agents.first().map_or([0.0; 3], |p| (*p).into());
         let mut bodies = Bodies::new(LocalOrigin::near(middle));
 
@@ -182,6 +194,7 @@ impl<'a> Simulation<'a> {
         });
         let doors = doors.collect();
         let bends = Bends::new(&net, vehicles.len());
+        let watch = Watch { distance_m: input.settings.traffic.active_distance_m, agents: agents.len() };
         let mut simulation = Self {
             lamps: lamps(map, input),
             doors,
@@ -203,6 +216,7 @@ impl<'a> Simulation<'a> {
             bodies,
             sweeps: Sweeps::default(),
             bends,
+            watch,
             log,
         };
         simulation.remember();
@@ -213,6 +227,10 @@ impl<'a> Simulation<'a> {
     fn step(&mut self, step: u32) {
         self.remember();
         let time_s = f64::from(step) * FRAME_PERIOD_S;
+        if Watch::is_due(step) {
+            self.watch.look(&self.net, &self.reservations, &self.bends, &mut self.vehicles, &mut self.bodies);
+            self.watch.look_at_walkers(&self.vehicles, &mut self.walkers, &mut self.bodies);
+        }
         self.occupancy.fill(&self.net, &self.vehicles);
         change_lanes(&self.net, &mut self.occupancy, &mut self.vehicles, step);
         self.sweeps.clear();
@@ -238,14 +256,20 @@ impl<'a> Simulation<'a> {
                 let sees = !vehicle.driver.reckless;
                 let touching_m = sees.then(|| self.sweeps.gap_m(&self.net, vehicle)).flatten();
                 let gaps = [bends[me], touching_m];
-                wished_acceleration(&self.net, &self.occupancy, &self.vehicles, me, approach, gaps)
+                let wish =
+                    || wished_acceleration(&self.net, &self.occupancy, &self.vehicles, me, approach, gaps);
+                match vehicle.wake {
+                    Wake::Asleep => 0.0,
+                    Wake::Halting => wish().min(-COMFORT_BRAKING),
+                    Wake::Awake | Wake::Drowsy => wish(),
+                }
             };
             wishes.push(wish.clamp(-MAX_BRAKING, MAX_ACCELERATION));
         }
         for (vehicle, wish) in self.vehicles.iter_mut().zip(&wishes) {
             if vehicle.crashed {
                 self.bodies.skid(vehicle.body);
-            } else {
+            } else if vehicle.wake != Wake::Asleep {
                 vehicle.advance(&self.net, *wish);
                 self.bodies.drive(
                     vehicle.body,
@@ -271,7 +295,7 @@ impl<'a> Simulation<'a> {
             signals: &self.signals,
             time_s,
         };
-        for (me, walker) in self.walkers.iter_mut().enumerate() {
+        for (me, walker) in self.walkers.iter_mut().enumerate().filter(|(_, w)| !w.asleep) {
             let was_on_road = walker.is_on_road();
             walker.step(&place, &mut crowd, me);
             if walker.is_on_road() != was_on_road {
@@ -285,7 +309,8 @@ impl<'a> Simulation<'a> {
         }
         self.bodies.step();
         self.take_hits();
-        for (doors, vehicle) in self.doors.iter_mut().zip(&self.vehicles) {
+        let vehicles = self.doors.iter_mut().zip(&self.vehicles);
+        for (doors, vehicle) in vehicles.filter(|(_, v)| v.wake != Wake::Asleep) {
             doors.step(vehicle.speed_mps);
         }
     }
@@ -403,4 +428,21 @@ fn vehicle_pose(vehicle: &Vehicle) -> Pose<World, Object> {
 
 fn walker_pose(walker: &Walker) -> Pose<World, Object> {
     Pose::from_xyz_rpy(walker.point.into(), [0.0, 0.0, walker.yaw_rad])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn destinations_are_as_far_as_published_and_nearer_on_large_maps() {
+        // Durations, published radii of starts, and of destinations on small and on large maps.
+        for (duration_s, spawn_radius_m, small, large) in
+            [(8.0, 300.0, 480.0, 350.0), (16.0, 450.0, 720.0, 630.0), (32.0, 680.0, 1088.0, 1088.0)]
+        {
+            let scene = PlanSceneRow { duration_s, spawn_radius_m, warmup_s: 2.0, ..PlanSceneRow::default() };
+            assert_eq!(destination_radius_m(&scene, 2900.0), small);
+            assert_eq!(destination_radius_m(&scene, 10_000.0), large);
+        }
+    }
 }

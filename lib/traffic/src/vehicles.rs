@@ -14,6 +14,7 @@ use crate::net::{Net, PLANNED_BRAKING};
 use crate::occupancy::{Occupancy, is_stranded};
 use crate::reservations::Held;
 use crate::sides::Side;
+use crate::sleep::Wake;
 use crate::sway::Sway;
 use crate::ways::Place;
 
@@ -116,6 +117,7 @@ pub(crate) struct Vehicle {
     pub(crate) refused_steps: u32,
     /// Those it stands for inside a junction, by their indices.
     pub(crate) stands_for: Vec<usize>,
+    pub(crate) wake: Wake,
     pub(crate) body: Body,
 }
 

@@ -102,6 +102,8 @@ pub(crate) struct Walker {
     pub(crate) yaw_rad: f64,
     pub(crate) walked_m: f64,
     pub(crate) velocity_mps: Vector2<f64>,
+    /// Far from all agents: it stands where it is.
+    pub(crate) asleep: bool,
     stream: Stream,
     speed_mps: f64,
     anywhere: bool,
@@ -143,6 +145,7 @@ impl Walker {
             yaw_rad,
             walked_m: 0.0,
             velocity_mps: Vector2::zeros(),
+            asleep: false,
             stream,
             speed_mps,
             anywhere,

@@ -297,8 +297,12 @@ mod tests {
             let Ok(translation) = yaml::translate(&text, "x.yaml") else { continue };
             let unknown = translation.warnings.iter().any(|w| w.message.contains("no such key"));
             let ineffective = translation.toml.is_empty() && translation.warnings.is_empty();
-            let conditional =
-                ["dynamic_settings_adjustments", "random_street_light_failure", "npc_spawn_radius"];
+            let conditional = [
+                "dynamic_settings_adjustments",
+                "random_street_light_failure",
+                "npc_spawn_radius",
+                "actor_active_distance",
+            ];
             let quiet =
                 ["replacement_scene_config", "use_scene_number_for_random_seed", "_weather", "_scene_config"];
             let may_be_quiet = conditional.iter().chain(&quiet).any(|q| key.contains(q)) || key.contains('.');
@@ -415,6 +419,13 @@ colour_of_the_sky: green
         let both = "street_light_failure_percentage: 30\nrandom_street_light_failure: ";
         assert_eq!(with(&format!("{both}False")), (None, 0.0));
         assert_eq!(with(&format!("{both}True")), (None, 0.3));
+        let awake = |adjusted: &str| {
+            let text = format!(
+                "train_scene_config: {{convoy/demo: 1}}\ndynamic_settings_adjustments: {adjusted}\nactor_active_distance: 800\n"
+            );
+            parse_yaml(&text, "x.yaml").expect("is valid").0.traffic.active_distance_m
+        };
+        assert_eq!([awake("True"), awake("False")], [1600.0, 800.0]);
     }
 
     #[test]

@@ -275,6 +275,13 @@ pub(crate) fn traffic(s: &Section<'_>) -> TrafficSettings {
             20_000.0,
             "background actors start within this distance of a data-collection vehicle, m",
         ),
+        active_distance_m: s.number(
+            "active_distance_m",
+            d.active_distance_m,
+            1.0,
+            100_000.0,
+            "background actors farther than this from every data-collection vehicle stand still, on any map, m",
+        ),
     }
 }
 

@@ -70,9 +70,11 @@ pub(crate) fn translate(
                 to.put(at, "lights.street_lamp_failure", "0".into());
             }
         }
-        "npc_spawn_radius" => {
+        "npc_spawn_radius" | "actor_active_distance" => {
+            let ours = if key == "npc_spawn_radius" { "spawn_radius_m" } else { "active_distance_m" };
             if other("dynamic_settings_adjustments").and_then(flag) == Some(false) {
-                to.put(at, "traffic.spawn_radius_m", number(value).map_or_else(|| "\"?\"".into(), decimal));
+                let metres = number(value).map_or_else(|| "\"?\"".into(), decimal);
+                to.put(at, &format!("traffic.{ours}"), metres);
             }
         }
         "street_light_failure_percentage" => {

@@ -180,6 +180,8 @@ pub struct TrafficSettings {
     pub door_open: f64,
     /// Actors are placed within this distance of any agent, metres; from the duration when absent.
     pub spawn_radius_m: Option<f64>,
+    /// Background vehicles and walkers farther than this from every agent vehicle sleep, metres (1600).
+    pub active_distance_m: f64,
 }
 
 impl Default for TrafficSettings {
@@ -198,6 +200,7 @@ impl Default for TrafficSettings {
             emergency_lights: 0.5,
             door_open: 0.1,
             spawn_radius_m: None,
+            active_distance_m: 1600.0,
         }
     }
 }

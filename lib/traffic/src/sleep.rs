@@ -1,0 +1,107 @@
+//! Who sleeps: background vehicles and walkers far from every data-collection vehicle are not simulated. They stand where
+//! they are, obstacles to all others, until one comes nearer.
+//!
+//! A vehicle comes to rest before it sleeps, as the one behind may follow closely, and not just anywhere: outside junctions
+//! and shared bends, done with changing lanes, and with nobody on the way to it who has leave to cross the junction behind
+//! it. So a sleeper holds no reservation that others would wait for, and keeps nobody in a junction: who comes to the next
+//! line while it looks for its place asks for no leave and stops there. To others it is one who stands.
+//! Walkers do not sleep on the road.
+
+use nalgebra::Point3;
+
+use crate::bends::Bends;
+use crate::bodies::Bodies;
+use crate::exits::is_counted_on;
+use crate::net::Net;
+use crate::reservations::Reservations;
+use crate::vehicles::Vehicle;
+use crate::walkers::Walker;
+
+/// Distances are looked at every so many steps (1 s).
+const EVERY_STEPS: u32 = 20;
+
+/// How awake a vehicle is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Wake {
+    #[default]
+    Awake,
+    /// Far from all agents: it drives on to where it may sleep.
+    Drowsy,
+    /// It brakes to sleep.
+    Halting,
+    Asleep,
+}
+
+/// Where the agents are that the others sleep far from.
+#[derive(Debug)]
+pub(crate) struct Watch {
+    pub(crate) distance_m: f64,
+    /// The first so many vehicles are agents, which never sleep.
+    pub(crate) agents: usize,
+}
+
+impl Watch {
+    /// Whether it is time to look.
+    pub(crate) fn is_due(step: u32) -> bool {
+        step.is_multiple_of(EVERY_STEPS)
+    }
+
+    fn agents(&self, vehicles: &[Vehicle]) -> Vec<Point3<f64>> {
+        vehicles.iter().take(self.agents).map(|v| v.place.point).collect()
+    }
+
+    /// Whether a place is far from all agents; nobody is where there are none.
+    fn is_far(&self, agents: &[Point3<f64>], at: &Point3<f64>) -> bool {
+        let square = self.distance_m * self.distance_m;
+        !agents.is_empty() && agents.iter().all(|agent| (agent - at).norm_squared() > square)
+    }
+
+    /// Lets vehicles fall asleep and wake up.
+    pub(crate) fn look(
+        &self,
+        net: &Net,
+        reservations: &Reservations,
+        bends: &Bends,
+        vehicles: &mut [Vehicle],
+        bodies: &mut Bodies,
+    ) {
+        let agents = self.agents(vehicles);
+        for (me, vehicle) in vehicles.iter_mut().enumerate().skip(self.agents) {
+            let was_asleep = vehicle.wake == Wake::Asleep;
+            vehicle.wake = if vehicle.crashed || !self.is_far(&agents, &vehicle.place.point) {
+                Wake::Awake
+            } else if was_asleep {
+                Wake::Asleep
+            } else if !vehicle.held.is_empty()
+                || vehicle.shift.is_some()
+                || bends.is_held_by(me)
+                || is_counted_on(reservations, net, vehicle)
+            {
+                Wake::Drowsy
+            } else if vehicle.speed_mps > 0.0 {
+                Wake::Halting
+            } else {
+                Wake::Asleep
+            };
+            if vehicle.wake == Wake::Asleep && !was_asleep {
+                vehicle.acceleration_mps2 = 0.0;
+                (vehicle.waiting_since, vehicle.stood_steps, vehicle.refused_steps) = (None, 0, 0);
+                vehicle.stands_for.clear();
+                bodies.rest(vehicle.body);
+            }
+        }
+    }
+
+    /// Lets walkers fall asleep and wake up.
+    pub(crate) fn look_at_walkers(&self, vehicles: &[Vehicle], walkers: &mut [Walker], bodies: &mut Bodies) {
+        let agents = self.agents(vehicles);
+        for walker in walkers {
+            let sleeps = !walker.is_on_road() && !walker.is_struck() && self.is_far(&agents, &walker.point);
+            if sleeps && !walker.asleep {
+                walker.velocity_mps = nalgebra::Vector2::zeros();
+                bodies.rest(walker.body);
+            }
+            walker.asleep = sleeps;
+        }
+    }
+}
