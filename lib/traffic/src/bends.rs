@@ -183,20 +183,10 @@ impl Bends {
 impl Bend {
     /// Whether a vehicle on the inside and one on the outside would touch.
     fn is_too_tight(&self, [inner, outer]: [&Vehicle; 2]) -> bool {
-        let out_m = swept(inner, self.radius_m)[1];
-        let in_m = swept(outer, self.radius_m + self.apart_m)[0];
+        let out_m = inner.reaches_m(self.radius_m)[1];
+        let in_m = outer.reaches_m(self.radius_m + self.apart_m)[0];
         out_m + in_m + SPARE_M > self.apart_m
     }
-}
-
-/// How far a vehicle reaches inwards and outwards from a circle that its middle goes round on, metres: its rear axle goes
-/// round on a smaller one, and its outer front corner on a larger one.
-fn swept(vehicle: &Vehicle, radius_m: f64) -> [f64; 2] {
-    let [length, width, _] = vehicle.model.size_m;
-    let half_base = vehicle.half_base_m();
-    let rear = (radius_m * radius_m - half_base * half_base).max(0.0).sqrt();
-    let (side, front) = (rear + 0.5 * width, half_base + 0.5 * length);
-    [radius_m - rear + 0.5 * width, (side * side + front * front).sqrt() - radius_m]
 }
 
 /// The stretches of a lane with a small radius: metres along it, and whether it turns left.

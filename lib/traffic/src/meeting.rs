@@ -5,10 +5,6 @@ use crate::net::{Conflict, Lane, Net};
 use crate::reservations::Held;
 use crate::vehicles::Vehicle;
 
-/// Lanes with no smaller radius than this are straight for long vehicles, metres.
-const STRAIGHT_M: f64 = 60.0;
-/// Vehicles longer than this need room in turns, metres.
-const LONG_M: f64 = 5.2;
 /// Free space between two vehicles that pass each other, metres.
 const ASIDE_M: f64 = 0.4;
 /// The rear of the first one is this far beyond the place before the second one comes, metres.
@@ -37,17 +33,9 @@ const MERGE_GAP_M: f64 = 2.0;
 const SLOW_SHARE: f64 = 0.4;
 const FAST_SHARE: f64 = 1.0;
 
-/// Half the width of the strip that a vehicle sweeps on a lane, metres: long ones swing out and cut corners.
+/// Half the width of the strip that a vehicle sweeps on a lane, metres: its front corners swing out.
 fn swept_half_width(vehicle: &Vehicle, lane: &Lane) -> f64 {
-    let [length, width, _] = vehicle.model.size_m;
-    let swing = if lane.radius_m > STRAIGHT_M {
-        0.0
-    } else if length > LONG_M {
-        0.15 * length
-    } else {
-        0.2
-    };
-    0.5 * width + swing
+    vehicle.reaches_m(lane.swing_radius_m)[1]
 }
 
 /// The way of one of two vehicles through the place where they meet, metres from where it is now.

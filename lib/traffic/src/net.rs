@@ -38,6 +38,8 @@ const BESIDE_LINE_M: f64 = 6.5;
 const TIGHT_BEND_M: f64 = 22.0;
 /// Longest inner lane of a bend that is shared like a junction, metres.
 const LONGEST_BEND_M: f64 = 60.0;
+/// A long vehicle's rear has come round after this way in a bend: two half wheelbases, metres.
+const SWING_M: f64 = 6.0;
 /// Cell of the grid of lane samples, metres.
 const CELL_M: f64 = 4.0;
 /// A way through a junction that turns by more than this is a turn, radians.
@@ -92,6 +94,8 @@ pub(crate) struct Lane {
     pub(crate) conflicts: Vec<Conflict>,
     /// Smallest radius, metres.
     pub(crate) radius_m: f64,
+    /// Smallest radius over so much way that long vehicles swing out fully, metres.
+    pub(crate) swing_radius_m: f64,
     /// How far before it drivers stop who must not enter it, metres: farther where others turn out beside the line.
     pub(crate) line_gap_m: f64,
     /// Dynamic signals that control it (indices of the map).
@@ -142,7 +146,7 @@ impl Net {
             }
             let curve_mps = curve_speeds(&way);
             let turn = way_turn(&way);
-            let radius_m = tightest_radius(&way);
+            let (radius_m, swing_radius_m) = (tightest_radius(&way), swing_radius(&way));
             // All lanes of a bend, however wide and long the outer one's.
             let inner = tightest.get(&(way.lane.road, way.lane.section));
             let bend = inner.is_some_and(|r| *r < TIGHT_BEND_M);
@@ -164,6 +168,7 @@ impl Net {
                 merging: Vec::new(),
                 conflicts: Vec::new(),
                 radius_m,
+                swing_radius_m,
                 line_gap_m: LINE_GAP_M,
                 signals,
                 stop_sign,
@@ -409,6 +414,16 @@ fn tightest_radius(way: &Way) -> f64 {
         (w[2].along_m - w[0].along_m) / turn.max(1e-9)
     };
     way.samples.windows(3).map(radius).fold(f64::INFINITY, f64::min)
+}
+
+/// The smallest radius over [`SWING_M`] of a way, metres.
+fn swing_radius(way: &Way) -> f64 {
+    let turn = |(i, from): (usize, &crate::ways::Sample)| {
+        let to = way.samples[i..].iter().find(|s| s.along_m >= from.along_m + SWING_M).or(way.samples.last());
+        let turn = to.map_or(0.0, |to| frames::wrap_pi(heading(&to.tangent) - heading(&from.tangent)).abs());
+        turn / to.map_or(SWING_M, |to| (to.along_m - from.along_m).max(SWING_M))
+    };
+    1.0 / way.samples.iter().enumerate().map(turn).fold(1e-9, f64::max)
 }
 
 fn way_turn(way: &Way) -> i8 {

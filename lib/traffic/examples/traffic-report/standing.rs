@@ -20,8 +20,8 @@ const LET_IN_M: [f64; 2] = [14.0, 5.0];
 /// Room between two who meet, metres; the ground that a vehicle needs is looked at over this way, metres.
 const MEET_M: f64 = 0.35;
 const NEEDED_M: f64 = 25.0;
-/// A line is this near, metres.
-const LINE_M: f64 = 9.0;
+/// A line is this near, metres: farther off where long vehicles swing out beside it.
+const LINE_M: f64 = 11.0;
 /// Walkers on the road within this way ahead, and this far beside it, metres.
 const WALKER_M: [f64; 2] = [16.0, 6.0];
 /// A junction begins within this distance, metres.
