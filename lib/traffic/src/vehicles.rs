@@ -23,7 +23,7 @@ const BICYCLE_MPS: f64 = 8.0;
 /// Nobody stops nearer to a leader than this, metres.
 const LEAST_GAP_M: f64 = 0.5;
 /// Time gap that drivers keep, seconds: with the drawn standing gaps, queues of cars clear at some 1,600 vehicles per hour and lane.
-const HEADWAY_S: f64 = 0.65;
+const HEADWAY_S: f64 = 0.6;
 /// Lookahead at rest, metres.
 const NEAR_M: f64 = 40.0;
 /// Gap to a walker on the road, metres.
