@@ -50,11 +50,11 @@ fn direction(heading_rad: f64) -> [f64; 2] {
     [cos, sin]
 }
 
-/// The strongest curvature of the ways to a place on a lane, positive to the left, 1/m: a vehicle's front is beyond a bend
-/// while its middle is in it.
-fn curvature_towards(map: &Map, hit: &LaneHit) -> f64 {
+/// Curvatures of the ways to a place on a lane, positive to the left, 1/m: a vehicle's front is beyond a bend while its
+/// middle is in it.
+fn curvatures(map: &Map, hit: &LaneHit) -> Vec<f64> {
     let own = curvature(map, hit).unwrap_or(0.0);
-    let Some(here) = map.lane_point(hit.lane, hit.s, 0.0) else { return own };
+    let Some(here) = map.lane_point(hit.lane, hit.s, 0.0) else { return vec![own] };
     let back = UPSTREAM_M.map(|back_m| {
         let [x, y] = direction(here.heading_rad);
         here.position - nalgebra::Vector3::new(x, y, 0.0) * back_m
@@ -67,17 +67,18 @@ fn curvature_towards(map: &Map, hit: &LaneHit) -> f64 {
             curvature(map, &hit).filter(|_| same_way)
         })
     });
-    before.fold(own, |most, c| if c.abs() > most.abs() { c } else { most })
+    std::iter::once(own).chain(before).collect()
 }
 
 /// Whether something that reaches so far around a place would stand in the way of long vehicles that keep to their lanes.
 pub(super) fn is_swept(map: &Map, place: Point3<f64>, half_m: f64) -> bool {
     let near = map.lanes_within(place, REACH_M, |lane| lane.lane_type.is_drivable());
     near.iter().any(|hit| {
-        let curvature = curvature_towards(map, hit);
-        let [inwards, outwards] = reaches(1.0 / curvature.abs().clamp(1e-4, 1.0 / TIGHTEST_M));
-        let inside = (hit.t_m > 0.0) == (curvature > 0.0);
-        hit.t_m.abs() - half_m < if inside { inwards } else { outwards } + SPARE_M
+        curvatures(map, hit).into_iter().any(|curvature| {
+            let [inwards, outwards] = reaches(1.0 / curvature.abs().clamp(1e-4, 1.0 / TIGHTEST_M));
+            let inside = (hit.t_m > 0.0) == (curvature > 0.0);
+            hit.t_m.abs() - half_m < if inside { inwards } else { outwards } + SPARE_M
+        })
     })
 }
 
