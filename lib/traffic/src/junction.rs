@@ -22,6 +22,7 @@ use crate::exits::{Claims, exit_of, has_exit, movement};
 use crate::meeting::{LetIn, Meeting, Wait};
 use crate::net::{Lane, Net};
 use crate::occupancy::{Occupancy, is_stranded};
+use crate::queues::{followed, pass_on_ages};
 use crate::reservations::{Held, Reservations};
 use crate::signals::{Light, Signals};
 use crate::sleep::Wake;
@@ -77,6 +78,7 @@ impl Reservations {
             }
             let before = is_before_line(net, &vehicles[rival])
                 && meeting.is_gap_before()
+                && !self.followed.get(rival).is_some_and(|followed| *followed)
                 && !self.is_followed(vehicles, rival);
             if before {
                 ask_again.push(rival);
@@ -104,7 +106,10 @@ impl Reservations {
             |to: &LetIn| to.answer(&vehicle.driver.idm, vehicle.speed_mps, vehicle.speed_mps.max(1.0));
         for own in &vehicle.held {
             for (rival, held, meeting) in self.meetings(net, vehicles, me, (own.lane, own.start_m)) {
-                if !meeting.rival_first(held.order < own.order) {
+                // Nor does one wait for whom the own place keeps standing in its queue.
+                let head = self.heads.get(rival).copied().flatten();
+                let waits_for_me = head.is_some_and(|head| vehicles[head].stands_for.contains(&me));
+                if !meeting.rival_first(held.order < own.order) || waits_for_me && !meeting.is_rival_in() {
                     continue;
                 }
                 let wait = meeting.wait();
@@ -263,6 +268,7 @@ impl Reservations {
         }
         requests.sort_by_key(|(rank, since, me, _)| (*rank, *since, *me));
         let mut claims = Claims::default();
+        self.followed = followed(net, occupancy, vehicles);
         for (_, _, me, line) in requests {
             if self.request(net, occupancy, vehicles, me, &line, &mut claims) {
                 approaches[me] = OPEN;
@@ -273,6 +279,7 @@ impl Reservations {
                 vehicles[me].refused_steps += 1;
             }
         }
+        self.heads = pass_on_ages(net, occupancy, vehicles);
         for (me, approach) in approaches.iter_mut().enumerate() {
             if !vehicles[me].crashed && !vehicles[me].driver.reckless {
                 vehicles[me].stands_for = self.give_way(net, vehicles, me, approach);

@@ -29,6 +29,7 @@ mod net;
 mod occupancy;
 mod paths;
 mod placing;
+mod queues;
 mod reservations;
 mod routes;
 mod sides;

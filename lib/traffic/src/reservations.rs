@@ -19,11 +19,15 @@ pub(crate) struct Reservations {
     /// The vehicles that hold each lane.
     pub(crate) holders: Vec<Vec<usize>>,
     given: u64,
+    /// For each vehicle whether somebody right behind it has leave.
+    pub(crate) followed: Vec<bool>,
+    /// The heads of the queues that those with leave stand in.
+    pub(crate) heads: Vec<Option<usize>>,
 }
 
 impl Reservations {
     pub(crate) fn new(lanes: usize) -> Self {
-        Self { holders: vec![Vec::new(); lanes], given: 0 }
+        Self { holders: vec![Vec::new(); lanes], given: 0, followed: Vec::new(), heads: Vec::new() }
     }
 
     /// Reserves a lane for a vehicle without asking.
