@@ -1,8 +1,9 @@
 //! Coming to a junction: the line before it, what the light forbids, and how fast to come.
 
+use crate::attention::Class;
 use crate::driver::{braking_to_stop, envelope};
 use crate::meeting::LetIn;
-use crate::net::{Net, PLANNED_BRAKING};
+use crate::net::{Lane, Net, PLANNED_BRAKING};
 use crate::signals::Light;
 use crate::vehicles::Vehicle;
 
@@ -30,16 +31,24 @@ pub(crate) struct Line {
 /// What a driver makes of the line ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Approach {
-    /// Gap to the place to stop, before the line if it must not be passed, or inside, metres.
+    /// Gap to the place to stop before the line, if it must not be passed, metres, and what is to be heeded there.
+    pub(crate) line: Option<(f64, Class)>,
+    /// Gap to the place to stop inside, metres.
     pub(crate) stop_gap_m: Option<f64>,
     /// The one that goes first where ways merge.
     pub(crate) merging: Option<LetIn>,
-    /// Highest speed here, m/s.
+    /// Highest speed here for the line's sake, m/s.
     pub(crate) cap_mps: f64,
 }
 
 /// Nothing to mind.
-pub(crate) const OPEN: Approach = Approach { stop_gap_m: None, merging: None, cap_mps: f64::INFINITY };
+pub(crate) const OPEN: Approach =
+    Approach { line: None, stop_gap_m: None, merging: None, cap_mps: f64::INFINITY };
+
+/// What a driver has to heed at a line.
+pub(crate) fn class_of(entry: &Lane) -> Class {
+    if entry.signals.is_empty() { Class::Signs } else { Class::Lights }
+}
 
 impl Vehicle {
     /// The next line ahead that the front has not passed, whether or not there is leave to pass it.

@@ -5,6 +5,7 @@
 //! beside one another hold it together, so that cars never wait for cars. Who has waited for long goes before those who
 //! would come towards it after.
 
+use crate::attention::Class;
 use crate::driver::braking_to_stop;
 use crate::net::Net;
 use crate::sleep::Wake;
@@ -127,7 +128,7 @@ impl Bends {
         };
         let free = ahead.iter().all(|a| self.is_free(vehicles, me, a));
         let goes = braking_to_stop(speed, first.gap_m) > HARD_BRAKING && speed > 1.0;
-        if free || goes || first.gap_m < 0.0 || vehicle.driver.reckless {
+        if free || goes || first.gap_m < 0.0 || vehicle.attention.is_away(Class::Vehicles) {
             for a in &ahead {
                 let until_m = vehicle.odometer_m + a.end_m + vehicle.half_length_m();
                 self.bends[a.bend].holders.push(Holder { vehicle: me, part: a.part, until_m });

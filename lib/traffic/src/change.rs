@@ -7,6 +7,7 @@
 
 use std::collections::VecDeque;
 
+use crate::attention::Class;
 use crate::moving::Glide;
 use crate::net::Net;
 use crate::occupancy::{Occupancy, Sense, Spot, is_stranded};
@@ -158,7 +159,7 @@ fn wish(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize) -> Op
     let lane = &net.lanes[vehicle.route[0]];
     let settled = vehicle.shift.is_none() && !vehicle.crashed && vehicle.held.is_empty();
     if !settled
-        || vehicle.driver.reckless
+        || vehicle.attention.is_away(Class::Vehicles)
         || vehicle.wake != Wake::Awake
         || lane.junction.is_some()
         || lane.beside.iter().all(Option::is_none)

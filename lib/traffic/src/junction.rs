@@ -16,7 +16,8 @@
 //! for long claims its way and the room behind it: those who come later get no leave across the one or into the other, so
 //! that a busy road does not starve a side street.
 
-use crate::approach::{Approach, Line, OPEN, forbids, slow_down};
+use crate::approach::{Approach, Line, OPEN, class_of, forbids, slow_down};
+use crate::attention::Class;
 use crate::driver::{COMFORT_BRAKING, braking_to_stop};
 use crate::exits::{Claims, exit_of, has_exit, movement};
 use crate::meeting::{LetIn, Meeting, Wait};
@@ -152,14 +153,16 @@ impl Reservations {
         };
         let odometer = vehicles[me].odometer_m;
         let mut ask_again = Vec::new();
-        let free = movement.iter().all(|&(lane, start)| {
-            let place = (lane, odometer + start);
-            // A wreck in the way.
-            let mut spots = occupancy.vehicles[lane].iter();
-            let open = !spots.any(|s| start + s.along_m > 0.0 && is_stranded(vehicles, s.vehicle));
-            open && !claimed(lane) && self.is_free(net, vehicles, me, place, &mut ask_again)
-        });
-        if !free || !exit {
+        let blind = vehicles[me].attention.is_away(Class::Vehicles);
+        let free = blind
+            || movement.iter().all(|&(lane, start)| {
+                let place = (lane, odometer + start);
+                // A wreck in the way.
+                let mut spots = occupancy.vehicles[lane].iter();
+                let open = !spots.any(|s| start + s.along_m > 0.0 && is_stranded(vehicles, s.vehicle));
+                open && !claimed(lane) && self.is_free(net, vehicles, me, place, &mut ask_again)
+            });
+        if !free || !(exit || blind) {
             if vehicles[me].refused_steps > PATIENCE_STEPS {
                 claims.exits.extend(into);
                 if exit {
@@ -205,14 +208,14 @@ impl Reservations {
             if vehicles[me].wake == Wake::Asleep {
                 continue;
             }
-            if vehicles[me].driver.reckless {
+            if vehicles[me].attention.sees_no_lines() {
                 let vehicle = &mut vehicles[me];
                 self.intrude(net, vehicle, me);
                 continue;
             }
             // A light may change between leave and line.
             if let Some((entry, gap)) = vehicles[me].next_entry(net)
-                && !vehicles[me].driver.distracted
+                && !vehicles[me].attention.is_away(Class::Lights)
                 && forbids(signals.strictest(&net.lanes[entry].signals, time_s), vehicles[me].speed_mps, gap)
             {
                 self.give_back(&mut vehicles[me], me);
@@ -223,12 +226,13 @@ impl Reservations {
             };
             let entry = &net.lanes[line.entry];
             let light = signals.strictest(&entry.signals, time_s);
-            let blind = vehicles[me].driver.distracted;
+            let class = class_of(entry);
+            let blind = vehicles[me].attention.is_away(class);
             let speed = vehicles[me].speed_mps;
             let approach = &mut approaches[me];
             // Who is beyond the place to stop when its light changes, or asks again, stops before the line as it can.
             let soonest_m = (speed * speed / (2.0 * COMFORT_BRAKING)).min(line.gap_m - LINE_SPARE_M);
-            approach.stop_gap_m = Some((line.gap_m - entry.line_gap_m).max(soonest_m));
+            approach.line = Some(((line.gap_m - entry.line_gap_m).max(soonest_m), class));
             if !blind {
                 approach.cap_mps = slow_down(
                     &vehicles[me],
@@ -240,7 +244,9 @@ impl Reservations {
             }
             let forbidden = forbids(light, speed, line.gap_m);
             // Only the first in the queue asks, and at a green light those who follow one that has leave, from farther away.
-            let leader = occupancy.leader(net, vehicles, me).filter(|l| l.gap_m < line.gap_m - 0.5);
+            let sees = !vehicles[me].attention.is_away(Class::Vehicles);
+            let leader = sees.then(|| occupancy.leader(net, vehicles, me)).flatten();
+            let leader = leader.filter(|l| l.gap_m < line.gap_m - 0.5);
             let follows = leader.is_some_and(|l| {
                 let leave = |h: &Held| net.lanes[h.lane].junction == entry.junction;
                 light == Light::Green && vehicles.get(l.vehicle).is_some_and(|v| v.held.iter().any(leave))
@@ -281,8 +287,10 @@ impl Reservations {
         }
         self.heads = pass_on_ages(net, occupancy, vehicles);
         for (me, approach) in approaches.iter_mut().enumerate() {
-            if !vehicles[me].crashed && !vehicles[me].driver.reckless {
-                vehicles[me].stands_for = self.give_way(net, vehicles, me, approach);
+            if !vehicles[me].crashed {
+                let sees = !vehicles[me].attention.is_away(Class::Vehicles);
+                let stands_for = sees.then(|| self.give_way(net, vehicles, me, approach));
+                vehicles[me].stands_for = stands_for.unwrap_or_default();
             }
         }
         approaches

@@ -8,6 +8,7 @@
 //! driver who looks at nothing hits something.
 
 mod approach;
+mod attention;
 mod bends;
 mod bodies;
 mod change;

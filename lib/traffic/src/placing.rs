@@ -10,6 +10,7 @@ use schema::ObjectId;
 use schema::models;
 
 use crate::SceneInput;
+use crate::attention::Attention;
 use crate::bodies::Bodies;
 use crate::crowd::Crowd;
 use crate::fixtures::Fixtures;
@@ -74,6 +75,12 @@ pub(crate) fn place_vehicles(
             stood_steps: 0,
             refused_steps: 0,
             stands_for: Vec::new(),
+            attention: Attention::new(
+                &input.settings.traffic,
+                start.driver.reckless,
+                start.driver.distracted,
+                Stream::new(scene.seed, u64::from(scene.scene), "traffic/slip", i as u64),
+            ),
             wake: Wake::Awake,
             body: bodies.vehicle(&start.point, start.yaw_rad, start.model.size_m, i as u32),
         };

@@ -9,6 +9,7 @@ use schema::scene_info::DriverInfo;
 use schema::tables::{FrameRow, PlanSceneRow, SignalRow, StateRow, Weather};
 use schema::{FRAME_PERIOD_S, ObjectId};
 
+use crate::attention::Class;
 use crate::bends::Bends;
 use crate::bodies::Bodies;
 use crate::change::change_lanes;
@@ -231,6 +232,9 @@ impl<'a> Simulation<'a> {
             self.watch.look(&self.net, &self.reservations, &self.bends, &mut self.vehicles, &mut self.bodies);
             self.watch.look_at_walkers(&self.vehicles, &mut self.walkers, &mut self.bodies);
         }
+        for vehicle in self.vehicles.iter_mut().filter(|v| !v.crashed) {
+            vehicle.attention.look(step);
+        }
         self.occupancy.fill(&self.net, &self.vehicles);
         change_lanes(&self.net, &mut self.occupancy, &mut self.vehicles, step);
         self.sweeps.clear();
@@ -253,7 +257,7 @@ impl<'a> Simulation<'a> {
                 0.0
             } else {
                 let vehicle = &self.vehicles[me];
-                let sees = !vehicle.driver.reckless;
+                let sees = !vehicle.attention.is_away(Class::Walkers);
                 let touching_m = sees.then(|| self.sweeps.gap_m(&self.net, vehicle)).flatten();
                 let gaps = [bends[me], touching_m];
                 let wish =

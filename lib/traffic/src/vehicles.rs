@@ -6,6 +6,7 @@ use random::Stream;
 use schema::models::{BaseType, Model};
 
 use crate::approach::Approach;
+use crate::attention::{Attention, Class, Sight};
 use crate::bodies::Body;
 use crate::change::{Shift, room_to_pull_out_m};
 use crate::driver::{COMFORT_BRAKING, Idm, envelope};
@@ -117,6 +118,7 @@ pub(crate) struct Vehicle {
     pub(crate) refused_steps: u32,
     /// Those it stands for inside a junction, by their indices.
     pub(crate) stands_for: Vec<usize>,
+    pub(crate) attention: Attention,
     pub(crate) wake: Wake,
     pub(crate) body: Body,
 }
@@ -237,46 +239,67 @@ pub(crate) fn wished_acceleration(
     let vehicle = &vehicles[me];
     let idm = vehicle.driver.idm;
     let speed = vehicle.speed_mps;
-    let wished = vehicle.wished_speed(net).min(approach.cap_mps).max(0.1);
-    let mut acceleration = idm.free(speed, wished);
-    if vehicle.driver.reckless {
-        return acceleration;
-    }
-    if let Some(leader) = occupancy.leader(net, vehicles, me) {
+    let sight = |class: Class| vehicle.attention.sight(class);
+    let (of_vehicles, of_walkers) = (sight(Class::Vehicles), sight(Class::Walkers));
+    let of_line = approach.line.map_or(Sight::Sees, |(_, class)| sight(class));
+    let lane_mps = vehicle.wished_speed(net);
+    let wished = lane_mps.min(approach.cap_mps).max(0.1);
+    // With all that it sees, and without what it overlooks for the moment.
+    let mut seen = idm.free(speed, wished);
+    let mut careless = if of_line == Sight::Blinks { idm.free(speed, lane_mps.max(0.1)) } else { seen };
+    let mut heed = |sight: Sight, wish: f64| {
+        if sight != Sight::Away {
+            seen = seen.min(wish);
+        }
+        if sight == Sight::Sees {
+            careless = careless.min(wish);
+        }
+    };
+    let leader = (of_vehicles != Sight::Away).then(|| occupancy.leader(net, vehicles, me)).flatten();
+    if let Some(leader) = leader {
         let room_m = if is_stranded(vehicles, leader.vehicle) {
             room_to_pull_out_m(vehicle.model.size_m[0])
         } else {
             0.0
         };
         let idm = Idm { standstill_gap_m: idm.standstill_gap_m.max(room_m), ..idm };
-        acceleration = acceleration.min(idm.following(speed, wished, leader.gap_m, leader.speed_mps));
+        heed(of_vehicles, idm.following(speed, wished, leader.gap_m, leader.speed_mps));
     }
     if let Some(leader) = occupancy.asking(net, vehicles, me) {
         let yielding = idm.following(speed, wished, leader.gap_m, leader.speed_mps);
         if yielding > -COMFORT_BRAKING {
-            acceleration = acceleration.min(yielding);
+            heed(of_vehicles, yielding);
         }
     }
     if let Some((gap, ahead)) = vehicle.passed_gap(vehicles) {
         let idm = Idm { standstill_gap_m: PASSED_GAP_M, headway_s: 0.3, ..idm };
-        acceleration = acceleration.min(idm.following(speed, wished, gap, ahead));
+        heed(of_vehicles, idm.following(speed, wished, gap, ahead));
     }
     if let Some(gap) = occupancy.walker_gap(net, vehicle) {
         let idm = Idm { standstill_gap_m: WALKER_GAP_M, ..idm };
-        acceleration = acceleration.min(idm.following(speed, wished, gap, 0.0));
+        heed(of_walkers, idm.following(speed, wished, gap, 0.0));
     }
     if let Some(gap) = touching_m {
         let idm = Idm { standstill_gap_m: TOUCHING_GAP_M, headway_s: 0.3, ..idm };
-        acceleration = acceleration.min(idm.following(speed, wished, gap, 0.0));
+        heed(of_walkers, idm.following(speed, wished, gap, 0.0));
     }
     if let Some(first) = approach.merging {
-        acceleration = acceleration.min(first.answer(&idm, speed, wished));
+        heed(of_vehicles, first.answer(&idm, speed, wished));
     }
-    for gap in [approach.stop_gap_m, bend_m, vehicle.end_of_road_m(net)].into_iter().flatten() {
+    let ends = [
+        // Without leave even those stop there who look away: the way is not free.
+        (approach.line.map(|(gap, _)| gap), if of_line == Sight::Away { Sight::Sees } else { of_line }),
+        (approach.stop_gap_m, of_vehicles),
+        (bend_m, of_vehicles),
+        (vehicle.end_of_road_m(net), Sight::Sees),
+    ];
+    for (gap, sight) in ends {
         let idm = Idm { standstill_gap_m: LINE_GAP_M, headway_s: 0.6, ..idm };
-        acceleration = acceleration.min(idm.following(speed, wished, gap, 0.0));
+        if let Some(gap) = gap {
+            heed(sight, idm.following(speed, wished, gap, 0.0));
+        }
     }
-    acceleration
+    if seen < -COMFORT_BRAKING { seen } else { careless }
 }
 
 impl Vehicle {

@@ -5,6 +5,7 @@ use random::Stream;
 use schema::FRAME_PERIOD_S;
 use schema::models::Model;
 
+use crate::attention::Class;
 use crate::bodies::Body;
 use crate::crowd::{Crowd, Wish, radius_m};
 use crate::fixtures::Fixtures;
@@ -483,7 +484,7 @@ impl Walker {
                     let gone = gap < -2.0 * spot.half_length_m - 0.8;
                     let standing = speed < 0.3;
                     let stops = gap > 4.0 + 0.7 * speed + speed * speed / 4.0
-                        && vehicles.get(spot.vehicle).is_none_or(|v| !v.driver.reckless);
+                        && vehicles.get(spot.vehicle).is_none_or(|v| !v.attention.is_away(Class::Walkers));
                     let far = gap > speed * needed_s + 3.0;
                     let clear = gone || far || (standing && gap > 1.5) || ((impatient || held) && stops);
                     if !clear {

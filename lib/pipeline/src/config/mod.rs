@@ -346,6 +346,7 @@ data_collection_vehicle_spawn_points:
   Town01:
     - [[10.0, 20.0, 0.5], [0, 0, 90]]
 colour_of_the_sky: green
+ignore_signs_percentage: 0.5
 ";
         let wrong =
             parse_yaml(&text.replace("mode: replace", "mode: augment"), "x.yaml").expect_err("no such mode");
@@ -354,6 +355,7 @@ colour_of_the_sky: green
         let scenes: Vec<_> = s.scenes.iter().map(|w| (w.split.name(), w.map.as_str(), w.count)).collect();
         assert_eq!(scenes, [("train", "Town01", 8), ("train", "convoy/02", 1), ("test", "Town12", 3)]);
         assert_eq!((s.redraw.clone(), s.seed), (vec![(4, 1), (7, 1)], 31));
+        assert_eq!((s.traffic.ignore_signs, s.traffic.ignore_lights), (0.005, 0.001));
         assert_eq!((s.agents.min_vehicles, s.agents.max_vehicles), (2, 5));
         assert_eq!(s.agents.vehicle_models, ["car.coupe", "car.coupe", "car.sedan"]);
         assert_eq!(s.agents.vehicle_colors, [[0, 0, 0], [255, 0, 255]]);

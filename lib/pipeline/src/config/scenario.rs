@@ -256,6 +256,15 @@ pub(crate) fn traffic(s: &Section<'_>) -> TrafficSettings {
             d.distracted_background,
             "the same for background drivers",
         ),
+        ignore_lights: share(
+            s,
+            "ignore_lights",
+            d.ignore_lights,
+            "chance that a driver overlooks a light in a step of 50 ms: it then drives on for the step, but passes no line, and still sees what asks for hard braking, until it has overlooked lights for 1 s on end; at 1 it sees none",
+        ),
+        ignore_signs: share(s, "ignore_signs", d.ignore_signs, "the same for signs and lines without lights"),
+        ignore_vehicles: share(s, "ignore_vehicles", d.ignore_vehicles, "the same for other vehicles"),
+        ignore_walkers: share(s, "ignore_walkers", d.ignore_walkers, "the same for walkers"),
         emergency_lights: share(
             s,
             "emergency_lights",

@@ -14,7 +14,6 @@ pub(crate) enum Rule {
 use Rule::{Nothing, Percent, Same};
 
 const NO_ENGINE: &str = "there is no game engine and no window";
-const NO_SLIPS: &str = "drivers who are neither reckless nor distracted overlook nothing";
 const EXACT: &str = "labels are computed where they are needed, without sampling radii";
 
 /// Keys by name.
@@ -58,10 +57,10 @@ const RULES: &[(&str, Rule)] = &[
     ("use_bev_for_sidewalks", Nothing("sidewalks are exact without it")),
     ("use_cityscapes_palette", Nothing("masks have no colours")),
     // Traffic.
-    ("ignore_lights_percentage", Nothing(NO_SLIPS)),
-    ("ignore_signs_percentage", Nothing(NO_SLIPS)),
-    ("ignore_vehicles_percentage", Nothing(NO_SLIPS)),
-    ("ignore_walkers_percentage", Nothing(NO_SLIPS)),
+    ("ignore_lights_percentage", Percent("traffic.ignore_lights")),
+    ("ignore_signs_percentage", Percent("traffic.ignore_signs")),
+    ("ignore_vehicles_percentage", Percent("traffic.ignore_vehicles")),
+    ("ignore_walkers_percentage", Percent("traffic.ignore_walkers")),
     ("door_open_percentage", Percent("traffic.door_open")),
     ("wheelchair_use_percentage", Percent("walkers.wheelchair")),
     ("hazard_area_percentage", Percent("hazards.share")),

@@ -174,6 +174,14 @@ pub struct TrafficSettings {
     pub distracted_agent: f64,
     /// The same for background drivers (0.02).
     pub distracted_background: f64,
+    /// Chances that a driver overlooks, drawn anew in every step of 50 ms: lights (0.001),
+    pub ignore_lights: f64,
+    /// signs and lines without lights (0.001),
+    pub ignore_signs: f64,
+    /// vehicles (0.001),
+    pub ignore_vehicles: f64,
+    /// walkers (0.001). What asks for hard braking is seen, and no line passed, until it has been overlooked for a second.
+    pub ignore_walkers: f64,
     /// Chance that an emergency vehicle in traffic has its lights flashing (0.5).
     pub emergency_lights: f64,
     /// Chance that a background vehicle that comes to a stop opens a door (0.1).
@@ -197,6 +205,10 @@ impl Default for TrafficSettings {
             reckless_background: 0.01,
             distracted_agent: 0.02,
             distracted_background: 0.02,
+            ignore_lights: 0.001,
+            ignore_signs: 0.001,
+            ignore_vehicles: 0.001,
+            ignore_walkers: 0.001,
             emergency_lights: 0.5,
             door_open: 0.1,
             spawn_radius_m: None,

@@ -391,3 +391,40 @@ pub(crate) fn collisions(log: &SceneLog, with_walkers: bool) -> Vec<(i32, u16, u
     }
     found
 }
+
+/// Vehicles whose front passed a stop line while the light behind it was red: (frame, id).
+pub(crate) fn red_runs(map: &Map, log: &SceneLog, lights: &[ActorRow]) -> Vec<(i32, u16)> {
+    let mut runs = Vec::new();
+    let tracks = tracks(log);
+    for (index, signal) in map.signals().iter().enumerate().filter(|(_, s)| s.dynamic) {
+        let Some(light) = lights.iter().find(|l| l.opendrive_id.as_ref() == Some(&signal.id)) else {
+            continue;
+        };
+        let states: Vec<&str> =
+            log.signals.iter().filter(|r| r.id == light.id).map(|r| r.state.as_str()).collect();
+        for stop in map.stop_points(index) {
+            let Some(line) = map.point_at(stop) else { continue };
+            let (sin, cos) = frames::math::sin_cos(line.heading_rad);
+            for actor in log.actors.iter().filter(|a| a.kind == "vehicle") {
+                let past = |i: usize| {
+                    let s = tracks[&actor.id][i];
+                    let (dx, dy) = (s.xyz_m[0] - line.position.x, s.xyz_m[1] - line.position.y);
+                    let (ahead, aside) = (dx * cos + dy * sin, dy * cos - dx * sin);
+                    let along = frames::wrap_pi(yaw(s.quaternion) - line.heading_rad).abs() < 0.5;
+                    (
+                        ahead + 0.5 * actor.length_m,
+                        aside.abs() < 1.0 && along && (s.xyz_m[2] - line.position.z).abs() < 2.0,
+                    )
+                };
+                for (i, state) in states.iter().enumerate().skip(1) {
+                    let ((before, on), (after, _)) = (past(i - 1), past(i));
+                    // All ways from this line that the light controls: a red one among several is enough to stop.
+                    if on && before <= 0.0 && after > 0.0 && *state == "Red" {
+                        runs.push((i as i32 - 1, actor.id));
+                    }
+                }
+            }
+        }
+    }
+    runs
+}
