@@ -163,13 +163,17 @@ fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
     let mut reached = 0.0;
     for (to, point) in body.ahead(i, WRECK_M) {
         reached = to;
-        if let Some(&m) = others.iter().find(|&&m| film.vehicles[m].covers(i, point, 0.3)) {
-            if film.vehicles[m].is_wrecked(i) {
-                return Reason::Wreck;
-            }
-            if to < LEADER_M {
-                return Reason::Leader(m);
-            }
+        // A wreck that is askew blocks the way with a corner, too.
+        let beside_m = 0.5 * body.size_m[1] + 0.1;
+        let blocks =
+            |m: &&usize| film.vehicles[**m].is_wrecked(i) && film.vehicles[**m].covers(i, point, beside_m);
+        if others.iter().any(|m| blocks(&m)) {
+            return Reason::Wreck;
+        }
+        if let Some(&m) = others.iter().find(|&&m| film.vehicles[m].covers(i, point, 0.3))
+            && to < LEADER_M
+        {
+            return Reason::Leader(m);
         }
         // Who waits for a gap to pass a hazard goes round it later: it lies ahead all the same.
         if hazard_ahead(film, body, i, point) {
