@@ -185,6 +185,7 @@ impl<'a> Simulation<'a> {
                 bodies.fixed(&thing.point, thing.yaw_rad(), thing.size_m, 3 * WALKERS + i as u32);
             }
         }
+        let sweeps = Sweeps::new(hazards.things.iter().map(|t| (t.point, t.yaw_rad(), t.size_m)));
         log.hazards = hazards.placed;
         log.signal_groups = signals.groups(map);
         let standing =
@@ -215,7 +216,7 @@ impl<'a> Simulation<'a> {
             walker_ids: walker_ids.to_vec(),
             reservations,
             bodies,
-            sweeps: Sweeps::default(),
+            sweeps,
             bends,
             watch,
             log,

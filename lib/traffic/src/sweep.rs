@@ -1,5 +1,5 @@
 //! The ground that vehicles are about to sweep, corners and all: drivers stop for whoever is on it, be it beside their lane,
-//! and walkers who are not crossing step back from it.
+//! and for what stands there in accidents and road works; walkers who are not crossing step back from it.
 
 use nalgebra::{Point3, Vector2, Vector3};
 
@@ -21,6 +21,8 @@ const SOON_M: f64 = 1.5;
 const BESIDE_M: f64 = 1.5;
 /// Room left around vehicles, metres: by drivers and by walkers.
 const DRIVERS_M: f64 = 0.1;
+/// Points on the outline of a thing are this far apart, metres.
+const OUTLINE_M: f64 = 0.4;
 /// Nearer means by more than this, metres.
 const NEARER_M: f64 = 0.02;
 const WALKERS_M: f64 = 0.25;
@@ -76,11 +78,21 @@ pub(crate) struct Sweeps {
     here: Vec<Print>,
     soon: Vec<Print>,
     soon_grid: Grid,
+    /// Points on the outlines of what stands in hazards.
+    things: Vec<Point3<f64>>,
+    thing_grid: Grid,
 }
 
-impl Default for Sweeps {
-    fn default() -> Self {
+impl Sweeps {
+    /// For a scene with things in hazards: middle, yaw and size of each.
+    pub(crate) fn new(hazards: impl Iterator<Item = (Point3<f64>, f64, [f64; 3])>) -> Self {
+        let things: Vec<Point3<f64>> =
+            hazards.flat_map(|(at, yaw_rad, size_m)| outline(at, yaw_rad, size_m)).collect();
+        let mut thing_grid = Grid::new(CELL_M);
+        thing_grid.fill(things.iter().enumerate().map(|(i, point)| ([point.x, point.y], i)));
         Self {
+            things,
+            thing_grid,
             walkers: Vec::new(),
             grid: Grid::new(CELL_M),
             minded: Vec::new(),
@@ -89,9 +101,7 @@ impl Default for Sweeps {
             soon_grid: Grid::new(PRINT_CELL_M),
         }
     }
-}
 
-impl Sweeps {
     /// Forgets the step before.
     pub(crate) fn clear(&mut self) {
         self.walkers.clear();
@@ -114,7 +124,8 @@ impl Sweeps {
         self.minded.get(walker).copied().unwrap_or(false)
     }
 
-    /// Metres that a vehicle can go on until it would touch a walker, if there is one in its way; notes what it sweeps soon.
+    /// Metres that a vehicle can go on until it would touch a walker or something of a hazard, if there is one in its way;
+    /// notes what it sweeps soon.
     pub(crate) fn gap_m(&mut self, net: &Net, vehicle: &Vehicle) -> Option<f64> {
         let speed = vehicle.speed_mps;
         let reach_m = (speed * speed / (2.0 * BRAKING) + REACH_M[0]).min(REACH_M[1]);
@@ -137,6 +148,17 @@ impl Sweeps {
                 around.push(self.walkers[walker]);
             }
         }
+        let beside = around.iter().any(|(point, radius)| {
+            let [ahead, left] = here.local(point);
+            ahead.abs() < here.half_m[0] + BESIDE_M
+                && left.abs() < here.half_m[1] + radius + BESIDE_M
+                && here.is_level(point)
+        });
+        // Who sees no signs sees no cones.
+        if !vehicle.driver.distracted {
+            let things = self.thing_grid.around(at.x, at.y).map(|thing| (self.things[thing], 0.0));
+            around.extend(things.filter(|(point, _)| (point - at).xy().norm() < half_m + reach_m));
+        }
         let near: Vec<&(Point3<f64>, f64)> = around
             .iter()
             .filter(|(point, radius)| {
@@ -149,12 +171,6 @@ impl Sweeps {
                     && here.is_level(point)
             })
             .collect();
-        let beside = around.iter().any(|(point, radius)| {
-            let [ahead, left] = here.local(point);
-            ahead.abs() < here.half_m[0] + BESIDE_M
-                && left.abs() < here.half_m[1] + radius + BESIDE_M
-                && here.is_level(point)
-        });
         if beside {
             self.here.push(here);
             self.soon.push(here);
@@ -214,6 +230,24 @@ impl Sweeps {
     pub(crate) fn is_swept(&self, at: &Point3<f64>, radius_m: f64) -> bool {
         self.clear_m(at, radius_m) < WALKERS_M
     }
+}
+
+/// Points around a box, at most [`OUTLINE_M`] apart.
+fn outline(at: Point3<f64>, yaw_rad: f64, [length, width, _]: [f64; 3]) -> Vec<Point3<f64>> {
+    let (sin, cos) = frames::math::sin_cos(yaw_rad);
+    let corners = [[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]].map(|[u, v]| [u * length, v * width]);
+    let mut points = Vec::new();
+    for (k, from) in corners.iter().enumerate() {
+        let to = corners[(k + 1) % 4];
+        let side_m = if k % 2 == 0 { length } else { width };
+        let pieces = (side_m / OUTLINE_M).ceil().max(1.0);
+        for i in 0..pieces as u32 {
+            let share = f64::from(i) / pieces;
+            let [u, v] = [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
+            points.push(at + Vector3::new(u * cos - v * sin, u * sin + v * cos, 0.0));
+        }
+    }
+    points
 }
 
 impl Vehicle {
