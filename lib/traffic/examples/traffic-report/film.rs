@@ -23,6 +23,8 @@ const APART_M: f64 = 0.1;
 const BEYOND_M: f64 = 100.0;
 const FINE_M: f64 = 24.0;
 const COARSE_M: f64 = 2.0;
+/// The default of `traffic.active_distance_m`.
+const ACTIVE_M: f64 = 1600.0;
 /// Distance between the points of a way ahead, metres.
 pub(crate) const POINT_M: f64 = 0.5;
 
@@ -71,6 +73,8 @@ pub(crate) struct Body {
     pub(crate) two_wheeled: bool,
     /// Neither reckless nor distracted.
     pub(crate) ordinary: bool,
+    /// Collects data: those far from all of these sleep.
+    pub(crate) is_agent: bool,
     /// First state at which it touches another vehicle or a walker, if it ever does.
     pub(crate) touched: Option<usize>,
     pub(crate) track: Vec<Snap>,
@@ -156,6 +160,7 @@ impl<'a> Film<'a> {
                         size_m: [actor.length_m, actor.width_m],
                         wheelbase_m: model.wheelbase_m,
                         two_wheeled: actor.width_m < 1.2,
+                        is_agent: kind == "vehicle" && actor.role != "background",
                         ordinary: !unruly("reckless") && !unruly("distracted"),
                         touched: None,
                         track,
@@ -175,6 +180,12 @@ impl<'a> Film<'a> {
         };
         let obstacles = standing.map(obstacle).collect();
         Self { map, vehicles, walkers, obstacles, holds: holds(map, log), leaps: leaps(map), states }
+    }
+
+    /// Whether a vehicle is so far from all agents that it sleeps.
+    pub(crate) fn is_asleep(&self, body: &Body, i: usize) -> bool {
+        let near = |a: &Body| (a.track[i].at - body.track[i].at).xy().norm() < ACTIVE_M;
+        !self.vehicles.iter().filter(|v| v.is_agent).any(near)
     }
 
     /// Every sampled state.

@@ -58,6 +58,8 @@ pub(crate) enum Reason {
     Hazard,
     /// The road ends.
     DeadEnd,
+    /// It is too far from all agents to be simulated.
+    Asleep,
     None,
 }
 
@@ -75,6 +77,7 @@ impl Reason {
             Self::SettingOff => "setting off",
             Self::Hazard => "hazard",
             Self::DeadEnd => "dead end",
+            Self::Asleep => "asleep",
             Self::None => "none",
         }
     }
@@ -116,7 +119,12 @@ pub(crate) fn measure(film: &Film<'_>) -> Standing {
             }
             if matches!(
                 head(&reasons, n),
-                Reason::Light | Reason::Wreck | Reason::Walker | Reason::Hazard | Reason::DeadEnd
+                Reason::Asleep
+                    | Reason::Light
+                    | Reason::Wreck
+                    | Reason::Walker
+                    | Reason::Hazard
+                    | Reason::DeadEnd
             ) {
                 since[n][1] = i;
             }
@@ -154,6 +162,9 @@ fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
     let body = &film.vehicles[n];
     if body.is_wrecked(i) {
         return Reason::Wreck;
+    }
+    if film.is_asleep(body, i) {
+        return Reason::Asleep;
     }
     let later = (i + SETTING_OFF).min(film.states - 1);
     let near = |other: &Body| (other.track[i].at - body.track[i].at).norm() < 30.0;
@@ -351,7 +362,11 @@ fn rivals(film: &Film<'_>, n: usize, i: usize, junction: usize) -> bool {
         let moves = snap.speed_mps > STANDING_MPS;
         let waits = !moves && stood_since(other, i) < stood_since(&film.vehicles[n], i);
         let reach_m = if waits { JUNCTION_M } else { reach };
-        here(&snap.at) || ((moves || waits) && other.ahead(i, reach_m).step_by(2).any(|(_, p)| here(p)))
+        let (sin, cos) = frames::math::sin_cos(snap.yaw_rad);
+        let front = snap.at + 0.5 * other.size_m[0] * nalgebra::Vector3::new(cos, sin, 0.0);
+        here(&snap.at)
+            || here(&front)
+            || ((moves || waits) && other.ahead(i, reach_m).step_by(2).any(|(_, p)| here(p)))
     })
 }
 
