@@ -1,4 +1,4 @@
-//! The way through a junction and the room behind it: nobody sets off who would have to stop inside.
+//! The way through a junction and the room behind it: nobody sets off who would have to stop where others cross.
 
 use crate::approach::Line;
 use crate::net::Net;
@@ -22,20 +22,28 @@ pub(crate) struct Claims {
     pub(crate) exits: Vec<usize>,
 }
 
-/// The lanes through the junction, and on through the next one where the stretch between is too short to wait on.
+/// The lanes through the junction, and on through the next one where the stretch between is too short to wait on. Nobody
+/// waits before a lane with the right of way, so such a lane is no end of the stretch.
 pub(crate) fn movement(net: &Net, vehicle: &Vehicle, line: &Line) -> Vec<(usize, f64)> {
     let need = vehicle.model.size_m[0] + EXIT_MARGIN_M;
     let mut through: Vec<(usize, f64)> = Vec::new();
-    let mut outside = f64::INFINITY;
+    let mut outside = 0.0;
+    // Lanes of junctions on the stretch.
+    let mut between = Vec::new();
     for (lane, start) in vehicle.lanes_ahead(net).skip(line.position) {
-        if net.lanes[lane].junction.is_some() {
+        let is_junction = net.lanes[lane].junction.is_some();
+        if is_junction && (through.is_empty() || !net.lanes[lane].right_of_way) {
             // Room to wait before the next line?
-            if !through.is_empty() && (need + net.lanes[lane].line_gap_m..f64::INFINITY).contains(&outside) {
+            if !through.is_empty() && outside >= need + net.lanes[lane].line_gap_m {
                 break;
             }
+            through.append(&mut between);
             through.push((lane, start));
             outside = 0.0;
         } else {
+            if is_junction {
+                between.push((lane, start));
+            }
             outside += net.lanes[lane].way.length_m;
         }
         if through.len() >= 16 {
@@ -63,6 +71,10 @@ pub(crate) fn has_exit(
 ) -> bool {
     let vehicle = &vehicles[me];
     let Some(&(last, last_start)) = movement.last() else { return true };
+    // Who stands there keeps nobody from going on but those who mean to follow.
+    if movement.iter().all(|&(lane, _)| net.lanes[lane].right_of_way) {
+        return true;
+    }
     let exit_at = last_start + net.lanes[last].way.length_m;
     let gap = |v: &Vehicle| v.model.size_m[0] + v.driver.idm.standstill_gap_m;
     let mut need = vehicle.model.size_m[0] + EXIT_MARGIN_M;
@@ -74,7 +86,7 @@ pub(crate) fn has_exit(
         if start + 1e-6 < exit_at {
             continue;
         }
-        if let Some(next) = net.lanes[lane].junction {
+        if let Some(next) = net.lanes[lane].junction.filter(|_| !net.lanes[lane].right_of_way) {
             let leaves = |v: &Vehicle| v.held.iter().any(|h| net.lanes[h.lane].junction == Some(next));
             if vehicle.held.iter().any(|h| h.lane == lane) || start - exit_at > STORED_M {
                 break;

@@ -7,9 +7,13 @@
 //! not brake: that one asks again. Reservations end when the vehicle's rear has left the lane.
 //!
 //! Nobody waits for ever inside: whoever waits there waits for an older reservation, or for who is ahead on its lane and
-//! has one; the oldest one can leave, because entry needs room behind the junction. Where ways are reserved in parts, as on
-//! roundabouts, the next part may be held by one who stands for who asks for it: it is given then, and with the age of the
-//! part before, or both would stand for good.
+//! has one as old; the oldest one can leave, because entry needs room behind the junction. Where ways are reserved in parts,
+//! the next part may be held by one who stands for who asks for it: it is given then, and with the age of the part before,
+//! or both would stand for good.
+//!
+//! A ring is reserved in such parts, lane by lane: nobody crosses it, and who merges into it has a sign. Lanes like that
+//! have the right of way: they are no reason to ask for more of the way before, for room behind them, or to heed claims; and
+//! if all stand, who is on them goes before who waits to merge.
 //!
 //! Requests are served by rank: who is inside, who waits for long, who has no sign and does not turn left at a light, the
 //! others; then in the order in which drivers came to the line, vehicle numbers breaking ties. Whoever has been refused
@@ -29,6 +33,8 @@ use crate::signals::{Light, Signals};
 use crate::sleep::Wake;
 use crate::vehicles::Vehicle;
 
+/// Slower than this is creeping, m/s.
+const CREEPING_MPS: f64 = 1.0;
 /// Nobody means to stop nearer to a line than this, metres.
 const LINE_SPARE_M: f64 = 0.5;
 /// Who stands within this distance of a line is at it, metres, and farther off where drivers stop farther off.
@@ -73,8 +79,9 @@ impl Reservations {
     ) -> bool {
         self.meetings(net, vehicles, me, place).all(|(rival, _, meeting)| {
             // Who stands for this one anyway lets it go on, or both would stand for good.
-            let stands = vehicles[rival].stands_for.contains(&me) && !meeting.is_rival_in();
-            if stands || meeting.is_gap_behind() {
+            let stands =
+                vehicles[rival].stands_for.contains(&me) || lets_pass(net, vehicles, me, place.0, rival);
+            if stands && !meeting.is_rival_in() || meeting.is_gap_behind() {
                 return true;
             }
             let before = is_before_line(net, &vehicles[rival])
@@ -110,7 +117,9 @@ impl Reservations {
                 // Nor does one wait for whom the own place keeps standing in its queue.
                 let head = self.heads.get(rival).copied().flatten();
                 let waits_for_me = head.is_some_and(|head| vehicles[head].stands_for.contains(&me));
-                if !meeting.rival_first(held.order < own.order) || waits_for_me && !meeting.is_rival_in() {
+                if !meeting.rival_first(turn(net, held, rival) < turn(net, own, me))
+                    || waits_for_me && !meeting.is_rival_in()
+                {
                     continue;
                 }
                 let wait = meeting.wait();
@@ -144,8 +153,9 @@ impl Reservations {
     ) -> bool {
         let movement = movement(net, &vehicles[me], line);
         let into = exit_of(net, &vehicles[me], &movement);
-        // Who is in a junction already must get out of it first.
-        let inside = !vehicles[me].held.is_empty();
+        // Who is in a junction already must get out of it first, and claims are for those who wait, not for those who have
+        // the right of way.
+        let inside = !vehicles[me].held.is_empty() || net.lanes[line.entry].right_of_way;
         let exit = (inside || into.is_none_or(|lane| !claims.exits.contains(&lane)))
             && has_exit(self, net, occupancy, vehicles, me, &movement);
         let claimed = |lane: usize| {
@@ -178,7 +188,18 @@ impl Reservations {
         let age = vehicles[me].held.iter().map(|held| held.order).min();
         let stood_for = vehicles.iter().any(|other| other.stands_for.contains(&me));
         for (lane, start) in movement {
-            self.hold(&mut vehicles[me], me, lane, odometer + start);
+            let place = (lane, odometer + start);
+            let passed = self
+                .meetings(net, vehicles, me, place)
+                .filter(|(rival, _, meeting)| {
+                    lets_pass(net, vehicles, me, lane, *rival) && !meeting.is_rival_in()
+                })
+                .map(|(_, held, _)| held.order);
+            let order = passed.min();
+            self.hold(&mut vehicles[me], me, lane, place.1);
+            if let Some((order, held)) = order.zip(vehicles[me].held.iter_mut().find(|h| h.lane == lane)) {
+                held.order = held.order.min(order);
+            }
         }
         if let Some(order) = age.filter(|_| stood_for) {
             vehicles[me].held.iter_mut().for_each(|held| held.order = held.order.min(order));
@@ -243,18 +264,20 @@ impl Reservations {
                 );
             }
             let forbidden = forbids(light, speed, line.gap_m);
-            // Only the first in the queue asks, and at a green light those who follow one that has leave, from farther away.
+            // Only the first in the queue asks, and where there is nobody to let pass those who follow one that has leave; at a
+            // green light from farther away.
             let sees = !vehicles[me].attention.is_away(Class::Vehicles);
             let leader = sees.then(|| occupancy.leader(net, vehicles, me)).flatten();
             let leader = leader.filter(|l| l.gap_m < line.gap_m - 0.5);
             let follows = leader.is_some_and(|l| {
                 let leave = |h: &Held| net.lanes[h.lane].junction == entry.junction;
-                light == Light::Green && vehicles.get(l.vehicle).is_some_and(|v| v.held.iter().any(leave))
+                (light == Light::Green || entry.right_of_way)
+                    && vehicles.get(l.vehicle).is_some_and(|v| v.held.iter().any(leave))
             });
             let second = leader.is_some() && !follows;
             let near = line.gap_m
                 <= entry.line_gap_m.max(LINE_M) + 1.0 + speed * 1.0 + speed * speed / (2.0 * 1.5)
-                || follows && line.gap_m < QUEUE_M;
+                || follows && light == Light::Green && line.gap_m < QUEUE_M;
             let vehicle = &mut vehicles[me];
             let must_stand = entry.stop_sign && entry.signals.is_empty() && !blind;
             if must_stand && speed < 0.1 && line.gap_m < entry.line_gap_m + 2.5 && !second {
@@ -285,6 +308,7 @@ impl Reservations {
                 vehicles[me].refused_steps += 1;
             }
         }
+        self.keep_order(vehicles);
         self.heads = pass_on_ages(net, occupancy, vehicles);
         for (me, approach) in approaches.iter_mut().enumerate() {
             if !vehicles[me].crashed {
@@ -295,6 +319,21 @@ impl Reservations {
         }
         approaches
     }
+}
+
+/// The order of two reservations, the older one before. One that was made as old as another one goes before it where it
+/// has the right of way.
+fn turn(net: &Net, held: &Held, who: usize) -> (u64, bool, usize) {
+    (held.order, !net.lanes[held.lane].right_of_way, who)
+}
+
+/// Whether one that has the right of way on a lane may pass a rival with an older reservation: both stand, and the rival
+/// waits for somebody else.
+fn lets_pass(net: &Net, vehicles: &[Vehicle], me: usize, lane: usize, rival: usize) -> bool {
+    net.lanes[lane].right_of_way
+        && vehicles[me].speed_mps < CREEPING_MPS
+        && vehicles[rival].speed_mps < STANDING_MPS
+        && !vehicles[rival].stands_for.is_empty()
 }
 
 /// Who is asked first.

@@ -104,6 +104,8 @@ pub(crate) struct Lane {
     pub(crate) yield_sign: bool,
     /// +1 a left turn, -1 a right turn, 0 neither.
     pub(crate) turn: i8,
+    /// Nobody crosses it, and who merges into it has a sign to give way: a part of a ring, or of a main road beside a ramp.
+    pub(crate) right_of_way: bool,
 }
 
 /// All driving lanes of a map.
@@ -174,10 +176,12 @@ impl Net {
                 stop_sign,
                 yield_sign,
                 turn: if info.junction.is_some() { turn } else { 0 },
+                right_of_way: false,
             });
         }
         let mut net = Self { lanes, index, grid: BTreeMap::new() };
         net.find_overlaps();
+        net.find_rights_of_way();
         net.fill_grid();
         net
     }
@@ -248,6 +252,23 @@ impl Net {
                     }
                 }
             }
+        }
+    }
+
+    fn find_rights_of_way(&mut self) {
+        let signed = |lane: &Lane| lane.yield_sign || lane.stop_sign;
+        let rights: Vec<bool> = self
+            .lanes
+            .iter()
+            .map(|lane| {
+                let aside = |c: &Conflict| c.merges || c.apart_m >= CONFLICT_M;
+                let gives_way = |c: &Conflict| aside(c) && signed(&self.lanes[c.other]);
+                let bare = lane.signals.is_empty() && !signed(lane);
+                lane.junction.is_some() && bare && lane.conflicts.iter().all(gives_way)
+            })
+            .collect();
+        for (lane, right) in self.lanes.iter_mut().zip(rights) {
+            lane.right_of_way = right;
         }
     }
 

@@ -51,6 +51,27 @@ impl Reservations {
         });
     }
 
+    /// Makes the leave of whoever is ahead on its way to a lane as old as that of those behind: who lets those pass that it
+    /// follows would wait for itself otherwise.
+    pub(crate) fn keep_order(&self, vehicles: &mut [Vehicle]) {
+        for (lane, holders) in self.holders.iter().enumerate().filter(|(_, holders)| holders.len() > 1) {
+            let mut row: Vec<(f64, usize, usize)> = Vec::with_capacity(holders.len());
+            for &who in holders {
+                let vehicle = &vehicles[who];
+                if let Some(i) = vehicle.held.iter().position(|h| h.lane == lane) {
+                    row.push((vehicle.held[i].start_m - vehicle.odometer_m, who, i));
+                }
+            }
+            row.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.cmp(&a.1)));
+            let mut oldest = u64::MAX;
+            for (_, who, i) in row {
+                let held = &mut vehicles[who].held[i];
+                oldest = oldest.min(held.order);
+                held.order = oldest;
+            }
+        }
+    }
+
     /// Ends the reservations of lanes that a vehicle's rear has left.
     pub(crate) fn release(&mut self, net: &Net, vehicle: &mut Vehicle, me: usize) {
         let rear = vehicle.odometer_m - vehicle.half_length_m();

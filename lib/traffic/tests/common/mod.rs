@@ -251,6 +251,132 @@ pub(crate) fn crossing(signals: bool) -> Map {
     Map::new(network)
 }
 
+/// Half of the splitter islands between the lanes of a roundabout's arms, metres.
+const SPLITTER_HALF_M: f64 = 1.5;
+/// Half the angle of the ring that a roundabout's arm takes, radians.
+const ARM_HALF_RAD: f64 = 0.6;
+
+/// From the middle of a [`roundabout`] to where its arms begin, metres, and the radius on which their lanes bend to the
+/// ring's.
+///
+/// A lane at y = e comes in towards -x and meets the tangent of the ring of radius r at angle a at
+/// x = (r - e sin a) / cos a; from there it is u = (r sin a - e) / cos a along the tangent to the ring.
+pub(crate) fn roundabout_entry_m(radius_m: f64) -> [f64; 2] {
+    let (sin, cos) = sin_cos(ARM_HALF_RAD);
+    let e = SPLITTER_HALF_M + 1.75;
+    let leg = (radius_m * sin - e) / cos;
+    let (half_sin, half_cos) = sin_cos(0.5 * (std::f64::consts::FRAC_PI_2 - ARM_HALF_RAD));
+    [(radius_m - e * sin) / cos + leg, leg * half_cos / half_sin]
+}
+
+/// A ring of one lane, its middle at a radius, and four arms of one lane each way; who enters has a yield sign. As real maps
+/// have it, each arm is a junction and the ring between two arms is a road.
+pub(crate) fn roundabout(radius_m: f64, arms_m: f64) -> Map {
+    use std::f64::consts::FRAC_PI_2;
+    let [from_m, bend_m] = roundabout_entry_m(radius_m);
+    // References run along the left edges of their lanes.
+    let (ring_m, bend_m) = (radius_m - 1.75, bend_m + 1.75);
+    let driving = |id: i16, from: i16, to: i16| {
+        let (predecessors, successors) = (vec![from], vec![to]);
+        Lane { predecessors, successors, ..lane(id, LaneType::Driving, 3.5) }
+    };
+    let one_way =
+        |from: i16, to: i16| LaneSection { right: vec![driving(-1, from, to)], ..LaneSection::default() };
+    let arc =
+        |id: String, [x_m, y_m, hdg_rad]: [f64; 3], length_m: f64, curvature: f64, section: LaneSection| {
+            let mut road = town_road(&id, x_m, y_m, hdg_rad, length_m, section);
+            road.plan_view[0].curve = Curve::Arc { curvature };
+            road.types[0].speed = Some(Speed { max: 30.0, unit: SpeedUnit::KilometresPerHour });
+            road
+        };
+    let on_ring = |angle: f64| {
+        let (sin, cos) = sin_cos(angle);
+        [ring_m * cos, ring_m * sin, angle + FRAC_PI_2]
+    };
+    let at = |id: String, contact: ContactPoint| Some(RoadLink::Road { id, contact });
+    let (start, end) = (ContactPoint::Start, ContactPoint::End);
+    let mut network = Network::default();
+    for i in 0..4 {
+        let angle = i as f64 * FRAC_PI_2;
+        let (sin, cos) = sin_cos(angle);
+        let place = |x: f64, y: f64| [x * cos - y * sin, x * sin + y * cos];
+        let (name, before) = (|kind: &str| format!("{kind}{i}"), (i + 3) % 4);
+        let side = |sign: i16| {
+            vec![lane(sign, LaneType::None, SPLITTER_HALF_M), lane(2 * sign, LaneType::Driving, 3.5)]
+        };
+        let section = LaneSection { left: side(1), right: side(-1), ..LaneSection::default() };
+        let [x_m, y_m] = place(from_m, 0.0);
+        let mut arm = town_road(&name("arm"), x_m, y_m, angle, arms_m, section);
+        arm.predecessor = Some(RoadLink::Junction { id: name("j") });
+        let gap = FRAC_PI_2 - 2.0 * ARM_HALF_RAD;
+        let curvature = 1.0 / ring_m;
+        let mut piece =
+            arc(name("ring"), on_ring(angle + ARM_HALF_RAD), gap * ring_m, curvature, one_way(-1, -1));
+        piece.predecessor = Some(RoadLink::Junction { id: name("j") });
+        piece.successor = Some(RoadLink::Junction { id: format!("j{}", (i + 1) % 4) });
+        let turn_m = (FRAC_PI_2 - ARM_HALF_RAD) * bend_m;
+        let [x_m, y_m] = place(from_m, SPLITTER_HALF_M);
+        let inwards = [x_m, y_m, angle + 2.0 * FRAC_PI_2];
+        let mut enter = arc(name("enter"), inwards, turn_m, -1.0 / bend_m, one_way(2, -1));
+        (enter.predecessor, enter.successor) = (at(name("arm"), start), at(name("ring"), start));
+        let validity = vec![LaneValidity { from: -1, to: -1 }];
+        let sign = Signal { id: name("yield"), kind: "205".into(), t: -5.0, validity, ..Signal::default() };
+        enter.signals.push(sign);
+        let mut leave =
+            arc(name("leave"), on_ring(angle - ARM_HALF_RAD), turn_m, -1.0 / bend_m, one_way(-1, -2));
+        (leave.predecessor, leave.successor) = (at(format!("ring{before}"), end), at(name("arm"), start));
+        let through_m = 2.0 * ARM_HALF_RAD * ring_m;
+        let mut through =
+            arc(name("through"), on_ring(angle - ARM_HALF_RAD), through_m, curvature, one_way(-1, -1));
+        (through.predecessor, through.successor) =
+            (at(format!("ring{before}"), end), at(name("ring"), start));
+        let mut junction = Junction { id: name("j"), ..Junction::default() };
+        for (road, from) in [(&mut enter, 2), (&mut leave, -1), (&mut through, -1)] {
+            road.junction = Some(name("j"));
+            let incoming = if from == 2 { name("arm") } else { format!("ring{before}") };
+            junction.connections.push(Connection {
+                id: road.id.clone(),
+                incoming_road: incoming,
+                connecting_road: road.id.clone(),
+                contact: start,
+                lane_links: vec![LaneLink { from, to: -1, ..LaneLink::default() }],
+                ..Connection::default()
+            });
+        }
+        network.roads.extend([arm, piece, enter, leave, through]);
+        network.junctions.push(junction);
+    }
+    Map::new(network)
+}
+
+/// Queues on all arms of a [`roundabout`], `count` vehicles each, so far from one another; drivers differ as planned ones
+/// do.
+pub(crate) fn queues_at_roundabout(
+    radius_m: f64,
+    count: usize,
+    apart_m: f64,
+    seed: u64,
+) -> Vec<PlanAgentRow> {
+    let from_m = roundabout_entry_m(radius_m)[0] + 8.0;
+    let places = (0..4).flat_map(|arm| (0..count).map(move |k| (arm, from_m + apart_m * k as f64)));
+    let row = |(i, (arm, x)): (usize, (i32, f64))| {
+        let angle = f64::from(arm) * std::f64::consts::FRAC_PI_2;
+        let (sin, cos) = sin_cos(angle);
+        let y = SPLITTER_HALF_M + 1.75;
+        let at = [x * cos - y * sin, x * sin + y * cos, 0.0];
+        let row = agent(i, at, frames::wrap_pi(angle + std::f64::consts::PI));
+        as_planned(row, seed, i)
+    };
+    places.enumerate().map(row).collect()
+}
+
+/// A driver as the plan draws them: 0.8 to 1.4 of the limit, gaps of about 4.2 m.
+pub(crate) fn as_planned(agent: PlanAgentRow, seed: u64, index: usize) -> PlanAgentRow {
+    let mut draw = random::Stream::new(seed, 0, "traffic-report/driver", index as u64);
+    let speed_difference = draw.uniform(-0.4, 0.2);
+    PlanAgentRow { speed_difference, standstill_gap_m: draw.normal(4.2, 1.0).max(0.0), ..agent }
+}
+
 /// A real map, or None (with a line that says so) where the maps are not at hand.
 #[allow(clippy::print_stdout)] // Says why a test passes without testing.
 pub(crate) fn carla(name: &str) -> Option<Map> {
