@@ -7,7 +7,10 @@ use schema::settings::WorldSettings;
 use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow};
 use traffic::{SceneInput, SceneLog, simulate};
 
-use crate::common::{agent, agents_on, carla, crossing, hazard, lights, scene, settings};
+use crate::common::{
+    agent, agents_on, as_planned, carla, crossing, hazard, lights, queues_at_roundabout, roundabout, scene,
+    settings,
+};
 
 /// Seconds that are watched.
 const DURATION_S: f64 = 90.0;
@@ -16,9 +19,13 @@ const VEHICLES: i32 = 120;
 const WALKERS: u32 = 100;
 /// Scenery stands within this distance of an agent, metres.
 const SCENERY_M: f64 = 300.0;
-/// Maps to look at: our towns, then real ones that may be absent, then a crossing with full queues.
-const MAPS: [&str; 7] =
-    ["convoy/01", "convoy/03", "convoy/05", "convoy/06", "Town03", "Town10HD", "crossing"];
+/// Maps to look at: our towns, then real ones that may be absent, then places with full queues.
+const MAPS: [&str; 8] =
+    ["convoy/01", "convoy/03", "convoy/05", "convoy/06", "Town03", "Town10HD", "crossing", "roundabout"];
+/// Radius of the roundabout's lane and length of its arms, metres; vehicles in each queue, and metres from one to the next.
+const ROUNDABOUT_M: [f64; 2] = [18.0, 500.0];
+const QUEUE: usize = 20;
+const QUEUED_M: f64 = 10.0;
 
 /// One seed in so many has accidents and road works, so many of them; they are as long as this, metres, and keep as far off
 /// the ends of their lanes and off agents.
@@ -41,8 +48,10 @@ pub(crate) fn plans(wanted: &[String], seeds: &RangeInclusive<u64>) -> Vec<Plan>
 }
 
 fn load(name: &str) -> Option<Map> {
-    if name == "crossing" {
-        return Some(crossing(true));
+    match name {
+        "crossing" => return Some(crossing(true)),
+        "roundabout" => return Some(roundabout(ROUNDABOUT_M[0], ROUNDABOUT_M[1])),
+        _ => {}
     }
     match town::named(name) {
         Some(parameters) => town::generate(&parameters).ok().map(Map::new),
@@ -51,13 +60,14 @@ fn load(name: &str) -> Option<Map> {
 }
 
 /// Queues of eight on all arms of the crossing.
-fn queues() -> Vec<PlanAgentRow> {
+fn queues(seed: u64) -> Vec<PlanAgentRow> {
     let mut agents = Vec::new();
     for (arm, (cos, sin)) in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)].into_iter().enumerate() {
         for k in 0..8 {
             let d = 24.0 + 20.0 * f64::from(k);
             let at = [d * cos - 1.75 * sin, d * sin + 1.75 * cos, 0.0];
-            agents.push(agent(8 * arm + k as usize, at, frames::math::atan2(-sin, -cos)));
+            let index = 8 * arm + k as usize;
+            agents.push(as_planned(agent(index, at, frames::math::atan2(-sin, -cos)), seed, index));
         }
     }
     agents
@@ -121,25 +131,23 @@ impl Plan {
         let mut scene = scene(DURATION_S);
         scene.seed = 1000 + self.seed;
         let mut settings = settings();
-        let agents = if self.map == "crossing" {
+        let queues = match self.map.as_str() {
+            "crossing" => Some(queues(scene.seed)),
+            "roundabout" => Some(queues_at_roundabout(ROUNDABOUT_M[0], QUEUE, QUEUED_M, scene.seed)),
+            _ => None,
+        };
+        let full = queues.is_some();
+        let agents = queues.unwrap_or_else(|| agents_on(&map, 4, 7));
+        if full {
             settings.traffic.green_time_s = Some(25.0);
-            let mut agents = queues();
-            // Drivers differ as planned ones do: 0.8 to 1.4 of the limit, gaps of about 4.2 m.
-            for (i, agent) in agents.iter_mut().enumerate() {
-                let mut draw = random::Stream::new(scene.seed, 0, "traffic-report/driver", i as u64);
-                agent.speed_difference = draw.uniform(-0.4, 0.2);
-                agent.standstill_gap_m = draw.normal(4.2, 1.0).max(0.0);
-            }
-            agents
         } else {
             settings.traffic.reckless_background = 0.01;
             settings.traffic.distracted_background = 0.02;
             scene.background_vehicles = Some(VEHICLES);
             scene.walkers = WALKERS;
-            agents_on(&map, 4, 7)
-        };
+        }
         let fixed = scenery(&map, scene.seed, &agents);
-        let wanted = self.map != "crossing" && self.seed.is_multiple_of(HAZARD_SEEDS);
+        let wanted = !full && self.seed.is_multiple_of(HAZARD_SEEDS);
         let hazards = if wanted { hazards(&map, &agents) } else { Vec::new() };
         let input = SceneInput {
             map: &map,
