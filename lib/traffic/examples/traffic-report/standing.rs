@@ -26,6 +26,9 @@ const LINE_M: f64 = 11.0;
 const WALKER_M: [f64; 2] = [16.0, 6.0];
 /// A junction begins within this distance, metres.
 const JUNCTION_M: f64 = 10.0;
+/// Room to wait between two junctions beyond the own length, metres, and how far junctions are looked for.
+const BETWEEN_M: f64 = 10.0;
+const JUNCTIONS_M: f64 = 80.0;
 /// Those who come to a junction are given way if they are this near: metres at least, and seconds (critical gaps of the
 /// Highway Capacity Manual are 6.2 to 7.1 s).
 const RIVAL_M: f64 = 25.0;
@@ -228,7 +231,7 @@ fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
         if wreck_in(film, junction, i) {
             return Reason::Wreck;
         }
-        if rivals(film, n, i, junction) {
+        if junctions(film, body, i).into_iter().any(|junction| rivals(film, n, i, junction)) {
             return Reason::Priority;
         }
     }
@@ -335,6 +338,25 @@ fn exit_blocked(film: &Film<'_>, body: &Body, i: usize) -> Option<usize> {
         }
     }
     None
+}
+
+/// The junctions that a vehicle goes through as one: there is no room to wait between them.
+fn junctions(film: &Film<'_>, body: &Body, i: usize) -> Vec<usize> {
+    let room_m = body.size_m[0] + BETWEEN_M;
+    let mut found: Vec<usize> = Vec::new();
+    let mut left_at = JUNCTION_M - room_m;
+    for (to, point) in body.ahead(i, JUNCTIONS_M) {
+        let hit = film.map.nearest_driving_lane(*point);
+        if let Some(junction) = hit.and_then(|hit| film.map.lane(hit.lane)?.junction) {
+            left_at = to;
+            if !found.contains(&junction) {
+                found.push(junction);
+            }
+        } else if to > left_at + room_m {
+            break;
+        }
+    }
+    found
 }
 
 /// A crashed vehicle in a junction.
