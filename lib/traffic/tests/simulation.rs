@@ -71,7 +71,7 @@ fn a_follower_keeps_its_gap() {
     let tracks = tracks(&log);
     let [leader, follower] = [&tracks[&1], &tracks[&2]].map(|t| t[t.len() - 1]);
     let gap = leader.xyz_m[0] - follower.xyz_m[0] - 4.7;
-    let idm = Idm { acceleration: 2.5, braking: 2.5, headway_s: 0.65, standstill_gap_m: 4.0 };
+    let idm = Idm { acceleration: 2.5, braking: 2.5, headway_s: 0.6, standstill_gap_m: 4.0 };
     let expected = equilibrium_gap_m(&idm, 0.5 * 50.0 / 3.6, 50.0 / 3.6);
     assert!((gap - expected).abs() < 0.3, "{gap} instead of {expected}");
     assert!((f64::from(follower.velocity_mps[0]) - 25.0 / 3.6).abs() < 0.1);
