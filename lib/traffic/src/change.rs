@@ -15,6 +15,8 @@ use crate::sides::{CHANGE_WIDTH_M, Side};
 use crate::sleep::Wake;
 use crate::vehicles::Vehicle;
 
+/// Slower than this is standing, m/s.
+const STANDING_MPS: f64 = 0.1;
 /// Each driver looks every so many steps.
 const EVERY_STEPS: u32 = 5;
 /// Seconds that a change takes: 1.5 m/s2 sideways for a lane of 3.5 m.
@@ -104,6 +106,8 @@ enum Found {
     Way(Change),
     /// There is a lane, but no gap.
     Full(usize),
+    /// There is a lane, but what stands ahead is too near to get out of this one.
+    Blocked,
     Nothing,
 }
 
@@ -114,22 +118,26 @@ pub(crate) fn change_lanes(net: &Net, occupancy: &mut Occupancy, vehicles: &mut 
         if !(step + me as u32).is_multiple_of(EVERY_STEPS) {
             continue;
         }
-        vehicles[me].asks = None;
+        (vehicles[me].asks, vehicles[me].stuck) = (None, false);
         let Some(wish) = wish(net, occupancy, vehicles, me) else { continue };
         let mut best: Option<Change> = None;
-        let mut full = None;
+        let (mut full, mut blocked) = (None, false);
         for side in Side::BOTH {
             match look(net, occupancy, vehicles, me, side, wish) {
                 Found::Way(change) if best.as_ref().is_none_or(|b| change.gain > b.gain) => {
                     best = Some(change)
                 }
                 Found::Full(lane) => full = full.or(Some(lane)),
+                Found::Blocked => blocked = true,
                 Found::Way(_) | Found::Nothing => {}
             }
         }
         match best {
             Some(change) => begin(net, occupancy, &mut vehicles[me], me, change),
-            None if wish != Wish::Pass => vehicles[me].asks = full,
+            None if wish != Wish::Pass => {
+                vehicles[me].stuck = blocked && full.is_none() && vehicles[me].speed_mps < STANDING_MPS;
+                vehicles[me].asks = full;
+            }
             None => {}
         }
     }
@@ -233,7 +241,7 @@ fn look(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize, side:
     });
     if let Some(leader) = near {
         let is_stuck = is_stranded(vehicles, leader.vehicle);
-        return if is_stuck { Found::Nothing } else { Found::Full(beside.lane) };
+        return if is_stuck { Found::Blocked } else { Found::Full(beside.lane) };
     }
     match gap(net, occupancy, vehicles, me, (beside.lane, along_m), wish) {
         Some((gain, passed)) => Found::Way(Change {

@@ -31,9 +31,9 @@ const STANDING: usize = usize::MAX;
 /// Things shorter than this are looked at in their middle only, metres.
 const SHORT_M: f64 = 1.0;
 
-/// Whether what is on a lane is a wreck or another thing that nobody drives away.
+/// Whether what is on a lane is a wreck or another thing that nobody drives away, or somebody who cannot get past one.
 pub(crate) fn is_stranded(vehicles: &[Vehicle], who: usize) -> bool {
-    vehicles.get(who).is_none_or(|v| v.crashed)
+    vehicles.get(who).is_none_or(|v| v.crashed || v.stuck)
 }
 
 /// Onwards or backwards along lanes.

@@ -69,6 +69,7 @@ pub(crate) fn place_vehicles(
             pocket: None,
             asks: None,
             changed_m: 0.0,
+            stuck: false,
             crashed: false,
             held: Vec::new(),
             waiting_since: None,

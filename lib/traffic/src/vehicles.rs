@@ -106,6 +106,8 @@ pub(crate) struct Vehicle {
     pub(crate) asks: Option<usize>,
     /// Its odometer at the last lane change, metres.
     pub(crate) changed_m: f64,
+    /// It stands too near behind a wreck to get past it.
+    pub(crate) stuck: bool,
     /// It hit or was hit: nobody drives it any more.
     pub(crate) crashed: bool,
     /// Junction lanes that are kept free for it.
@@ -257,13 +259,15 @@ pub(crate) fn wished_acceleration(
     };
     let leader = (of_vehicles != Sight::Away).then(|| occupancy.leader(net, vehicles, me)).flatten();
     if let Some(leader) = leader {
-        let room_m = if is_stranded(vehicles, leader.vehicle) {
-            room_to_pull_out_m(vehicle.model.size_m[0])
-        } else {
-            0.0
-        };
-        let idm = Idm { standstill_gap_m: idm.standstill_gap_m.max(room_m), ..idm };
         heed(of_vehicles, idm.following(speed, wished, leader.gap_m, leader.speed_mps));
+        if is_stranded(vehicles, leader.vehicle) {
+            // As before a line: who only keeps a large gap comes nearer than that when it brakes late.
+            let soonest_m = speed * speed / (2.0 * COMFORT_BRAKING);
+            let room_m = leader.gap_m - room_to_pull_out_m(vehicle.model.size_m[0]);
+            let idm = Idm { standstill_gap_m: LINE_GAP_M, ..idm };
+            let to_m = room_m.max(soonest_m.min(leader.gap_m));
+            heed(of_vehicles, idm.following(speed, wished, to_m, 0.0));
+        }
     }
     if let Some(leader) = occupancy.asking(net, vehicles, me) {
         let yielding = idm.following(speed, wished, leader.gap_m, leader.speed_mps);

@@ -33,6 +33,8 @@ const JUNCTIONS_M: f64 = 80.0;
 /// Highway Capacity Manual are 6.2 to 7.1 s).
 const RIVAL_M: f64 = 25.0;
 const RIVAL_S: f64 = 7.0;
+/// Who is the first at a line before a junction is this near to it, metres.
+const AT_LINE_M: f64 = 14.0;
 /// The exit of a junction is looked at over this length, metres.
 const EXIT_M: f64 = 60.0;
 /// Those who set off need no reason any more, states (1.5 s).
@@ -381,13 +383,18 @@ fn rivals(film: &Film<'_>, n: usize, i: usize, junction: usize) -> bool {
             let hit = film.map.nearest_driving_lane(*p);
             hit.and_then(|h| film.map.lane(h.lane)?.junction) == Some(junction)
         };
+        let front = |body: &Body, i: usize| {
+            let (sin, cos) = frames::math::sin_cos(body.track[i].yaw_rad);
+            body.track[i].at + 0.5 * body.size_m[0] * nalgebra::Vector3::new(cos, sin, 0.0)
+        };
+        let enters = |body: &Body| (i..film.states).step_by(SAMPLE).find(|&j| here(&front(body, j)));
+        let me = &film.vehicles[n];
         let moves = snap.speed_mps > STANDING_MPS;
-        let waits = !moves && stood_since(other, i) < stood_since(&film.vehicles[n], i);
-        let reach_m = if waits { JUNCTION_M } else { reach };
-        let (sin, cos) = frames::math::sin_cos(snap.yaw_rad);
-        let front = snap.at + 0.5 * other.size_m[0] * nalgebra::Vector3::new(cos, sin, 0.0);
+        let goes_first = || enters(other).is_some_and(|then| enters(me).is_none_or(|mine| then < mine));
+        let waits = !moves && (stood_since(other, i) < stood_since(me, i) || goes_first());
+        let reach_m = if waits { AT_LINE_M } else { reach };
         here(&snap.at)
-            || here(&front)
+            || here(&front(other, i))
             || ((moves || waits) && other.ahead(i, reach_m).step_by(2).any(|(_, p)| here(p)))
     })
 }
