@@ -13,6 +13,9 @@ const BEHIND_M: f64 = 1.0;
 const BEFORE_M: f64 = 1.0;
 /// Places that begin within this distance of a line are waited for before it, metres.
 const AT_LINE_M: f64 = 0.5;
+/// Slower than this is standing, m/s; those who stand are passed with so much room, metres.
+const STANDING_MPS: f64 = 0.3;
+const CLEAR_M: f64 = 0.3;
 /// Who is slower than this may stand for long: nobody sets off in the hope that it clears the way, m/s.
 const MOVING_MPS: f64 = 1.0;
 /// Who goes first is gone this long before the other one comes, seconds.
@@ -161,7 +164,7 @@ impl<'a> Meeting<'a> {
             return Some(Wait::LetIn(self.let_in()));
         }
         let (speed, gap_m) = (self.me.speed_mps, self.mine.to_begin_m - BEFORE_M);
-        if self.mine.to_begin_m < 0.0 {
+        if self.mine.to_begin_m < 0.0 || self.stands_clear() {
             return None;
         }
         let braking = braking_to_stop(speed, gap_m);
@@ -170,10 +173,30 @@ impl<'a> Meeting<'a> {
             .then_some(Wait::Stop(gap_m))
     }
 
+    /// Whether the rival, on its way out of the place, stands so that it leaves room: as who queues behind the junction with
+    /// its rear still in it.
+    fn stands_clear(&self) -> bool {
+        let is_leaving = self.theirs.to_end_m < self.rival.half_length_m() + BEHIND_M;
+        if !is_leaving || self.rival.speed_mps > STANDING_MPS {
+            return false;
+        }
+        let way = &self.net.lanes[self.lane].way;
+        let (sin, cos) = frames::math::sin_cos(self.rival.yaw_rad);
+        let [length, width, _] = self.rival.model.size_m;
+        let least_m = 0.5 * self.me.model.size_m[1] + CLEAR_M;
+        let corners = [[0.5, 0.5], [0.5, -0.5], [-0.5, -0.5], [-0.5, 0.5]].map(|[u, v]| {
+            let (ahead, left) = (u * length, v * width);
+            let off = nalgebra::Vector3::new(ahead * cos - left * sin, ahead * sin + left * cos, 0.0);
+            let corner = self.rival.place.point + off;
+            way.cross(corner, way.project(corner).0).1
+        });
+        corners.iter().all(|left| *left > least_m) || corners.iter().all(|left| *left < -least_m)
+    }
+
     /// Whether a driver may set off behind the rival, which goes first.
     pub(crate) fn is_gap_behind(&self) -> bool {
         if self.rival.speed_mps < MOVING_MPS {
-            return false;
+            return !self.merges && self.theirs.is_in() && self.stands_clear();
         }
         if self.merges {
             let (idm, speed) = (&self.me.driver.idm, self.me.speed_mps);
