@@ -33,6 +33,8 @@ const JUNCTIONS_M: f64 = 80.0;
 /// Highway Capacity Manual are 6.2 to 7.1 s).
 const RIVAL_M: f64 = 25.0;
 const RIVAL_S: f64 = 7.0;
+/// Those who use a junction are this near at most, metres.
+const ACROSS_M: f64 = 60.0;
 /// Who is the first at a line before a junction is this near to it, metres.
 const AT_LINE_M: f64 = 14.0;
 /// The exit of a junction is looked at over this length, metres.
@@ -376,7 +378,7 @@ fn rivals(film: &Film<'_>, n: usize, i: usize, junction: usize) -> bool {
     film.vehicles.iter().enumerate().any(|(m, other)| {
         let snap = &other.track[i];
         let reach = RIVAL_M.max(RIVAL_S * snap.speed_mps);
-        if m == n || (snap.at - film.vehicles[n].track[i].at).norm() > RIVAL_M + reach {
+        if m == n || (snap.at - film.vehicles[n].track[i].at).norm() > ACROSS_M + reach {
             return false;
         }
         let here = |p: &nalgebra::Point3<f64>| {
