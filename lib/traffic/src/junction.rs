@@ -47,6 +47,8 @@ const QUEUE_M: f64 = 60.0;
 const STANDING_MPS: f64 = 0.3;
 /// Who has been refused for this long claims its way, steps (10 s).
 const PATIENCE_STEPS: u32 = 200;
+/// A claim lasts this long, steps (5 s).
+const CLAIM_STEPS: u32 = 100;
 /// Who can stop before its line with this braking may be asked to let another one go first, m/s2.
 const LEFT_BRAKING: f64 = 2.0;
 
@@ -68,6 +70,12 @@ impl Reservations {
         })
     }
 
+    /// Whether a vehicle stands for another one, or for somebody in the queue behind that one.
+    fn stands_for(&self, vehicle: &Vehicle, who: usize) -> bool {
+        let heads = |other: &usize| self.heads.get(*other).copied().flatten() == Some(who);
+        vehicle.stands_for.iter().any(|other| *other == who || heads(other))
+    }
+
     /// Whether a lane can be reserved beside what is reserved already; notes whom that leaves to ask again.
     fn is_free(
         &self,
@@ -80,7 +88,7 @@ impl Reservations {
         self.meetings(net, vehicles, me, place).all(|(rival, _, meeting)| {
             // Who stands for this one anyway lets it go on, or both would stand for good.
             let stands =
-                vehicles[rival].stands_for.contains(&me) || lets_pass(net, vehicles, me, place.0, rival);
+                self.stands_for(&vehicles[rival], me) || lets_pass(net, vehicles, me, place.0, rival);
             if stands && !meeting.is_rival_in() || meeting.is_gap_behind() {
                 return true;
             }
@@ -173,7 +181,7 @@ impl Reservations {
                 open && !claimed(lane) && self.is_free(net, vehicles, me, place, &mut ask_again)
             });
         if !free || !(exit || blind) {
-            if vehicles[me].refused_steps > PATIENCE_STEPS {
+            if claims_way(vehicles[me].refused_steps) {
                 claims.exits.extend(into);
                 if exit {
                     claims.lanes.extend(movement.iter().map(|&(lane, _)| lane));
@@ -186,7 +194,7 @@ impl Reservations {
         }
         // Whoever stands for this one on the way it has stands for it on the way it gets: its leave is as old.
         let age = vehicles[me].held.iter().map(|held| held.order).min();
-        let stood_for = vehicles.iter().any(|other| other.stands_for.contains(&me));
+        let stood_for = vehicles.iter().any(|other| self.stands_for(other, me));
         for (lane, start) in movement {
             let place = (lane, odometer + start);
             let passed = self
@@ -334,6 +342,12 @@ fn lets_pass(net: &Net, vehicles: &[Vehicle], me: usize, lane: usize, rival: usi
         && vehicles[me].speed_mps < CREEPING_MPS
         && vehicles[rival].speed_mps < STANDING_MPS
         && !vehicles[rival].stands_for.is_empty()
+}
+
+/// Whether a driver who has been refused for so long claims its way: for some seconds, then again after it has waited once
+/// more, as it may wait for somebody whom no claim moves.
+fn claims_way(refused_steps: u32) -> bool {
+    refused_steps > PATIENCE_STEPS && (refused_steps - PATIENCE_STEPS) % PATIENCE_STEPS <= CLAIM_STEPS
 }
 
 /// Who is asked first.

@@ -131,8 +131,9 @@ impl<'a> Meeting<'a> {
         let zone = conflict.zone(together_m)?;
         let mine = Part::new(net, me, lane, start_m, zone.own_m);
         let theirs = Part::new(net, rival, conflict.other, held.start_m, zone.other_m);
-        // One who follows on a lane that both are on waits behind.
-        let follows = rival.held.iter().any(|h| {
+        // One who follows on a lane that both are on, no later than here, waits behind. On a ring those ahead come to the
+        // lanes of those behind them, too, at last.
+        let follows = rival.held.iter().filter(|h| h.start_m <= held.start_m).any(|h| {
             let here = me.held.iter().find(|own| own.lane == h.lane);
             here.is_some_and(|own| me.odometer_m - own.start_m > (rival.odometer_m - h.start_m).max(0.0))
         });
