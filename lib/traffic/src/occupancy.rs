@@ -259,11 +259,15 @@ impl Occupancy {
             }
             for crosser in &self.walkers[lane] {
                 let gap = start + crosser.along_m - vehicle.half_length_m() - WALKER_HALF_M;
+                // One who is beside or behind the front is not run over by going on.
+                if gap <= -0.3 || best.is_some_and(|b| gap >= b) {
+                    continue;
+                }
                 let past_m = gap + vehicle.model.size_m[0] + 2.0 * WALKER_HALF_M;
                 let ease = EASE * vehicle.driver.idm.acceleration;
-                let passed_s = time_s(past_m, vehicle.speed_mps, ease, vehicle.driver_speed(net));
-                // One who is beside or behind the front is not run over by going on.
-                if gap > -0.3 && crosser.in_s < passed_s + PASSED_S && best.is_none_or(|b| gap < b) {
+                if crosser.in_s
+                    < time_s(past_m, vehicle.speed_mps, ease, vehicle.driver_speed(net)) + PASSED_S
+                {
                     best = Some(gap);
                 }
             }
