@@ -35,6 +35,8 @@ const TOUCHING_GAP_M: f64 = 0.6;
 const LINE_GAP_M: f64 = 0.2;
 /// Drivers stop this far before the end of a road, metres.
 const ROAD_END_M: f64 = 1.0;
+/// Braking for a place to pull out behind a wreck, m/s2: who needs more stops nearer to it.
+const FIRM_BRAKING: f64 = 4.0;
 /// Gap to the rear of a vehicle that is being passed, metres, and free space beside it.
 const PASSED_GAP_M: f64 = 0.5;
 const PASSED_ASIDE_M: f64 = 0.3;
@@ -262,7 +264,7 @@ pub(crate) fn wished_acceleration(
         heed(of_vehicles, idm.following(speed, wished, leader.gap_m, leader.speed_mps));
         if is_stranded(vehicles, leader.vehicle) {
             // As before a line: who only keeps a large gap comes nearer than that when it brakes late.
-            let soonest_m = speed * speed / (2.0 * COMFORT_BRAKING);
+            let soonest_m = speed * speed / (2.0 * FIRM_BRAKING);
             let room_m = leader.gap_m - room_to_pull_out_m(vehicle.model.size_m[0]);
             let idm = Idm { standstill_gap_m: LINE_GAP_M, ..idm };
             let to_m = room_m.max(soonest_m.min(leader.gap_m));
