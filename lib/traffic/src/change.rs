@@ -274,7 +274,8 @@ fn gap(
         Some((to_m, spot)) => {
             let gap_m = to_m - half - spot.half_length_m;
             let least = if must { 1.0 } else { 2.0 } + 0.3 * (speed - spot.speed_mps).max(0.0) + 0.2 * speed;
-            if gap_m < least {
+            // Nobody chooses a lane that is blocked in view.
+            if gap_m < least || !must && is_stranded(vehicles, spot.vehicle) {
                 return None;
             }
             idm.following(speed, wished, gap_m, spot.speed_mps)
