@@ -119,7 +119,8 @@ bench:
 
 bench-kernels:
 	$(CARGO) bench --locked -p convoy-opendrive -p convoy-world -p convoy-traffic -p convoy-visibility \
-		-p convoy-sensors -p convoy-truth -p convoy-formats --benches
+		-p convoy-sensors -p convoy-formats --benches
+	$(CARGO) bench --locked -p convoy-tests --bench labels
 
 docs:
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps

@@ -8,23 +8,26 @@ use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use annotation::boxes::{ObservedObject, Observer};
+use bev::{Areas, BevRasterizer};
+use fill::Filler;
 use formats::{DEFAULT_LEVEL, Scalar, encode_member};
 use frames::{Agent, Pose, World as WorldFrame};
 use opendrive::Map;
+use pipeline::StageSettings;
 use plan::PlanMap;
 use random::Stream;
 use schema::geometry::Snapshot;
+use schema::settings::stages::{PlanSettings, SimulationSettings};
 use schema::settings::{DatasetSettings, LidarSpec};
 use schema::tables::{ActorRow, BoxRow};
 use schema::{AgentId, BevClass, DetectionClass};
 use sensors::{CameraFrame, CameraView, Lidar, Lighting, Picture, RadarMotion, Sky};
 use traffic::{SceneInput, SceneLog};
-use truth::bev::{Areas, BevRasterizer};
-use truth::boxes::{ObservedObject, Observer};
-use truth::fill::Filler;
-use truth::validity::{Evidence, PointCloud};
-use truth::voxels::{VoxelGrid, Voxelizer};
+use validity::{Evidence, PointCloud};
 use visibility::{Meshes, Scene};
+use voxelgrid::VoxelGrid;
+use voxels::Voxelizer;
 use world::{Moment, World};
 
 const CONFIG: &str = "seed = 27\n[scenes.train]\n\"convoy/demo\" = 1\n[agents]\nmin_vehicles = 2\nmax_vehicles = 2\n\
@@ -54,7 +57,7 @@ fn main() {
     let network = town::generate(&town::named("convoy/demo").expect("is named")).expect("is generated");
     let map = Map::new(network);
     let mut maps = BTreeMap::from([("convoy/demo".to_owned(), PlanMap { map, hash: String::new() })]);
-    let plan = plan::plan(&settings, &maps).expect("is planned");
+    let plan = plan::plan(&PlanSettings::of(&settings), &maps).expect("is planned");
     let map = maps.remove("convoy/demo").expect("is there").map;
     let centres: Vec<[f64; 3]> = plan.agents.iter().map(|a| a.xyz_m).collect();
     let fixed = world::place(&map, &settings.world, 27, &centres, 1).expect("is placed");
@@ -64,7 +67,7 @@ fn main() {
         scene: &plan.scenes[0],
         agents: &plan.agents,
         hazards: &[],
-        settings: &settings,
+        settings: &SimulationSettings::of(&settings),
         fixed: &fixed,
         first_id: fixed.last().map_or(1, |a| a.id + 1),
     };
@@ -286,11 +289,11 @@ impl<'a> Agentframe<'a> {
             PointCloud { world_from_sensor: self.pose * mount, x: &sweep.x_m, y: &sweep.y_m, z: &sweep.z_m };
         let pixels = BTreeMap::new();
         best(5, || {
-            let boxes: Vec<BoxRow> = truth::boxes::collect(0, &[observer], &objects, 200.0);
+            let boxes: Vec<BoxRow> = annotation::boxes::collect(0, &[observer], &objects, 200.0);
             assert!(boxes.iter().any(|b| b.class == DetectionClass::Car.name()));
             let evidence =
                 Evidence { lidars: &[cloud], radars: &[], num_pixels: &pixels, valid_by_image: false };
-            truth::validity::validate(&boxes, &evidence)
+            validity::validate(&boxes, &evidence)
         })
     }
 }

@@ -1,19 +1,22 @@
 //! The BEV stage: 14 classes around every agent at every frame.
 
+use bev::{Areas, BevRasterizer};
+use counts::PartialCounts;
 use formats::{DEFAULT_LEVEL, Scalar, encode_member, frame_member};
 use nalgebra::Point3;
 use pipeline::{Job, Pulse, Stage, StageError};
 use replay::{Replay, Spare, archive_frames};
 use schema::BevClass;
+use schema::settings::BevSettings;
 use store::{Unit, keys};
-use truth::bev::{Areas, BevRasterizer};
-use truth::counts::Counts;
 
 /// The stage.
-pub const STAGE: Stage = Stage { name: "bev-gt", run, sources: pipeline::no_sources, forecast: None };
+pub const STAGE: Stage<BevSettings> = Stage::new(run);
+/// Its name.
+const NAME: &str = Stage::<BevSettings>::NAME;
 
-fn run(job: &mut Job<'_>) -> Result<(), StageError> {
-    let (settings, scene) = (job.settings().bev.clone(), job.scene());
+fn run(job: &mut Job<'_, BevSettings>) -> Result<(), StageError> {
+    let (settings, scene) = (job.settings().clone(), job.scene());
     if !settings.enabled {
         return Ok(());
     }
@@ -31,7 +34,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
         let Some((mut unit, pulse)) = job.unit_and_pulse(&name)? else { continue };
         let work = Work { replay: &replay, position, settings: &settings, areas };
         let counts = work.masks(&mut unit, &keys::bev(scene, *agent), &name, pulse)?;
-        unit.rows(&keys::partial_stats(scene, &format!("{}.{name}", STAGE.name)), &counts.rows())?;
+        unit.rows(&keys::partial_stats(scene, &format!("{}.{name}", NAME)), &counts.rows())?;
         unit.finish()?;
     }
     Ok(())
@@ -40,7 +43,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
 struct Work<'a> {
     replay: &'a Replay,
     position: usize,
-    settings: &'a schema::settings::BevSettings,
+    settings: &'a BevSettings,
     areas: Areas<'a>,
 }
 
@@ -52,7 +55,7 @@ impl Work<'_> {
         key: &str,
         name: &str,
         pulse: Pulse<'_>,
-    ) -> Result<Counts, StageError> {
+    ) -> Result<PartialCounts, StageError> {
         let frames = self.replay.log.frame_count();
         let cells = self.settings.cells as usize;
         // Half the diagonal, and the size of the largest object.
@@ -69,11 +72,11 @@ impl Work<'_> {
             let member =
                 encode_member(&frame_member(frame), Scalar::Bool, &shape, &mask.to_bytes(), DEFAULT_LEVEL)
                     .map_err(|e| StageError::failed(&e))?;
-            let mut counts = Counts::new();
-            counts.add_bev(name, &mask);
+            let mut counts = PartialCounts::new();
+            mask.add_to(&mut counts, name);
             Ok((member, counts))
         };
-        let mut counts = Counts::new();
+        let mut counts = PartialCounts::new();
         archive_frames(unit, key, frames, pulse, one, |of_frame| counts.merge(of_frame))?;
         Ok(counts)
     }

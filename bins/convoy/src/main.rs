@@ -7,9 +7,9 @@ mod maps;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use driver::StoreCommand;
 use film::FilmCommand;
 use maps::MapCommand;
-use pipeline::StoreCommand;
 
 /// Makes V2X cooperative-perception datasets.
 #[derive(Debug, Parser)]
@@ -33,7 +33,7 @@ fn main() -> ExitCode {
     let args = Args::parse();
     pipeline::init_logging();
     ExitCode::from(match args.command {
-        Command::Store(command) => pipeline::drive(command),
+        Command::Store(command) => driver::drive(command),
         Command::Map(command) => maps::run(command),
         Command::Film(command) => film::run(command),
     })

@@ -1,16 +1,15 @@
 //! The merging stage: one list of unique objects per frame, tracks over the scene.
 
-use pipeline::{Job, Stage, StageError};
+use pipeline::{Job, Stage, StageError, TrackSettings};
 use replay::SIMULATE;
 use schema::scene_info::SceneInfo;
 use schema::tables::{BoxRow, ValidBoxRow};
 use store::{StoreError, keys};
-use truth::counts::Counts;
 
 /// The stage.
-pub const STAGE: Stage = Stage { name: "merge-tracks", run, sources: pipeline::no_sources, forecast: None };
+pub const STAGE: Stage<TrackSettings> = Stage::new(run);
 
-fn run(job: &mut Job<'_>) -> Result<(), StageError> {
+fn run(job: &mut Job<'_, TrackSettings>) -> Result<(), StageError> {
     let (scene, store) = (job.scene(), job.store().clone());
     let key = |name: &str| keys::scene(scene, name);
     let boxes: Vec<BoxRow> = store.read_rows(job.input(SIMULATE)?, &key("boxes.parquet"))?;
@@ -20,13 +19,12 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     let info: SceneInfo =
         store.read_json(&info_key)?.ok_or_else(|| StoreError::Missing { path: store.location(&info_key) })?;
 
-    let (frames, tracks) = truth::tracks::merge(&boxes, &valid).map_err(|e| StageError::failed(&e))?;
-    let mut counts = Counts::new();
-    counts.add_tracks(&frames, info.frames);
+    let (frames, tracks) = tracks::merge(&boxes, &valid).map_err(|e| StageError::failed(&e))?;
+    let counts = tracks::count(&frames, info.frames);
     if let Some(mut unit) = job.unit("tracks")? {
         unit.rows(&key("tracks.parquet"), &tracks)?;
         unit.rows(&key("tracks_frames.parquet"), &frames)?;
-        unit.rows(&keys::partial_stats(scene, STAGE.name), &counts.rows())?;
+        unit.rows(&keys::partial_stats(scene, Stage::<TrackSettings>::NAME), &counts.rows())?;
         unit.finish()?;
     }
     Ok(())

@@ -1,18 +1,23 @@
 //! The occupancy stage: a voxel grid around every agent at every frame.
 
+use counts::PartialCounts;
 use formats::{DEFAULT_LEVEL, Scalar, encode_member, frame_member};
 use pipeline::{Job, Pulse, Stage, StageError};
 use replay::{Replay, Spare, archive_frames};
 use schema::ObjectId;
-use schema::settings::OccupancySettings;
+use schema::settings::{OccupancySettings, PerAgent};
 use store::{Unit, keys};
-use truth::counts::{Counts, Filling};
-use truth::voxels::{VoxelGrid, Voxelizer};
+use voxelgrid::{Filling, VoxelGrid};
+use voxels::Voxelizer;
 
 /// The stage.
-pub const STAGE: Stage = Stage { name: "occupancy-gt", run, sources: pipeline::no_sources, forecast: None };
+pub const STAGE: Stage<Seen> = Stage::new(run);
+/// What it sees of the configuration: the grid of each agent.
+type Seen = PerAgent<OccupancySettings>;
+/// Its name.
+const NAME: &str = Stage::<Seen>::NAME;
 
-fn run(job: &mut Job<'_>) -> Result<(), StageError> {
+fn run(job: &mut Job<'_, Seen>) -> Result<(), StageError> {
     let (settings, scene) = (job.settings().clone(), job.scene());
     let replay = Replay::open(job)?;
     let agents = replay.log.agent_ids().to_vec();
@@ -20,7 +25,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     job.pulse().set_total(u64::from(frames) * agents.len() as u64);
 
     for (position, agent) in agents.iter().enumerate() {
-        let settings = settings.occupancy_of(*agent);
+        let settings = settings.of(*agent);
         if !settings.enabled {
             continue;
         }
@@ -28,7 +33,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
         let Some((mut unit, pulse)) = job.unit_and_pulse(&name)? else { continue };
         let work = Work { replay: &replay, position, settings };
         let counts = work.grids(&mut unit, &keys::occupancy(scene, *agent), &name, pulse)?;
-        unit.rows(&keys::partial_stats(scene, &format!("{}.{name}", STAGE.name)), &counts.rows())?;
+        unit.rows(&keys::partial_stats(scene, &format!("{}.{name}", NAME)), &counts.rows())?;
         unit.finish()?;
     }
     Ok(())
@@ -48,7 +53,7 @@ impl Work<'_> {
         key: &str,
         name: &str,
         pulse: Pulse<'_>,
-    ) -> Result<Counts, StageError> {
+    ) -> Result<PartialCounts, StageError> {
         let frames = self.replay.log.frame_count();
         let spare = Spare::default();
         let one = |frame: u32| {
@@ -58,15 +63,15 @@ impl Work<'_> {
                     .map_err(|e| StageError::failed(&e))
             })?;
             self.voxelize(frame, &mut voxelizer, &mut grid);
-            let mut counts = Counts::new();
-            counts.add_voxels(name, &grid, Filling::Hollow);
+            let mut counts = PartialCounts::new();
+            grid.add_to(&mut counts, name, Filling::Hollow);
             let member =
                 encode_member(&frame_member(frame), Scalar::U8, &grid.shape, &grid.data, DEFAULT_LEVEL)
                     .map_err(|e| StageError::failed(&e))?;
             spare.give((voxelizer, grid));
             Ok((member, counts))
         };
-        let mut counts = Counts::new();
+        let mut counts = PartialCounts::new();
         archive_frames(unit, key, frames, pulse, one, |of_frame| counts.merge(of_frame))?;
         Ok(counts)
     }

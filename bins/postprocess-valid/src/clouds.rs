@@ -1,14 +1,15 @@
 //! An agent's lidar and radar readings, one frame at a time.
 
 use frames::{Agent, Pose, World};
-use pipeline::{Job, StageError};
+use pipeline::StageError;
 use schema::AgentId;
-use schema::settings::{Mount, Rig};
+use schema::settings::Mount;
+use schema::settings::stages::RangeRig;
 use schema::tables::{LidarRow, RadarRow};
 use store::{RowGroups, keys};
-use truth::validity::{PointCloud, radar_to_cartesian};
+use validity::{PointCloud, radar_to_cartesian};
 
-use crate::RENDER;
+use crate::{RENDER, Work};
 
 /// The open tables of an agent's range sensors.
 pub(crate) struct Clouds {
@@ -49,9 +50,9 @@ impl Clouds {
     ///
     /// # Errors
     /// One is missing or broken.
-    pub(crate) fn open(job: &Job<'_>, agent: AgentId, rig: &Rig) -> Result<Self, StageError> {
+    pub(crate) fn open(job: &Work<'_>, agent: AgentId, rig: &RangeRig) -> Result<Self, StageError> {
         fn rows<R: schema::table::Row>(
-            job: &Job<'_>,
+            job: &Work<'_>,
             agent: AgentId,
             name: &str,
         ) -> Result<Rows<R>, StageError> {
@@ -59,9 +60,10 @@ impl Clouds {
             let groups = job.store().row_groups(job.input(RENDER)?, &key)?;
             Ok(Rows { location: job.store().location(&key), groups, ready: Vec::new().into_iter() })
         }
-        let plain = rig.lidars.iter().filter(|l| !l.semantic);
         Ok(Self {
-            lidars: plain
+            lidars: rig
+                .lidars
+                .iter()
                 .map(|l| Ok((l.mount, rows(job, agent, &l.name)?)))
                 .collect::<Result<_, StageError>>()?,
             radars: rig

@@ -1,23 +1,23 @@
 //! Filled voxel grids.
 
+use counts::PartialCounts;
+use fill::Filler;
 use formats::{Array, DEFAULT_LEVEL, NpzError, NpzReader, Scalar, encode_member, frame_member};
-use pipeline::{Job, StageError};
+use pipeline::StageError;
 use replay::{Spare, archive_frames};
 use schema::AgentId;
 use schema::settings::OccupancySettings;
 use store::{ReadSeek, StoreError, keys};
-use truth::counts::{Counts, Filling};
-use truth::fill::Filler;
-use truth::voxels::VoxelGrid;
+use voxelgrid::{Filling, VoxelGrid};
 
-use crate::{OCCUPANCY, STAGE};
+use crate::{NAME, OCCUPANCY, Work};
 
 /// Fills every grid of an agent.
 ///
 /// # Errors
 /// The grids are missing or broken, or the store cannot be written.
 pub(crate) fn fill_agent(
-    job: &mut Job<'_>,
+    job: &mut Work<'_>,
     agent: AgentId,
     settings: &OccupancySettings,
 ) -> Result<(), StageError> {
@@ -35,17 +35,17 @@ pub(crate) fn fill_agent(
         let mut grid = grids.read(&mut reader, frame)?;
         filler.fill(&mut grid, settings.voxel_m).map_err(|e| grids.broken(Some(frame), &e.to_string()))?;
         spare.give((reader, filler));
-        let mut counts = Counts::new();
-        counts.add_voxels(&name, &grid, Filling::Filled);
+        let mut counts = PartialCounts::new();
+        grid.add_to(&mut counts, &name, Filling::Filled);
         let member = frame_member(frame);
         let encoded = encode_member(&member, Scalar::U8, &grid.shape, &grid.data, DEFAULT_LEVEL)
             .map_err(|e| StageError::failed(&e))?;
         Ok((encoded, counts))
     };
-    let mut counts = Counts::new();
+    let mut counts = PartialCounts::new();
     let filled = keys::occupancy_filled(scene, agent);
     archive_frames(&mut unit, &filled, frames, pulse, one, |of_frame| counts.merge(of_frame))?;
-    unit.rows(&keys::partial_stats(scene, &format!("{}.{name}", STAGE.name)), &counts.rows())?;
+    unit.rows(&keys::partial_stats(scene, &format!("{}.{name}", NAME)), &counts.rows())?;
     unit.finish()?;
     Ok(())
 }

@@ -9,29 +9,32 @@ use pipeline::{Job, Stage, StageError};
 use replay::SIMULATE;
 use schema::AgentId;
 use schema::scene_info::SceneInfo;
-use schema::settings::{DatasetSettings, Rig};
+use schema::settings::stages::{RangeRig, ValiditySettings};
 use schema::tables::{AgentRow, BoxRow, VISIBLE_TABLE, ValidBoxRow, VisibleRow};
 use store::{StoreError, keys};
-use truth::validity::{Evidence, PixelCounts};
+use validity::{Evidence, PixelCounts};
 
 use crate::clouds::Clouds;
 
 /// The stage.
-pub const STAGE: Stage =
-    Stage { name: "postprocess-valid", run, sources: pipeline::no_sources, forecast: None };
+pub const STAGE: Stage<ValiditySettings> = Stage::new(run);
+/// Its name.
+pub(crate) const NAME: &str = Stage::<ValiditySettings>::NAME;
+/// A piece of its work.
+pub(crate) type Work<'a> = Job<'a, ValiditySettings>;
 
 pub(crate) const RENDER: &str = "render-sensors";
 pub(crate) const OCCUPANCY: &str = "occupancy-gt";
 
-fn run(job: &mut Job<'_>) -> Result<(), StageError> {
+fn run(job: &mut Work<'_>) -> Result<(), StageError> {
     let (settings, scene) = (job.settings().clone(), job.scene());
     let agents = agents_of(job)?;
-    let occupied: Vec<&AgentId> = agents.iter().filter(|a| settings.occupancy_of(**a).enabled).collect();
+    let occupied: Vec<&AgentId> = agents.iter().filter(|a| settings.occupancy.of(**a).enabled).collect();
     let frames = frames_of(job)?;
     job.pulse().set_total(u64::from(frames) * (agents.len() + occupied.len()) as u64);
 
     for agent in &occupied {
-        filling::fill_agent(job, **agent, settings.occupancy_of(**agent))?;
+        filling::fill_agent(job, **agent, settings.occupancy.of(**agent))?;
     }
     let boxes: Vec<BoxRow> =
         job.store().read_rows(job.input(SIMULATE)?, &keys::scene(scene, "boxes.parquet"))?;
@@ -43,25 +46,25 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     Ok(())
 }
 
-fn scene_info(job: &Job<'_>) -> Result<SceneInfo, StageError> {
+fn scene_info(job: &Work<'_>) -> Result<SceneInfo, StageError> {
     let key = keys::scene(job.scene(), "log/scene.json");
     let missing = || StoreError::Missing { path: job.store().location(&key) };
     Ok(job.store().read_json(&key)?.ok_or_else(missing)?)
 }
 
-fn agents_of(job: &Job<'_>) -> Result<Vec<AgentId>, StageError> {
+fn agents_of(job: &Work<'_>) -> Result<Vec<AgentId>, StageError> {
     let parse = |a: &schema::scene_info::AgentInfo| a.agent.parse().map_err(|e| StageError::failed(&e));
     scene_info(job)?.agents.iter().map(parse).collect()
 }
 
-fn frames_of(job: &Job<'_>) -> Result<u32, StageError> {
+fn frames_of(job: &Work<'_>) -> Result<u32, StageError> {
     Ok(scene_info(job)?.frames)
 }
 
 /// One row per row of `boxes`, in the same order.
 fn validate_all(
-    job: &Job<'_>,
-    settings: &DatasetSettings,
+    job: &Work<'_>,
+    settings: &ValiditySettings,
     agents: &[AgentId],
     boxes: &[BoxRow],
 ) -> Result<Vec<ValidBoxRow>, StageError> {
@@ -71,7 +74,7 @@ fn validate_all(
     let mut valid: Vec<Option<ValidBoxRow>> = vec![None; boxes.len()];
     for agent in agents {
         let name = agent.to_string();
-        let rig = settings.rig_of(*agent);
+        let rig = settings.rigs.of(*agent);
         let mut by_frame: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for (row, _) in boxes.iter().enumerate().filter(|(_, b)| b.agent == name) {
             by_frame.entry(boxes[row].frame).or_default().push(row);
@@ -89,9 +92,9 @@ fn validate_all(
                 lidars: &lidars,
                 radars: &radars,
                 num_pixels: pixels.get(&pose.frame).unwrap_or(&none),
-                valid_by_image: settings.annotation.valid_by_image,
+                valid_by_image: settings.valid_by_image,
             };
-            for (&row, judged) in rows.iter().zip(truth::validity::validate(&of_frame, &evidence)) {
+            for (&row, judged) in rows.iter().zip(validity::validate(&of_frame, &evidence)) {
                 valid[row] = Some(judged);
             }
             job.pulse().beat(1)?;
@@ -105,9 +108,13 @@ fn validate_all(
 }
 
 /// Pixels per object and tag, by frame.
-fn visible_of(job: &Job<'_>, agent: AgentId, rig: &Rig) -> Result<BTreeMap<u32, PixelCounts>, StageError> {
+fn visible_of(
+    job: &Work<'_>,
+    agent: AgentId,
+    rig: &RangeRig,
+) -> Result<BTreeMap<u32, PixelCounts>, StageError> {
     let mut visible: BTreeMap<u32, PixelCounts> = BTreeMap::new();
-    if rig.camera.instance {
+    if rig.instance {
         let key = keys::sensor(job.scene(), agent, VISIBLE_TABLE);
         let rows: Vec<VisibleRow> = job.store().read_rows(job.input(RENDER)?, &key)?;
         for row in rows {

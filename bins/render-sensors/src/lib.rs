@@ -5,6 +5,7 @@ mod shards;
 
 use pipeline::{Job, Stage, StageError};
 use replay::{Replay, in_frame_order};
+use schema::settings::stages::SensorSettings;
 use sensors::GeoOrigin;
 use store::keys;
 use visibility::Meshes;
@@ -13,9 +14,11 @@ use crate::frame::Station;
 use crate::shards::Shards;
 
 /// The stage.
-pub const STAGE: Stage = Stage { name: "render-sensors", run, sources: pipeline::no_sources, forecast: None };
+pub const STAGE: Stage<SensorSettings> = Stage::new(run);
+/// Its name.
+const NAME: &str = Stage::<SensorSettings>::NAME;
 
-fn run(job: &mut Job<'_>) -> Result<(), StageError> {
+fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
     let (settings, scene) = (job.settings().clone(), job.scene());
     let replay = Replay::open(job)?;
     let meshes = Meshes::build(&replay.meshes());
@@ -25,7 +28,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     job.pulse().set_total(u64::from(frames) * agents.len() as u64);
 
     for (position, agent) in agents.iter().enumerate() {
-        let rig = settings.rig_of(*agent);
+        let rig = settings.rigs.of(*agent);
         let Some((mut unit, pulse)) = job.unit_and_pulse(&agent.to_string())? else { continue };
         let station = Station::new(&replay, &meshes, position, rig, settings.seed, geo_origin)?;
         let mut shards = Shards::create(&unit, scene, *agent, rig)?;
@@ -34,7 +37,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
         for shard in finished {
             unit.add(shard);
         }
-        unit.rows(&keys::partial_stats(scene, &format!("{}.{agent}", STAGE.name)), &counts)?;
+        unit.rows(&keys::partial_stats(scene, &format!("{}.{agent}", NAME)), &counts)?;
         unit.finish()?;
     }
     Ok(())

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use counts::PartialCounts;
 use pipeline::StageError;
 use schema::settings::{Mount, Rig};
 use schema::table::Row;
@@ -12,7 +13,6 @@ use schema::tables::{
 use schema::{AgentId, measures};
 use sensors::SENSOR_METADATA_KEY;
 use store::{Finished, TableOptions, TableWriter, Unit, keys};
-use truth::counts::Counts;
 
 use crate::frame::{LidarReading, Readings};
 
@@ -28,7 +28,7 @@ pub(crate) struct Shards {
     gnss: Option<TableWriter<GnssRow>>,
     imu: Option<TableWriter<ImuRow>>,
     visible: Option<TableWriter<VisibleRow>>,
-    counts: Counts,
+    counts: PartialCounts,
 }
 
 /// Open tables of one camera, images by their kind.
@@ -104,7 +104,7 @@ impl Shards {
             .instance
             .then(|| unit.table(&key(VISIBLE_TABLE), TableOptions::default()))
             .transpose()?;
-        let (agent, counts) = (agent.to_string(), Counts::new());
+        let (agent, counts) = (agent.to_string(), PartialCounts::new());
         Ok(Self { agent, cameras, lidars, radars, gnss, imu, visible, counts })
     }
 
@@ -116,11 +116,11 @@ impl Shards {
         let Readings { frame, cameras, visible, lidars, radars, gnss, imu } = readings;
         for (mut camera, tables) in cameras.into_iter().zip(&mut self.cameras) {
             for (kind, row) in camera.image_rows(frame) {
-                self.counts.add(&self.agent, measures::IMAGES, kind, 0, 1);
+                self.counts.add(&self.agent, measures::sensors::IMAGES, kind, 0, 1);
                 push_to(tables.images.get_mut(kind), row)?;
             }
             if let Some(row) = camera.flow_row(frame) {
-                self.counts.add(&self.agent, measures::IMAGES, FLOW, 0, 1);
+                self.counts.add(&self.agent, measures::sensors::IMAGES, FLOW, 0, 1);
                 push_to(tables.flow.as_mut(), row)?;
             }
         }
@@ -142,10 +142,10 @@ impl Shards {
                     )));
                 }
             };
-            self.counts.add(&self.agent, measures::LIDAR_POINTS, name, 0, points as u64);
+            self.counts.add(&self.agent, measures::sensors::LIDAR_POINTS, name, 0, points as u64);
         }
         for (row, (name, table)) in radars.into_iter().zip(&mut self.radars) {
-            self.counts.add(&self.agent, measures::RADAR_POINTS, name, 0, row.depth.len() as u64);
+            self.counts.add(&self.agent, measures::sensors::RADAR_POINTS, name, 0, row.depth.len() as u64);
             table.push(&[row])?;
         }
         if let Some(row) = gnss {
@@ -196,7 +196,7 @@ impl Shards {
             }
         }
         for (sensor, shard) in &finished {
-            self.counts.add(&self.agent, measures::SENSOR_BYTES, sensor, 0, shard.output().bytes);
+            self.counts.add(&self.agent, measures::sensors::SENSOR_BYTES, sensor, 0, shard.output().bytes);
         }
         Ok((finished.into_iter().map(|(_, shard)| shard).collect(), self.counts.rows()))
     }

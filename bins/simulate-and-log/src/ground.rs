@@ -165,8 +165,9 @@ mod tests {
     use std::ops::ControlFlow;
 
     use opendrive::Map;
+    use pipeline::StageSettings;
     use plan::PlanMap;
-    use schema::settings::DatasetSettings;
+    use schema::settings::stages::{PlanSettings, SimulationSettings};
     use traffic::{SceneInput, SceneLog};
 
     #[test]
@@ -201,9 +202,10 @@ mod tests {
              spawn_radius_m = 120\n[walkers]\ncount = 80\n[hazards]\nshare = 0.1\n[world]\n\
              radius_m = 120\n"
         );
-        let settings: DatasetSettings = pipeline::parse_config(&text, "test").expect("good settings");
+        let whole = pipeline::parse_config(&text, "test").expect("good settings");
+        let (wishes, settings) = (PlanSettings::of(&whole), SimulationSettings::of(&whole));
         let maps = BTreeMap::from([(name.to_owned(), PlanMap { map, hash: String::new() })]);
-        let plan = plan::plan(&settings, &maps).expect("a plan");
+        let plan = plan::plan(&wishes, &maps).expect("a plan");
         let (scene, map) = (&plan.scenes[0], &maps[name].map);
         let centres: Vec<[f64; 3]> = plan.agents.iter().map(|a| a.xyz_m).collect();
         let mut actors = world::place(map, &settings.world, scene.seed, &centres, 1).expect("scenery");

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use opendrive::Map;
 use pipeline::StageError;
 use schema::scene_info::{AgentInfo, SceneInfo};
-use schema::settings::DatasetSettings;
+use schema::settings::stages::SimulationSettings;
 use schema::tables::{PlanAgentRow, PlanSceneRow, Weather};
 use traffic::SceneLog;
 
@@ -18,7 +18,7 @@ pub(crate) fn scene_info(
     agents: &[PlanAgentRow],
     log: &SceneLog,
     map: &Map,
-    settings: &DatasetSettings,
+    settings: &SimulationSettings,
 ) -> Result<SceneInfo, StageError> {
     let agents = agents
         .iter()

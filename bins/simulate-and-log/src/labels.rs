@@ -2,6 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use annotation::boxes::{ObservedObject, Observer};
+use annotation::hd_map::HdMap;
+use counts::PartialCounts;
 use frames::{Pose, World};
 use opendrive::Map;
 use pipeline::StageError;
@@ -9,9 +12,6 @@ use schema::scene_info::SceneInfo;
 use schema::tables::{ActorRow, AgentRow, BoxRow, HdMapRow, PartialRow, StateRow};
 use schema::{AgentId, FRAME_PERIOD_S, ObjectId, measures};
 use traffic::SceneLog;
-use truth::boxes::{ObservedObject, Observer};
-use truth::counts::Counts;
-use truth::hd_map::HdMap;
 
 /// Labels of all frames of a scene.
 pub(crate) struct Labels {
@@ -67,7 +67,7 @@ impl Labels {
                 labels.hd_map.push(record);
                 observers.push(Observer { agent, id, world_from_agent });
             }
-            labels.boxes.extend(truth::boxes::collect(frame, &observers, &objects, box_radius_m));
+            labels.boxes.extend(annotation::boxes::collect(frame, &observers, &objects, box_radius_m));
         }
         labels.counts = counts(info);
         Ok(labels)
@@ -75,9 +75,9 @@ impl Labels {
 }
 
 fn counts(info: &SceneInfo) -> Vec<PartialRow> {
-    let mut counts = Counts::new();
+    let mut counts = PartialCounts::new();
     for agent in &info.agents {
-        counts.add(&agent.agent, measures::AGENT_FRAMES, "", 0, u64::from(info.frames));
+        counts.add(&agent.agent, measures::simulation::AGENT_FRAMES, "", 0, u64::from(info.frames));
     }
     counts.rows()
 }

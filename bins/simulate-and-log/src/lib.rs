@@ -10,6 +10,7 @@ use std::ops::ControlFlow;
 use pipeline::{Job, Stage, StageError};
 use random::Stream;
 use schema::ObjectId;
+use schema::settings::stages::SimulationSettings;
 use schema::tables::PlanSceneRow;
 use store::keys;
 use traffic::{SceneInput, SceneLog};
@@ -18,13 +19,12 @@ use world::World;
 use crate::labels::Labels;
 
 /// The stage.
-pub const STAGE: Stage =
-    Stage { name: "simulate-and-log", run, sources: pipeline::no_sources, forecast: None };
+pub const STAGE: Stage<SimulationSettings> = Stage::new(run);
 
 /// Looks that moving actors of one model share among them (clothes, skin, hair): each is a mesh of its own.
 const VARIANTS: u32 = 64;
 
-fn run(job: &mut Job<'_>) -> Result<(), StageError> {
+fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     let (plan, agents) = replay::read_plan(job)?;
     let hazards = replay::read_hazards(job)?;
     let map = replay::read_map(job.store(), &plan.map, &plan.map_hash)?;
@@ -61,7 +61,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     ground::stand(&world, &mut actors, &mut log.states);
 
     let info = info::scene_info(&plan, &agents, &log, &map, &settings)?;
-    let labels = Labels::collect(&map, &actors, &log, &info, settings.annotation.box_radius_m)?;
+    let labels = Labels::collect(&map, &actors, &log, &info, settings.box_radius_m)?;
     let json = serde_json::to_vec_pretty(&info).map_err(|e| StageError::failed(&e))?;
     let key = |name: &str| keys::scene(scene, name);
     unit.bytes(&key("log/scene.json"), &json, 1)?;
@@ -73,7 +73,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     unit.rows(&key("agents.parquet"), &labels.agents)?;
     unit.rows(&key("boxes.parquet"), &labels.boxes)?;
     unit.rows(&key("hd_map.parquet"), &labels.hd_map)?;
-    unit.rows(&keys::partial_stats(scene, STAGE.name), &labels.counts)?;
+    unit.rows(&keys::partial_stats(scene, Stage::<SimulationSettings>::NAME), &labels.counts)?;
     unit.finish()?;
     Ok(())
 }

@@ -67,7 +67,8 @@ impl Forecast {
         self.agent_frames[usize::from(agent.kind == AgentKind::Rsu)] += frames;
         self.core_s += core_seconds::AGENT_FRAME * frames as f64;
         self.output("boxes, log, tracks", frames, bytes::AGENT_FRAME);
-        let rig = settings.rig_of(agent);
+        let rigs = settings.rigs();
+        let rig = rigs.of(agent);
         self.cameras(&rig.camera, rig.cameras.len() as u64 * frames);
         for lidar in &rig.lidars {
             self.lidar(lidar, frames);
@@ -82,7 +83,8 @@ impl Forecast {
             self.output("BEV masks", frames, cells * bytes::BEV_CELL);
             self.core_s += frames as f64 * cells * core_seconds::BEV_CELL;
         }
-        let occupancy = settings.occupancy_of(agent);
+        let grids = settings.occupancy();
+        let occupancy = grids.of(agent);
         if occupancy.enabled {
             let [x, y, z] = occupancy.shape().map(|n| n as f64);
             self.output("voxel grids", 2 * frames, x * y * bytes::VOXEL_COLUMN);

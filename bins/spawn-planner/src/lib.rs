@@ -6,27 +6,20 @@ mod maps;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use pipeline::{Job, Stage, StageError};
+use pipeline::{Job, Stage, StageError, StageSettings};
 use plan::{Plan, PlanMap, Roster, SceneSlot};
 use schema::settings::DatasetSettings;
+use schema::settings::stages::PlanSettings;
 use schema::table::Row;
 use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
-use serde::Serialize;
 use store::{Scope, Store, keys};
 
 use crate::maps::MapSource;
 
 /// The stage.
-pub const STAGE: Stage =
-    Stage { name: "spawn-planner", run, sources: maps::digests, forecast: Some(forecast) };
-
-/// `dataset.json`.
-#[derive(Serialize)]
-struct DatasetRecord<'a> {
-    format_version: u32,
-    code_version: &'a str,
-    config: &'a DatasetSettings,
-}
+pub const STAGE: Stage<PlanSettings> = Stage { run, sources: maps::digests, forecast: Some(forecast) };
+/// Its name.
+const NAME: &str = Stage::<PlanSettings>::NAME;
 
 /// A plan and the maps it stands on.
 struct Planned {
@@ -36,7 +29,7 @@ struct Planned {
     plan: Plan,
 }
 
-fn make(as_written: &DatasetSettings, folder: Option<&Path>, store: &Store) -> Result<Planned, StageError> {
+fn make(as_written: &PlanSettings, folder: Option<&Path>, store: &Store) -> Result<Planned, StageError> {
     let mut settings = as_written.clone();
     for wish in &mut settings.scenes {
         wish.map = maps::name_in_store(&wish.map).to_owned();
@@ -65,10 +58,10 @@ fn forecast(
     store: &Store,
 ) -> Result<Vec<String>, StageError> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    Ok(forecast::lines(settings, &make(settings, folder, store)?.plan, cores))
+    Ok(forecast::lines(settings, &make(&PlanSettings::of(settings), folder, store)?.plan, cores))
 }
 
-fn run(job: &mut Job<'_>) -> Result<(), StageError> {
+fn run(job: &mut Job<'_, PlanSettings>) -> Result<(), StageError> {
     let as_written = job.settings().clone();
     let Planned { roster, texts, maps, plan } = make(&as_written, job.maps_folder(), job.store())?;
     for scene in &plan.scenes {
@@ -77,14 +70,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     let store = job.store().clone();
     if let Some(mut unit) = job.unit("plan")? {
         // Before the old plan is touched, so that a run that is killed here gives the same numbers next time.
-        store.write_json(keys::ROSTER, STAGE.name, &roster.slots)?;
-        let record = DatasetRecord {
-            format_version: schema::FORMAT_VERSION,
-            code_version: pipeline::code_version(STAGE.name),
-            config: &as_written,
-        };
-        let json = serde_json::to_vec_pretty(&record).map_err(|e| StageError::failed(&e))?;
-        unit.bytes(keys::DATASET, &json, 1)?;
+        store.write_json(keys::ROSTER, NAME, &roster.slots)?;
         for (name, source) in &texts {
             unit.bytes(&keys::map(name), &replay::compress_map(&source.text)?, 1)?;
             if let Some(own) = maps.get(name) {
@@ -103,7 +89,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
 }
 
 /// Numbers for the scenes of the settings: those of an earlier plan of this store stand.
-fn enrol(store: &Store, settings: &DatasetSettings) -> Result<Roster, StageError> {
+fn enrol(store: &Store, settings: &PlanSettings) -> Result<Roster, StageError> {
     let existing: Vec<SceneSlot> = store.read_json(keys::ROSTER)?.unwrap_or_default();
     let mut made = Vec::new();
     for slot in &existing {

@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use opendrive::Map;
 use pipeline::StageError;
 use plan::SceneSlot;
-use schema::settings::DatasetSettings;
+use schema::settings::stages::PlanSettings;
 use store::{Store, keys};
 
 /// Digests of the map files, by name in the store. Our own towns are part of the code; a file that is not found now is
 /// in the store already, or missed with a message when it is needed.
-pub(crate) fn digests(settings: &DatasetSettings, folder: Option<&Path>) -> BTreeMap<String, String> {
+pub(crate) fn digests(settings: &PlanSettings, folder: Option<&Path>) -> BTreeMap<String, String> {
     let maps = settings.scenes.iter().filter(|s| s.count > 0).map(|s| s.map.as_str());
     maps.filter(|written| town::named(written).is_none())
         .filter_map(|written| {
@@ -46,7 +46,7 @@ const ENDINGS: [&str; 2] = [".xodr", ".xodr.gz"];
 
 /// The OpenDRIVE text of every map that a scene stands on, by its name in the store.
 pub(crate) fn texts(
-    settings: &DatasetSettings,
+    settings: &PlanSettings,
     slots: &[SceneSlot],
     folder: Option<&Path>,
     store: &Store,

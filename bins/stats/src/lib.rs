@@ -4,17 +4,18 @@ use analysis::{Counts, DatasetFacts, compute_tables, draw_figures, report_html, 
 use pipeline::{Job, Stage, StageError};
 use replay::SIMULATE;
 use schema::scene_info::SceneInfo;
+use schema::settings::stages::StatisticsSettings;
 use schema::tables::PartialRow;
 use store::keys;
 
 /// The stage.
-pub const STAGE: Stage = Stage { name: "stats", run, sources: pipeline::no_sources, forecast: None };
+pub const STAGE: Stage<StatisticsSettings> = Stage::new(run);
 
 /// Stages that leave partial counts.
 const COUNTING: [&str; 6] =
     [SIMULATE, "render-sensors", "bev-gt", "occupancy-gt", "postprocess-valid", "merge-tracks"];
 
-fn run(job: &mut Job<'_>) -> Result<(), StageError> {
+fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
     let store = job.store().clone();
     let planned = job.planned_scenes()?;
     let mut counts = Counts::default();
@@ -44,10 +45,7 @@ fn run(job: &mut Job<'_>) -> Result<(), StageError> {
     }
 
     let settings = job.settings();
-    let facts = DatasetFacts {
-        name: settings.name.clone(),
-        bev_cells_per_grid: u64::from(settings.bev.cells) * u64::from(settings.bev.cells),
-    };
+    let facts = DatasetFacts { name: settings.name.clone(), bev_cells_per_grid: settings.bev_cells_per_grid };
     let tables = compute_tables(&facts, &scenes, &counts);
     let figures = draw_figures(&tables);
     let Some(mut unit) = job.unit("stats")? else { return Ok(()) };

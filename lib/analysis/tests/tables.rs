@@ -101,12 +101,12 @@ fn boxes_have_shares_and_means() {
     let tables = tables_of(
         &[],
         &[
-            row("", measures::FRAMES, "", 0, 100),
-            row("", measures::FRAMES, "", 0, 100),
-            row("", measures::BOXES, "car", 0, 1000),
-            row("", measures::BOXES_VALID, "car", 0, 581),
-            row("", measures::BOXES, "bus", 0, 8),
-            row("", measures::BOXES, "hovercraft", 0, 2),
+            row("", measures::tracks::FRAMES, "", 0, 100),
+            row("", measures::tracks::FRAMES, "", 0, 100),
+            row("", measures::tracks::BOXES, "car", 0, 1000),
+            row("", measures::tracks::BOXES_VALID, "car", 0, 581),
+            row("", measures::tracks::BOXES, "bus", 0, 8),
+            row("", measures::tracks::BOXES, "hovercraft", 0, 2),
         ],
     );
     let csv = csv(&tables, "boxes_per_class");
@@ -124,9 +124,9 @@ fn frames_without_valid_objects_are_frames() {
     let tables = tables_of(
         &[scene(0, 1, 0)],
         &[
-            row("", measures::VALID_PER_FRAME, "car", 0, 50),
-            row("", measures::VALID_PER_FRAME, "car", 100, 20),
-            row("", measures::VALID_PER_FRAME, "bus", 5, 1),
+            row("", measures::tracks::VALID_PER_FRAME, "car", 0, 50),
+            row("", measures::tracks::VALID_PER_FRAME, "car", 100, 20),
+            row("", measures::tracks::VALID_PER_FRAME, "bus", 5, 1),
         ],
     );
     let table = tables.get("valid_per_frame").expect("there");
@@ -144,7 +144,7 @@ fn frames_without_valid_objects_are_frames() {
 
 #[test]
 fn values_outside_the_bins_have_rows_of_their_own() {
-    let rate = |bin, count| row("", measures::YAW_RATE_DPS, "car", bin, count);
+    let rate = |bin, count| row("", measures::tracks::YAW_RATE_DPS, "car", bin, count);
     let inside = tables_of(&[], &[rate(-50, 1), rate(45, 2)]);
     let table = inside.get("yaw_rate").expect("there");
     assert_eq!((table.len(), table.strings("bin")[0].as_str()), (20, "-50..-45"));
@@ -154,7 +154,7 @@ fn values_outside_the_bins_have_rows_of_their_own() {
     assert_eq!(table.strings("bin").first().map(String::as_str), Some("<-50"));
     assert_eq!(table.strings("bin").last().map(String::as_str), Some("50+"));
     assert_eq!((table.counts("car")[0], table.counts("car")[21]), (1, 5));
-    let headings = tables_of(&[], &[row("", measures::YAW_DEG, "barrier", -180, 7)]);
+    let headings = tables_of(&[], &[row("", measures::tracks::YAW_DEG, "barrier", -180, 7)]);
     assert_eq!(headings.get("yaw").expect("there").len(), 36);
     assert_eq!(headings.get("yaw").expect("there").counts("barrier")[0], 7);
 }
@@ -165,16 +165,16 @@ fn grids_reproduce_the_published_arithmetic() {
     let tables = tables_of(
         &[],
         &[
-            row("vehicle_0", measures::BEV_GRIDS, "", 0, 588_520),
-            row("vehicle_0", measures::BEV_CELLS, "road", 0, 18_423_410_070),
-            row("vehicle_0", measures::BEV_CELLS, "rider", 0, 4_059_365),
-            row("vehicle_0", measures::VOXEL_GRIDS, "", 0, 588_520),
-            row("vehicle_0", measures::VOXEL_CELLS, "unlabeled", 0, 74_041_651_379_126),
-            row("vehicle_0", measures::VOXEL_CELLS, "building", 0, 900_817_475_055),
-            row("vehicle_0", measures::VOXEL_CELLS, "pole", 0, 8_579_662_196),
-            row("vehicle_0", measures::VOXEL_CELLS_FILLED, "unlabeled", 0, 72_503_458_309_399),
-            row("vehicle_0", measures::VOXEL_CELLS_FILLED, "building", 0, 1_674_330_702_776),
-            row("vehicle_0", measures::VOXEL_CELLS_FILLED, "pole", 0, 8_989_939_222),
+            row("vehicle_0", measures::bev::BEV_GRIDS, "", 0, 588_520),
+            row("vehicle_0", measures::bev::BEV_CELLS, "road", 0, 18_423_410_070),
+            row("vehicle_0", measures::bev::BEV_CELLS, "rider", 0, 4_059_365),
+            row("vehicle_0", measures::voxels::VOXEL_GRIDS, "", 0, 588_520),
+            row("vehicle_0", measures::voxels::VOXEL_CELLS, "unlabeled", 0, 74_041_651_379_126),
+            row("vehicle_0", measures::voxels::VOXEL_CELLS, "building", 0, 900_817_475_055),
+            row("vehicle_0", measures::voxels::VOXEL_CELLS, "pole", 0, 8_579_662_196),
+            row("vehicle_0", measures::voxels::VOXEL_CELLS_FILLED, "unlabeled", 0, 72_503_458_309_399),
+            row("vehicle_0", measures::voxels::VOXEL_CELLS_FILLED, "building", 0, 1_674_330_702_776),
+            row("vehicle_0", measures::voxels::VOXEL_CELLS_FILLED, "pole", 0, 8_989_939_222),
         ],
     );
     let bev = csv(&tables, "bev_cells");
@@ -194,14 +194,14 @@ fn sweeps_are_the_frames_of_those_who_carry_the_sensor() {
     let tables = tables_of(
         &[],
         &[
-            row("vehicle_0", measures::AGENT_FRAMES, "", 0, 100),
-            row("rsu_0", measures::AGENT_FRAMES, "", 0, 40),
-            row("vehicle_0", measures::LIDAR_POINTS, "LIDAR", 0, 1000),
-            row("rsu_0", measures::LIDAR_POINTS, "LIDAR", 0, 400),
-            row("vehicle_0", measures::RADAR_POINTS, "RAD_BACK", 0, 50),
-            row("vehicle_0", measures::IMAGES, "RGB", 0, 600),
-            row("vehicle_0", measures::SENSOR_BYTES, "RGB", 0, 3000),
-            row("vehicle_0", measures::SENSOR_BYTES, "LIDAR", 0, 1000),
+            row("vehicle_0", measures::simulation::AGENT_FRAMES, "", 0, 100),
+            row("rsu_0", measures::simulation::AGENT_FRAMES, "", 0, 40),
+            row("vehicle_0", measures::sensors::LIDAR_POINTS, "LIDAR", 0, 1000),
+            row("rsu_0", measures::sensors::LIDAR_POINTS, "LIDAR", 0, 400),
+            row("vehicle_0", measures::sensors::RADAR_POINTS, "RAD_BACK", 0, 50),
+            row("vehicle_0", measures::sensors::IMAGES, "RGB", 0, 600),
+            row("vehicle_0", measures::sensors::SENSOR_BYTES, "RGB", 0, 3000),
+            row("vehicle_0", measures::sensors::SENSOR_BYTES, "LIDAR", 0, 1000),
         ],
     );
     assert_eq!(
@@ -219,11 +219,11 @@ fn wheelchairs_are_counted_among_all_and_valid() {
     let tables = tables_of(
         &[],
         &[
-            row("", measures::PEDESTRIANS, "", 0, 150),
-            row("", measures::PEDESTRIANS, "all", 0, 50),
-            row("", measures::WHEELCHAIR, "all", 0, 10),
-            row("", measures::PEDESTRIANS, "valid", 0, 80),
-            row("", measures::WHEELCHAIR, "valid", 0, 2),
+            row("", measures::tracks::PEDESTRIANS, "", 0, 150),
+            row("", measures::tracks::PEDESTRIANS, "all", 0, 50),
+            row("", measures::tracks::WHEELCHAIR, "all", 0, 10),
+            row("", measures::tracks::PEDESTRIANS, "valid", 0, 80),
+            row("", measures::tracks::WHEELCHAIR, "valid", 0, 2),
         ],
     );
     assert_eq!(

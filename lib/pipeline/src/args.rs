@@ -31,6 +31,9 @@ pub struct StageArgs {
     /// Redo scenes that are done; what was made from them becomes stale.
     #[arg(long)]
     pub force: bool,
+    /// Keep what older code made, where nothing else changed; the manifests say so. For upgrades in mid-dataset.
+    #[arg(long, conflicts_with = "force")]
+    pub accept_code: bool,
     /// Worker threads (default: all cores). The output does not depend on it.
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,

@@ -1,6 +1,6 @@
 //! Which code a stage was built from.
 
-include!(concat!(env!("OUT_DIR"), "/code_versions.rs"));
+const CODE_VERSIONS: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/code_versions.rs"));
 
 /// Version of a stage's code: the release and a digest of every source file the stage is built from.
 #[must_use]

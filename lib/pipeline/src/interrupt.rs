@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| Arc::new(AtomicBool::new(false)));
 
 /// Starts to listen. A second signal ends the process at once.
-pub(crate) fn listen() {
+pub fn listen() {
     for signal in [signal_hook::consts::SIGTERM, signal_hook::consts::SIGINT] {
         // Without handlers a signal simply kills the process, which the store survives.
         let _ = signal_hook::flag::register_conditional_shutdown(
@@ -20,6 +20,7 @@ pub(crate) fn listen() {
 }
 
 /// Whether a signal came.
-pub(crate) fn stopped() -> bool {
+#[must_use]
+pub fn stopped() -> bool {
     STOP.load(Ordering::Relaxed)
 }

@@ -2,26 +2,27 @@
 //!
 //! A stage binary is a dozen lines: it hands a [`Stage`] to [`run_stage`], which parses the arguments, reads the
 //! configuration, decides which scenes need work, runs them with their failures kept apart, and turns the outcome
-//! into an exit code. [`drive`] is the part of the `convoy` program that runs every stage in order.
+//! into an exit code.
 
 mod args;
 mod code_version;
 mod config;
-mod drive;
 mod graph;
 mod interrupt;
 mod progress;
 mod runner;
 mod status;
+mod views;
 
-pub use args::{ProgressMode, StageArgs};
+pub use args::{ProgressMode, SceneList, StageArgs};
 pub use code_version::code_version;
 pub use config::{ConfigKey, Fault, config_keys, load as load_config, parse as parse_config, simbev2x_keys};
-pub use drive::{StoreCommand, drive, say};
-pub use graph::{Graph, StageSpec, UnitKind, config_hash};
+pub use graph::{Graph, StageSpec, UnitKind};
+pub use interrupt::{listen as listen_for_signals, stopped as was_stopped};
 pub use progress::Progress;
-pub use runner::{Forecast, Job, Pulse, Stage, StageError, init_logging, no_sources, run_stage};
-pub use status::{State, state_of};
+pub use runner::{Forecast, Job, Pulse, Stage, StageError, init_logging, run_stage, say, settings_or_faults};
+pub use status::{NotReady, Staleness, State, StateError, planned_scenes, state_of};
+pub use views::{StageSettings, TrackSettings, ViewError, config_hash};
 
 /// Exit code: everything was done.
 pub const EXIT_DONE: u8 = 0;

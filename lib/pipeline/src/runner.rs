@@ -8,36 +8,43 @@ use std::time::Instant;
 
 use clap::Parser;
 use schema::settings::DatasetSettings;
-use store::{Attempt, Failure, Identity, Manifest, Scope, Store, StoreError, Unit};
+use serde::Serialize;
+use store::{Attempt, Failure, Identity, Manifest, Scope, Store, StoreError, Unit, keys};
 
 use crate::args::{ProgressMode, StageArgs};
-use crate::graph::{Graph, StageSpec, UnitKind, config_hash};
+use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::progress::Progress;
-use crate::status::{SOURCE, State, inputs, plan_section, planned_scenes, state_of};
+use crate::status::{
+    CodeRule, SOURCE, Staleness, State, StateError, inputs, judge, plan_section, planned_scenes, state_of,
+};
+use crate::views::{StageSettings, ViewError, config_hash};
 use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, config, interrupt};
 
-/// A stage: its name in `pipeline.toml` and its work for one scope.
+/// A stage: its work for one scope. Its name in `pipeline.toml` is that of the settings that it sees.
 #[derive(Clone, Copy)]
-pub struct Stage {
-    /// Name in `pipeline.toml`.
-    pub name: &'static str,
+pub struct Stage<S> {
     /// Does the work of one scope: opens units of [`Job`], writes their shards.
-    pub run: fn(&mut Job<'_>) -> Result<(), StageError>,
+    pub run: fn(&mut Job<'_, S>) -> Result<(), StageError>,
     /// Digests of what it reads outside the store, by name, as far as that can be found now: where one changed, the
     /// stage is stale. Takes the settings and the folder with map files.
-    pub sources: fn(&DatasetSettings, Option<&Path>) -> BTreeMap<String, String>,
+    pub sources: fn(&S, Option<&Path>) -> BTreeMap<String, String>,
     /// Lines that say what to expect, for `--dry-run`. Takes the settings, the folder with map files and the store.
     pub forecast: Option<Forecast>,
 }
 
+impl<S: StageSettings> Stage<S> {
+    /// A stage that reads nothing outside the store.
+    #[must_use]
+    pub const fn new(run: fn(&mut Job<'_, S>) -> Result<(), StageError>) -> Self {
+        Self { run, sources: |_, _| BTreeMap::new(), forecast: None }
+    }
+
+    /// Name in `pipeline.toml`.
+    pub const NAME: &'static str = S::STAGE;
+}
+
 /// What to expect before anything runs, line by line.
 pub type Forecast = fn(&DatasetSettings, Option<&Path>, &Store) -> Result<Vec<String>, StageError>;
-
-/// The sources of a stage that reads nothing outside the store.
-#[must_use]
-pub fn no_sources(_settings: &DatasetSettings, _maps: Option<&Path>) -> BTreeMap<String, String> {
-    BTreeMap::new()
-}
 
 /// Why the work of a scope ended early.
 #[derive(Debug, thiserror::Error)]
@@ -51,9 +58,21 @@ pub enum StageError {
     /// The work cannot be done; the text says where and why.
     #[error("{0}")]
     Failed(String),
+    /// The configuration cannot be handed to a stage.
+    #[error(transparent)]
+    View(#[from] ViewError),
     /// The arguments or the configuration do not allow the work.
     #[error("{0}")]
     Usage(String),
+}
+
+impl From<StateError> for StageError {
+    fn from(error: StateError) -> Self {
+        match error {
+            StateError::Store(error) => error.into(),
+            StateError::View(error) => error.into(),
+        }
+    }
 }
 
 impl StageError {
@@ -74,9 +93,10 @@ impl StageError {
 }
 
 /// One piece of work: a scope of a stage.
-pub struct Job<'a> {
+pub struct Job<'a, S> {
     store: &'a Store,
-    settings: &'a DatasetSettings,
+    settings: &'a S,
+    whole: &'a DatasetSettings,
     maps: Option<&'a Path>,
     scope: Scope,
     inputs: BTreeMap<String, Manifest>,
@@ -84,16 +104,16 @@ pub struct Job<'a> {
     progress: Progress,
 }
 
-impl Job<'_> {
+impl<S: StageSettings> Job<'_, S> {
     /// The store, for reading.
     #[must_use]
     pub fn store(&self) -> &Store {
         self.store
     }
 
-    /// The configuration.
+    /// What the stage sees of the configuration.
     #[must_use]
-    pub fn settings(&self) -> &DatasetSettings {
+    pub fn settings(&self) -> &S {
         self.settings
     }
 
@@ -153,7 +173,7 @@ impl Job<'_> {
     pub fn manifest_if_done(&self, stage: &str, scene: u32) -> Result<Option<Manifest>, StageError> {
         let Some(spec) = Graph::get().stage(stage) else { return Ok(None) };
         let scope = Scope::Scene(scene);
-        if state_of(self.store, self.settings, spec, scope)? == State::Done {
+        if state_of(self.store, self.whole, spec, scope)? == State::Done {
             return Ok(self.store.manifest(scope, stage)?);
         }
         Ok(None)
@@ -200,9 +220,15 @@ impl Pulse<'_> {
     }
 }
 
+/// Prints a line of the program's answer to standard output.
+#[expect(clippy::print_stdout, reason = "this is the program's answer, not a log")]
+pub fn say(line: &str) {
+    println!("{line}");
+}
+
 /// Runs a stage binary: arguments in, exit code out.
 #[must_use]
-pub fn run_stage(stage: Stage) -> ExitCode {
+pub fn run_stage<S: StageSettings>(stage: Stage<S>) -> ExitCode {
     let args = StageArgs::parse();
     init_logging();
     interrupt::listen();
@@ -218,11 +244,11 @@ pub fn init_logging() {
     let _ = format.without_time().with_target(false).try_init();
 }
 
-fn run_with(stage: Stage, args: &StageArgs) -> u8 {
+fn run_with<S: StageSettings>(stage: Stage<S>, args: &StageArgs) -> u8 {
     match try_run(stage, args) {
         Ok(code) => code,
         Err(error) => {
-            tracing::error!("{}: {error}", stage.name);
+            tracing::error!("{}: {error}", S::STAGE);
             exit_code_of(&error)
         }
     }
@@ -233,12 +259,12 @@ fn exit_code_of(error: &StageError) -> u8 {
         StageError::Stopped => EXIT_TRY_AGAIN,
         StageError::Store(e) if e.is_transient() => EXIT_TRY_AGAIN,
         StageError::Usage(_) => EXIT_USAGE,
-        StageError::Store(_) | StageError::Failed(_) => EXIT_SOME_FAILED,
+        StageError::Store(_) | StageError::View(_) | StageError::Failed(_) => EXIT_SOME_FAILED,
     }
 }
 
 /// Reads the configuration, printing every fault and, where they are `wanted`, all warnings.
-pub(crate) fn settings_or_faults(path: &Path, wanted: bool) -> Option<DatasetSettings> {
+pub fn settings_or_faults(path: &Path, wanted: bool) -> Option<DatasetSettings> {
     match config::load(path) {
         Ok((settings, warnings)) => {
             for warning in warnings.iter().filter(|_| wanted) {
@@ -255,11 +281,22 @@ pub(crate) fn settings_or_faults(path: &Path, wanted: bool) -> Option<DatasetSet
     }
 }
 
-fn try_run(stage: Stage, args: &StageArgs) -> Result<u8, StageError> {
-    let StageArgs { config, store, maps, scenes: _, shard: _, force, threads, dry_run, progress } = args;
+fn try_run<S: StageSettings>(stage: Stage<S>, args: &StageArgs) -> Result<u8, StageError> {
+    let StageArgs {
+        config,
+        store,
+        maps,
+        scenes: _,
+        shard: _,
+        force,
+        accept_code,
+        threads,
+        dry_run,
+        progress,
+    } = args;
     let spec = Graph::get()
-        .stage(stage.name)
-        .ok_or_else(|| StageError::Usage(format!("pipeline.toml knows no stage {}", stage.name)))?;
+        .stage(S::STAGE)
+        .ok_or_else(|| StageError::Usage(format!("pipeline.toml knows no stage {}", S::STAGE)))?;
     // One stage is enough to say what a configuration asks for in vain.
     let Some(settings) = settings_or_faults(config, spec.unit == UnitKind::Plan) else {
         return Ok(EXIT_USAGE);
@@ -271,14 +308,16 @@ fn try_run(stage: Stage, args: &StageArgs) -> Result<u8, StageError> {
     let run = Run {
         stage,
         spec,
+        view: S::of(&settings),
         settings: &settings,
         store: Store::on_disk(store),
         maps: maps.clone(),
         force: *force,
+        accept_code: *accept_code,
         progress: *progress,
     };
     if *dry_run && !run.is_planned()? {
-        crate::drive::say(&format!("would run {} once the plan is made", stage.name));
+        say(&format!("would run {} once the plan is made", S::STAGE));
         return Ok(EXIT_DONE);
     }
     let scopes = run.scopes(args)?;
@@ -288,17 +327,27 @@ fn try_run(stage: Stage, args: &StageArgs) -> Result<u8, StageError> {
     run.all(&scopes)
 }
 
-struct Run<'a> {
-    stage: Stage,
-    spec: &'a StageSpec,
+/// `dataset.json`.
+#[derive(Serialize)]
+struct DatasetRecord<'a> {
+    format_version: u32,
+    code_version: &'a str,
+    config: &'a DatasetSettings,
+}
+
+struct Run<'a, S> {
+    stage: Stage<S>,
+    spec: &'static StageSpec,
+    view: S,
     settings: &'a DatasetSettings,
     store: Store,
     maps: Option<PathBuf>,
     force: bool,
+    accept_code: bool,
     progress: ProgressMode,
 }
 
-impl Run<'_> {
+impl<S: StageSettings> Run<'_, S> {
     fn scopes(&self, args: &StageArgs) -> Result<Vec<Scope>, StageError> {
         match self.spec.unit {
             UnitKind::Plan => return Ok(vec![Scope::Plan]),
@@ -310,8 +359,8 @@ impl Run<'_> {
             let place = self.store.location("");
             return Err(StageError::Usage(format!("{place} holds no plan: run {} first", planner.name)));
         };
-        if let Some(manifest) = self.store.manifest(Scope::Plan, &planner.name)?
-            && manifest.config_hash != config_hash(planner, self.settings)
+        if let Some(manifest) = self.store.manifest(Scope::Plan, planner.name)?
+            && manifest.config_hash != config_hash(planner, self.settings)?
         {
             let message = format!("the plan was made from another configuration: run {} first", planner.name);
             return Err(StageError::Usage(message));
@@ -340,8 +389,8 @@ impl Run<'_> {
 
     fn label(&self, scope: Scope) -> String {
         match scope {
-            Scope::Scene(scene) => format!("{} scene {scene:04}", self.stage.name),
-            Scope::Plan | Scope::Stats => self.stage.name.to_owned(),
+            Scope::Scene(scene) => format!("{} scene {scene:04}", S::STAGE),
+            Scope::Plan | Scope::Stats => S::STAGE.to_owned(),
         }
     }
 
@@ -351,11 +400,11 @@ impl Run<'_> {
         for &scope in scopes {
             let state = self.state(scope, &sources)?;
             let verb = if state == State::Done && !self.force { "would keep" } else { "would run" };
-            crate::drive::say(&format!("{verb} {} ({state})", self.label(scope)));
+            say(&format!("{verb} {} ({state})", self.label(scope)));
         }
         if let Some(forecast) = self.stage.forecast {
             for line in forecast(self.settings, self.maps.as_deref(), &self.store)? {
-                crate::drive::say(&line);
+                say(&line);
             }
         }
         Ok(EXIT_DONE)
@@ -373,10 +422,9 @@ impl Run<'_> {
                 Err(error) => {
                     let reason = error.to_string();
                     tracing::error!("{}: {reason}", self.label(scope));
-                    let failure =
-                        Failure { code_version: crate::code_version(self.stage.name).into(), reason };
-                    let key = scope.failure(self.stage.name);
-                    if let Err(error) = self.store.write_json(&key, self.stage.name, &failure) {
+                    let failure = Failure { code_version: crate::code_version(S::STAGE).into(), reason };
+                    let key = scope.failure(S::STAGE);
+                    if let Err(error) = self.store.write_json(&key, S::STAGE, &failure) {
                         tracing::warn!("the failure could not be recorded: {error}");
                     }
                     failed.push(self.label(scope));
@@ -384,50 +432,109 @@ impl Run<'_> {
             }
         }
         let secs = start.elapsed().as_secs_f64();
-        let name = self.stage.name;
+        let name = S::STAGE;
         tracing::info!("{name}: {done} done, {kept} kept, {} failed in {secs:.1} s", failed.len());
         Ok(if failed.is_empty() { EXIT_DONE } else { EXIT_SOME_FAILED })
     }
 
     /// What the stage reads outside the store, by the names of its manifest.
     fn sources(&self) -> BTreeMap<String, String> {
-        let found = (self.stage.sources)(self.settings, self.maps.as_deref());
+        let found = (self.stage.sources)(&self.view, self.maps.as_deref());
         found.into_iter().map(|(name, digest)| (format!("{SOURCE}{name}"), digest)).collect()
     }
 
     /// State of a scope, sources included: one that cannot be found now has not changed.
     fn state(&self, scope: Scope, sources: &BTreeMap<String, String>) -> Result<State, StageError> {
-        let state = state_of(&self.store, self.settings, self.spec, scope)?;
+        let code = if self.accept_code { CodeRule::Any } else { CodeRule::Same };
+        let state = judge(&self.store, self.settings, self.spec, scope, code)?;
         if state == State::Done
-            && let Some(manifest) = self.store.manifest(scope, self.stage.name)?
+            && let Some(manifest) = self.store.manifest(scope, S::STAGE)?
             && let Some((name, _)) =
                 sources.iter().find(|(name, now)| manifest.inputs.get(*name) != Some(*now))
         {
-            return Ok(State::Stale(format!("{name} changed")));
+            return Ok(State::Stale(Staleness::Source(name.clone())));
         }
         Ok(state)
+    }
+
+    /// Keeps what older code made, if it did: the manifest says so from here on.
+    fn accept(&self, scope: Scope) -> Result<(), StageError> {
+        let code = crate::code_version(S::STAGE);
+        if let Some(mut manifest) = self.store.manifest(scope, S::STAGE)?
+            && !manifest.is_of_code(code)
+        {
+            tracing::info!("{}: keeps what code {} made", self.label(scope), manifest.code_version);
+            manifest.accepted_by.push(code.to_owned());
+            self.store.write_json(&scope.manifest(S::STAGE), S::STAGE, &manifest)?;
+        }
+        Ok(())
+    }
+
+    /// `dataset.json`: the whole configuration. It goes with the plan, but the plan sees only a part of it.
+    fn record(&self) -> Result<Vec<u8>, StageError> {
+        let record = DatasetRecord {
+            format_version: schema::FORMAT_VERSION,
+            code_version: crate::code_version(S::STAGE),
+            config: self.settings,
+        };
+        let stage = S::STAGE;
+        Ok(serde_json::to_vec_pretty(&record).map_err(|source| ViewError::Json { stage, source })?)
+    }
+
+    /// Brings `dataset.json` up to date where something changed that the plan does not see.
+    fn renew_record(&self, scope: Scope) -> Result<(), StageError> {
+        let record = self.record()?;
+        let written = self.store.manifest(scope, S::STAGE)?;
+        let hash = store::hash_bytes(&record);
+        if written.is_some_and(|m| m.output(keys::DATASET).is_none_or(|o| o.blake3 != hash)) {
+            Attempt::amend(&self.store, scope, S::STAGE, keys::DATASET, &record)?;
+        }
+        Ok(())
+    }
+
+    /// A stage writes only where `pipeline.toml` says.
+    fn check_places(&self, scope: Scope, attempt: &Attempt) -> Result<(), StageError> {
+        let folder = match scope {
+            Scope::Scene(_) => format!("{}/", scope.folder()),
+            Scope::Plan | Scope::Stats => String::new(),
+        };
+        let is_stray = |key: &&str| !key.strip_prefix(&folder).is_some_and(|path| self.spec.may_write(path));
+        match attempt.keys().find(is_stray) {
+            None => Ok(()),
+            Some(key) => Err(StageError::Failed(format!(
+                "a bug in Convoy: {} wrote {key}, which pipeline.toml does not list among what it writes",
+                S::STAGE
+            ))),
+        }
     }
 
     /// Runs one scope. `false`: there was nothing to do.
     fn one(&self, scope: Scope) -> Result<bool, StageError> {
         let sources = self.sources();
         if !self.force && self.state(scope, &sources)? == State::Done {
-            Attempt::tidy(&self.store, scope, self.stage.name)?;
+            Attempt::tidy(&self.store, scope, S::STAGE)?;
+            if self.accept_code {
+                self.accept(scope)?;
+            }
+            if self.spec.unit == UnitKind::Plan {
+                self.renew_record(scope)?;
+            }
             return Ok(false);
         }
-        let ready = inputs(&self.store, self.settings, self.spec, scope)?
+        let ready = inputs(&self.store, self.settings, self.spec, scope, CodeRule::Same)?
             .map_err(|why| StageError::Failed(format!("{why}: run that first")))?;
         let identity = Identity {
-            stage: self.stage.name.into(),
+            stage: S::STAGE.into(),
             scope,
-            code_version: crate::code_version(self.stage.name).into(),
-            config_hash: config_hash(self.spec, self.settings),
+            code_version: crate::code_version(S::STAGE).into(),
+            config_hash: config_hash(self.spec, self.settings)?,
             inputs: ready.digests.into_iter().chain(sources).collect(),
         };
         let attempt = Attempt::start(&self.store, identity, self.force)?;
         let mut job = Job {
             store: &self.store,
-            settings: self.settings,
+            settings: &self.view,
+            whole: self.settings,
             maps: self.maps.as_deref(),
             scope,
             inputs: ready.manifests,
@@ -439,6 +546,13 @@ impl Run<'_> {
         job.progress.finish();
         match outcome {
             Ok(Ok(())) => {
+                if self.spec.unit == UnitKind::Plan
+                    && let Some(mut unit) = job.attempt.unit("dataset")?
+                {
+                    unit.bytes(keys::DATASET, &self.record()?, 1)?;
+                    unit.finish()?;
+                }
+                self.check_places(scope, &job.attempt)?;
                 job.attempt.commit()?;
                 Ok(true)
             }

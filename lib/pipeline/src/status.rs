@@ -6,7 +6,8 @@ use std::fmt;
 use schema::settings::DatasetSettings;
 use store::{Manifest, Scope, Store, StoreError};
 
-use crate::graph::{Graph, StageSpec, UnitKind, config_hash};
+use crate::graph::{Graph, StageSpec, UnitKind};
+use crate::views::{ViewError, config_hash};
 
 /// State of a stage for a scope.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,7 +17,7 @@ pub enum State {
     /// It was never done, or a run was killed half-way.
     Missing,
     /// It was done from something else.
-    Stale(String),
+    Stale(Staleness),
     /// The last try failed.
     Failed(String),
 }
@@ -30,6 +31,79 @@ impl fmt::Display for State {
             Self::Failed(why) => write!(f, "failed: {why}"),
         }
     }
+}
+
+/// Why what was made no longer holds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Staleness {
+    /// Its manifest is damaged: where and how.
+    Damaged(String),
+    /// The stage sees other settings now.
+    Configuration,
+    /// The stage's code is another.
+    Code,
+    /// What it was made from cannot be read yet, or no longer.
+    NotReady(NotReady),
+    /// An input (a stage, or a stage of a scene) was redone.
+    Redone(String),
+    /// Something outside the store changed.
+    Source(String),
+    /// An output is missing or has another size.
+    Output,
+}
+
+impl fmt::Display for Staleness {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Damaged(what) => f.write_str(what),
+            Self::Configuration => f.write_str("the configuration changed"),
+            Self::Code => f.write_str("the code changed"),
+            Self::NotReady(why) => write!(f, "{why}"),
+            Self::Redone(input) => write!(f, "{input} was redone"),
+            Self::Source(name) => write!(f, "{name} changed"),
+            Self::Output => f.write_str("an output is missing or truncated"),
+        }
+    }
+}
+
+/// Why a stage cannot run for a scope.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NotReady {
+    /// A stage that it reads is not done.
+    Stage {
+        /// The stage.
+        name: &'static str,
+        /// Its state.
+        state: Box<State>,
+    },
+    /// The plan has no such scene.
+    Unplanned {
+        /// The scene.
+        scene: u32,
+    },
+}
+
+impl fmt::Display for NotReady {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            // The first stage that is not done is the one to run, however long the way to it.
+            Self::Stage { name, state } => match &**state {
+                State::Stale(Staleness::NotReady(why @ Self::Stage { .. })) => write!(f, "{why}"),
+                State::Missing => write!(f, "{name} is missing"),
+                state => write!(f, "{name} is {state}"),
+            },
+            Self::Unplanned { scene } => write!(f, "scene {scene} is not in the plan"),
+        }
+    }
+}
+
+/// Which code a manifest must be of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CodeRule {
+    /// This program's, or one that this program's was accepted for.
+    Same,
+    /// Any.
+    Any,
 }
 
 /// Begins the names of inputs that are not in the store (map files).
@@ -56,16 +130,19 @@ fn manifest_or_stale(
 ) -> Result<Result<Option<Manifest>, State>, StoreError> {
     match store.manifest(scope, stage) {
         Err(StoreError::Corrupt { path, problem }) => {
-            Ok(Err(State::Stale(format!("{path} is damaged ({problem})"))))
+            Ok(Err(State::Stale(Staleness::Damaged(format!("{path} is damaged ({problem})")))))
         }
         other => other.map(Ok),
     }
 }
 
 /// Scenes of the plan, or `None` when there is no plan (or its manifest is damaged).
-pub(crate) fn planned_scenes(store: &Store) -> Result<Option<Vec<u32>>, StoreError> {
+///
+/// # Errors
+/// The store cannot be read.
+pub fn planned_scenes(store: &Store) -> Result<Option<Vec<u32>>, StoreError> {
     let Some(planner) = Graph::get().stages.first() else { return Ok(None) };
-    let manifest = manifest_or_stale(store, Scope::Plan, &planner.name)?.unwrap_or_default();
+    let manifest = manifest_or_stale(store, Scope::Plan, planner.name)?.unwrap_or_default();
     Ok(manifest.map(|m| {
         m.sections
             .keys()
@@ -80,28 +157,29 @@ pub(crate) fn inputs(
     settings: &DatasetSettings,
     spec: &StageSpec,
     scope: Scope,
-) -> Result<Result<Inputs, String>, StoreError> {
+    code: CodeRule,
+) -> Result<Result<Inputs, NotReady>, StateError> {
     let mut inputs = Inputs { digests: BTreeMap::new(), manifests: BTreeMap::new() };
-    for name in &spec.reads {
+    for &name in spec.reads {
         let Some(read) = Graph::get().stage(name) else { continue };
         match (spec.unit, read.unit) {
             (UnitKind::Scene, UnitKind::Plan) => {
                 let plan = match manifest_or_stale(store, Scope::Plan, name)? {
                     Ok(Some(plan)) => plan,
-                    Ok(None) => return Ok(Err(format!("{name} is missing"))),
-                    Err(state) => return Ok(Err(format!("{name} is {state}"))),
+                    Ok(None) => return Ok(Err(NotReady::Stage { name, state: Box::new(State::Missing) })),
+                    Err(state) => return Ok(Err(NotReady::Stage { name, state: Box::new(state) })),
                 };
                 let Scope::Scene(scene) = scope else { continue };
                 let Some(digest) = plan.sections.get(&plan_section(scene)) else {
-                    return Ok(Err(format!("scene {scene} is not in the plan")));
+                    return Ok(Err(NotReady::Unplanned { scene }));
                 };
-                inputs.digests.insert(name.clone(), digest.clone());
-                inputs.manifests.insert(name.clone(), plan);
+                inputs.digests.insert(name.to_owned(), digest.clone());
+                inputs.manifests.insert(name.to_owned(), plan);
             }
             (UnitKind::Stats, _) => {
                 for scene in planned_scenes(store)?.unwrap_or_default() {
                     let scene_scope = Scope::Scene(scene);
-                    if state_of(store, settings, read, scene_scope)? == State::Done
+                    if judge(store, settings, read, scene_scope, code)? == State::Done
                         && let Some(manifest) = store.manifest(scene_scope, name)?
                     {
                         inputs.digests.insert(format!("{}/{name}", plan_section(scene)), manifest.digest());
@@ -109,18 +187,29 @@ pub(crate) fn inputs(
                 }
             }
             _ => {
-                let state = state_of(store, settings, read, scope)?;
+                let state = judge(store, settings, read, scope, code)?;
                 if state != State::Done {
-                    return Ok(Err(format!("{name} is {state}")));
+                    return Ok(Err(NotReady::Stage { name, state: Box::new(state) }));
                 }
                 if let Some(manifest) = store.manifest(scope, name)? {
-                    inputs.digests.insert(name.clone(), manifest.digest());
-                    inputs.manifests.insert(name.clone(), manifest);
+                    inputs.digests.insert(name.to_owned(), manifest.digest());
+                    inputs.manifests.insert(name.to_owned(), manifest);
                 }
             }
         }
     }
     Ok(Ok(inputs))
+}
+
+/// The state of a stage cannot be told.
+#[derive(Debug, thiserror::Error)]
+pub enum StateError {
+    /// The store failed.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The configuration cannot be handed to the stage.
+    #[error(transparent)]
+    View(#[from] ViewError),
 }
 
 /// State of a stage for a scope.
@@ -132,11 +221,22 @@ pub fn state_of(
     settings: &DatasetSettings,
     spec: &StageSpec,
     scope: Scope,
-) -> Result<State, StoreError> {
-    let manifest = match manifest_or_stale(store, scope, &spec.name)? {
+) -> Result<State, StateError> {
+    judge(store, settings, spec, scope, CodeRule::Same)
+}
+
+/// State of a stage for a scope, by a rule for its code.
+pub(crate) fn judge(
+    store: &Store,
+    settings: &DatasetSettings,
+    spec: &StageSpec,
+    scope: Scope,
+    code: CodeRule,
+) -> Result<State, StateError> {
+    let manifest = match manifest_or_stale(store, scope, spec.name)? {
         Ok(Some(manifest)) => manifest,
         Ok(None) => {
-            let failure: Option<store::Failure> = match store.read_json(&scope.failure(&spec.name)) {
+            let failure: Option<store::Failure> = match store.read_json(&scope.failure(spec.name)) {
                 Err(StoreError::Corrupt { .. }) => None,
                 other => other?,
             };
@@ -144,29 +244,29 @@ pub fn state_of(
         }
         Err(stale) => return Ok(stale),
     };
-    if manifest.config_hash != config_hash(spec, settings) {
-        return Ok(State::Stale("the configuration changed".into()));
+    if manifest.config_hash != config_hash(spec, settings)? {
+        return Ok(State::Stale(Staleness::Configuration));
     }
-    if manifest.code_version != crate::code_version(&spec.name) {
-        return Ok(State::Stale("the code changed".into()));
+    if code == CodeRule::Same && !manifest.is_of_code(crate::code_version(spec.name)) {
+        return Ok(State::Stale(Staleness::Code));
     }
     // Whether sources outside the store changed is for the stage itself to see: it knows where they are.
     let stored = manifest.inputs.iter().filter(|(name, _)| !name.starts_with(SOURCE));
     let stored: BTreeMap<String, String> = stored.map(|(n, d)| (n.clone(), d.clone())).collect();
-    match inputs(store, settings, spec, scope)? {
-        Err(why) => return Ok(State::Stale(why)),
+    match inputs(store, settings, spec, scope, code)? {
+        Err(why) => return Ok(State::Stale(Staleness::NotReady(why))),
         Ok(now) if now.digests != stored => {
             let changed = now
                 .digests
                 .iter()
                 .find(|(name, digest)| stored.get(*name) != Some(digest))
                 .map_or("an input", |(name, _)| name.as_str());
-            return Ok(State::Stale(format!("{changed} was redone")));
+            return Ok(State::Stale(Staleness::Redone(changed.to_owned())));
         }
         Ok(_) => {}
     }
     if !store.outputs_present(&manifest)? {
-        return Ok(State::Stale("an output is missing or truncated".into()));
+        return Ok(State::Stale(Staleness::Output));
     }
     Ok(State::Done)
 }

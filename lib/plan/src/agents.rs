@@ -8,7 +8,8 @@ use opendrive::Map;
 use random::Stream;
 use schema::AgentId;
 use schema::models::{Model, find};
-use schema::settings::{AgentSettings, DatasetSettings, SpawnMode, TrafficSettings};
+use schema::settings::stages::PlanSettings;
+use schema::settings::{AgentSettings, SpawnMode, TrafficSettings};
 use schema::tables::PlanAgentRow;
 
 use crate::PlanError;
@@ -184,7 +185,7 @@ fn draw_driver(traffic: &TrafficSettings, stream: &mut Stream) -> (bool, bool, f
 
 /// Rows of the vehicles that were placed, each with a driver of its own (`stream` by the vehicle's number).
 pub(crate) fn vehicle_rows(
-    settings: &DatasetSettings,
+    settings: &PlanSettings,
     scene: u32,
     models: &[&Model],
     placement: &Placement,

@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use random::Stream;
-use schema::settings::{DatasetSettings, Split};
+use schema::settings::Split;
+use schema::settings::stages::PlanSettings;
 use serde::{Deserialize, Serialize};
 
 use crate::PlanError;
@@ -59,12 +60,12 @@ pub struct Roster {
 /// Existing scenes count against the wish for their split and map and keep their numbers. What is missing is numbered
 /// from one past the highest: train, val, test, and within each in the order of the settings. Scenes beyond the wish
 /// stay when something was made of them and are forgotten otherwise; a scene is never given another number, split or
-/// map. [`DatasetSettings::redraw`] says which scenes are drawn anew.
+/// map. [`PlanSettings::redraw`] says which scenes are drawn anew.
 ///
 /// # Errors
 /// When they are too many to number.
 pub fn enrol(
-    settings: &DatasetSettings,
+    settings: &PlanSettings,
     existing: &[SceneSlot],
     is_made: &dyn Fn(u32) -> bool,
 ) -> Result<Roster, PlanError> {
@@ -109,7 +110,7 @@ pub fn enrol(
 }
 
 /// Scenes wanted of each split and map, in numbering order, each pair once.
-fn wishes(settings: &DatasetSettings) -> Vec<(Split, &str, u32)> {
+fn wishes(settings: &PlanSettings) -> Vec<(Split, &str, u32)> {
     let mut wishes: Vec<(Split, &str, u32)> = Vec::new();
     for split in Split::ALL {
         let mut seen = BTreeSet::new();
@@ -144,7 +145,7 @@ impl Roster {
 ///
 /// # Errors
 /// When they are too many to number.
-pub fn scene_slots(settings: &DatasetSettings) -> Result<Vec<SceneSlot>, PlanError> {
+pub fn scene_slots(settings: &PlanSettings) -> Result<Vec<SceneSlot>, PlanError> {
     Ok(enrol(settings, &[], &|_| false)?.slots)
 }
 
@@ -153,9 +154,9 @@ mod tests {
     use super::*;
     use schema::settings::SceneCount;
 
-    fn settings(wishes: &[(Split, &str, u32)]) -> DatasetSettings {
+    fn settings(wishes: &[(Split, &str, u32)]) -> PlanSettings {
         let count = |&(split, map, count): &(Split, &str, u32)| SceneCount { split, map: map.into(), count };
-        DatasetSettings::with_scenes(wishes.iter().map(count).collect())
+        PlanSettings::with_scenes(wishes.iter().map(count).collect())
     }
 
     fn short(slots: &[SceneSlot]) -> Vec<(u32, &'static str, &str, u32)> {

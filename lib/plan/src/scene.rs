@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use opendrive::Map;
 use random::Stream;
-use schema::settings::{DatasetSettings, SpawnMode};
+use schema::settings::SpawnMode;
+use schema::settings::stages::PlanSettings;
 use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
 
 use crate::PlanError;
@@ -55,7 +56,7 @@ pub struct PlannedScene {
 ///
 /// # Errors
 /// When a map is missing or has no place for vehicles, or a setting cannot be followed.
-pub fn plan(settings: &DatasetSettings, maps: &BTreeMap<String, PlanMap>) -> Result<Plan, PlanError> {
+pub fn plan(settings: &PlanSettings, maps: &BTreeMap<String, PlanMap>) -> Result<Plan, PlanError> {
     plan_slots(settings, &scene_slots(settings)?, maps)
 }
 
@@ -64,7 +65,7 @@ pub fn plan(settings: &DatasetSettings, maps: &BTreeMap<String, PlanMap>) -> Res
 /// # Errors
 /// As [`plan`].
 pub fn plan_slots(
-    settings: &DatasetSettings,
+    settings: &PlanSettings,
     slots: &[SceneSlot],
     maps: &BTreeMap<String, PlanMap>,
 ) -> Result<Plan, PlanError> {
@@ -93,7 +94,7 @@ struct Counts {
     mode: SpawnMode,
 }
 
-fn draw_counts(settings: &DatasetSettings, stream: &mut Stream) -> Result<Counts, PlanError> {
+fn draw_counts(settings: &PlanSettings, stream: &mut Stream) -> Result<Counts, PlanError> {
     let agents = &settings.agents;
     let mut between = |low: u32, high: u32| stream.int_inclusive(i64::from(low), i64::from(high)) as usize;
     let drawn = between(agents.min_vehicles, agents.max_vehicles);
@@ -122,7 +123,7 @@ fn draw_counts(settings: &DatasetSettings, stream: &mut Stream) -> Result<Counts
 /// # Errors
 /// When the map has no place for vehicles, or a setting cannot be followed.
 pub fn plan_scene(
-    settings: &DatasetSettings,
+    settings: &PlanSettings,
     slot: &SceneSlot,
     map: &PlanMap,
     pool: &SpawnPool,

@@ -6,7 +6,8 @@ use nalgebra::Point3;
 use opendrive::{Cubic, Geometry, Lane, LaneSection, LaneType, Map, Network, Road};
 use plan::{Plan, PlanMap, SpawnPool, plan};
 use schema::models::find;
-use schema::settings::{DatasetSettings, SceneCount, Split};
+use schema::settings::stages::PlanSettings;
+use schema::settings::{SceneCount, Split};
 use schema::tables::PlanHazardRow;
 
 /// A straight road to the east with a lane each way.
@@ -23,10 +24,10 @@ fn road(length_m: f64) -> Map {
     Map::new(Network { roads: vec![road], ..Network::default() })
 }
 
-fn planned(map: Map, scenes: u32, change: impl FnOnce(&mut DatasetSettings)) -> Plan {
+fn planned(map: Map, scenes: u32, change: impl FnOnce(&mut PlanSettings)) -> Plan {
     let maps = BTreeMap::from([("road".to_owned(), PlanMap { map, hash: String::new() })]);
     let wish = SceneCount { split: Split::Train, map: "road".into(), count: scenes };
-    let mut settings = DatasetSettings::with_scenes(vec![wish]);
+    let mut settings = PlanSettings::with_scenes(vec![wish]);
     settings.agents.max_rsus = 0;
     change(&mut settings);
     plan(&settings, &maps).expect("a plan")

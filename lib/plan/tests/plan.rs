@@ -9,11 +9,12 @@ use opendrive::{
 };
 use plan::{PlanError, PlanMap, SceneSlot, SpawnPool, plan, plan_scene, scene_slots};
 use proptest::prelude::*;
-use schema::settings::{DatasetSettings, GivenStart, SceneCount, SpawnMode, Split};
+use schema::settings::stages::PlanSettings;
+use schema::settings::{GivenStart, SceneCount, SpawnMode, Split};
 
-fn settings(scenes: &[(Split, &str, u32)]) -> DatasetSettings {
+fn settings(scenes: &[(Split, &str, u32)]) -> PlanSettings {
     let count = |&(split, map, count): &(Split, &str, u32)| SceneCount { split, map: map.into(), count };
-    DatasetSettings::with_scenes(scenes.iter().map(count).collect())
+    PlanSettings::with_scenes(scenes.iter().map(count).collect())
 }
 
 /// A straight road to the east with one lane each way.

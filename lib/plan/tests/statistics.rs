@@ -5,18 +5,19 @@ use std::collections::BTreeMap;
 use nalgebra::Point3;
 use opendrive::{Cubic, Geometry, Lane, LaneSection, LaneType, Map, Network, Road};
 use plan::{Plan, PlanMap, plan};
-use schema::settings::{DatasetSettings, SceneCount, SpawnMode, Split};
+use schema::settings::stages::PlanSettings;
+use schema::settings::{SceneCount, SpawnMode, Split};
 use schema::tables::{PlanSceneRow, Weather};
 
 /// Four standard errors of a share of one half are 0.9 points.
 const SCENES: u32 = 50_000;
 
 /// A short street, so that planning is fast; weather and durations do not depend on it.
-fn planned(scenes: u32, change: impl FnOnce(&mut DatasetSettings)) -> Plan {
+fn planned(scenes: u32, change: impl FnOnce(&mut PlanSettings)) -> Plan {
     planned_on(200.0, scenes, change)
 }
 
-fn planned_on(length_m: f64, scenes: u32, change: impl FnOnce(&mut DatasetSettings)) -> Plan {
+fn planned_on(length_m: f64, scenes: u32, change: impl FnOnce(&mut PlanSettings)) -> Plan {
     let lane =
         |id| Lane { id, lane_type: LaneType::Driving, widths: vec![Cubic::constant(3.5)], ..Lane::default() };
     let road = Road {
@@ -29,7 +30,7 @@ fn planned_on(length_m: f64, scenes: u32, change: impl FnOnce(&mut DatasetSettin
     let map = Map::new(Network { roads: vec![road], ..Network::default() });
     let maps = BTreeMap::from([("road".to_owned(), PlanMap { map, hash: String::new() })]);
     let wish = SceneCount { split: Split::Train, map: "road".into(), count: scenes };
-    let mut settings = DatasetSettings::with_scenes(vec![wish]);
+    let mut settings = PlanSettings::with_scenes(vec![wish]);
     change(&mut settings);
     plan(&settings, &maps).expect("a plan")
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use frames::{Agent, Pose, World};
-use pipeline::{Job, StageError};
+use pipeline::{Job, StageError, StageSettings};
 use schema::AgentId;
 use schema::scene_info::SceneInfo;
 use schema::tables::{ActorRow, AgentRow, FrameRow, LampRow, SignalRow, StateRow};
@@ -63,7 +63,7 @@ impl SceneLog {
     ///
     /// # Errors
     /// A shard of the log is missing or broken.
-    pub fn read(job: &Job<'_>) -> Result<Self, StageError> {
+    pub fn read<S: StageSettings>(job: &Job<'_, S>) -> Result<Self, StageError> {
         Self::load(job.store(), job.input(SIMULATE)?, job.scene())
     }
 

@@ -3,7 +3,7 @@
 use std::io::Read;
 
 use opendrive::Map;
-use pipeline::{Job, StageError};
+use pipeline::{Job, StageError, StageSettings};
 use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
 use store::{Store, keys};
 
@@ -59,7 +59,9 @@ pub fn read_map(store: &Store, name: &str, hash: &str) -> Result<Map, StageError
 ///
 /// # Errors
 /// The plan is missing or broken.
-pub fn read_plan(job: &Job<'_>) -> Result<(PlanSceneRow, Vec<PlanAgentRow>), StageError> {
+pub fn read_plan<S: StageSettings>(
+    job: &Job<'_, S>,
+) -> Result<(PlanSceneRow, Vec<PlanAgentRow>), StageError> {
     let (store, manifest, scene) = (job.store(), job.input(PLANNER)?, job.scene());
     let rows: Vec<PlanSceneRow> = store.read_rows(manifest, keys::PLAN_SCENES)?;
     let Some(row) = rows.into_iter().find(|r| r.scene == scene) else {
@@ -75,7 +77,7 @@ pub fn read_plan(job: &Job<'_>) -> Result<(PlanSceneRow, Vec<PlanAgentRow>), Sta
 ///
 /// # Errors
 /// The plan is missing or broken.
-pub fn read_hazards(job: &Job<'_>) -> Result<Vec<PlanHazardRow>, StageError> {
+pub fn read_hazards<S: StageSettings>(job: &Job<'_, S>) -> Result<Vec<PlanHazardRow>, StageError> {
     let mut hazards: Vec<PlanHazardRow> = job.store().read_rows(job.input(PLANNER)?, keys::PLAN_HAZARDS)?;
     hazards.retain(|h| h.scene == job.scene());
     Ok(hazards)

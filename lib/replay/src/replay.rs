@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use opendrive::Map;
-use pipeline::{Job, StageError};
+use pipeline::{Job, StageError, StageSettings};
 use schema::geometry::{Snapshot, TriMesh};
 use world::{Moment, World};
 
@@ -24,7 +24,7 @@ impl Replay {
     ///
     /// # Errors
     /// The log or the map is missing or broken, or an actor has no mesh.
-    pub fn open(job: &Job<'_>) -> Result<Self, StageError> {
+    pub fn open<S: StageSettings>(job: &Job<'_, S>) -> Result<Self, StageError> {
         let log = SceneLog::read(job)?;
         let map = read_map(job.store(), &log.info.map, &log.info.map_hash)?;
         let mut world = World::new(&map, &log.actors).map_err(|e| StageError::failed(&e))?;

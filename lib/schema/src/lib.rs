@@ -6,9 +6,12 @@
 pub mod agent;
 pub mod bev;
 pub mod class;
+pub mod difficulty;
 pub mod fleet;
 pub mod footprint;
+mod format;
 pub mod geometry;
+mod ids;
 pub mod lights;
 pub mod measures;
 pub mod models;
@@ -21,14 +24,8 @@ pub mod works;
 
 pub use agent::{AgentId, AgentKind, ParseAgentError};
 pub use bev::BevClass;
-pub use class::{DetectionClass, Difficulty};
+pub use class::DetectionClass;
+pub use difficulty::Difficulty;
+pub use format::{FORMAT_VERSION, FRAME_PERIOD_S};
+pub use ids::ObjectId;
 pub use tag::Tag;
-
-/// Number of one object in a scene: 1..=65535, never reused, static things too. 0 is "no object".
-pub type ObjectId = u16;
-
-/// Version of the store's layout. A reader refuses a store with another number.
-pub const FORMAT_VERSION: u32 = 1;
-
-/// Seconds between frames: frame `k` is at `k * FRAME_PERIOD_S` after warm-up, for every agent.
-pub const FRAME_PERIOD_S: f64 = 0.05;

@@ -72,6 +72,31 @@ impl Attempt {
         backend.remove(&scope.failure(stage))
     }
 
+    /// Replaces one shard of what a stage did, or adds it, without doing the stage again: for records of things that the
+    /// stage's other shards do not depend on. What was made from these stays as it is.
+    ///
+    /// # Errors
+    /// The store cannot be read or written, or the stage is not done.
+    pub fn amend(
+        store: &Store,
+        scope: Scope,
+        stage: &str,
+        key: &str,
+        bytes: &[u8],
+    ) -> Result<(), StoreError> {
+        let manifest_key = scope.manifest(stage);
+        let mut manifest = store
+            .manifest(scope, stage)?
+            .ok_or_else(|| StoreError::Missing { path: store.location(&manifest_key) })?;
+        let mut file = FileWriter::create(store, key, stage)?;
+        file.write_bytes(bytes)?;
+        let shard = file.finish(1)?.commit()?;
+        manifest.outputs.retain(|output| output.key != key);
+        manifest.outputs.push(shard);
+        manifest.outputs.sort_by(|a, b| a.key.cmp(&b.key));
+        store.write_json(&manifest_key, stage, &manifest)
+    }
+
     /// Takes the old manifest away: from here on its shards are replaced one by one.
     fn set_old_aside(&mut self) -> Result<(), StoreError> {
         if self.old_stands {
@@ -97,6 +122,11 @@ impl Attempt {
             }
         }
         Ok(Some(Unit { attempt: self, name: name.to_owned(), shards: Vec::new() }))
+    }
+
+    /// Keys of the shards of all finished units.
+    pub fn keys(&self) -> impl Iterator<Item = &str> {
+        self.outputs.iter().map(|output| output.key.as_str())
     }
 
     /// Remembers the digest of a part that other stages depend on singly.
@@ -135,6 +165,7 @@ impl Attempt {
             inputs: self.identity.inputs.clone(),
             outputs,
             sections: BTreeMap::new(),
+            accepted_by: Vec::new(),
         }
     }
 }

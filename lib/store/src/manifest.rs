@@ -40,6 +40,9 @@ pub struct Manifest {
     /// Digests of parts that other stages depend on singly (a plan's scenes), by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub sections: BTreeMap<String, String>,
+    /// Versions of later code that was told to keep this.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub accepted_by: Vec<String>,
 }
 
 /// A stage is being done again: kept until its new manifest stands, so that a killed run goes on as the same try.
@@ -67,10 +70,19 @@ impl Manifest {
         self.outputs.iter().find(|o| o.key == key)
     }
 
-    /// The digest that dependants remember.
+    /// Whether code of a version made it, or was told to keep it.
+    #[must_use]
+    pub fn is_of_code(&self, version: &str) -> bool {
+        self.code_version == version || self.accepted_by.iter().any(|accepted| accepted == version)
+    }
+
+    /// The digest that dependants remember. Who keeps what was made does not alter it.
     #[must_use]
     pub fn digest(&self) -> String {
-        hash_bytes(&to_json(self))
+        if self.accepted_by.is_empty() {
+            return hash_bytes(&to_json(self));
+        }
+        hash_bytes(&to_json(&Self { accepted_by: Vec::new(), ..self.clone() }))
     }
 }
 

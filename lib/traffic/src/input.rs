@@ -3,7 +3,7 @@
 use opendrive::Map;
 use schema::ObjectId;
 use schema::scene_info::{DriverInfo, HazardInfo, SignalGroupInfo};
-use schema::settings::DatasetSettings;
+use schema::settings::stages::SimulationSettings;
 use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, SignalRow, StateRow};
 
 /// A scene to simulate.
@@ -18,7 +18,7 @@ pub struct SceneInput<'a> {
     /// Its accidents and road works.
     pub hazards: &'a [PlanHazardRow],
     /// The dataset's settings (traffic, walkers, lights, hazards).
-    pub settings: &'a DatasetSettings,
+    pub settings: &'a SimulationSettings,
     /// Objects that never move. Those of kind `traffic_light` with an `opendrive_id` get signal states; those of kind
     /// `parked` can be hit.
     pub fixed: &'a [ActorRow],

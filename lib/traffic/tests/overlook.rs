@@ -5,11 +5,11 @@ mod common;
 use common::{agent, collisions, crossing, red_runs, run, scene, settings, straight, tracks};
 use nalgebra::Point3;
 use opendrive::Map;
-use schema::settings::DatasetSettings;
+use schema::settings::stages::SimulationSettings;
 use schema::tables::{PlanAgentRow, PlanSceneRow};
 
 /// Lights, signs, vehicles, walkers.
-fn overlooking([lights, signs, vehicles, walkers]: [f64; 4]) -> DatasetSettings {
+fn overlooking([lights, signs, vehicles, walkers]: [f64; 4]) -> SimulationSettings {
     let mut settings = settings();
     settings.traffic.ignore_lights = lights;
     settings.traffic.ignore_signs = signs;
@@ -32,7 +32,7 @@ fn queues() -> Vec<PlanAgentRow> {
     agents
 }
 
-fn reds(map: &Map, settings: &DatasetSettings) -> (usize, usize) {
+fn reds(map: &Map, settings: &SimulationSettings) -> (usize, usize) {
     let log = run(map, &scene(30.0), &queues(), settings);
     (red_runs(map, &log, &common::lights(map)).len(), collisions(&log, false).len())
 }

@@ -5,11 +5,11 @@ mod common;
 use common::{agent, agents_on, collisions, crossing, run, scene, settings, straight, tracks, yaw};
 use nalgebra::Point3;
 use opendrive::Map;
-use schema::settings::DatasetSettings;
+use schema::settings::stages::SimulationSettings;
 use schema::tables::{PlanSceneRow, StateRow};
 use traffic::SceneLog;
 
-fn awake_within(distance_m: f64) -> DatasetSettings {
+fn awake_within(distance_m: f64) -> SimulationSettings {
     let mut settings = settings();
     settings.traffic.active_distance_m = distance_m;
     settings

@@ -25,8 +25,8 @@ pub(crate) const MOTION_TABLES: [ClassHistogram; 4] = [
     ClassHistogram {
         table: "valid_per_frame",
         title: "Frames by number of valid objects",
-        measure: measures::VALID_PER_FRAME,
-        bins: measures::VALID_PER_FRAME_BINS,
+        measure: measures::tracks::VALID_PER_FRAME,
+        bins: measures::tracks::VALID_PER_FRAME_BINS,
         section: Section::Boxes,
         note: "Every class counts every frame once; frames without a valid object are in bin 0-4.",
         moving: false,
@@ -35,8 +35,8 @@ pub(crate) const MOTION_TABLES: [ClassHistogram; 4] = [
     ClassHistogram {
         table: "yaw",
         title: "Valid objects by heading, degrees",
-        measure: measures::YAW_DEG,
-        bins: measures::YAW_BINS,
+        measure: measures::tracks::YAW_DEG,
+        bins: measures::tracks::YAW_BINS,
         section: Section::Motion,
         note: "Heading in the map's frame: 0 is east, 90 north.",
         moving: false,
@@ -45,8 +45,8 @@ pub(crate) const MOTION_TABLES: [ClassHistogram; 4] = [
     ClassHistogram {
         table: "speed",
         title: "Valid objects by speed, m/s",
-        measure: measures::SPEED_MPS,
-        bins: measures::SPEED_BINS,
+        measure: measures::tracks::SPEED_MPS,
+        bins: measures::tracks::SPEED_BINS,
         section: Section::Motion,
         note: "",
         moving: true,
@@ -55,8 +55,8 @@ pub(crate) const MOTION_TABLES: [ClassHistogram; 4] = [
     ClassHistogram {
         table: "yaw_rate",
         title: "Valid objects by turning rate, degrees/s",
-        measure: measures::YAW_RATE_DPS,
-        bins: measures::YAW_RATE_BINS,
+        measure: measures::tracks::YAW_RATE_DPS,
+        bins: measures::tracks::YAW_RATE_BINS,
         section: Section::Motion,
         note: "Positive is to the left.",
         moving: true,
@@ -75,12 +75,21 @@ pub(super) fn tables(counts: &Counts, frames: u64) -> Vec<Table> {
 fn per_class(counts: &Counts, frames: u64) -> Table {
     let known = DetectionClass::ALL.map(DetectionClass::name);
     let mut rows: Vec<(&str, u64, u64)> = Vec::new();
-    if counts.has(measures::BOXES) {
-        let classes = classes_in_order(counts, &[measures::BOXES, measures::BOXES_VALID], &known);
+    if counts.has(measures::tracks::BOXES) {
+        let classes =
+            classes_in_order(counts, &[measures::tracks::BOXES, measures::tracks::BOXES_VALID], &known);
         rows.extend(classes.into_iter().map(|class| {
-            (class, counts.of(measures::BOXES, class), counts.of(measures::BOXES_VALID, class))
+            (
+                class,
+                counts.of(measures::tracks::BOXES, class),
+                counts.of(measures::tracks::BOXES_VALID, class),
+            )
         }));
-        rows.push(("total", counts.total(measures::BOXES), counts.total(measures::BOXES_VALID)));
+        rows.push((
+            "total",
+            counts.total(measures::tracks::BOXES),
+            counts.total(measures::tracks::BOXES_VALID),
+        ));
     }
     let note = "Unique objects per frame, over all agents. Valid: hit by a lidar or radar point, or seen in an image.";
     Table::new("boxes_per_class", Section::Boxes, "Boxes by class", note)
@@ -96,7 +105,7 @@ fn per_class(counts: &Counts, frames: u64) -> Table {
 /// such values.
 fn class_histogram(spec: &ClassHistogram, counts: &Counts, frames: u64) -> Table {
     let detection = DetectionClass::ALL.map(DetectionClass::name);
-    let known: &[&str] = if spec.moving { &measures::MOVING_CLASSES } else { &detection };
+    let known: &[&str] = if spec.moving { &measures::tracks::MOVING_CLASSES } else { &detection };
     let classes = classes_in_order(counts, &[spec.measure], known);
     let Bins { lower, upper, width } = spec.bins;
     let edges: Vec<i32> = if counts.has(spec.measure) {
@@ -142,14 +151,16 @@ fn class_histogram(spec: &ClassHistogram, counts: &Counts, frames: u64) -> Table
 fn wheelchairs(counts: &Counts) -> Table {
     let of = |measure, class: &str| {
         // Rows that don't say are about every object.
-        let unnamed = if class == measures::ALL { counts.of(measure, "") } else { 0 };
+        let unnamed = if class == measures::tracks::ALL_OBJECTS { counts.of(measure, "") } else { 0 };
         counts.of(measure, class).saturating_add(unnamed)
     };
-    let rows: Vec<(&str, u64, u64)> = [measures::ALL, measures::VALID]
+    let rows: Vec<(&str, u64, u64)> = [measures::tracks::ALL_OBJECTS, measures::tracks::VALID_OBJECTS]
         .into_iter()
-        .filter(|_| counts.has(measures::PEDESTRIANS))
-        .map(|class| (class, of(measures::PEDESTRIANS, class), of(measures::WHEELCHAIR, class)))
-        .filter(|(class, pedestrians, _)| *class == measures::ALL || *pedestrians > 0)
+        .filter(|_| counts.has(measures::tracks::PEDESTRIANS))
+        .map(|class| {
+            (class, of(measures::tracks::PEDESTRIANS, class), of(measures::tracks::WHEELCHAIR, class))
+        })
+        .filter(|(class, pedestrians, _)| *class == measures::tracks::ALL_OBJECTS || *pedestrians > 0)
         .collect();
     let note = "Object-frames, not individuals.";
     Table::new("wheelchairs", Section::Boxes, "Pedestrians in wheelchairs", note)

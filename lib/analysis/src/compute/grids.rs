@@ -8,12 +8,12 @@ use crate::table::{Section, Table};
 
 pub(super) fn bev(counts: &Counts, cells_per_grid: u64) -> Table {
     let known = BevClass::ALL.map(BevClass::name);
-    let grids = counts.total(measures::BEV_GRIDS);
+    let grids = counts.total(measures::bev::BEV_GRIDS);
     let mut rows: Vec<(&str, u64)> = Vec::new();
-    if counts.has(measures::BEV_CELLS) {
-        let classes = classes_in_order(counts, &[measures::BEV_CELLS], &known);
-        rows.extend(classes.into_iter().map(|class| (class, counts.of(measures::BEV_CELLS, class))));
-        rows.push(("total", counts.total(measures::BEV_CELLS)));
+    if counts.has(measures::bev::BEV_CELLS) {
+        let classes = classes_in_order(counts, &[measures::bev::BEV_CELLS], &known);
+        rows.extend(classes.into_iter().map(|class| (class, counts.of(measures::bev::BEV_CELLS, class))));
+        rows.push(("total", counts.total(measures::bev::BEV_CELLS)));
     }
     let all_cells = grids.saturating_mul(cells_per_grid);
     let note =
@@ -30,8 +30,8 @@ pub(super) fn occupancy(counts: &Counts) -> Table {
     const FREE: &str = "unlabeled";
     debug_assert_eq!(FREE, Tag::Unlabeled.name());
     let known = Tag::ALL.map(Tag::name);
-    let both = [measures::VOXEL_CELLS, measures::VOXEL_CELLS_FILLED];
-    let grids = counts.total(measures::VOXEL_GRIDS);
+    let both = [measures::voxels::VOXEL_CELLS, measures::voxels::VOXEL_CELLS_FILLED];
+    let grids = counts.total(measures::voxels::VOXEL_GRIDS);
     let mut rows: Vec<(&str, u64, u64)> = classes_in_order(counts, &both, &known)
         .into_iter()
         .filter(|class| *class != FREE)

@@ -44,7 +44,7 @@ pub fn compute_tables(facts: &DatasetFacts, scenes: &[SceneInfo], counts: &Count
 
 /// Frames of all scenes: as counted with the boxes, else as the scenes say.
 fn recorded_frames(scenes: &[&SceneInfo], counts: &Counts) -> u64 {
-    match counts.total(schema::measures::FRAMES) {
+    match counts.total(schema::measures::tracks::FRAMES) {
         0 => scenes.iter().map(|scene| u64::from(scene.frames)).sum(),
         frames => frames,
     }

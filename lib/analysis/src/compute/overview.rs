@@ -12,7 +12,7 @@ pub(super) fn overview(scenes: &[&SceneInfo], counts: &Counts, frames: u64) -> T
     maps.dedup();
     let seconds = frames as f64 * schema::FRAME_PERIOD_S;
     let of_kind = |kind: &str| {
-        let agents = counts.agents(measures::AGENT_FRAMES, "");
+        let agents = counts.agents(measures::simulation::AGENT_FRAMES, "");
         agents.filter(|(agent, _)| agent.starts_with(kind)).map(|(_, n)| n).fold(0, u64::saturating_add)
     };
     let mut rows = vec![
@@ -23,17 +23,21 @@ pub(super) fn overview(scenes: &[&SceneInfo], counts: &Counts, frames: u64) -> T
     ];
     // What no stage has counted yet is left out rather than shown as 0.
     let optional = [
-        (measures::AGENT_FRAMES, "agent_frames", counts.total(measures::AGENT_FRAMES)),
-        (measures::AGENT_FRAMES, "vehicle_frames", of_kind("vehicle_")),
-        (measures::AGENT_FRAMES, "rsu_frames", of_kind("rsu_")),
-        (measures::IMAGES, "images", counts.total(measures::IMAGES)),
-        (measures::LIDAR_POINTS, "lidar_points", counts.total(measures::LIDAR_POINTS)),
-        (measures::RADAR_POINTS, "radar_points", counts.total(measures::RADAR_POINTS)),
-        (measures::BOXES, "boxes", counts.total(measures::BOXES)),
-        (measures::BOXES_VALID, "valid_boxes", counts.total(measures::BOXES_VALID)),
-        (measures::BEV_GRIDS, "bev_grids", counts.total(measures::BEV_GRIDS)),
-        (measures::VOXEL_GRIDS, "voxel_grids", counts.total(measures::VOXEL_GRIDS)),
-        (measures::SENSOR_BYTES, "sensor_bytes", counts.total(measures::SENSOR_BYTES)),
+        (
+            measures::simulation::AGENT_FRAMES,
+            "agent_frames",
+            counts.total(measures::simulation::AGENT_FRAMES),
+        ),
+        (measures::simulation::AGENT_FRAMES, "vehicle_frames", of_kind("vehicle_")),
+        (measures::simulation::AGENT_FRAMES, "rsu_frames", of_kind("rsu_")),
+        (measures::sensors::IMAGES, "images", counts.total(measures::sensors::IMAGES)),
+        (measures::sensors::LIDAR_POINTS, "lidar_points", counts.total(measures::sensors::LIDAR_POINTS)),
+        (measures::sensors::RADAR_POINTS, "radar_points", counts.total(measures::sensors::RADAR_POINTS)),
+        (measures::tracks::BOXES, "boxes", counts.total(measures::tracks::BOXES)),
+        (measures::tracks::BOXES_VALID, "valid_boxes", counts.total(measures::tracks::BOXES_VALID)),
+        (measures::bev::BEV_GRIDS, "bev_grids", counts.total(measures::bev::BEV_GRIDS)),
+        (measures::voxels::VOXEL_GRIDS, "voxel_grids", counts.total(measures::voxels::VOXEL_GRIDS)),
+        (measures::sensors::SENSOR_BYTES, "sensor_bytes", counts.total(measures::sensors::SENSOR_BYTES)),
     ];
     rows.extend(optional.into_iter().filter(|(m, ..)| counts.has(m)).map(|(_, name, n)| (name, n)));
     Table::new("overview", Section::Overview, "Size of the dataset", "")

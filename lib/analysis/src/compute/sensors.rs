@@ -14,14 +14,14 @@ pub(super) fn tables(counts: &Counts) -> Vec<Table> {
 fn sweeps(counts: &Counts, measure: &str, sensor: &str) -> u64 {
     let carriers: Vec<&str> = counts.agents(measure, sensor).map(|(agent, _)| agent).collect();
     counts
-        .agents(measures::AGENT_FRAMES, "")
+        .agents(measures::simulation::AGENT_FRAMES, "")
         .filter(|(agent, _)| carriers.binary_search(agent).is_ok())
         .fold(0, |sum, (_, frames)| sum.saturating_add(frames))
 }
 
 fn points(counts: &Counts) -> Table {
     let rows: Vec<(&str, &str, u64, u64)> =
-        [("lidar", measures::LIDAR_POINTS), ("radar", measures::RADAR_POINTS)]
+        [("lidar", measures::sensors::LIDAR_POINTS), ("radar", measures::sensors::RADAR_POINTS)]
             .into_iter()
             .flat_map(|(kind, measure)| {
                 counts.classes(measure).map(move |sensor| {
@@ -39,9 +39,9 @@ fn points(counts: &Counts) -> Table {
 }
 
 fn images(counts: &Counts) -> Table {
-    let kinds: Vec<&str> = counts.classes(measures::IMAGES).collect();
-    let agent_frames = counts.total(measures::AGENT_FRAMES);
-    let images = |kind: &&str| counts.of(measures::IMAGES, kind);
+    let kinds: Vec<&str> = counts.classes(measures::sensors::IMAGES).collect();
+    let agent_frames = counts.total(measures::simulation::AGENT_FRAMES);
+    let images = |kind: &&str| counts.of(measures::sensors::IMAGES, kind);
     Table::new("images_per_kind", Section::Sensors, "Images", "")
         .with_strings("kind", kinds.iter().copied())
         .with_counts("images", kinds.iter().map(images))
@@ -49,9 +49,9 @@ fn images(counts: &Counts) -> Table {
 }
 
 fn bytes(counts: &Counts) -> Table {
-    let sensors: Vec<&str> = counts.classes(measures::SENSOR_BYTES).collect();
-    let total = counts.total(measures::SENSOR_BYTES);
-    let of = |sensor: &&str| counts.of(measures::SENSOR_BYTES, sensor);
+    let sensors: Vec<&str> = counts.classes(measures::sensors::SENSOR_BYTES).collect();
+    let total = counts.total(measures::sensors::SENSOR_BYTES);
+    let of = |sensor: &&str| counts.of(measures::sensors::SENSOR_BYTES, sensor);
     let note = "Sizes of the finished tables, compressed; images by kind, all cameras together.";
     Table::new("bytes_per_sensor", Section::Sensors, "Bytes on disk", note)
         .with_strings("sensor", sensors.iter().copied())

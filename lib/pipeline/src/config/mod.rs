@@ -251,11 +251,15 @@ mod tests {
                     [[rigs.cameras]]\nname = \"CAM_ROOF\"\n[rigs.occupancy]\nenabled = false\n\
                     [[rigs]]\nagents = [\"rsu_0\"]\n[rigs.radar]\nenabled = false\n";
         let s = parse(text, "x.toml").expect("is valid");
-        let channels = |i| s.rig_of(AgentId::vehicle(i)).lidars[0].scan.channels;
+        let channels = |i| s.rigs().of(AgentId::vehicle(i)).lidars[0].scan.channels;
         assert_eq!([channels(0), channels(1), channels(2), channels(3)], [64, 16, 64, 16]);
-        assert_eq!(s.rig_of(AgentId::vehicle(1)).cameras.len(), 1);
-        assert!(!s.occupancy_of(AgentId::vehicle(3)).enabled && s.occupancy_of(AgentId::vehicle(0)).enabled);
-        assert!(s.rig_of(AgentId::rsu(0)).radars.is_empty() && !s.rig_of(AgentId::rsu(1)).radars.is_empty());
+        assert_eq!(s.rigs().of(AgentId::vehicle(1)).cameras.len(), 1);
+        assert!(
+            !s.occupancy().of(AgentId::vehicle(3)).enabled && s.occupancy().of(AgentId::vehicle(0)).enabled
+        );
+        assert!(
+            s.rigs().of(AgentId::rsu(0)).radars.is_empty() && !s.rigs().of(AgentId::rsu(1)).radars.is_empty()
+        );
         let text = "[scenes.train]\n\"convoy/demo\" = 1\n[[rigs]]\n\
                     [[rigs]]\nagents = [\"vehicle_1\", \"rsu_0\"]\n\
                     [[rigs]]\nagents = [\"bus_1\"]\n[[rigs]]\nagents = [\"vehicle_1\"]\n";

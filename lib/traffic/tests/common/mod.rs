@@ -11,18 +11,19 @@ use opendrive::{
     LaneLink, LaneSection, LaneType, LaneValidity, Map, MarkType, Network, Road, RoadLink, RoadMark,
     RoadType, Signal, Speed, SpeedUnit, read_bytes,
 };
-use schema::settings::{DatasetSettings, TrafficSettings};
+use schema::settings::TrafficSettings;
+use schema::settings::stages::SimulationSettings;
 use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, StateRow, Weather};
 use traffic::{SceneInput, SceneLog, simulate};
 
-pub(crate) fn settings() -> DatasetSettings {
-    DatasetSettings {
+pub(crate) fn settings() -> SimulationSettings {
+    SimulationSettings {
         traffic: TrafficSettings {
             reckless_background: 0.0,
             distracted_background: 0.0,
             ..TrafficSettings::default()
         },
-        ..DatasetSettings::with_scenes(Vec::new())
+        ..SimulationSettings::default()
     }
 }
 
@@ -420,7 +421,7 @@ pub(crate) fn run(
     map: &Map,
     scene: &PlanSceneRow,
     agents: &[PlanAgentRow],
-    settings: &DatasetSettings,
+    settings: &SimulationSettings,
 ) -> SceneLog {
     run_with(map, scene, agents, &[], settings)
 }
@@ -431,7 +432,7 @@ pub(crate) fn run_with(
     scene: &PlanSceneRow,
     agents: &[PlanAgentRow],
     hazards: &[PlanHazardRow],
-    settings: &DatasetSettings,
+    settings: &SimulationSettings,
 ) -> SceneLog {
     let fixed = lights(map);
     let first_id = fixed.len() as u16 + 1;

@@ -1,0 +1,113 @@
+//! Which sources each stage is built from, and a digest of them: the stage's code version.
+//!
+//! A stage's closure holds what its output is computed from and no more:
+//!
+//! * its own crate and every crate of ours below it, as the `[dependencies]` of their manifests say, but those that are
+//!   marked as outside: `[package.metadata.convoy] closure = "outside"`. What these hand to a stage (settings, arguments) is
+//!   hashed as a value in the manifests, or never reaches its bytes (progress, exit codes).
+//! * of crates marked `closure = "by-file"` (vocabularies: many small files that know little of one another) only the files
+//!   that define a name which the rest of the closure speaks of ([`reach`]). So a new table or settings key makes just those
+//!   stages stale that know it.
+//! * of other people's crates, the versions and checksums in `Cargo.lock` of those in the stage's own tree, and the
+//!   features that the workspace asks of them.
+//!
+//! Tests are no part of it: files called `tests.rs` and `#[cfg(test)] mod tests { ... }` at the end of a file are left out.
+//!
+//! Read from the manifests directly rather than with `cargo_metadata`: that starts cargo within a build and wants every
+//! package of the lock file downloaded, those of other platforms too.
+
+mod error;
+mod lock;
+mod manifest;
+mod reach;
+mod sources;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+pub use error::ClosureError;
+
+use lock::Lock;
+use manifest::{Kind, Package, Workspace};
+
+/// What a program is built from.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Closure {
+    /// Our crates, by folder (`lib/bev`), whole ones and those counted by file.
+    pub crates: BTreeSet<String>,
+    /// Files, relative to the workspace, with `/`.
+    pub files: BTreeSet<String>,
+    /// Other people's packages: name, version and checksum, and what the workspace asks of them.
+    pub packages: BTreeSet<String>,
+    /// BLAKE3 of all of it, hexadecimal.
+    pub digest: String,
+}
+
+/// The closures of every program under `bins`, by name.
+///
+/// # Errors
+/// A manifest, the lock file or a source cannot be read or understood.
+pub fn closures(root: &Path) -> Result<BTreeMap<String, Closure>, ClosureError> {
+    let workspace = Workspace::read(root)?;
+    let lock = Lock::read(root)?;
+    let programs = workspace.packages.values().filter(|p| p.folder.starts_with("bins/"));
+    programs.map(|program| Ok((program.name().to_owned(), closure(&workspace, &lock, program)?))).collect()
+}
+
+/// Every folder that a build must watch for changes of closures.
+#[must_use]
+pub fn watched(root: &Path) -> Vec<PathBuf> {
+    ["Cargo.toml", "Cargo.lock", "bins", "lib"].map(|name| root.join(name)).into()
+}
+
+fn closure(workspace: &Workspace, lock: &Lock, program: &Package) -> Result<Closure, ClosureError> {
+    let (mut whole, mut by_file, mut foreign) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
+    let mut open = vec![program.folder.as_str()];
+    let mut seen = BTreeSet::new();
+    while let Some(folder) = open.pop() {
+        if !seen.insert(folder) {
+            continue;
+        }
+        let Some(package) = workspace.packages.get(folder) else { continue };
+        match package.kind {
+            Kind::Outside => continue,
+            Kind::Whole => whole.insert(folder),
+            Kind::ByFile => by_file.insert(folder),
+        };
+        for dependency in &package.dependencies {
+            match workspace.own.get(dependency) {
+                Some(folder) => open.push(folder),
+                None => {
+                    foreign.insert((package.package.as_str(), dependency.as_str()));
+                }
+            }
+        }
+    }
+    let mut texts: BTreeMap<String, Vec<u8>> = BTreeMap::new();
+    for folder in &whole {
+        texts.extend(sources::of_crate(&workspace.root, folder)?);
+    }
+    let mut candidates = BTreeMap::new();
+    for folder in &by_file {
+        candidates.extend(sources::of_crate(&workspace.root, folder)?);
+    }
+    texts.extend(reach::reached(&texts, candidates));
+    let mut packages = BTreeSet::new();
+    for (user, dependency) in foreign {
+        packages.extend(lock.tree(user, dependency)?);
+        packages.extend(workspace.asked_of(dependency));
+    }
+    let mut hasher = blake3::Hasher::new();
+    for (name, bytes) in
+        texts.iter().map(|(n, b)| (n, b.as_slice())).chain(packages.iter().map(|p| (p, &b""[..])))
+    {
+        // Names are relative to the workspace: where it is checked out makes no difference.
+        for part in [name.as_bytes(), bytes] {
+            hasher.update(&(part.len() as u64).to_le_bytes());
+            hasher.update(part);
+        }
+    }
+    let crates = whole.into_iter().chain(by_file).map(str::to_owned).collect();
+    let files = texts.into_keys().collect();
+    Ok(Closure { crates, files, packages, digest: hasher.finalize().to_hex().to_string() })
+}

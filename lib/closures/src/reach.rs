@@ -1,0 +1,144 @@
+//! Which files of a vocabulary the rest of a closure speaks of.
+//!
+//! Code can use an item only where some file names it, or names something whose file names it: a type by its name, a method
+//! through its type, a trait's method through the trait. So the files that define a name which occurs among the reached
+//! files, again and again until no more are found, hold everything that can be used. Words in comments do not count.
+//! A word that means something else reaches a file too many, never one too few.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The files among `candidates` that `texts` reach.
+pub(crate) fn reached(
+    texts: &BTreeMap<String, Vec<u8>>,
+    candidates: BTreeMap<String, Vec<u8>>,
+) -> BTreeMap<String, Vec<u8>> {
+    let mut words: BTreeSet<String> = BTreeSet::new();
+    for (name, bytes) in texts {
+        if name.ends_with(".rs") {
+            words.extend(words_of(bytes));
+        }
+    }
+    let mut waiting: Vec<(String, Vec<u8>, Option<BTreeSet<String>>)> = candidates
+        .into_iter()
+        .map(|(name, bytes)| {
+            let names = name.ends_with(".rs").then(|| names_of(&bytes));
+            (name, bytes, names)
+        })
+        .collect();
+    let mut found = BTreeMap::new();
+    loop {
+        let is_reached =
+            |names: &Option<BTreeSet<String>>| names.as_ref().is_none_or(|n| !n.is_disjoint(&words));
+        let (now, later): (Vec<_>, Vec<_>) = waiting.into_iter().partition(|(_, _, names)| is_reached(names));
+        waiting = later;
+        if now.is_empty() {
+            return found;
+        }
+        for (name, bytes, names) in now {
+            if names.is_some() {
+                words.extend(words_of(&bytes));
+            }
+            found.insert(name, bytes);
+        }
+    }
+}
+
+/// Lines that are no comments.
+fn code_lines(bytes: &[u8]) -> impl Iterator<Item = &str> {
+    str::from_utf8(bytes).unwrap_or_default().lines().filter(|line| !line.trim_start().starts_with("//"))
+}
+
+fn is_word(c: char) -> bool {
+    c.is_ascii_alphanumeric() || c == '_'
+}
+
+fn words_of(bytes: &[u8]) -> impl Iterator<Item = String> {
+    code_lines(bytes)
+        .flat_map(|line| line.split(|c| !is_word(c)))
+        .filter(|word| word.starts_with(|c: char| c.is_ascii_alphabetic()))
+        .map(str::to_owned)
+}
+
+/// Words before the name of an item.
+const BEFORE: [&str; 8] = ["pub", "const", "static", "unsafe", "async", "extern", "default", "mut"];
+/// Words that say what kind of item follows.
+const KINDS: [&str; 7] = ["struct", "enum", "trait", "type", "union", "fn", "macro_rules"];
+
+/// Names that a file gives to the rest: its public items, the rows of its `table!`s, and the types that it adds methods to. A
+/// file of module declarations and re-exports gives none.
+fn names_of(bytes: &[u8]) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    for line in code_lines(bytes) {
+        let is_top = !line.starts_with(char::is_whitespace);
+        let words: Vec<&str> = line.split(|c| !is_word(c)).filter(|w| !w.is_empty()).collect();
+        // `pub(crate)` and the like.
+        let words: Vec<&str> = words.into_iter().filter(|w| !["crate", "super", "in"].contains(w)).collect();
+        let Some(kind) = words.iter().position(|w| !BEFORE.contains(w)) else { continue };
+        let is_public = words[0] == "pub" || words[kind] == "macro_rules";
+        match (words[kind], words.get(kind + 1)) {
+            (word, Some(name)) if is_public && KINDS.contains(&word) && (is_top || word != "fn") => {
+                names.insert((*name).to_owned());
+            }
+            (name, _)
+                if is_public && is_top && words[..kind].iter().any(|w| ["const", "static"].contains(w)) =>
+            {
+                names.insert(name.to_owned());
+            }
+            // `impl Trait for Type`, `impl Type`: whoever reaches the type may use what is said of it here.
+            ("impl", _) if is_top => {
+                let head = line.split('{').next().unwrap_or(line);
+                let of = head.rsplit(" for ").next().unwrap_or(head);
+                let of =
+                    of.split(|c| !is_word(c)).filter(|w| w.starts_with(|c: char| c.is_ascii_uppercase()));
+                names.extend(of.map(str::to_owned));
+            }
+            // A row of `table!`: `ActorRow in "log/actors" {`.
+            (name, _) if line.contains(" in \"") && name.starts_with(|c: char| c.is_ascii_uppercase()) => {
+                names.insert(name.to_owned());
+            }
+            _ => {}
+        }
+    }
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn files(list: &[(&str, &str)]) -> BTreeMap<String, Vec<u8>> {
+        list.iter().map(|(name, text)| ((*name).to_owned(), text.as_bytes().to_vec())).collect()
+    }
+
+    #[test]
+    fn every_kind_of_item_is_a_name() {
+        let text = "//! Head.\nuse crate::Other;\npub mod inner;\npub(crate) struct One;\npub const TWO: u8 = 2;\n\
+                    pub enum Three {\n    Four,\n}\nimpl Five {\n    pub fn six() {}\n    const EIGHT: u8 = 8;\n}\n\
+                    impl<T: Copy> Nine for Ten<T> {}\npub fn eleven() {}\npub const fn twelve() {}\nconst fn own() {}\n\
+                    table! {\n    Thirteen in \"log/actors\" {\n        id: u16,\n    }\n}\nmacro_rules! fourteen {\n";
+        let names = names_of(text.as_bytes());
+        let expected =
+            ["One", "TWO", "Three", "Five", "Ten", "T", "eleven", "twelve", "Thirteen", "fourteen"];
+        for name in expected {
+            assert!(names.contains(name), "{name} in {names:?}");
+        }
+        for name in ["Other", "inner", "Four", "six", "EIGHT", "Nine", "own", "id"] {
+            assert!(!names.contains(name), "{name} in {names:?}");
+        }
+    }
+
+    #[test]
+    fn files_are_reached_through_one_another_and_not_by_comments() {
+        let users = files(&[("bins/a/src/lib.rs", "// Unused\nfn run(x: First) {}\n")]);
+        let vocabulary = files(&[
+            ("lib/v/src/lib.rs", "mod first;\npub use first::First;\npub use unused::Unused;\n"),
+            ("lib/v/src/first.rs", "pub struct First(pub super::second::Second);\n"),
+            ("lib/v/src/second.rs", "pub struct Second;\n"),
+            ("lib/v/src/more.rs", "impl Second {\n    pub fn grow(self) {}\n}\n"),
+            ("lib/v/src/unused.rs", "pub struct Unused(First);\n"),
+        ]);
+        let found = reached(&users, vocabulary);
+        let names: Vec<&str> = found.keys().map(String::as_str).collect();
+        assert_eq!(names, ["lib/v/src/first.rs", "lib/v/src/more.rs", "lib/v/src/second.rs"]);
+    }
+}

@@ -1,0 +1,146 @@
+//! Filling the hollow insides of objects in a voxel grid, class by class, exactly.
+//!
+//! Surfaces leave closed objects hollow. For each class in [`ORDER`], a free cell becomes that class when
+//! the first occupied cell in all six axis directions is of the class, and the class occurs in the cell's chunk.
+//! Each pass reads the grid as the last one left it, so the order of the classes is part of the result.
+//!
+//! A column of cells along z is a bit mask here. "The first occupied cell below (above) is of the class" is
+//! one addition whose carries run through free cells; the four horizontal directions are sweeps that carry a
+//! mask from column to column, over the rows where a candidate is left.
+
+mod bits;
+mod sweep;
+
+use schema::Tag;
+use schema::settings::OccupancySettings;
+
+use bits::Bits;
+use voxelgrid::VoxelGrid;
+
+/// Classes in the order in which they are filled, with the cells of a chunk along x, y, z at 0.1 m.
+pub const ORDER: [(Tag, [usize; 3]); 20] = {
+    use Tag::*;
+    const SMALL: [usize; 3] = [8, 8, 8];
+    const MEDIUM: [usize; 3] = [16, 16, 16];
+    const LARGE: [usize; 3] = [32, 32, 40];
+    const TALL: [usize; 3] = [64, 64, 80];
+    [
+        (Building, [320, 320, 80]),
+        (Pole, SMALL),
+        (Vegetation, SMALL),
+        (Static, LARGE),
+        (Dynamic, LARGE),
+        (Bridge, TALL),
+        (RailTrack, TALL),
+        (GuardRail, MEDIUM),
+        (Rock, SMALL),
+        (TrafficLight, SMALL),
+        (TrafficSign, SMALL),
+        (TrafficCone, SMALL),
+        (Barrier, SMALL),
+        (Truck, LARGE),
+        (Bus, LARGE),
+        (Car, MEDIUM),
+        (Motorcycle, SMALL),
+        (Bicycle, SMALL),
+        (Pedestrian, SMALL),
+        (Rider, SMALL),
+    ]
+};
+
+/// A grid that can't be filled.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FillError {
+    /// More layers than column masks have bits.
+    #[error("a grid of {layers} layers can't be filled, {} is the limit", OccupancySettings::MAX_LAYERS)]
+    Layers {
+        /// Cells along z.
+        layers: usize,
+    },
+    /// The data doesn't fit the shape.
+    #[error("a grid of shape {shape:?} can't have {cells} cells")]
+    Shape {
+        /// Cells along x, y, z.
+        shape: [usize; 3],
+        /// Cells there are.
+        cells: usize,
+    },
+}
+
+/// The chunk of a class at some cell size: scaled by `max(1, 0.1 / size)`, at most the grid, truncated.
+#[must_use]
+pub fn chunk_cells(at_tenth_metre: [usize; 3], voxel_m: f64, shape: [usize; 3]) -> [usize; 3] {
+    let scale = (0.1 / voxel_m).max(1.0);
+    std::array::from_fn(|axis| {
+        let scaled = at_tenth_metre[axis] as f64 * scale;
+        (scaled.min(shape[axis] as f64) as usize).max(1)
+    })
+}
+
+/// Fills grids; keeps its working memory (about 0.4 times the grid) between frames.
+#[derive(Debug, Default)]
+pub struct Filler {
+    narrow: sweep::Columns<1>,
+    usual: sweep::Columns<2>,
+    wide: sweep::Columns<4>,
+    widest: sweep::Columns<8>,
+}
+
+impl Filler {
+    /// Fills the grid in place. `voxel_m` is the size of its cells.
+    ///
+    /// # Errors
+    /// The grid has more than 512 layers, or data of another size than its shape.
+    pub fn fill(&mut self, grid: &mut VoxelGrid, voxel_m: f64) -> Result<(), FillError> {
+        let layers = grid.shape[2];
+        if grid.shape.iter().product::<usize>() != grid.data.len() {
+            return Err(FillError::Shape { shape: grid.shape, cells: grid.data.len() });
+        }
+        if grid.data.is_empty() {
+            return Ok(());
+        }
+        match layers {
+            0..=64 => run(&mut self.narrow, grid, voxel_m),
+            65..=128 => run(&mut self.usual, grid, voxel_m),
+            129..=256 => run(&mut self.wide, grid, voxel_m),
+            257..=OccupancySettings::MAX_LAYERS => run(&mut self.widest, grid, voxel_m),
+            _ => return Err(FillError::Layers { layers }),
+        }
+        Ok(())
+    }
+}
+
+/// Fills a grid in place. For many frames a [`Filler`] is faster.
+///
+/// # Errors
+/// As [`Filler::fill`].
+pub fn fill(grid: &mut VoxelGrid, voxel_m: f64) -> Result<(), FillError> {
+    Filler::default().fill(grid, voxel_m)
+}
+
+fn run<const W: usize>(columns: &mut sweep::Columns<W>, grid: &mut VoxelGrid, voxel_m: f64) {
+    columns.read(grid);
+    for (class, (tag, chunk)) in ORDER.into_iter().enumerate() {
+        let chunk = chunk_cells(chunk, voxel_m, grid.shape);
+        columns.fill_class(class, tag, chunk, grid);
+    }
+}
+
+/// Index in [`ORDER`] of every label, 255 where it is never filled.
+const CLASS_OF: [u8; 256] = {
+    let mut class = [255_u8; 256];
+    let mut at = 0;
+    while at < ORDER.len() {
+        class[ORDER[at].0 as usize] = at as u8;
+        at += 1;
+    }
+    class
+};
+
+/// The bits of one chunk's layers.
+fn layer_chunks<const W: usize>(layers: usize, chunk: usize) -> Vec<Bits<W>> {
+    (0..layers).step_by(chunk).map(|start| Bits::range(start, (start + chunk).min(layers))).collect()
+}
+
+#[cfg(test)]
+mod tests;

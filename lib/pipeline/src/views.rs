@@ -1,0 +1,216 @@
+//! What each stage sees of the configuration, and its digest.
+
+use schema::settings::stages::{
+    PlanSettings, RangeRig, RangeSensor, SensorSettings, SimulationSettings, StatisticsSettings,
+    ValiditySettings,
+};
+use schema::settings::{BevSettings, DatasetSettings, OccupancySettings, PerAgent, Rig};
+use serde::Serialize;
+
+use crate::graph::StageSpec;
+
+/// The part of a configuration that a stage sees.
+pub trait StageSettings: Serialize + Sized {
+    /// The stage, by its name in `pipeline.toml`.
+    const STAGE: &'static str;
+
+    /// Takes the part out of the whole.
+    fn of(all: &DatasetSettings) -> Self;
+}
+
+/// What `merge-tracks` sees: nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct TrackSettings;
+
+impl StageSettings for TrackSettings {
+    const STAGE: &'static str = "merge-tracks";
+
+    fn of(_: &DatasetSettings) -> Self {
+        Self
+    }
+}
+
+impl StageSettings for PlanSettings {
+    const STAGE: &'static str = "spawn-planner";
+
+    fn of(all: &DatasetSettings) -> Self {
+        Self {
+            seed: all.seed,
+            scenes: all.scenes.clone(),
+            redraw: all.redraw.clone(),
+            agents: all.agents.clone(),
+            timing: all.timing.clone(),
+            traffic: all.traffic.clone(),
+            walkers: all.walkers.clone(),
+            weather: all.weather.clone(),
+            lights: all.lights.clone(),
+            hazards: all.hazards.clone(),
+        }
+    }
+}
+
+impl StageSettings for SimulationSettings {
+    const STAGE: &'static str = "simulate-and-log";
+
+    fn of(all: &DatasetSettings) -> Self {
+        Self {
+            traffic: all.traffic.clone(),
+            walkers: all.walkers.clone(),
+            lights: all.lights.clone(),
+            hazards: all.hazards.clone(),
+            world: all.world.clone(),
+            box_radius_m: all.annotation.box_radius_m,
+        }
+    }
+}
+
+impl StageSettings for SensorSettings {
+    const STAGE: &'static str = "render-sensors";
+
+    fn of(all: &DatasetSettings) -> Self {
+        Self { seed: all.seed, rigs: all.rigs() }
+    }
+}
+
+impl StageSettings for BevSettings {
+    const STAGE: &'static str = "bev-gt";
+
+    fn of(all: &DatasetSettings) -> Self {
+        all.bev.clone()
+    }
+}
+
+impl StageSettings for PerAgent<OccupancySettings> {
+    const STAGE: &'static str = "occupancy-gt";
+
+    fn of(all: &DatasetSettings) -> Self {
+        all.occupancy()
+    }
+}
+
+impl StageSettings for ValiditySettings {
+    const STAGE: &'static str = "postprocess-valid";
+
+    fn of(all: &DatasetSettings) -> Self {
+        Self {
+            valid_by_image: all.annotation.valid_by_image,
+            rigs: all.rigs().map(range_rig),
+            occupancy: all.occupancy(),
+        }
+    }
+}
+
+fn range_rig(rig: &Rig) -> RangeRig {
+    let plain = rig.lidars.iter().filter(|lidar| !lidar.semantic);
+    RangeRig {
+        lidars: plain.map(|s| RangeSensor { name: s.name.clone(), mount: s.mount }).collect(),
+        radars: rig.radars.iter().map(|s| RangeSensor { name: s.name.clone(), mount: s.mount }).collect(),
+        instance: rig.camera.instance,
+    }
+}
+
+impl StageSettings for StatisticsSettings {
+    const STAGE: &'static str = "stats";
+
+    fn of(all: &DatasetSettings) -> Self {
+        let side = u64::from(all.bev.cells);
+        Self { name: all.name.clone(), bev_cells_per_grid: side * side }
+    }
+}
+
+/// A stage and the bytes of what it sees.
+type View = (&'static str, fn(&DatasetSettings) -> serde_json::Result<Vec<u8>>);
+
+const fn view<S: StageSettings>() -> View {
+    (S::STAGE, |all| serde_json::to_vec(&S::of(all)))
+}
+
+/// What each stage sees. A stage that is missing here cannot be run: [`config_hash`] says so.
+const VIEWS: [View; 8] = [
+    view::<PlanSettings>(),
+    view::<SimulationSettings>(),
+    view::<SensorSettings>(),
+    view::<BevSettings>(),
+    view::<PerAgent<OccupancySettings>>(),
+    view::<ValiditySettings>(),
+    view::<TrackSettings>(),
+    view::<StatisticsSettings>(),
+];
+
+/// What a stage sees of the configuration cannot be told.
+#[derive(Debug, thiserror::Error)]
+pub enum ViewError {
+    /// Nothing is said of it.
+    #[error("stage {stage} has no view of the configuration (lib/pipeline/src/views.rs)")]
+    Unknown {
+        /// The stage.
+        stage: &'static str,
+    },
+    /// It cannot be written down.
+    #[error("the configuration's view of {stage} cannot be written down")]
+    Json {
+        /// The stage.
+        stage: &'static str,
+        /// Why.
+        #[source]
+        source: serde_json::Error,
+    },
+}
+
+/// Digest of what a stage sees of a configuration.
+///
+/// # Errors
+/// Nothing is said of the stage, or its view cannot be written down: both are bugs.
+pub fn config_hash(spec: &StageSpec, settings: &DatasetSettings) -> Result<String, ViewError> {
+    let stage = spec.name;
+    let (_, bytes) = VIEWS.iter().find(|(name, _)| *name == stage).ok_or(ViewError::Unknown { stage })?;
+    Ok(store::hash_bytes(&bytes(settings).map_err(|source| ViewError::Json { stage, source })?))
+}
+
+#[cfg(test)]
+mod tests {
+    use schema::settings::OwnRig;
+
+    use super::*;
+    use crate::graph::Graph;
+
+    fn base() -> DatasetSettings {
+        let mut base = crate::config::example_settings();
+        base.own_rigs.push(OwnRig {
+            agents: vec!["vehicle_1".into()],
+            rig: base.vehicle_rig.clone(),
+            occupancy: base.vehicle_occupancy.clone(),
+        });
+        base
+    }
+
+    /// Stages whose digest a change of the configuration alters.
+    fn stale(change: fn(&mut DatasetSettings)) -> Vec<&'static str> {
+        let (before, mut after) = (base(), base());
+        change(&mut after);
+        let hash = |spec: &StageSpec, settings| config_hash(spec, settings).expect("every stage has a view");
+        let stages = Graph::get().stages.iter();
+        stages.filter(|s| hash(s, &before) != hash(s, &after)).map(|s| s.name).collect()
+    }
+
+    #[test]
+    fn just_the_stages_that_see_a_key_become_stale() {
+        let rendered = ["render-sensors"];
+        assert_eq!(stale(|s| s.vehicle_rig.lidars[0].noise_m = 0.5), rendered);
+        assert_eq!(stale(|s| s.own_rigs[0].rig.lidars[0].noise_m = 0.5), rendered);
+        assert_eq!(stale(|s| s.rsu_rig.camera.jpeg_quality = 17), rendered);
+        assert_eq!(stale(|s| s.rsu_rig.camera.instance ^= true), ["render-sensors", "postprocess-valid"]);
+        let voxels = ["occupancy-gt", "postprocess-valid"];
+        assert_eq!(stale(|s| s.own_rigs[0].occupancy.voxel_m = 0.5), voxels);
+        assert_eq!(stale(|s| s.vehicle_occupancy.range_m = 32.0), voxels);
+        assert_eq!(stale(|s| s.bev.cells = 200), ["bev-gt", "stats"]);
+        assert_eq!(stale(|s| s.bev.cell_m = 0.2), ["bev-gt"]);
+        assert_eq!(stale(|s| s.name = "other".into()), ["stats"]);
+        assert_eq!(stale(|s| s.annotation.valid_by_image ^= true), ["postprocess-valid"]);
+        assert_eq!(stale(|s| s.annotation.box_radius_m = 90.0), ["simulate-and-log"]);
+        assert_eq!(stale(|s| s.world.radius_m = 90.0), ["simulate-and-log"]);
+        assert_eq!(stale(|s| s.timing.max_duration_s = 9.0), ["spawn-planner"]);
+        assert_eq!(stale(|s| s.seed = 3), ["spawn-planner", "render-sensors"]);
+        assert_eq!(stale(|s| s.traffic.door_open = 0.5), ["spawn-planner", "simulate-and-log"]);
+    }
+}

@@ -1,0 +1,6 @@
+//! What `bev-gt` counts.
+
+/// True cells of BEV masks. Class: BEV class.
+pub const BEV_CELLS: &str = "bev_cells";
+/// BEV masks (one has all channels).
+pub const BEV_GRIDS: &str = "bev_grids";

@@ -1,0 +1,18 @@
+//! Which objects are annotated.
+
+use serde::Serialize;
+
+/// Which objects are annotated.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AnnotationSettings {
+    /// Boxes within this 3-D distance of an agent are collected, metres (200).
+    pub box_radius_m: f64,
+    /// An object without points counts as valid when an instance image shows it.
+    pub valid_by_image: bool,
+}
+
+impl Default for AnnotationSettings {
+    fn default() -> Self {
+        Self { box_radius_m: 200.0, valid_by_image: true }
+    }
+}

@@ -1,0 +1,22 @@
+//! Radars.
+
+use serde::Serialize;
+
+use super::mount::Mount;
+
+/// A radar.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RadarSpec {
+    /// `RAD_FRONT` and so on.
+    pub name: String,
+    /// Where it sits.
+    pub mount: Mount,
+    /// Reach, metres (120).
+    pub range_m: f64,
+    /// Width of the cone, radians (100 degrees; RSU 120).
+    pub horizontal_fov_rad: f64,
+    /// Height of the cone, radians (20 degrees).
+    pub vertical_fov_rad: f64,
+    /// Rays per frame (2000; RSU 2400).
+    pub rays: u32,
+}

@@ -1,0 +1,13 @@
+//! What each stage sees of the configuration: nothing else can reach its output, and just this is hashed in its manifests.
+
+mod plan;
+mod sensors;
+mod simulation;
+mod statistics;
+mod validity;
+
+pub use plan::PlanSettings;
+pub use sensors::SensorSettings;
+pub use simulation::SimulationSettings;
+pub use statistics::StatisticsSettings;
+pub use validity::{RangeRig, RangeSensor, ValiditySettings};

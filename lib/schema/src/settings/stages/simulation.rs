@@ -1,0 +1,37 @@
+//! What `simulate-and-log` sees. Seeds, counts and weather reach it through the plan.
+
+use serde::Serialize;
+
+use crate::settings::{
+    AnnotationSettings, HazardSettings, LightSettings, TrafficSettings, WalkerSettings, WorldSettings,
+};
+
+/// What a scene is simulated and logged from, besides its plan.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SimulationSettings {
+    /// Background vehicles and drivers.
+    pub traffic: TrafficSettings,
+    /// Pedestrians.
+    pub walkers: WalkerSettings,
+    /// Street lamps and lit windows.
+    pub lights: LightSettings,
+    /// Accidents and road works.
+    pub hazards: HazardSettings,
+    /// Scenery placed by rule.
+    pub world: WorldSettings,
+    /// Boxes within this 3-D distance of an agent are collected, metres.
+    pub box_radius_m: f64,
+}
+
+impl Default for SimulationSettings {
+    fn default() -> Self {
+        Self {
+            traffic: TrafficSettings::default(),
+            walkers: WalkerSettings::default(),
+            lights: LightSettings::default(),
+            hazards: HazardSettings::default(),
+            world: WorldSettings::default(),
+            box_radius_m: AnnotationSettings::default().box_radius_m,
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! One benchmark per row of the speed budget.
+
+use std::collections::BTreeMap;
+
+use bev::{Areas, BevRasterizer};
+use divan::{Bencher, counter::ItemsCount};
+use fill::Filler;
+use frames::{Agent, Pose, World};
+use schema::settings::{BevSettings, OccupancySettings};
+use schema::tables::BoxRow;
+use validity::{Evidence, PointCloud, validate};
+use voxelgrid::VoxelGrid;
+use voxels::Voxelizer;
+
+#[path = "../scenes/small_town.rs"]
+mod scene;
+
+fn main() {
+    divan::main();
+}
+
+fn agent() -> Pose<World, Agent> {
+    Pose::from_xyz_rpy([-20.0, -2.0, -0.1], [0.002, -0.006, 0.05])
+}
+
+#[divan::bench]
+fn bev_400x400(bencher: Bencher<'_, '_>) {
+    let town = scene::town();
+    let mut rasterizer = BevRasterizer::new(&BevSettings::default()).expect("default settings");
+    bencher.bench_local(|| rasterizer.rasterize(&town, &agent(), Areas::default()).to_bytes());
+}
+
+#[divan::bench]
+fn voxels_1280x1280x80(bencher: Bencher<'_, '_>) {
+    let town = scene::town();
+    let triangles: usize = town.instances.iter().map(|i| town.mesh(i).triangles.len()).sum();
+    let mut voxelizer = Voxelizer::new(&OccupancySettings::default()).expect("default settings");
+    let mut grid = VoxelGrid::default();
+    voxelizer.voxelize(&town, &agent(), None, &mut grid);
+    bencher
+        .counter(ItemsCount::new(triangles))
+        .bench_local(|| voxelizer.voxelize(&town, &agent(), None, &mut grid));
+}
+
+#[divan::bench]
+fn fill_1280x1280x80(bencher: Bencher<'_, '_>) {
+    let town = scene::town();
+    let hollow =
+        voxels::voxelize(&town, &agent(), &OccupancySettings::default(), None).expect("default settings");
+    let mut filler = Filler::default();
+    bencher
+        .with_inputs(|| hollow.clone())
+        .bench_local_refs(|grid| filler.fill(grid, 0.1).expect("a usual grid"));
+}
+
+#[divan::bench]
+fn count_voxels(bencher: Bencher<'_, '_>) {
+    let grid = voxels::voxelize(&scene::town(), &agent(), &OccupancySettings::default(), None)
+        .expect("default settings");
+    bencher.bench_local(|| grid.count());
+}
+
+/// 200 000 points (from a spiral over the ground), 300 boxes.
+#[divan::bench]
+fn validity_200k_points_300_boxes(bencher: Bencher<'_, '_>) {
+    let boxes: Vec<BoxRow> = (0..300_u16)
+        .map(|k| {
+            let (x, y) = (f64::from(k % 20) * 9.0 - 90.0, f64::from(k / 20) * 9.0 - 70.0);
+            let bounds = frames::OrientedBox::standing(
+                Pose::from_xyz_rpy([x, y, 0.0], [0.0, 0.0, 0.1 * f64::from(k)]),
+                4.6,
+                1.9,
+                1.5,
+            );
+            let mut corners_m = [0.0; 24];
+            for (to, corner) in corners_m.chunks_exact_mut(3).zip(bounds.corners()) {
+                to.copy_from_slice(corner.coords.as_slice());
+            }
+            BoxRow { id: k + 1, class: "car".into(), corners_m, ..BoxRow::default() }
+        })
+        .collect();
+    let (mut x, mut y, mut z) = (Vec::new(), Vec::new(), Vec::new());
+    for k in 0..200_000 {
+        let (sin, cos) = frames::math::f32::sin_cos(k as f32 * 0.003_07);
+        let reach_m = 2.0 + 118.0 * (k % 128) as f32 / 128.0 * ((k * 7 % 13) as f32 / 13.0);
+        x.push(cos * reach_m);
+        y.push(sin * reach_m);
+        z.push(-1.8 + (k % 17) as f32 * 0.1);
+    }
+    let cloud = PointCloud {
+        world_from_sensor: Pose::from_xyz_rpy([0.0, 0.0, 1.8], [0.0, 0.0, 0.3]),
+        x: &x,
+        y: &y,
+        z: &z,
+    };
+    let pixels = BTreeMap::new();
+    let evidence = Evidence { lidars: &[cloud], radars: &[], num_pixels: &pixels, valid_by_image: true };
+    bencher.bench_local(|| validate(&boxes, &evidence));
+}
