@@ -2,12 +2,15 @@
 
 use std::io;
 
+use rawzip::ErrorKind;
+
 /// An archive cannot be written or read. `place` is a member's name or a part of the archive.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum NpzError {
-    /// The stream below failed.
-    #[error("input or output of the archive failed: {0}")]
+    /// The stream below failed, in reading or in writing. The source is the stream's own error with its kind
+    /// ([`io::ErrorKind::StorageFull`], say); which file it was, the caller knows.
+    #[error("input or output of the archive failed")]
     Io(#[from] io::Error),
     /// The archive ends before the part that should be there: it was cut.
     #[error("{place}: truncated: {problem}")]
@@ -70,6 +73,31 @@ pub enum NpzError {
 }
 
 impl NpzError {
+    /// What the container's reader or writer says of a place.
+    pub(crate) fn of_zip(place: &str, error: rawzip::Error) -> Self {
+        match error.into_kind() {
+            ErrorKind::IO(error) => Self::of_stream(place, error),
+            ErrorKind::Eof => Self::cut(place),
+            ErrorKind::MissingEndOfCentralDirectory => Self::truncated(
+                "end of archive",
+                "no record with the central directory's place, as in every zip",
+            ),
+            other => Self::corrupt(place, other.to_string()),
+        }
+    }
+
+    /// What the stream says while a place is read.
+    pub(crate) fn of_stream(place: &str, error: io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::UnexpectedEof => Self::cut(place),
+            _ => Self::Io(error),
+        }
+    }
+
+    fn cut(place: &str) -> Self {
+        Self::truncated(place, "the archive ends within it")
+    }
+
     pub(crate) fn truncated(place: &str, problem: impl Into<String>) -> Self {
         Self::Truncated { place: place.to_owned(), problem: problem.into() }
     }

@@ -1,4 +1,6 @@
 //! The NPY header: what stands before an array's bytes.
+//!
+//! By hand: `npyz` brings some twenty crates (a grammar of Python's literals, big numbers) for this one line of text.
 
 use crate::dtype::{DType, Scalar};
 use crate::error::NpzError;
@@ -35,6 +37,13 @@ pub(crate) fn array_len(dtype: &DType, shape: &[usize]) -> Option<usize> {
 ///
 /// # Errors
 /// [`NpzError::Invalid`], naming `place`, when numpy has no such type or shape.
+///
+/// ```
+/// let header = formats::npy_header("grid", &formats::Scalar::U8.into(), &[2, 3])?;
+/// assert_eq!(header.len() % 64, 0);
+/// assert!(header[10..].starts_with(b"{'descr': '|u1', 'fortran_order': False, 'shape': (2, 3), }"));
+/// # Ok::<(), formats::NpzError>(())
+/// ```
 pub fn npy_header(place: &str, dtype: &DType, shape: &[usize]) -> Result<Vec<u8>, NpzError> {
     if let Some(fault) = dtype.fault() {
         return Err(NpzError::invalid(place, fault));

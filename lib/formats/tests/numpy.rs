@@ -9,6 +9,8 @@ use std::process::Command;
 
 use formats::{DEFAULT_LEVEL, DType, NpzReader, NpzWriter, Scalar, encode_member, npy_header};
 
+// Skipping is silent where output is captured: to be put under the workspace's one rule for what is absent
+// (`CONVOY_REQUIRE`) as soon as there is such a crate.
 /// Runs a Python program with the folder as its argument; `None` without Python or numpy.
 fn python(program: &str, folder: &str) -> Option<String> {
     let python = std::env::var("CONVOY_PYTHON").unwrap_or_else(|_| "python3".into());

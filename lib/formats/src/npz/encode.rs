@@ -1,8 +1,11 @@
 //! One array to the compressed bytes of a member.
 
-use flate2::{Compress, Compression, FlushCompress, Status};
+use std::io::Write;
 
-use super::zip;
+use flate2::Compression;
+use flate2::write::DeflateEncoder;
+use rawzip::CompressionMethod;
+
 use crate::dtype::DType;
 use crate::error::NpzError;
 use crate::npy;
@@ -18,7 +21,7 @@ const PIECE: usize = 256 << 10;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EncodedMember {
     pub(super) name: String,
-    pub(super) method: u16,
+    pub(super) method: CompressionMethod,
     pub(super) crc: u32,
     pub(super) plain_len: u64,
     pub(super) data: Vec<u8>,
@@ -45,6 +48,12 @@ impl EncodedMember {
 ///
 /// # Errors
 /// [`NpzError::Invalid`] when the name is no plain file name or the bytes don't fill the shape.
+///
+/// ```
+/// let member = formats::encode_member("0000.npy", formats::Scalar::F32, &[2, 1], &[0; 8], 2)?;
+/// assert_eq!(member.name(), "0000.npy");
+/// # Ok::<(), formats::NpzError>(())
+/// ```
 pub fn encode_member(
     name: &str,
     dtype: impl Into<DType>,
@@ -66,55 +75,17 @@ pub fn encode_member(
     let (method, data) = if level == 0 {
         let data = [header.as_slice(), bytes].concat();
         crc.update(&data);
-        (zip::STORED, data)
+        (CompressionMethod::STORE, data)
     } else {
-        let mut deflater = Deflater::new(level.min(9));
+        let mut deflater = DeflateEncoder::new(Vec::with_capacity(64 << 10), Compression::new(level.min(9)));
         for piece in std::iter::once(header.as_slice()).chain(bytes.chunks(PIECE)) {
             crc.update(piece);
-            deflater.push(name, piece)?;
+            deflater.write_all(piece)?;
         }
-        (zip::DEFLATED, deflater.finish(name)?)
+        let mut data = deflater.finish()?;
+        data.shrink_to_fit();
+        (CompressionMethod::DEFLATE, data)
     };
     let plain_len = header.len() as u64 + bytes.len() as u64;
     Ok(EncodedMember { name: name.to_owned(), method, crc: crc.finalize(), plain_len, data })
-}
-
-/// A raw DEFLATE stream in memory.
-struct Deflater {
-    state: Compress,
-    out: Vec<u8>,
-}
-
-impl Deflater {
-    fn new(level: u32) -> Self {
-        Self { state: Compress::new(Compression::new(level), false), out: Vec::with_capacity(64 << 10) }
-    }
-
-    fn push(&mut self, name: &str, mut piece: &[u8]) -> Result<(), NpzError> {
-        while !piece.is_empty() {
-            let taken = self.step(name, piece, FlushCompress::None)?.0;
-            piece = &piece[taken..];
-        }
-        Ok(())
-    }
-
-    fn finish(mut self, name: &str) -> Result<Vec<u8>, NpzError> {
-        while self.step(name, &[], FlushCompress::Finish)?.1 != Status::StreamEnd {}
-        self.out.shrink_to_fit();
-        Ok(self.out)
-    }
-
-    /// Compresses once; how many bytes it took and where the stream stands.
-    fn step(&mut self, name: &str, input: &[u8], flush: FlushCompress) -> Result<(usize, Status), NpzError> {
-        // Doubling: a stuck compressor is impossible while there is room to write.
-        if self.out.capacity() - self.out.len() < 1024 {
-            self.out.reserve(self.out.capacity());
-        }
-        let before = self.state.total_in();
-        let status = self
-            .state
-            .compress_vec(input, &mut self.out, flush)
-            .map_err(|error| NpzError::invalid(name, format!("compression failed: {error}")))?;
-        Ok(((self.state.total_in() - before) as usize, status))
-    }
 }

@@ -3,7 +3,6 @@
 mod encode;
 mod read;
 mod write;
-mod zip;
 
 pub use encode::{DEFAULT_LEVEL, EncodedMember, encode_member};
 pub use read::{DEFAULT_MAX_BYTES, NpzReader};
