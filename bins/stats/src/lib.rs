@@ -1,6 +1,6 @@
 //! The statistics stage: partial counts of all scenes into tables, figures and a report.
 
-use analysis::{Counts, DatasetFacts, compute_tables, draw_figures, report_html, to_csv};
+use analysis::{DatasetFacts, MeasureTotals, compute_tables, draw_figures, report_html, to_csv};
 use pipeline::{Job, Stage, StageError};
 use replay::SIMULATE;
 use schema::scene_info::SceneInfo;
@@ -18,7 +18,7 @@ const COUNTING: [&str; 6] =
 fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
     let store = job.store().clone();
     let planned = job.planned_scenes()?;
-    let mut counts = Counts::default();
+    let mut counts = MeasureTotals::default();
     let mut scenes: Vec<SceneInfo> = Vec::new();
     let mut unfinished = 0;
     job.pulse().set_total(planned.len() as u64);

@@ -1,19 +1,19 @@
 //! Statistics of a dataset: from partial counts to tables, figures and one page to read.
 //!
-//! The stages count while they have the data in hand ([`schema::measures`] names what). [`Counts`] adds those
+//! The stages count while they have the data in hand ([`schema::measures`] names what). [`MeasureTotals`] adds those
 //! rows up, [`compute_tables`] turns them into [`Tables`] (plain typed columns, so a caller writes them as
 //! Parquet or, by [`to_csv`], as text), [`draw_figures`] draws them as SVG and [`report_html`] puts everything
 //! on one page. The same counts give the same bytes.
 
 mod compute;
-mod counts;
 mod figures;
 mod report;
 mod table;
 mod text;
+mod totals;
 
 pub use compute::{DatasetFacts, compute_tables};
-pub use counts::Counts;
 pub use figures::{Figure, draw_figures};
 pub use report::report_html;
 pub use table::{Section, Table, TableColumn, Tables, Values, to_csv};
+pub use totals::MeasureTotals;

@@ -1,10 +1,10 @@
 //! One page with everything.
 
-use std::fmt::Write;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::figures::Figure;
 use crate::table::{Section, Table, TableColumn, Tables, Values};
-use crate::text::{escaped, grouped, words};
+use crate::text::{grouped, printable, words};
 
 /// Longer tables are folded away behind their heading; on paper they are open.
 const FOLD_ROWS: usize = 16;
@@ -47,33 +47,44 @@ summary { cursor: pointer; margin: 6px 0; }
 }
 ";
 
+/// Written out because maud leaves elements without content open, as XML may not.
+const META: &str = "<meta charset=\"utf-8\"/>\n\
+    <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n";
+
 /// The report: one self-contained HTML page (well-formed as XML too), without scripts or anything to load.
 /// Tables and figures without data are left out.
 #[must_use]
 pub fn report_html(tables: &Tables, figures: &[Figure]) -> String {
-    let name = escaped(&tables.dataset);
-    let mut html = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
-         <title>{name}: statistics</title>\n<style>{STYLE}</style>\n</head>\n<body>\n\
-         <h1>{name}</h1>\n<p>Statistics of the dataset</p>\n"
-    );
-    let parts: Vec<(Section, String)> = Section::ALL
-        .into_iter()
-        .map(|section| (section, section_html(section, tables, figures)))
-        .filter(|(_, part)| !part.is_empty())
-        .collect();
-    html.push_str("<nav>\n");
-    for (section, _) in &parts {
-        let _ = writeln!(html, "<a href=\"#{}\">{}</a>", anchor(*section), section.title());
-    }
-    html.push_str("</nav>\n");
-    for (section, part) in &parts {
-        let (anchor, title) = (anchor(*section), section.title());
-        let _ = write!(html, "<section id=\"{anchor}\">\n<h2>{title}</h2>\n{part}</section>\n");
-    }
-    html.push_str("</body>\n</html>\n");
-    html
+    let name = &tables.dataset;
+    let parts = Section::ALL.map(|section| (section, section_html(section, tables, figures)));
+    let parts: Vec<_> = parts.into_iter().filter(|(_, part)| !part.0.is_empty()).collect();
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                (PreEscaped(META))
+                title { (name) ": statistics" }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                h1 { (name) }
+                p { "Statistics of the dataset" }
+                nav {
+                    @for (section, _) in &parts {
+                        a href={ "#" (anchor(*section)) } { (section.title()) } "\n"
+                    }
+                }
+                @for (section, part) in &parts {
+                    section id=(anchor(*section)) {
+                        h2 { (section.title()) }
+                        (part)
+                    }
+                }
+            }
+        }
+        "\n"
+    };
+    printable(&page.into_string())
 }
 
 /// The section's name in links: its title's first word.
@@ -81,79 +92,92 @@ fn anchor(section: Section) -> String {
     section.title().split(' ').next().unwrap_or_default().to_lowercase()
 }
 
-fn section_html(section: Section, tables: &Tables, figures: &[Figure]) -> String {
-    let mut html = String::new();
+fn section_html(section: Section, tables: &Tables, figures: &[Figure]) -> Markup {
     let of_section: Vec<&Figure> = figures.iter().filter(|figure| figure.section == section).collect();
-    for group in of_section.chunk_by(|a, b| a.group == b.group) {
-        if let Some(heading) = group.first().map(|figure| &figure.group).filter(|heading| !heading.is_empty())
-        {
-            let _ = writeln!(html, "<h3>{}</h3>", escaped(heading));
+    html! {
+        @for group in of_section.chunk_by(|a, b| a.group == b.group) {
+            @if let Some(figure) = group.first().filter(|figure| !figure.group.is_empty()) {
+                h3 { (figure.group) }
+            }
+            div class="figures" {
+                @for figure in group { (PreEscaped(&figure.svg)) }
+            }
         }
-        html.push_str("<div class=\"figures\">\n");
-        html.extend(group.iter().map(|figure| figure.svg.as_str()));
-        html.push_str("</div>\n");
-    }
-    for table in tables.tables.iter().filter(|table| table.section == section && !table.is_empty()) {
-        if section == Section::Overview {
-            push_tiles(&mut html, table);
-        } else {
-            push_table(&mut html, table);
+        @for table in tables.tables.iter().filter(|table| table.section == section && !table.is_empty()) {
+            @if section == Section::Overview { (tiles(table)) } @else { (folded(table)) }
         }
     }
-    html
 }
 
 /// The overview's few numbers, large.
-fn push_tiles(html: &mut String, table: &Table) {
-    html.push_str("<div class=\"tiles\">\n");
-    for (name, value) in table.strings("quantity").iter().zip(table.counts("value")) {
-        let (value, name) = (grouped(&value.to_string()), escaped(&column_title(name)));
-        let _ = writeln!(html, "<div class=\"tile\"><b>{value}</b><span>{name}</span></div>");
-    }
-    html.push_str("</div>\n");
-}
-
-fn push_table(html: &mut String, table: &Table) {
-    let title = escaped(&table.title);
-    // A histogram's numbers are in its figure already.
-    let folded =
-        table.len() > FOLD_ROWS || table.column("bin").is_some() || table.section == Section::Weather;
-    if folded {
-        let _ = write!(html, "<details>\n<summary>{title}: numbers</summary>\n");
-    } else {
-        let _ = writeln!(html, "<h3>{title}</h3>");
-    }
-    if !table.note.is_empty() {
-        let _ = writeln!(html, "<p>{}</p>", escaped(&table.note));
-    }
-    html.push_str("<div class=\"scroll\">\n<table>\n<thead><tr>");
-    for column in &table.columns {
-        let _ = write!(html, "<th{}>{}</th>", class_of(&column.values), escaped(&column_title(&column.name)));
-    }
-    html.push_str("</tr></thead>\n<tbody>\n");
-    for row in 0..table.len() {
-        let first = table.columns.first().map(|column| column.values.text(row)).unwrap_or_default();
-        html.push_str(if first == "total" { "<tr class=\"total\">" } else { "<tr>" });
-        for column in &table.columns {
-            let _ = write!(html, "<td{}>{}</td>", class_of(&column.values), cell(column, row));
+fn tiles(table: &Table) -> Markup {
+    html! {
+        div class="tiles" {
+            @for (name, value) in table.strings("quantity").iter().zip(table.counts("value")) {
+                div class="tile" {
+                    b { (grouped(&value.to_string())) }
+                    span { (column_title(name)) }
+                }
+            }
         }
-        html.push_str("</tr>\n");
-    }
-    html.push_str("</tbody>\n</table>\n</div>\n");
-    if folded {
-        html.push_str("</details>\n");
     }
 }
 
-fn class_of(values: &Values) -> &'static str {
-    if matches!(values, Values::Str(_)) { " class=\"name\"" } else { "" }
+/// A table below its heading, folded away where its numbers are many or in a figure already.
+fn folded(table: &Table) -> Markup {
+    let folds = table.len() > FOLD_ROWS || table.column("bin").is_some() || table.section == Section::Weather;
+    html! {
+        @if folds {
+            details {
+                summary { (table.title) ": numbers" }
+                (numbers(table))
+            }
+        } @else {
+            h3 { (table.title) }
+            (numbers(table))
+        }
+    }
+}
+
+fn numbers(table: &Table) -> Markup {
+    let is_total = |row| table.columns.first().is_some_and(|column| column.values.text(row) == "total");
+    html! {
+        @if !table.note.is_empty() {
+            p { (table.note) }
+        }
+        div class="scroll" {
+            table {
+                thead {
+                    tr {
+                        @for column in &table.columns {
+                            th class=[class_of(&column.values)] { (column_title(&column.name)) }
+                        }
+                    }
+                }
+                tbody {
+                    @for row in 0..table.len() {
+                        tr class=[is_total(row).then_some("total")] {
+                            @for column in &table.columns {
+                                td class=[class_of(&column.values)] { (cell(column, row)) }
+                            }
+                        }
+                        "\n"
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn class_of(values: &Values) -> Option<&'static str> {
+    matches!(values, Values::Str(_)).then_some("name")
 }
 
 fn cell(column: &TableColumn, row: usize) -> String {
     let text = column.values.text(row);
     match (&column.values, column.name.as_str()) {
-        (Values::Str(_), "class" | "label") => escaped(&words(&text)),
-        (Values::Str(_), _) => escaped(&text),
+        (Values::Str(_), "class" | "label") => words(&text),
+        (Values::Str(_), _) => text,
         _ if text.is_empty() => "\u{2013}".into(),
         _ => grouped(&text),
     }

@@ -1,6 +1,7 @@
 //! Numbers and names as text for people.
 
-/// Thousands separated by commas: `27,337,066`.
+/// Thousands separated by commas: `27,337,066`, and `1,234.50`. Ours, because cells come with their decimals fixed:
+/// indicatif's and num-format's counts are of whole numbers, or with as many decimals as they like.
 pub(crate) fn grouped(number: &str) -> String {
     let (sign, rest) = number.strip_prefix('-').map_or(("", number), |rest| ("-", rest));
     let (whole, fraction) = rest.split_once('.').map_or((rest, ""), |(whole, fraction)| (whole, fraction));
@@ -39,22 +40,11 @@ pub(crate) fn words(name: &str) -> String {
     name.split('_').map(word).collect::<Vec<_>>().join(" ")
 }
 
-/// Text for XML and HTML. Characters that XML cannot hold become U+FFFD.
-pub(crate) fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\t' | '\n' | '\r' => out.push(c),
-            '\u{FFFE}' | '\u{FFFF}' => out.push('\u{FFFD}'),
-            c if c < ' ' => out.push('\u{FFFD}'),
-            c => out.push(c),
-        }
-    }
-    out
+/// A document without the characters that XML cannot hold, escaped or not: they become U+FFFD.
+pub(crate) fn printable(document: &str) -> String {
+    let forbidden =
+        |c: char| (c < ' ' && !matches!(c, '\t' | '\n' | '\r')) || matches!(c, '\u{FFFE}' | '\u{FFFF}');
+    document.replace(forbidden, "\u{FFFD}")
 }
 
 #[cfg(test)]
@@ -81,8 +71,8 @@ mod tests {
     }
 
     #[test]
-    fn markup_is_text() {
-        assert_eq!(escaped("<a b=\"&\">\u{1}"), "&lt;a b=&quot;&amp;&quot;&gt;\u{FFFD}");
+    fn names_are_words() {
+        assert_eq!(printable("a\u{1}\tb\u{FFFE}\n"), "a\u{FFFD}\tb\u{FFFD}\n");
         assert_eq!(words("traffic_light"), "traffic light");
         assert_eq!(words("rsu_frames"), "RSU frames");
     }

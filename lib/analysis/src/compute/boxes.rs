@@ -3,9 +3,9 @@
 use schema::DetectionClass;
 use schema::measures::{self, Bins};
 
-use super::{classes_in_order, percent, ratio};
-use crate::counts::Counts;
+use super::share::{percent, ratio};
 use crate::table::{Section, Table};
+use crate::totals::MeasureTotals;
 
 /// A histogram per class.
 pub(crate) struct ClassHistogram {
@@ -64,7 +64,7 @@ pub(crate) const MOTION_TABLES: [ClassHistogram; 4] = [
     },
 ];
 
-pub(super) fn tables(counts: &Counts, frames: u64) -> Vec<Table> {
+pub(super) fn tables(counts: &MeasureTotals, frames: u64) -> Vec<Table> {
     let mut tables = vec![per_class(counts, frames)];
     tables.extend(MOTION_TABLES.iter().map(|spec| class_histogram(spec, counts, frames)));
     // The wheelchair table belongs to the boxes and stands with them.
@@ -72,12 +72,12 @@ pub(super) fn tables(counts: &Counts, frames: u64) -> Vec<Table> {
     tables
 }
 
-fn per_class(counts: &Counts, frames: u64) -> Table {
+fn per_class(counts: &MeasureTotals, frames: u64) -> Table {
     let known = DetectionClass::ALL.map(DetectionClass::name);
     let mut rows: Vec<(&str, u64, u64)> = Vec::new();
     if counts.has(measures::tracks::BOXES) {
         let classes =
-            classes_in_order(counts, &[measures::tracks::BOXES, measures::tracks::BOXES_VALID], &known);
+            counts.classes_in_order(&[measures::tracks::BOXES, measures::tracks::BOXES_VALID], &known);
         rows.extend(classes.into_iter().map(|class| {
             (
                 class,
@@ -103,10 +103,10 @@ fn per_class(counts: &Counts, frames: u64) -> Table {
 
 /// One row a bin, one column a class. Bins below and above the range have rows when the measure can have
 /// such values.
-fn class_histogram(spec: &ClassHistogram, counts: &Counts, frames: u64) -> Table {
+fn class_histogram(spec: &ClassHistogram, counts: &MeasureTotals, frames: u64) -> Table {
     let detection = DetectionClass::ALL.map(DetectionClass::name);
     let known: &[&str] = if spec.moving { &measures::tracks::MOVING_CLASSES } else { &detection };
-    let classes = classes_in_order(counts, &[spec.measure], known);
+    let classes = counts.classes_in_order(&[spec.measure], known);
     let Bins { lower, upper, width } = spec.bins;
     let edges: Vec<i32> = if counts.has(spec.measure) {
         std::iter::once(lower - width).chain(spec.bins.edges()).chain([upper]).collect()
@@ -148,7 +148,7 @@ fn class_histogram(spec: &ClassHistogram, counts: &Counts, frames: u64) -> Table
     table
 }
 
-fn wheelchairs(counts: &Counts) -> Table {
+fn wheelchairs(counts: &MeasureTotals) -> Table {
     let of = |measure, class: &str| {
         // Rows that don't say are about every object.
         let unnamed = if class == measures::tracks::ALL_OBJECTS { counts.of(measure, "") } else { 0 };

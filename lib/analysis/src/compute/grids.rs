@@ -2,16 +2,16 @@
 
 use schema::{BevClass, Tag, measures};
 
-use super::{classes_in_order, percent, ratio};
-use crate::counts::Counts;
+use super::share::{percent, ratio};
 use crate::table::{Section, Table};
+use crate::totals::MeasureTotals;
 
-pub(super) fn bev(counts: &Counts, cells_per_grid: u64) -> Table {
+pub(super) fn bev(counts: &MeasureTotals, cells_per_grid: u64) -> Table {
     let known = BevClass::ALL.map(BevClass::name);
     let grids = counts.total(measures::bev::BEV_GRIDS);
     let mut rows: Vec<(&str, u64)> = Vec::new();
     if counts.has(measures::bev::BEV_CELLS) {
-        let classes = classes_in_order(counts, &[measures::bev::BEV_CELLS], &known);
+        let classes = counts.classes_in_order(&[measures::bev::BEV_CELLS], &known);
         rows.extend(classes.into_iter().map(|class| (class, counts.of(measures::bev::BEV_CELLS, class))));
         rows.push(("total", counts.total(measures::bev::BEV_CELLS)));
     }
@@ -26,13 +26,14 @@ pub(super) fn bev(counts: &Counts, cells_per_grid: u64) -> Table {
 }
 
 /// Labels that occur, without free space.
-pub(super) fn occupancy(counts: &Counts) -> Table {
+pub(super) fn occupancy(counts: &MeasureTotals) -> Table {
     const FREE: &str = "unlabeled";
     debug_assert_eq!(FREE, Tag::Unlabeled.name());
     let known = Tag::ALL.map(Tag::name);
     let both = [measures::voxels::VOXEL_CELLS, measures::voxels::VOXEL_CELLS_FILLED];
     let grids = counts.total(measures::voxels::VOXEL_GRIDS);
-    let mut rows: Vec<(&str, u64, u64)> = classes_in_order(counts, &both, &known)
+    let mut rows: Vec<(&str, u64, u64)> = counts
+        .classes_in_order(&both, &known)
         .into_iter()
         .filter(|class| *class != FREE)
         .map(|class| (class, counts.of(both[0], class), counts.of(both[1], class)))

@@ -6,12 +6,13 @@ mod histogram;
 mod overview;
 mod scenes;
 mod sensors;
+mod share;
 mod weather;
 
 use schema::scene_info::SceneInfo;
 
-use crate::counts::Counts;
 use crate::table::Tables;
+use crate::totals::MeasureTotals;
 
 pub(crate) use boxes::MOTION_TABLES;
 pub(crate) use scenes::SCENE_HISTOGRAMS;
@@ -27,8 +28,20 @@ pub struct DatasetFacts {
 }
 
 /// Every table of a dataset. Scenes may come in any order.
+///
+/// ```
+/// use analysis::{DatasetFacts, MeasureTotals, compute_tables, draw_figures, report_html, to_csv};
+/// use schema::scene_info::SceneInfo;
+///
+/// let facts = DatasetFacts { name: "demo".into(), bev_cells_per_grid: 160_000 };
+/// let scene = SceneInfo { map: "Town01".into(), frames: 40, ..SceneInfo::default() };
+/// let tables = compute_tables(&facts, &[scene], &MeasureTotals::default());
+/// let overview = tables.get("overview").map(to_csv);
+/// assert_eq!(overview.as_deref(), Some("quantity,value\nscenes,1\nmaps,1\nframes,40\nrecorded_time_s,2\n"));
+/// assert!(report_html(&tables, &draw_figures(&tables)).contains("<h1>demo</h1>"));
+/// ```
 #[must_use]
-pub fn compute_tables(facts: &DatasetFacts, scenes: &[SceneInfo], counts: &Counts) -> Tables {
+pub fn compute_tables(facts: &DatasetFacts, scenes: &[SceneInfo], counts: &MeasureTotals) -> Tables {
     let mut scenes = scenes.iter().collect::<Vec<_>>();
     scenes.sort_by_key(|scene| scene.scene);
     let frames = recorded_frames(&scenes, counts);
@@ -43,28 +56,9 @@ pub fn compute_tables(facts: &DatasetFacts, scenes: &[SceneInfo], counts: &Count
 }
 
 /// Frames of all scenes: as counted with the boxes, else as the scenes say.
-fn recorded_frames(scenes: &[&SceneInfo], counts: &Counts) -> u64 {
+fn recorded_frames(scenes: &[&SceneInfo], counts: &MeasureTotals) -> u64 {
     match counts.total(schema::measures::tracks::FRAMES) {
         0 => scenes.iter().map(|scene| u64::from(scene.frames)).sum(),
         frames => frames,
     }
-}
-
-/// A quotient, if there is something to divide by.
-fn ratio(numerator: u64, denominator: u64) -> Option<f64> {
-    (denominator > 0).then(|| numerator as f64 / denominator as f64)
-}
-
-/// 100 times [`ratio`].
-fn percent(part: u64, whole: u64) -> Option<f64> {
-    ratio(part, whole).map(|share| 100.0 * share)
-}
-
-/// The known classes in their order, then the unknown ones that were counted, in alphabetical order.
-fn classes_in_order<'a>(counts: &'a Counts, measures: &[&str], known: &[&'a str]) -> Vec<&'a str> {
-    let mut unknown: Vec<&str> = measures.iter().flat_map(|measure| counts.classes(measure)).collect();
-    unknown.sort_unstable();
-    unknown.dedup();
-    unknown.retain(|class| !known.contains(class));
-    [known, &unknown].concat()
 }

@@ -3,10 +3,10 @@
 use schema::measures;
 use schema::scene_info::SceneInfo;
 
-use crate::counts::Counts;
 use crate::table::{Section, Table};
+use crate::totals::MeasureTotals;
 
-pub(super) fn overview(scenes: &[&SceneInfo], counts: &Counts, frames: u64) -> Table {
+pub(super) fn overview(scenes: &[&SceneInfo], counts: &MeasureTotals, frames: u64) -> Table {
     let mut maps: Vec<&str> = scenes.iter().map(|scene| scene.map.as_str()).collect();
     maps.sort_unstable();
     maps.dedup();

@@ -2,16 +2,16 @@
 
 use schema::measures;
 
-use super::{percent, ratio};
-use crate::counts::Counts;
+use super::share::{percent, ratio};
 use crate::table::{Section, Table};
+use crate::totals::MeasureTotals;
 
-pub(super) fn tables(counts: &Counts) -> Vec<Table> {
+pub(super) fn tables(counts: &MeasureTotals) -> Vec<Table> {
     vec![points(counts), images(counts), bytes(counts)]
 }
 
 /// Sweeps that a sensor made: the frames of the agents that carry it.
-fn sweeps(counts: &Counts, measure: &str, sensor: &str) -> u64 {
+fn sweeps(counts: &MeasureTotals, measure: &str, sensor: &str) -> u64 {
     let carriers: Vec<&str> = counts.agents(measure, sensor).map(|(agent, _)| agent).collect();
     counts
         .agents(measures::simulation::AGENT_FRAMES, "")
@@ -19,7 +19,7 @@ fn sweeps(counts: &Counts, measure: &str, sensor: &str) -> u64 {
         .fold(0, |sum, (_, frames)| sum.saturating_add(frames))
 }
 
-fn points(counts: &Counts) -> Table {
+fn points(counts: &MeasureTotals) -> Table {
     let rows: Vec<(&str, &str, u64, u64)> =
         [("lidar", measures::sensors::LIDAR_POINTS), ("radar", measures::sensors::RADAR_POINTS)]
             .into_iter()
@@ -38,7 +38,7 @@ fn points(counts: &Counts) -> Table {
         .with_numbers("points_per_sweep", 1, rows.iter().map(|row| ratio(row.3, row.2)))
 }
 
-fn images(counts: &Counts) -> Table {
+fn images(counts: &MeasureTotals) -> Table {
     let kinds: Vec<&str> = counts.classes(measures::sensors::IMAGES).collect();
     let agent_frames = counts.total(measures::simulation::AGENT_FRAMES);
     let images = |kind: &&str| counts.of(measures::sensors::IMAGES, kind);
@@ -48,7 +48,7 @@ fn images(counts: &Counts) -> Table {
         .with_numbers("images_per_agent_frame", 2, kinds.iter().map(|kind| ratio(images(kind), agent_frames)))
 }
 
-fn bytes(counts: &Counts) -> Table {
+fn bytes(counts: &MeasureTotals) -> Table {
     let sensors: Vec<&str> = counts.classes(measures::sensors::SENSOR_BYTES).collect();
     let total = counts.total(measures::sensors::SENSOR_BYTES);
     let of = |sensor: &&str| counts.of(measures::sensors::SENSOR_BYTES, sensor);

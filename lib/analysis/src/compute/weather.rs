@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use schema::scene_info::SceneInfo;
 
-use super::ratio;
+use super::share::ratio;
 use crate::table::{Section, Table};
 
 /// One transition matrix.

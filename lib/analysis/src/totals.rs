@@ -5,8 +5,23 @@ use std::collections::BTreeMap;
 use schema::tables::PartialRow;
 
 /// Sums of partial counts, by measure and class. Order of the rows makes no difference.
+///
+/// ```
+/// use schema::measures::tracks::BOXES;
+/// use schema::tables::PartialRow;
+///
+/// let row = |class: &str, count| PartialRow {
+///     measure: BOXES.into(),
+///     class: class.into(),
+///     count,
+///     ..PartialRow::default()
+/// };
+/// let mut totals = analysis::MeasureTotals::default();
+/// totals.add(&[row("car", 3), row("bus", 1), row("car", 2)]);
+/// assert_eq!((totals.of(BOXES, "car"), totals.total(BOXES)), (5, 6));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Counts {
+pub struct MeasureTotals {
     measures: BTreeMap<String, BTreeMap<String, Sum>>,
 }
 
@@ -24,7 +39,7 @@ fn slot<'a, V: Default>(map: &'a mut BTreeMap<String, V>, key: &str) -> &'a mut 
     map.get_mut(key).unwrap_or_else(|| unreachable!("the key was just inserted"))
 }
 
-impl Counts {
+impl MeasureTotals {
     /// Adds rows. Sums stop at the largest number rather than wrap.
     pub fn add(&mut self, rows: &[PartialRow]) {
         for row in rows {
@@ -65,6 +80,17 @@ impl Counts {
         self.measures.get(measure).into_iter().flatten().map(|(class, _)| class.as_str())
     }
 
+    /// The known classes in their order, then the unknown ones that were counted of any of some measures, in
+    /// alphabetical order.
+    #[must_use]
+    pub fn classes_in_order<'a>(&'a self, measures: &[&str], known: &[&'a str]) -> Vec<&'a str> {
+        let mut unknown: Vec<&str> = measures.iter().flat_map(|measure| self.classes(measure)).collect();
+        unknown.sort_unstable();
+        unknown.dedup();
+        unknown.retain(|class| !known.contains(class));
+        [known, &unknown].concat()
+    }
+
     /// Bins of a class: lower edge and count, in order.
     pub fn bins(&self, measure: &str, class: &str) -> impl Iterator<Item = (i32, u64)> {
         self.sum(measure, class)
@@ -92,7 +118,7 @@ mod tests {
     fn rows_of_one_key_add_up_in_any_order() {
         let rows =
             [row("a", "car", 0, 1), row("b", "car", 0, 2), row("a", "car", 5, 4), row("", "bus", 0, 8)];
-        let mut counts = Counts::default();
+        let mut counts = MeasureTotals::default();
         counts.add(&rows);
         assert_eq!(counts.total("m"), 15);
         assert_eq!(counts.of("m", "car"), 7);
@@ -101,7 +127,7 @@ mod tests {
         assert_eq!(counts.classes("m").collect::<Vec<_>>(), ["bus", "car"]);
         assert_eq!((counts.total("other"), counts.has("other")), (0, false));
 
-        let mut reversed = Counts::default();
+        let mut reversed = MeasureTotals::default();
         for row in rows.iter().rev() {
             reversed.add(std::slice::from_ref(row));
         }
@@ -110,7 +136,7 @@ mod tests {
 
     #[test]
     fn sums_do_not_wrap() {
-        let mut counts = Counts::default();
+        let mut counts = MeasureTotals::default();
         counts.add(&[row("", "car", 0, u64::MAX), row("", "car", 1, 2)]);
         assert_eq!(counts.of("m", "car"), u64::MAX);
     }
