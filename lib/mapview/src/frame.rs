@@ -33,6 +33,8 @@ pub(crate) fn draw(
 
     let network = map.network();
     let title = options.title.clone().unwrap_or_else(|| network.header.name.clone());
+    // Names of files may hold what XML cannot.
+    let title = title.replace(char::is_control, " ");
     let title = if title.trim().is_empty() { "Road network".to_owned() } else { title };
     text(picture, [EDGE_PX, bottom + 24.0], Anchor::Start, 19.0, true, style::INK, &title);
     text(picture, [EDGE_PX, bottom + 40.0], Anchor::Start, 11.0, false, style::FAINT_INK, &facts(map));

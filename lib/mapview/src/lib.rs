@@ -23,6 +23,7 @@ mod marks;
 mod page;
 mod picture;
 mod raster;
+mod sheet;
 mod stretch;
 mod style;
 mod svg;

@@ -3,9 +3,9 @@
 use nalgebra::{Point3, Vector3};
 use opendrive::{MarkType, Stripe};
 
-use crate::fine::{Order, Sheet};
 use crate::page::Page;
 use crate::picture::{Colour, Paint};
+use crate::sheet::{Order, Sheet};
 use crate::stretch::{Carrier, Stretch};
 use crate::style::{self, Class};
 

@@ -100,6 +100,14 @@ pub(crate) enum Item {
 }
 
 /// A finished map sheet, ready to be written.
+///
+/// ```
+/// let map = opendrive::Map::new(opendrive::Network::default());
+/// let options = mapview::ViewOptions { size_px: 120.0, ..mapview::ViewOptions::default() };
+/// let picture = mapview::draw(&map, &options);
+/// assert!(picture.to_svg().starts_with("<svg") && picture.to_png()?.starts_with(b"\x89PNG"));
+/// # Ok::<(), mapview::RasterError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     pub(crate) width_px: f64,

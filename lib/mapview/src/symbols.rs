@@ -4,8 +4,8 @@ use frames::math::sin_cos;
 use opendrive::SignalInfo;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use crate::fine::Sheet;
 use crate::picture::{Anchor, Paint, Picture, Shape, Text};
+use crate::sheet::Sheet;
 use crate::style::{self, Key};
 
 /// Radius of a symbol on large scales, metres, and its least and largest radius on the sheet, pixels.

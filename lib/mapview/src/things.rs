@@ -4,9 +4,9 @@ use nalgebra::{Point3, Vector3};
 use opendrive::{Crosswalk, Map, ObjectInfo};
 use std::collections::BTreeSet;
 
-use crate::fine::{Order, Sheet};
 use crate::page::Page;
 use crate::picture::{Paint, Picture, Shape};
+use crate::sheet::{Order, Sheet};
 use crate::style::{self, Key};
 use crate::symbols::disc;
 

@@ -216,11 +216,12 @@ fn on_small_scales_ways_through_junctions_are_of_the_kind_of_their_roads() {
 fn every_svg_is_well_formed_and_the_same_each_time() {
     let network = town::generate(&town::named("convoy/demo").expect("has a name")).expect("builds");
     let map = Map::new(network);
-    let options = ViewOptions { title: Some("a <town> & \"more\"".into()), ..ViewOptions::default() };
+    let options =
+        ViewOptions { title: Some("a <town> & \"more\"\u{1}it's".into()), ..ViewOptions::default() };
     let svg = draw(&map, &options).to_svg();
     let document = roxmltree::Document::parse(&svg).expect("is XML");
     let title = document.descendants().find(|n| n.has_tag_name("title")).and_then(|n| n.text());
-    assert_eq!(title, Some("a <town> & \"more\""));
+    assert_eq!(title, Some("a <town> & \"more\" it's"));
     assert!(svg.len() < 1_000_000);
     assert_eq!(svg, draw(&map, &options).to_svg());
     for path in document.descendants().filter(|n| n.has_tag_name("path")) {
