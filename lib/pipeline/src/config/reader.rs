@@ -374,7 +374,7 @@ impl Drop for Section<'_> {
             if seen.contains(name) {
                 continue;
             }
-            let near = seen.iter().map(|s| (distance(s, name), s)).min();
+            let near = seen.iter().map(|s| (strsim::levenshtein(s, name), s)).min();
             let hint = match near {
                 Some((d, near)) if d <= 2.max(name.len() / 4) => format!(" (did you mean `{near}`?)"),
                 _ => String::new(),
@@ -394,20 +394,4 @@ fn as_number(value: &DeValue<'_>) -> Option<f64> {
         DeValue::Float(float) => float.as_str().parse().ok().filter(|f: &f64| f.is_finite()),
         other => as_integer(other).map(|n| n as f64),
     }
-}
-
-/// Edit distance (Levenshtein).
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, cb) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(ca != *cb);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }
