@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use indicatif::DecimalBytes;
 use pipeline::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, say};
 
 /// Why a command failed.
@@ -49,7 +50,7 @@ pub(crate) fn exit_code(result: Result<(), Fault>) -> u8 {
 /// Writes a file and says so.
 pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
     save(path, bytes)?;
-    say(&format!("{} ({:.1} kB)", path.display(), bytes.len() as f64 / 1e3));
+    say(&format!("{} ({})", path.display(), DecimalBytes(bytes.len() as u64)));
     Ok(())
 }
 
