@@ -88,13 +88,13 @@ pub fn plan_slots(
 }
 
 /// How many agents, and how they are spread.
-struct Counts {
+struct AgentCounts {
     vehicles: usize,
     rsus: usize,
     mode: SpawnMode,
 }
 
-fn draw_counts(settings: &PlanSettings, stream: &mut Stream) -> Result<Counts, PlanError> {
+fn draw_counts(settings: &PlanSettings, stream: &mut Stream) -> Result<AgentCounts, PlanError> {
     let agents = &settings.agents;
     let mut between = |low: u32, high: u32| stream.int_inclusive(i64::from(low), i64::from(high)) as usize;
     let drawn = between(agents.min_vehicles, agents.max_vehicles);
@@ -115,7 +115,7 @@ fn draw_counts(settings: &PlanSettings, stream: &mut Stream) -> Result<Counts, P
             problem: "too many agents".into(),
         });
     }
-    Ok(Counts { vehicles, rsus, mode })
+    Ok(AgentCounts { vehicles, rsus, mode })
 }
 
 /// Plans one scene; `pool` is the map's, with the settings' separation.
@@ -143,7 +143,7 @@ pub fn plan_scene(
     let warmup_s = settings.timing.warmup_s.max(0.0);
     let [initial, last] = plan_weather(&settings.weather, seed, number, pool.is_high_ground());
 
-    let Counts { vehicles, rsus, mode } = draw_counts(settings, &mut stream("plan/counts", 0))?;
+    let AgentCounts { vehicles, rsus, mode } = draw_counts(settings, &mut stream("plan/counts", 0))?;
 
     let given: Vec<_> = settings.agents.starts.iter().filter(|start| start.map == slot.map).collect();
     let given = SpawnPool::of_starts(&map.map, given.into_iter())?;
