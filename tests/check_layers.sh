@@ -31,6 +31,7 @@ declare -A allowed=(
     [voxels]="culling frames schema voxelgrid"
     [vectormap]="opendrive schema"
     [analysis]="frames schema"
+    [testkit]="frames opendrive schema"
     [replay]="formats frames opendrive pipeline schema store world"
 )
 bad=0
