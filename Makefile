@@ -10,8 +10,6 @@ FORCE  ?=
 NAME   ?=
 SEED   ?=
 DEST   ?=
-PYTHON ?= python3
-
 PYTHON ?= $(or $(CONVOY_PYTHON),python3)
 CARGO ?= cargo
 BIN    = target/release
@@ -101,7 +99,8 @@ test:
 	$(CARGO) test --locked --workspace --doc
 	@$(PYTHON) -c 'import numpy, pyarrow' 2>/dev/null \
 		|| echo "note: skipped the check that stock readers open a store: it needs numpy and pyarrow for $(PYTHON)"
-	@test -d ../shared/maps || echo "note: skipped the tests on real maps: there is no ../shared/maps"
+	@test -d $(or $(CONVOY_TEST_MAPS),../shared/maps) \
+		|| echo "note: skipped the tests on real maps: there is no $(or $(CONVOY_TEST_MAPS),../shared/maps)"
 
 # The property tests with other random cases, again and again: make soak [ROUNDS=20] [CRATE=convoy-town].
 soak:

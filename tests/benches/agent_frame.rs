@@ -12,7 +12,7 @@ use annotation::boxes::{ObservedObject, Observer};
 use bev::{Areas, BevRasterizer};
 use fill::Filler;
 use formats::{DEFAULT_LEVEL, Scalar, encode_member};
-use frames::{Agent, Pose, World as WorldFrame};
+use frames::{Agent, Pose, World};
 use opendrive::Map;
 use pipeline::StageSettings;
 use plan::PlanMap;
@@ -28,7 +28,7 @@ use validity::{Evidence, PointCloud};
 use visibility::{Meshes, Scene};
 use voxelgrid::VoxelGrid;
 use voxels::Voxelizer;
-use world::{Moment, World};
+use world::{Moment, SceneWorld};
 
 const CONFIG: &str = "seed = 27\n[scenes.train]\n\"convoy/demo\" = 1\n[agents]\nmin_vehicles = 2\nmax_vehicles = 2\n\
                       min_rsus = 0\nmax_rsus = 0\n[timing]\nmin_duration_s = 4\nmax_duration_s = 4\n\
@@ -60,7 +60,7 @@ fn main() {
     let plan = plan::plan(&PlanSettings::of(&settings), &maps).expect("is planned");
     let map = maps.remove("convoy/demo").expect("is there").map;
     let centres: Vec<[f64; 3]> = plan.agents.iter().map(|a| a.xyz_m).collect();
-    let fixed = world::place(&map, &settings.world, 27, &centres, 1).expect("is placed");
+    let fixed = scenery::place(&map, &settings.world, 27, &centres, 1).expect("is placed");
 
     let input = SceneInput {
         map: &map,
@@ -75,7 +75,7 @@ fn main() {
     let log = simulation(&input, &mut rows);
     let mut actors = fixed.clone();
     actors.extend(log.actors.iter().cloned());
-    let world = World::new(&map, &actors).expect("has meshes");
+    let world = SceneWorld::new(&map, &actors).expect("has meshes");
     let scene = Agentframe::new(&settings, &map, &actors, &log, &world);
     scene.measure(&mut rows);
     print(&rows, scene.triangles());
@@ -115,9 +115,9 @@ struct Agentframe<'a> {
     map: &'a Map,
     actors: &'a [ActorRow],
     log: &'a SceneLog,
-    world: &'a World,
+    world: &'a SceneWorld,
     meshes: Meshes,
-    pose: Pose<WorldFrame, Agent>,
+    pose: Pose<World, Agent>,
     own: u16,
 }
 
@@ -129,7 +129,7 @@ impl<'a> Agentframe<'a> {
         map: &'a Map,
         actors: &'a [ActorRow],
         log: &'a SceneLog,
-        world: &'a World,
+        world: &'a SceneWorld,
     ) -> Self {
         let own = log.actors.iter().find(|a| a.role == "vehicle_0").expect("is simulated").id;
         let state = log.states.iter().find(|s| s.frame == FRAME && s.id == own).expect("has a state");

@@ -4,15 +4,18 @@
 //! cut away where a road crosses them, asphalt between the lanes of a junction, grass beside the road. Walkers and signs
 //! are put on the triangles themselves.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
+use frames::LocalOrigin;
+use glam::Vec3;
 use nalgebra::Point3;
-use schema::tables::{ActorRow, FrameRow, StateRow};
+use opendrive::Map;
+use schema::tables::{ActorRow, StateRow};
 use schema::{FRAME_PERIOD_S, ObjectId};
-use world::{Moment, World};
+use surfaces::{AreaError, Layer, TileMesh};
 
 /// Surfaces that are walked on; paint, bridge walls and guard rails are not.
-const WALKED: [&str; 4] = ["surface.road", "surface.sidewalk", "surface.median", "surface.terrain"];
+const WALKED: [Layer; 4] = [Layer::Road, Layer::Sidewalk, Layer::Median, Layer::Terrain];
 /// Side of a cell of the grid of triangles, metres.
 const CELL_M: f64 = 2.0;
 /// Triangles steeper than this (the normal's upward share) are faces of kerbs and walls.
@@ -25,47 +28,28 @@ const HALF_STEP_M: f64 = 0.25;
 /// Samples of the ground on either side; the next one would be at the end of that way.
 const TAPS: i32 = 10;
 
-/// The ground's triangles, by the cells of a grid that they touch.
-struct Ground(BTreeMap<(i32, i32), Vec<[Point3<f64>; 3]>>);
+/// Triangles by the cells of a grid that they touch.
+type Cells = BTreeMap<(i32, i32), Vec<[Point3<f64>; 3]>>;
+
+/// The triangles of the ground.
+struct Ground(Cells);
 
 fn cell(x_m: f64, y_m: f64) -> (i32, i32) {
     ((x_m / CELL_M).floor() as i32, (y_m / CELL_M).floor() as i32)
 }
 
 impl Ground {
-    /// The ground in the cells that hold a place of `track`.
-    fn under(world: &World, actors: &[ActorRow], track: &[[f64; 3]]) -> Self {
-        let mut cells: BTreeMap<(i32, i32), Vec<[Point3<f64>; 3]>> =
-            track.iter().map(|p| (cell(p[0], p[1]), Vec::new())).collect();
-        let walked: BTreeSet<ObjectId> =
-            actors.iter().filter(|a| WALKED.contains(&a.model.as_str())).map(|a| a.id).collect();
-        let frame = FrameRow::default();
-        let moment = Moment { states: &[], previous: &[], signals: &[], frame: &frame };
-        let snapshot = world.snapshot(&moment, track.first().copied().unwrap_or_default(), f64::INFINITY);
-        for instance in snapshot.instances.iter().filter(|i| walked.contains(&i.object)) {
-            let mesh = snapshot.mesh(instance);
-            for i in 0..mesh.triangles.len() {
-                let corners = mesh.corners(i).map(|v| {
-                    let local_m = instance.local_from_object.transform_point3(v);
-                    Point3::from(snapshot.origin.world_from_local(local_m))
-                });
-                let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
-                if normal.z <= LEAST_UP * normal.norm() {
-                    continue;
-                }
-                let [xs, ys] = [0, 1].map(|k| corners.map(|p| p[k]));
-                let low =
-                    cell(xs.into_iter().fold(f64::MAX, f64::min), ys.into_iter().fold(f64::MAX, f64::min));
-                let high =
-                    cell(xs.into_iter().fold(f64::MIN, f64::max), ys.into_iter().fold(f64::MIN, f64::max));
-                for column in low.0..=high.0 {
-                    for (_, found) in cells.range_mut((column, low.1)..=(column, high.1)) {
-                        found.push(corners);
-                    }
-                }
+    /// The ground in the cells that hold a place of `track`, as the areas of a scene's actors have it.
+    fn under(map: &Map, actors: &[ActorRow], track: &[[f64; 3]]) -> Result<Self, AreaError> {
+        let mut cells: Cells = track.iter().map(|p| (cell(p[0], p[1]), Vec::new())).collect();
+        let origin = LocalOrigin::near(track.first().copied().unwrap_or_default());
+        for area in surfaces::areas(actors)? {
+            let walked = |tile: &TileMesh| WALKED.contains(&tile.layer) && area.object(tile.layer).is_some();
+            for tile in surfaces::build(map, &area.region).into_iter().filter(walked) {
+                add_tile(&mut cells, &tile, &origin);
             }
         }
-        Self(cells)
+        Ok(Self(cells))
     }
 
     /// Height of the uppermost triangle on the level of a point that the map has on its surface; the point's own where
@@ -75,6 +59,28 @@ impl Ground {
         let over =
             self.0.get(&cell(x, y)).into_iter().flatten().filter_map(|corners| height_in(corners, x, y));
         over.filter(|h| (z - BELOW_M..=z + ABOVE_M).contains(h)).max_by(f64::total_cmp).unwrap_or(z)
+    }
+}
+
+/// Adds a tile's triangles that are no walls to those cells that they touch.
+fn add_tile(cells: &mut Cells, tile: &TileMesh, origin: &LocalOrigin) {
+    let zero = origin.world_xyz();
+    // Rounded as cameras see them: relative to the origin.
+    let shift = Vec3::from_array([0, 1, 2].map(|k| (tile.origin_m[k] - zero[k]) as f32));
+    for i in 0..tile.mesh.triangles.len() {
+        let corners = tile.mesh.corners(i).map(|v| Point3::from(origin.world_from_local(v + shift)));
+        let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
+        if normal.z <= LEAST_UP * normal.norm() {
+            continue;
+        }
+        let [xs, ys] = [0, 1].map(|k| corners.map(|p| p[k]));
+        let low = cell(xs.into_iter().fold(f64::MAX, f64::min), ys.into_iter().fold(f64::MAX, f64::min));
+        let high = cell(xs.into_iter().fold(f64::MIN, f64::max), ys.into_iter().fold(f64::MIN, f64::max));
+        for column in low.0..=high.0 {
+            for (_, found) in cells.range_mut((column, low.1)..=(column, high.1)) {
+                found.push(corners);
+            }
+        }
     }
 }
 
@@ -96,7 +102,10 @@ fn is_warning(actor: &ActorRow) -> bool {
 /// differences of the final positions, and actor rows have the pose at frame 0.
 ///
 /// `states` are sorted by frame.
-pub(crate) fn stand(world: &World, actors: &mut [ActorRow], states: &mut [StateRow]) {
+///
+/// # Errors
+/// A surface among the actors stands for no area.
+pub(crate) fn stand(map: &Map, actors: &mut [ActorRow], states: &mut [StateRow]) -> Result<(), AreaError> {
     let mut tracks: BTreeMap<ObjectId, Vec<usize>> =
         actors.iter().filter(|a| a.kind == "walker").map(|a| (a.id, Vec::new())).collect();
     for (i, state) in states.iter().enumerate() {
@@ -106,7 +115,7 @@ pub(crate) fn stand(world: &World, actors: &mut [ActorRow], states: &mut [StateR
     }
     let signs = actors.iter().filter(|a| is_warning(a)).map(|a| a.xyz_m);
     let places: Vec<[f64; 3]> = tracks.values().flatten().map(|&i| states[i].xyz_m).chain(signs).collect();
-    let ground = Ground::under(world, actors, &places);
+    let ground = Ground::under(map, actors, &places)?;
     for track in tracks.values() {
         let mut way_m = 0.0;
         let profile: Vec<[f64; 2]> = (0..track.len())
@@ -134,6 +143,7 @@ pub(crate) fn stand(world: &World, actors: &mut [ActorRow], states: &mut [StateR
             actor.xyz_m = states[i].xyz_m;
         }
     }
+    Ok(())
 }
 
 /// Height of a walker after some way: the mean of the ground within [`HALF_STEP_M`] before and behind, weighted by a
@@ -162,13 +172,15 @@ fn interpolated(profile: &[[f64; 2]], way_m: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeSet;
     use std::ops::ControlFlow;
 
-    use opendrive::Map;
     use pipeline::StageSettings;
     use plan::PlanMap;
     use schema::settings::stages::{PlanSettings, SimulationSettings};
+    use schema::tables::FrameRow;
     use traffic::{SceneInput, SceneLog};
+    use world::{Moment, SceneWorld};
 
     #[test]
     fn a_kerb_is_stepped_up_in_an_s() {
@@ -195,7 +207,7 @@ mod tests {
     }
 
     /// A scene of walkers around two agents: world, actors and log, walkers on the ground.
-    fn walked(name: &str, map: Map) -> (World, Vec<ActorRow>, SceneLog) {
+    fn walked(name: &str, map: Map) -> (SceneWorld, Vec<ActorRow>, SceneLog) {
         let text = format!(
             "name = \"test\"\n[scenes.train]\n\"{name}\" = 1\n[agents]\nmin_vehicles = 2\nmax_vehicles = 2\n\
              max_rsus = 0\n[timing]\nmin_duration_s = 20\nmax_duration_s = 20\n[traffic]\nvehicles = 10\n\
@@ -208,7 +220,7 @@ mod tests {
         let plan = plan::plan(&wishes, &maps).expect("a plan");
         let (scene, map) = (&plan.scenes[0], &maps[name].map);
         let centres: Vec<[f64; 3]> = plan.agents.iter().map(|a| a.xyz_m).collect();
-        let mut actors = world::place(map, &settings.world, scene.seed, &centres, 1).expect("scenery");
+        let mut actors = scenery::place(map, &settings.world, scene.seed, &centres, 1).expect("scenery");
         let input = SceneInput {
             map,
             scene,
@@ -220,13 +232,13 @@ mod tests {
         };
         let mut log = traffic::simulate(&input, &mut |_, _| ControlFlow::Continue(())).expect("a log");
         actors.extend(log.actors.iter().cloned());
-        let world = World::new(map, &actors).expect("a world");
-        stand(&world, &mut actors, &mut log.states);
+        let world = SceneWorld::new(map, &actors).expect("a world");
+        stand(map, &mut actors, &mut log.states).expect("surfaces");
         (world, actors, log)
     }
 
     /// How far a place is above or below what is drawn under it, by all triangles of the place; of some objects only.
-    fn off_ground_m(world: &World, at: [f64; 3], of: impl Fn(ObjectId) -> bool) -> f32 {
+    fn off_ground_m(world: &SceneWorld, at: [f64; 3], of: impl Fn(ObjectId) -> bool) -> f32 {
         let frame = FrameRow::default();
         let moment = Moment { states: &[], previous: &[], signals: &[], frame: &frame };
         let snapshot = world.snapshot(&moment, at, 30.0);

@@ -14,7 +14,6 @@ use schema::settings::stages::SimulationSettings;
 use schema::tables::PlanSceneRow;
 use store::keys;
 use traffic::{SceneInput, SceneLog};
-use world::World;
 
 use crate::labels::Labels;
 
@@ -34,7 +33,7 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     let Some((mut unit, pulse)) = job.unit_and_pulse("scene")? else { return Ok(()) };
     let centres: Vec<[f64; 3]> = agents.iter().map(|a| a.xyz_m).collect();
     let mut fixed =
-        world::place(&map, &settings.world, plan.seed, &centres, 1).map_err(|e| StageError::failed(&e))?;
+        scenery::place(&map, &settings.world, plan.seed, &centres, 1).map_err(|e| StageError::failed(&e))?;
     let lamps = lamps::draw(&mut fixed, &plan, &settings.lights);
     let first_id = fixed.last().map_or(1, |a| a.id.saturating_add(1));
     let mut log = simulate(
@@ -57,8 +56,7 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     let mut actors = fixed;
     actors.extend(log.actors.iter().cloned());
     check_ids(&actors.iter().map(|a| a.id).collect::<Vec<_>>())?;
-    let world = World::new(&map, &actors).map_err(|e| StageError::failed(&e))?;
-    ground::stand(&world, &mut actors, &mut log.states);
+    ground::stand(&map, &mut actors, &mut log.states).map_err(|e| StageError::failed(&e))?;
 
     let info = info::scene_info(&plan, &agents, &log, &map, &settings)?;
     let labels = Labels::collect(&map, &actors, &log, &info, settings.box_radius_m)?;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use opendrive::Map;
 use pipeline::{Job, StageError, StageSettings};
 use schema::geometry::{Snapshot, TriMesh};
-use world::{Moment, World};
+use world::{Moment, SceneWorld};
 
 use crate::log::SceneLog;
 use crate::map::read_map;
@@ -16,7 +16,7 @@ pub struct Replay {
     pub log: SceneLog,
     /// The map.
     pub map: Map,
-    world: World,
+    world: SceneWorld,
 }
 
 impl Replay {
@@ -27,7 +27,7 @@ impl Replay {
     pub fn open<S: StageSettings>(job: &Job<'_, S>) -> Result<Self, StageError> {
         let log = SceneLog::read(job)?;
         let map = read_map(job.store(), &log.info.map, &log.info.map_hash)?;
-        let mut world = World::new(&map, &log.actors).map_err(|e| StageError::failed(&e))?;
+        let mut world = SceneWorld::new(&map, &log.actors).map_err(|e| StageError::failed(&e))?;
         world.set_lamps(&log.lamps);
         Ok(Self { log, map, world })
     }

@@ -51,6 +51,14 @@ pub struct Part {
     pub rgb: [f32; 3],
 }
 
+impl Part {
+    /// A part.
+    #[must_use]
+    pub const fn new(tag: Tag, surface: Surface, rgb: [f32; 3]) -> Self {
+        Self { tag, surface, rgb }
+    }
+}
+
 /// A triangle mesh in its object's frame (FLU, metres).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriMesh {
@@ -65,6 +73,34 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
+    /// The index of a part, which is added if no equal one is there. Beyond 256 parts the last one is reused.
+    pub fn part_index(&mut self, part: Part) -> u8 {
+        let found = self.parts.iter().position(|p| *p == part);
+        let index = found.unwrap_or_else(|| {
+            if self.parts.len() < 256 {
+                self.parts.push(part);
+            }
+            self.parts.len() - 1
+        });
+        index as u8
+    }
+
+    /// Adds a vertex and gives its index.
+    pub fn add_vertex(&mut self, position: Vec3) -> u32 {
+        self.positions.push(position);
+        (self.positions.len() - 1) as u32
+    }
+
+    /// Adds a triangle between vertices; one that has two corners in one place is left out.
+    pub fn add_triangle(&mut self, part: u8, corners: [u32; 3]) {
+        let [a, b, c] = corners.map(|v| self.positions[v as usize]);
+        if a == b || b == c || a == c {
+            return;
+        }
+        self.triangles.push(corners);
+        self.triangle_part.push(part);
+    }
+
     /// The box around all vertices.
     #[must_use]
     pub fn aabb(&self) -> Aabb {

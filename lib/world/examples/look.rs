@@ -7,14 +7,16 @@ use std::io::BufWriter;
 use std::path::Path;
 use std::sync::Arc;
 
+use actors::{Posture, actor_mesh};
 use frames::LocalOrigin;
 use glam::{Affine3A, Mat4, Vec3};
 use opendrive::{Map, Network};
+use scenery::place;
 use schema::geometry::{Instance, Snapshot, Surface, TriMesh};
 use schema::models::MODELS;
 use schema::settings::WorldSettings;
 use schema::tables::FrameRow;
-use world::{Moment, Posture, World, actor_mesh, place};
+use world::{Moment, SceneWorld};
 
 /// A z-buffer with flat shading.
 struct Canvas {
@@ -219,7 +221,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let actors = place(&map, &settings, 27, &[centre], 1)?;
     println!("place {:?}: {} actors", clock.elapsed(), actors.len());
     let clock = std::time::Instant::now();
-    let world = World::new(&map, &actors)?;
+    let world = SceneWorld::new(&map, &actors)?;
     println!("new {:?}", clock.elapsed());
     let frame = FrameRow::default();
     let moment = Moment { states: &[], previous: &[], signals: &[], frame: &frame };

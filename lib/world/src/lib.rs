@@ -1,34 +1,29 @@
-//! Scenery, meshes and actor models; the instances at a time.
+//! The meshes of a scene, and which of them are where at a time.
 //!
-//! [`place`] decides once per scene, by rule and seed, what stands beside the roads, as actor rows for the log. [`World`]
-//! turns the log's actors and the map into triangles: [`World::snapshot`] gives everything near a place at one frame.
-//! Whoever builds a world from the same map and rows gets the same triangles.
+//! [`SceneWorld`] turns the log's actors and the map into triangles: [`SceneWorld::snapshot`] gives everything near a place at
+//! one frame. Whoever builds a world from the same map and rows gets the same triangles.
 //!
-//! * Surfaces (road, paint, sidewalks, terrain, bridges) come from the map, cut into tiles; each layer is one object.
-//! * Actors come from their model name, size and variant ([`actor_mesh`]); wheels and limbs are pieces of the same object.
+//! * Surfaces (road, paint, sidewalks, terrain, bridges) come from the map, cut into tiles; each layer is one object
+//!   (crate `surfaces`).
+//! * Actors come from their model name, size and variant (crate `actors`); wheels and limbs are pieces of the same object.
 //!
 //! ```
 //! use schema::settings::WorldSettings;
-//! use world::{World, place};
+//! use schema::tables::FrameRow;
+//! use world::{Moment, SceneWorld};
 //!
-//! # fn demo(map: &opendrive::Map) -> Result<(), world::WorldError> {
-//! let actors = place(map, &WorldSettings::default(), 27, &[[0.0, 0.0, 0.0]], 1)?;
-//! let world = World::new(map, &actors)?;
-//! let z = world.ground_height(0.0, 0.0, 0.0);
-//! # let _ = z;
-//! # Ok(())
-//! # }
+//! let map = testkit::straight(200.0);
+//! let middle = [100.0, 0.0, 0.0];
+//! let actors = scenery::place(&map, &WorldSettings::default(), 27, &[middle], 1).unwrap();
+//! let world = SceneWorld::new(&map, &actors)?;
+//! let moment = Moment { states: &[], previous: &[], signals: &[], frame: &FrameRow::default() };
+//! let near = world.snapshot(&moment, middle, 50.0);
+//! assert!(near.instances.len() < world.snapshot(&moment, middle, 500.0).instances.len());
+//! # Ok::<(), world::WorldError>(())
 //! ```
 
-mod actors;
-mod build;
 mod error;
-mod scenery;
-mod surfaces;
 mod world;
 
-pub use actors::{ActorMesh, Joint, Piece, Posture, actor_mesh};
 pub use error::WorldError;
-pub use scenery::place;
-pub use surfaces::lane_raise_m;
-pub use world::{Moment, World, is_street_lamp, mark_failed};
+pub use world::{Moment, SceneWorld};

@@ -3,17 +3,17 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use actors::{Joint, Posture, actor_mesh};
 use frames::math::f32::pow;
-use frames::{LocalOrigin, Object, Pose, World as WorldFrame};
+use frames::{LocalOrigin, Object, Pose, World};
 use glam::{Affine3A, Mat3A, Quat, Vec3A};
 use opendrive::Map;
 use schema::geometry::{Instance, Snapshot, TriMesh};
 use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
 use schema::{ObjectId, lights};
+use surfaces::Area;
 
-use crate::WorldError;
-use crate::actors::{Joint, LAMP_FAILED, Posture, actor_mesh};
-use crate::surfaces::{self, GroundLevels, Layer, Region};
+use crate::error::WorldError;
 
 /// What the log says about one frame.
 #[derive(Clone, Copy, Debug)]
@@ -88,13 +88,12 @@ struct Mover {
 
 /// The world of one scene.
 #[derive(Debug)]
-pub struct World {
+pub struct SceneWorld {
     meshes: Arc<[Arc<TriMesh>]>,
     fixed: Vec<Fixed>,
     spheres: Vec<Sphere>,
     /// By object id.
     movers: BTreeMap<ObjectId, Mover>,
-    ground: Vec<GroundLevels>,
 }
 
 /// Meshes while they are gathered: identical models share theirs.
@@ -114,8 +113,7 @@ impl Library {
         let size = [actor.length_m, actor.width_m, actor.height_m];
         // Road-side units may carry any model name: their body is a pole.
         let model = if actor.kind == "rsu" { "pole.rsu" } else { actor.model.as_str() };
-        // Whether a lamp has failed is no matter of shape.
-        let variant = if is_street_lamp(actor) { actor.variant & !LAMP_FAILED } else { actor.variant };
+        let variant = lights::shape_variant(actor);
         let key = (model.to_owned(), size.map(f64::to_bits), variant);
         if let Some(known) = self.models.get(&key) {
             return Some(known.clone());
@@ -144,18 +142,7 @@ impl Library {
     }
 }
 
-/// Whether an actor is a street lamp.
-#[must_use]
-pub fn is_street_lamp(actor: &ActorRow) -> bool {
-    actor.kind == "pole" && actor.model == "pole.lamp"
-}
-
-/// Marks a street lamp as one that has failed: it never burns.
-pub fn mark_failed(lamp: &mut ActorRow) {
-    lamp.variant |= LAMP_FAILED;
-}
-
-impl World {
+impl SceneWorld {
     /// Builds the meshes of a scene: actors from their rows, surfaces from the map for the areas that the rows of kind
     /// `surface` name.
     ///
@@ -168,14 +155,9 @@ impl World {
             return Err(WorldError::DuplicateId { id: pair[0].id });
         }
         let mut library = Library::default();
-        let mut world = Self {
-            meshes: Arc::new([]),
-            fixed: Vec::new(),
-            spheres: Vec::new(),
-            movers: BTreeMap::new(),
-            ground: Vec::new(),
-        };
-        world.add_surfaces(map, &rows, &mut library)?;
+        let mut world =
+            Self { meshes: Arc::new([]), fixed: Vec::new(), spheres: Vec::new(), movers: BTreeMap::new() };
+        world.add_surfaces(map, &surfaces::areas(rows.iter().copied())?, &mut library);
         for actor in rows.into_iter().filter(|a| a.kind != "surface") {
             check(actor)?;
             let unknown = || WorldError::UnknownModel { id: actor.id, model: actor.model.clone() };
@@ -191,53 +173,23 @@ impl World {
         Ok(world)
     }
 
-    fn add_surfaces(
-        &mut self,
-        map: &Map,
-        rows: &[&ActorRow],
-        library: &mut Library,
-    ) -> Result<(), WorldError> {
-        // All layers of one area are made together.
-        let mut areas: Vec<(Region, Vec<(Layer, ObjectId)>)> = Vec::new();
-        for actor in rows.iter().filter(|a| a.kind == "surface") {
-            let layer = Layer::from_model(&actor.model)
-                .ok_or_else(|| WorldError::UnknownModel { id: actor.id, model: actor.model.clone() })?;
-            let half = [0.5 * actor.length_m, 0.5 * actor.width_m];
-            let region = Region {
-                min: [actor.xyz_m[0] - half[0], actor.xyz_m[1] - half[1]],
-                max: [actor.xyz_m[0] + half[0], actor.xyz_m[1] + half[1]],
-            };
-            let usable =
-                half.iter().all(|h| *h > 0.0 && *h < 1e5) && actor.xyz_m.iter().all(|v| v.abs() < 1e8);
-            if !usable {
-                return Err(bad(actor, "the area of a surface must have a finite, positive extent"));
-            }
-            match areas.iter_mut().find(|(known, _)| *known == region) {
-                Some((_, layers)) => layers.push((layer, actor.id)),
-                None => areas.push((region, vec![(layer, actor.id)])),
-            }
-        }
-        for (region, layers) in areas {
-            let made = surfaces::build(map, &region);
-            for tile in made.tiles {
-                let Some((_, object)) = layers.iter().find(|(layer, _)| *layer == tile.layer) else {
-                    continue;
-                };
+    fn add_surfaces(&mut self, map: &Map, areas: &[Area], library: &mut Library) {
+        for area in areas {
+            for tile in surfaces::build(map, &area.region) {
+                let Some(object) = area.object(tile.layer) else { continue };
+                let mesh = library.add(Arc::new(tile.mesh));
                 let fixed = Fixed {
-                    mesh: 0,
-                    object: *object,
+                    mesh,
+                    object,
                     origin_m: tile.origin_m,
                     rotation: Mat3A::IDENTITY,
                     paint: [0.5; 3],
                     lights: StaticLights::None,
                     glow: [0.0; 3],
                 };
-                let mesh = library.add(Arc::new(tile.mesh));
-                self.push_fixed(Fixed { mesh, ..fixed }, &library.meshes[mesh as usize]);
+                self.push_fixed(fixed, &library.meshes[mesh as usize]);
             }
-            self.ground.push(made.ground);
         }
-        Ok(())
     }
 
     fn add_fixed(&mut self, actor: &ActorRow, pieces: &[(u32, Joint)], paint: [f32; 3], library: &Library) {
@@ -245,7 +197,7 @@ impl World {
             "traffic_light" => StaticLights::Signal,
             "building" => StaticLights::Building,
             _ if actor.model == WORK_LIGHT => StaticLights::Work,
-            _ if is_street_lamp(actor) && actor.variant & LAMP_FAILED == 0 => StaticLights::StreetLamp,
+            _ if lights::is_street_lamp(actor) && !lights::has_failed(actor) => StaticLights::StreetLamp,
             _ => StaticLights::None,
         };
         let glow = match lights {
@@ -253,7 +205,7 @@ impl World {
             StaticLights::Building => linear_rgb(&lights::WINDOW_RGB),
             _ => [0.0; 3],
         };
-        let pose = Pose::<WorldFrame, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
+        let pose = Pose::<World, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
         let rotation = rotation(&pose);
         for (mesh, joint) in pieces {
             let Some(joint) = joint.object_from_piece(&Posture::default()) else { continue };
@@ -375,14 +327,6 @@ impl World {
         }
         Snapshot { origin, meshes: self.meshes(), instances }
     }
-
-    /// Height of the ground at a place: the lane surface (sidewalks with their kerb) nearest to `near_z_m`, else the land;
-    /// `near_z_m` itself in a world without surfaces.
-    #[must_use]
-    pub fn ground_height(&self, x_m: f64, y_m: f64, near_z_m: f64) -> f64 {
-        let inside = self.ground.iter().find(|g| g.terrain.contains(x_m, y_m)).or(self.ground.first());
-        inside.map_or(near_z_m, |g| g.height(x_m, y_m, near_z_m))
-    }
 }
 
 fn bad(actor: &ActorRow, problem: &'static str) -> WorldError {
@@ -434,13 +378,13 @@ fn flashing(state: &StateRow, time_s: f64) -> u32 {
     lamps
 }
 
-fn rotation(pose: &Pose<WorldFrame, Object>) -> Mat3A {
+fn rotation(pose: &Pose<World, Object>) -> Mat3A {
     let [w, x, y, z] = pose.wxyz();
     Mat3A::from_quat(Quat::from_xyzw(x as f32, y as f32, z as f32, w as f32).normalize())
 }
 
 fn local_from_state(origin: &LocalOrigin, state: &StateRow) -> Affine3A {
-    origin.local_from_body(&Pose::<WorldFrame, Object>::from_xyz_wxyz(state.xyz_m, state.quaternion))
+    origin.local_from_body(&Pose::<World, Object>::from_xyz_wxyz(state.xyz_m, state.quaternion))
 }
 
 fn signal_bits(state: &str) -> u32 {

@@ -1,18 +1,19 @@
 //! What stands in the way of walkers, as its rows say it, is what is drawn.
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests may stop and say that they were skipped.
+#![allow(clippy::unwrap_used)] // Tests may stop.
 
 mod common;
 
 use std::collections::BTreeMap;
 
+use actors::actor_mesh;
 use common::{demo, settings, start};
 use frames::math::sin_cos;
-use frames::{Object, Pose, World as WorldFrame};
+use frames::{Object, Pose, World};
 use nalgebra::Point3;
 use opendrive::Map;
+use scenery::place;
 use schema::footprint::{WALKING_HEIGHT_M, footprint};
 use schema::geometry::Surface;
-use world::{actor_mesh, place};
 
 /// Corners of what is solid of a triangle at walking height, in the object's frame: those of the part between two planes.
 fn clipped(corners: [glam::Vec3; 3], low: f32, high: f32) -> Vec<glam::Vec3> {
@@ -45,12 +46,12 @@ fn footprints_hold_what_is_drawn_at_walking_height_and_little_more() {
         };
         let size = [actor.length_m, actor.width_m, actor.height_m];
         let mesh = actor_mesh(&actor.model, size, actor.variant).unwrap();
-        let pose = Pose::<WorldFrame, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
+        let pose = Pose::<World, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
         let (sin, cos) = sin_cos(held.yaw_rad);
         let low = (held.xyz_m[2] - actor.xyz_m[2]) as f32;
         let mut reach = [0.0_f64; 2];
         for piece in &mesh.pieces {
-            let Some(from_piece) = piece.joint.object_from_piece(&world::Posture::default()) else {
+            let Some(from_piece) = piece.joint.object_from_piece(&actors::Posture::default()) else {
                 continue;
             };
             for i in 0..piece.mesh.triangles.len() {

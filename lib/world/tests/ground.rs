@@ -1,10 +1,10 @@
 //! What lies on the ground of a town: water, rails, islands, junctions.
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests may stop and say that they were skipped.
+#![allow(clippy::unwrap_used)] // Tests may stop.
 
 mod common;
 
-use common::{around, bare, carla, column, empty_moment, from_above, named};
-use frames::{Object, Pose, World as WorldFrame};
+use common::{around, bare, column, empty_moment, from_above, named};
+use frames::{Object, Pose, World};
 use nalgebra::Point3;
 use opendrive::{JunctionInfo, LaneInfo, LaneType, Map};
 use schema::Tag;
@@ -63,7 +63,7 @@ fn rivers_lie_under_bridges() {
     assert!(tested > 10, "only {tested} places on the shore");
     let wet = |x: f64, y: f64| column(&snapshot, x, y).iter().any(|(_, t)| *t == Tag::Water);
     for thing in actors.iter().filter(|a| a.kind != "surface" && a.kind != "sign") {
-        let pose = Pose::<WorldFrame, Object>::from_xyz_wxyz(thing.xyz_m, thing.quaternion);
+        let pose = Pose::<World, Object>::from_xyz_wxyz(thing.xyz_m, thing.quaternion);
         let share = if thing.kind == "building" { 0.5 } else { 0.0 };
         for (u, v) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (0.0, 0.0)] {
             let p = pose * Point3::new(share * u * thing.length_m, share * v * thing.width_m, 0.0);
@@ -207,9 +207,7 @@ fn junctions_have_no_holes() {
     for name in ["convoy/03", "convoy/08"] {
         check_junctions(&named(name), name);
     }
-    for name in ["Town03"] {
-        if let Some(map) = carla(name) {
-            check_junctions(&map, name);
-        }
+    for (name, map) in testkit::real_maps(&["Town03"]) {
+        check_junctions(&map, name);
     }
 }

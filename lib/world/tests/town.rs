@@ -1,18 +1,21 @@
 //! A whole town: scenery keeps off the roads, lanes are covered by road, nothing hangs over them.
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests may stop and say that they were skipped.
+#![allow(clippy::unwrap_used)] // Tests may stop.
 
 mod common;
 
 use std::collections::BTreeSet;
 
-use common::{carla, column, demo, empty_moment, named, settings, start};
-use frames::{Object, Pose, World as WorldFrame};
+use common::{column, demo, empty_moment, named, settings, start};
+use frames::{Object, Pose, World};
 use nalgebra::Point3;
 use opendrive::{LaneInfo, LaneType, Map};
 use random::Stream;
+use scenery::place;
 use schema::Tag;
 use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
-use world::{Moment, World, WorldError, place};
+use surfaces::Region;
+use testkit::real_maps;
+use world::{Moment, SceneWorld, WorldError};
 
 fn check_town(map: &Map, name: &str) {
     let centre = start(map);
@@ -28,7 +31,7 @@ fn check_town(map: &Map, name: &str) {
     // No building on any lane: exact lane geometry, not the meshes.
     let built = |l: &LaneInfo| l.lane_type != LaneType::None;
     for building in actors.iter().filter(|a| a.kind == "building") {
-        let pose = Pose::<WorldFrame, Object>::from_xyz_wxyz(building.xyz_m, building.quaternion);
+        let pose = Pose::<World, Object>::from_xyz_wxyz(building.xyz_m, building.quaternion);
         for i in 0..=8 {
             for j in 0..=8 {
                 let share = |k: i32| f64::from(k) / 8.0 - 0.5;
@@ -46,9 +49,13 @@ fn check_town(map: &Map, name: &str) {
         }
     }
 
-    let world = World::new(map, &actors).unwrap();
+    let world = SceneWorld::new(map, &actors).unwrap();
     let frame = FrameRow::default();
     let snapshot = world.snapshot(&empty_moment(&frame), centre, 400.0);
+    // What scenery is placed by is what is drawn.
+    let region =
+        Region { min: [centre[0] - 150.0, centre[1] - 150.0], max: [centre[0] + 150.0, centre[1] + 150.0] };
+    let levels = surfaces::levels(map, &surfaces::sections(map, &region), &region);
     let lanes: Vec<&LaneInfo> = map.lanes().iter().filter(|l| l.lane_type.is_drivable()).collect();
     let mut random = Stream::new(3, 0, "test/lanes", 0);
     let mut tested = 0;
@@ -82,7 +89,7 @@ fn check_town(map: &Map, name: &str) {
                 lane.id
             );
         }
-        let ground = world.ground_height(point.x, point.y, point.z);
+        let ground = levels.height(point.x, point.y, point.z);
         assert!((ground - point.z).abs() < 0.03, "{name}: ground {ground} at {point}");
     }
     assert!(tested > 100, "{name}: only {tested} points");
@@ -97,10 +104,8 @@ fn generated_towns_are_sound() {
 
 #[test]
 fn real_towns_are_sound() {
-    for name in ["Town10HD", "Town03"] {
-        if let Some(map) = carla(name) {
-            check_town(&map, name);
-        }
+    for (name, map) in real_maps(&["Town10HD", "Town03"]) {
+        check_town(&map, name);
     }
 }
 
@@ -111,7 +116,7 @@ fn the_same_seed_gives_the_same_world() {
     let (a, b, other) = (make(1), make(1), make(2));
     assert_eq!(a, b);
     assert_ne!(a, other);
-    let (w, v) = (World::new(&map, &a).unwrap(), World::new(&map, &b).unwrap());
+    let (w, v) = (SceneWorld::new(&map, &a).unwrap(), SceneWorld::new(&map, &b).unwrap());
     assert_eq!(w.meshes().len(), v.meshes().len());
     assert!(w.meshes().iter().zip(v.meshes().iter()).all(|(m, n)| m == n));
 }
@@ -145,7 +150,7 @@ fn state(frame: i32, id: u16, x: f64, phase_rad: f32) -> StateRow {
 #[test]
 fn moving_actors_carry_their_previous_place() {
     let map = demo();
-    let world = World::new(&map, &[car(7), car(9)]).unwrap();
+    let world = SceneWorld::new(&map, &[car(7), car(9)]).unwrap();
     let states = [state(0, 9, 5.0, 0.0), state(0, 7, 10.0, 0.5), state(0, 400, 0.0, 0.0)];
     let previous = [state(-1, 7, 9.5, 0.2)];
     let frame = FrameRow::default();
@@ -171,7 +176,7 @@ fn moving_actors_carry_their_previous_place() {
 fn lights_follow_the_log() {
     let map = demo();
     let actors = place(&map, &settings(), 5, &[start(&map)], 1).unwrap();
-    let world = World::new(&map, &actors).unwrap();
+    let world = SceneWorld::new(&map, &actors).unwrap();
     let light = actors.iter().find(|a| a.kind == "traffic_light").unwrap();
     let signals = [SignalRow { frame: 0, id: light.id, state: "Yellow".into(), opendrive_id: String::new() }];
     let frame = FrameRow { street_lamps: true, building_lights: true, ..FrameRow::default() };
@@ -194,14 +199,14 @@ fn lights_follow_the_log() {
 fn lamps_and_windows_have_the_light_of_the_log() {
     let map = demo();
     let actors = place(&map, &settings(), 5, &[start(&map)], 1).unwrap();
-    let mut world = World::new(&map, &actors).unwrap();
-    let near = |ids: Vec<u16>, world: &World| -> Vec<(u32, [f32; 3])> {
+    let mut world = SceneWorld::new(&map, &actors).unwrap();
+    let near = |ids: Vec<u16>, world: &SceneWorld| -> Vec<(u32, [f32; 3])> {
         let frame = FrameRow { street_lamps: true, building_lights: true, ..FrameRow::default() };
         let snapshot = world.snapshot(&empty_moment(&frame), start(&map), 1e4);
         let of = |id| snapshot.instances.iter().find(|i| i.object == id).map(|i| (i.lights, i.glow)).unwrap();
         ids.into_iter().map(of).collect()
     };
-    let lamps: Vec<u16> = actors.iter().filter(|a| world::is_street_lamp(a)).map(|a| a.id).collect();
+    let lamps: Vec<u16> = actors.iter().filter(|a| schema::lights::is_street_lamp(a)).map(|a| a.id).collect();
     let house = actors.iter().find(|a| a.kind == "building").unwrap().id;
     let row = |id, kind: &str, works, flux_lm, color: [u8; 3]| LampRow {
         id,
@@ -230,21 +235,28 @@ fn lamps_and_windows_have_the_light_of_the_log() {
 #[test]
 fn faults_are_named() {
     let map = demo();
-    assert_eq!(place(&map, &settings(), 1, &[], 1).unwrap_err(), WorldError::NoCentre);
-    assert!(matches!(place(&map, &settings(), 1, &[[9e6, 0.0, 0.0]], 1), Err(WorldError::NoRoads { .. })));
-    assert!(matches!(place(&map, &settings(), 1, &[start(&map)], 65_530), Err(WorldError::OutOfIds { .. })));
-    assert_eq!(World::new(&map, &[car(1), car(1)]).unwrap_err(), WorldError::DuplicateId { id: 1 });
+    assert_eq!(SceneWorld::new(&map, &[car(1), car(1)]).unwrap_err(), WorldError::DuplicateId { id: 1 });
     let strange = ActorRow { model: "car.boat".into(), ..car(1) };
-    assert!(matches!(World::new(&map, &[strange]), Err(WorldError::UnknownModel { id: 1, .. })));
+    assert!(matches!(SceneWorld::new(&map, &[strange]), Err(WorldError::UnknownModel { id: 1, .. })));
     let flat = ActorRow { height_m: f64::NAN, ..car(1) };
-    assert!(matches!(World::new(&map, &[flat]), Err(WorldError::BadActor { id: 1, .. })));
+    assert!(matches!(SceneWorld::new(&map, &[flat]), Err(WorldError::BadActor { id: 1, .. })));
+    let surface = |model: &str| ActorRow {
+        kind: "surface".into(),
+        model: model.into(),
+        width_m: f64::INFINITY,
+        ..car(1)
+    };
+    for (model, wanted) in [("surface.lava", "unknown model"), ("surface.road", "finite, positive extent")] {
+        let fault = SceneWorld::new(&map, &[surface(model)]).unwrap_err();
+        assert!(matches!(fault, WorldError::Area(_)) && fault.to_string().contains(wanted), "{fault}");
+    }
 }
 
 #[test]
 fn blinkers_and_emergency_lights_flash_by_the_clock() {
     use schema::lights::{BLINK_LEFT, EMERGENCY, EMERGENCY_OTHER, LOW_BEAM};
     let map = demo();
-    let world = World::new(&map, &[car(7), car(8)]).unwrap();
+    let world = SceneWorld::new(&map, &[car(7), car(8)]).unwrap();
     let lamps = |frame: u32, id: u16| -> u32 {
         let lights = BLINK_LEFT | EMERGENCY | LOW_BEAM;
         let states = [7, 8].map(|id| StateRow { lights, ..state(frame as i32, id, 0.0, 0.0) });
@@ -271,7 +283,7 @@ fn blinkers_and_emergency_lights_flash_by_the_clock() {
 #[test]
 fn doors_are_there_while_they_stand_open() {
     let map = demo();
-    let world = World::new(&map, &[car(7)]).unwrap();
+    let world = SceneWorld::new(&map, &[car(7)]).unwrap();
     let frame = FrameRow::default();
     let with = |now: [f32; 4], before: [f32; 4]| {
         let states = [StateRow { door_rad: now, ..state(0, 7, 10.0, 0.0) }];

@@ -77,7 +77,7 @@ fn queues(seed: u64) -> Vec<PlanAgentRow> {
 fn scenery(map: &Map, seed: u64, agents: &[PlanAgentRow]) -> Vec<ActorRow> {
     let centres: Vec<[f64; 3]> = agents.iter().map(|a| a.xyz_m).collect();
     let settings = WorldSettings { radius_m: SCENERY_M, ..WorldSettings::default() };
-    let mut fixed = world::place(map, &settings, seed, &centres, 1).unwrap_or_default();
+    let mut fixed = scenery::place(map, &settings, seed, &centres, 1).unwrap_or_default();
     let mut missing = lights(map);
     missing.retain(|light| fixed.iter().all(|a| a.opendrive_id != light.opendrive_id));
     fixed.extend(missing);

@@ -4,11 +4,12 @@
 use glam::Vec3;
 use nalgebra::Point3;
 use opendrive::Map;
+use scenery::place;
 use schema::Tag;
 use schema::geometry::Snapshot;
 use schema::settings::WorldSettings;
 use schema::tables::{ActorRow, FrameRow};
-use world::{Moment, World, place};
+use world::{Moment, SceneWorld};
 
 pub(crate) fn named(name: &str) -> Map {
     Map::new(town::generate(&town::named(name).unwrap()).unwrap())
@@ -16,17 +17,6 @@ pub(crate) fn named(name: &str) -> Map {
 
 pub(crate) fn demo() -> Map {
     named("convoy/demo")
-}
-
-pub(crate) fn carla(name: &str) -> Option<Map> {
-    let path = format!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/maps/carla/{}.xodr"), name);
-    match std::fs::read(&path) {
-        Ok(bytes) => Some(Map::new(opendrive::read_bytes(&bytes).unwrap())),
-        Err(_) => {
-            println!("skipped: no map {path}");
-            None
-        }
-    }
 }
 
 pub(crate) fn settings() -> WorldSettings {
@@ -74,14 +64,14 @@ pub(crate) fn column(snapshot: &Snapshot, x: f64, y: f64) -> Vec<(f64, Tag)> {
 }
 
 /// The world around a place of a generated town.
-pub(crate) fn around(map: &Map, centre: [f64; 3]) -> (Vec<ActorRow>, World) {
+pub(crate) fn around(map: &Map, centre: [f64; 3]) -> (Vec<ActorRow>, SceneWorld) {
     let actors = place(map, &settings(), 5, &[centre], 10).unwrap();
-    let world = World::new(map, &actors).unwrap();
+    let world = SceneWorld::new(map, &actors).unwrap();
     (actors, world)
 }
 
 /// The surfaces within some 100 m beyond a square, without anything on them.
-pub(crate) fn bare(map: &Map, centre: [f64; 3], half_m: f64) -> World {
+pub(crate) fn bare(map: &Map, centre: [f64; 3], half_m: f64) -> SceneWorld {
     let settings = WorldSettings {
         radius_m: half_m + 40.0,
         building_density: 0.0,
@@ -90,7 +80,7 @@ pub(crate) fn bare(map: &Map, centre: [f64; 3], half_m: f64) -> World {
     };
     let mut actors = place(map, &settings, 5, &[centre], 10).unwrap();
     actors.retain(|a| a.kind == "surface");
-    World::new(map, &actors).unwrap()
+    SceneWorld::new(map, &actors).unwrap()
 }
 
 /// The tag of what is seen from above at each cell of a square, row by row from the south.

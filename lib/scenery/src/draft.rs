@@ -1,0 +1,66 @@
+//! Objects before they have their numbers.
+
+use frames::{Object, Pose, World};
+use schema::tables::ActorRow;
+use schema::{ObjectId, Tag};
+
+/// An object before it has its number.
+pub(crate) struct Draft {
+    pub(crate) kind: &'static str,
+    pub(crate) model: String,
+    pub(crate) tags: Vec<Tag>,
+    pub(crate) size_m: [f64; 3],
+    pub(crate) color: [u8; 3],
+    pub(crate) xyz_m: [f64; 3],
+    pub(crate) rpy_rad: [f64; 3],
+    pub(crate) variant: u32,
+    pub(crate) opendrive_id: Option<String>,
+    pub(crate) attributes: String,
+}
+
+impl Draft {
+    pub(crate) fn new(
+        kind: &'static str,
+        model: &str,
+        tag: Tag,
+        size_m: [f64; 3],
+        xyz_m: [f64; 3],
+        yaw_rad: f64,
+    ) -> Self {
+        Self {
+            kind,
+            model: model.to_owned(),
+            tags: vec![tag],
+            size_m,
+            color: [128; 3],
+            xyz_m,
+            rpy_rad: [0.0, 0.0, yaw_rad],
+            variant: 0,
+            opendrive_id: None,
+            attributes: "{}".to_owned(),
+        }
+    }
+
+    /// The object's row, once it has its number.
+    pub(crate) fn row(self, id: ObjectId) -> ActorRow {
+        let pose = Pose::<World, Object>::from_xyz_rpy(self.xyz_m, self.rpy_rad);
+        ActorRow {
+            id,
+            kind: self.kind.to_owned(),
+            model: self.model,
+            role: "scenery".to_owned(),
+            semantic_tags: self.tags.iter().map(|t| *t as u8).collect(),
+            length_m: self.size_m[0],
+            width_m: self.size_m[1],
+            height_m: self.size_m[2],
+            color: self.color.to_vec(),
+            fixed: true,
+            xyz_m: self.xyz_m,
+            quaternion: pose.wxyz(),
+            variant: self.variant,
+            parent: None,
+            opendrive_id: self.opendrive_id,
+            attributes: self.attributes,
+        }
+    }
+}
