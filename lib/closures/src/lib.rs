@@ -29,6 +29,7 @@ pub use error::ClosureError;
 
 use lock::Lock;
 use manifest::{Kind, Package, Workspace};
+use sources::Source;
 
 /// What a program is built from.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -50,8 +51,14 @@ pub struct Closure {
 pub fn closures(root: &Path) -> Result<BTreeMap<String, Closure>, ClosureError> {
     let workspace = Workspace::read(root)?;
     let lock = Lock::read(root)?;
+    let mut sources = BTreeMap::new();
+    for (folder, package) in workspace.packages.iter().filter(|(_, package)| package.kind != Kind::Outside) {
+        sources.insert(folder.as_str(), sources::of_crate(root, folder, package.kind == Kind::ByFile)?);
+    }
     let programs = workspace.packages.values().filter(|p| p.folder.starts_with("bins/"));
-    programs.map(|program| Ok((program.name().to_owned(), closure(&workspace, &lock, program)?))).collect()
+    programs
+        .map(|program| Ok((program.name().to_owned(), closure(&workspace, &lock, &sources, program)?)))
+        .collect()
 }
 
 /// Every folder that a build must watch for changes of closures.
@@ -60,7 +67,12 @@ pub fn watched(root: &Path) -> Vec<PathBuf> {
     ["Cargo.toml", "Cargo.lock", "bins", "lib"].map(|name| root.join(name)).into()
 }
 
-fn closure(workspace: &Workspace, lock: &Lock, program: &Package) -> Result<Closure, ClosureError> {
+fn closure(
+    workspace: &Workspace,
+    lock: &Lock,
+    sources: &BTreeMap<&str, Vec<Source>>,
+    program: &Package,
+) -> Result<Closure, ClosureError> {
     let (mut whole, mut by_file, mut foreign) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
     let mut open = vec![program.folder.as_str()];
     let mut seen = BTreeSet::new();
@@ -83,24 +95,17 @@ fn closure(workspace: &Workspace, lock: &Lock, program: &Package) -> Result<Clos
             }
         }
     }
-    let mut texts: BTreeMap<String, Vec<u8>> = BTreeMap::new();
-    for folder in &whole {
-        texts.extend(sources::of_crate(&workspace.root, folder)?);
-    }
-    let mut candidates = BTreeMap::new();
-    for folder in &by_file {
-        candidates.extend(sources::of_crate(&workspace.root, folder)?);
-    }
-    texts.extend(reach::reached(&texts, candidates));
+    let mut files = sources_of(sources, &whole);
+    files.extend(reach::reached(&files, sources_of(sources, &by_file)));
+    files.sort_by(|a, b| a.name.cmp(&b.name));
     let mut packages = BTreeSet::new();
     for (user, dependency) in foreign {
         packages.extend(lock.tree(user, dependency)?);
         packages.extend(workspace.asked_of(dependency));
     }
     let mut hasher = blake3::Hasher::new();
-    for (name, bytes) in
-        texts.iter().map(|(n, b)| (n, b.as_slice())).chain(packages.iter().map(|p| (p, &b""[..])))
-    {
+    let texts = files.iter().map(|source| (&source.name, source.bytes.as_slice()));
+    for (name, bytes) in texts.chain(packages.iter().map(|package| (package, &b""[..]))) {
         // Names are relative to the workspace: where it is checked out makes no difference.
         for part in [name.as_bytes(), bytes] {
             hasher.update(&(part.len() as u64).to_le_bytes());
@@ -108,6 +113,10 @@ fn closure(workspace: &Workspace, lock: &Lock, program: &Package) -> Result<Clos
         }
     }
     let crates = whole.into_iter().chain(by_file).map(str::to_owned).collect();
-    let files = texts.into_keys().collect();
+    let files = files.into_iter().map(|source| source.name.clone()).collect();
     Ok(Closure { crates, files, packages, digest: hasher.finalize().to_hex().to_string() })
+}
+
+fn sources_of<'a>(sources: &'a BTreeMap<&str, Vec<Source>>, folders: &BTreeSet<&'a str>) -> Vec<&'a Source> {
+    folders.iter().filter_map(|folder| sources.get(folder)).flatten().collect()
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use toml::{Table, Value};
 
@@ -41,7 +41,6 @@ impl Package {
 /// The manifests.
 #[derive(Debug)]
 pub(crate) struct Workspace {
-    pub(crate) root: PathBuf,
     /// Our crates, by folder.
     pub(crate) packages: BTreeMap<String, Package>,
     /// Folders of our crates, by the names that others have for them.
@@ -72,7 +71,7 @@ impl Workspace {
                 packages.insert(folder.clone(), Package::read(root, folder)?);
             }
         }
-        Ok(Self { root: root.to_owned(), packages, own, asked })
+        Ok(Self { packages, own, asked })
     }
 
     /// What the workspace asks of a dependency: version and features.

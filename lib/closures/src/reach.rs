@@ -5,41 +5,24 @@
 //! files, again and again until no more are found, hold everything that can be used. Words in comments do not count.
 //! A word that means something else reaches a file too many, never one too few.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
-/// The files among `candidates` that `texts` reach.
-pub(crate) fn reached(
-    texts: &BTreeMap<String, Vec<u8>>,
-    candidates: BTreeMap<String, Vec<u8>>,
-) -> BTreeMap<String, Vec<u8>> {
-    let mut words: BTreeSet<String> = BTreeSet::new();
-    for (name, bytes) in texts {
-        if name.ends_with(".rs") {
-            words.extend(words_of(bytes));
-        }
-    }
-    let mut waiting: Vec<(String, Vec<u8>, Option<BTreeSet<String>>)> = candidates
-        .into_iter()
-        .map(|(name, bytes)| {
-            let names = name.ends_with(".rs").then(|| names_of(&bytes));
-            (name, bytes, names)
-        })
-        .collect();
-    let mut found = BTreeMap::new();
+use crate::sources::Source;
+
+/// The sources among `candidates` that `files` reach.
+pub(crate) fn reached<'a>(files: &[&'a Source], candidates: Vec<&'a Source>) -> Vec<&'a Source> {
+    let mut words: BTreeSet<&str> = files.iter().flat_map(|file| &file.words).map(String::as_str).collect();
+    let (mut found, mut waiting) = (Vec::new(), candidates);
     loop {
-        let is_reached =
-            |names: &Option<BTreeSet<String>>| names.as_ref().is_none_or(|n| !n.is_disjoint(&words));
-        let (now, later): (Vec<_>, Vec<_>) = waiting.into_iter().partition(|(_, _, names)| is_reached(names));
-        waiting = later;
+        let is_reached = |names: &BTreeSet<String>| names.iter().any(|name| words.contains(name.as_str()));
+        let (now, later): (Vec<_>, Vec<_>) =
+            waiting.into_iter().partition(|file| file.names.as_ref().is_none_or(is_reached));
         if now.is_empty() {
             return found;
         }
-        for (name, bytes, names) in now {
-            if names.is_some() {
-                words.extend(words_of(&bytes));
-            }
-            found.insert(name, bytes);
-        }
+        words.extend(now.iter().flat_map(|file| &file.words).map(String::as_str));
+        found.extend(now);
+        waiting = later;
     }
 }
 
@@ -52,11 +35,12 @@ fn is_word(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_'
 }
 
-fn words_of(bytes: &[u8]) -> impl Iterator<Item = String> {
-    code_lines(bytes)
-        .flat_map(|line| line.split(|c| !is_word(c)))
-        .filter(|word| word.starts_with(|c: char| c.is_ascii_alphabetic()))
-        .map(str::to_owned)
+/// Words of the code of a file.
+pub(crate) fn words_of(bytes: &[u8]) -> BTreeSet<String> {
+    let words = code_lines(bytes).flat_map(|line| line.split(|c| !is_word(c)));
+    let words: BTreeSet<&str> =
+        words.filter(|word| word.starts_with(|c: char| c.is_ascii_alphabetic())).collect();
+    words.into_iter().map(str::to_owned).collect()
 }
 
 /// Words before the name of an item.
@@ -66,7 +50,7 @@ const KINDS: [&str; 7] = ["struct", "enum", "trait", "type", "union", "fn", "mac
 
 /// Names that a file gives to the rest: its public items, the rows of its `table!`s, and the types that it adds methods to. A
 /// file of module declarations and re-exports gives none.
-fn names_of(bytes: &[u8]) -> BTreeSet<String> {
+pub(crate) fn names_of(bytes: &[u8]) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for line in code_lines(bytes) {
         let is_top = !line.starts_with(char::is_whitespace);
@@ -106,8 +90,10 @@ fn names_of(bytes: &[u8]) -> BTreeSet<String> {
 mod tests {
     use super::*;
 
-    fn files(list: &[(&str, &str)]) -> BTreeMap<String, Vec<u8>> {
-        list.iter().map(|(name, text)| ((*name).to_owned(), text.as_bytes().to_vec())).collect()
+    fn files(list: &[(&str, &str)], by_file: bool) -> Vec<Source> {
+        let new =
+            |(name, text): &(&str, &str)| Source::new((*name).to_owned(), text.as_bytes().to_vec(), by_file);
+        list.iter().map(new).collect()
     }
 
     #[test]
@@ -129,16 +115,18 @@ mod tests {
 
     #[test]
     fn files_are_reached_through_one_another_and_not_by_comments() {
-        let users = files(&[("bins/a/src/lib.rs", "// Unused\nfn run(x: First) {}\n")]);
-        let vocabulary = files(&[
+        let users = files(&[("bins/a/src/lib.rs", "// Unused\nfn run(x: First) {}\n")], false);
+        let vocabulary = [
             ("lib/v/src/lib.rs", "mod first;\npub use first::First;\npub use unused::Unused;\n"),
             ("lib/v/src/first.rs", "pub struct First(pub super::second::Second);\n"),
             ("lib/v/src/second.rs", "pub struct Second;\n"),
             ("lib/v/src/more.rs", "impl Second {\n    pub fn grow(self) {}\n}\n"),
             ("lib/v/src/unused.rs", "pub struct Unused(First);\n"),
-        ]);
-        let found = reached(&users, vocabulary);
-        let names: Vec<&str> = found.keys().map(String::as_str).collect();
+        ];
+        let vocabulary = files(&vocabulary, true);
+        let found = reached(&users.iter().collect::<Vec<_>>(), vocabulary.iter().collect());
+        let mut names: Vec<&str> = found.into_iter().map(|file| file.name.as_str()).collect();
+        names.sort_unstable();
         assert_eq!(names, ["lib/v/src/first.rs", "lib/v/src/more.rs", "lib/v/src/second.rs"]);
     }
 }

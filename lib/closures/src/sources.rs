@@ -1,14 +1,36 @@
 //! The sources of a crate, without its tests.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
 use crate::ClosureError;
+use crate::reach::{names_of, words_of};
 
-/// Every source of a crate with its text, tests left out, and its manifest. Names are relative to the workspace.
-pub(crate) fn of_crate(root: &Path, folder: &str) -> Result<BTreeMap<String, Vec<u8>>, ClosureError> {
-    let mut texts = BTreeMap::new();
+/// A source without its tests.
+#[derive(Debug)]
+pub(crate) struct Source {
+    /// Relative to the workspace.
+    pub(crate) name: String,
+    pub(crate) bytes: Vec<u8>,
+    /// Words of its code; none of what is no code.
+    pub(crate) words: BTreeSet<String>,
+    /// Names that it gives to others, where its crate counts by file; otherwise it always counts.
+    pub(crate) names: Option<BTreeSet<String>>,
+}
+
+impl Source {
+    pub(crate) fn new(name: String, bytes: Vec<u8>, by_file: bool) -> Self {
+        let is_code = name.ends_with(".rs");
+        let words = if is_code { words_of(&bytes) } else { BTreeSet::new() };
+        let names = (is_code && by_file).then(|| names_of(&bytes));
+        Self { name, bytes, words, names }
+    }
+}
+
+/// Every source of a crate, and its manifest.
+pub(crate) fn of_crate(root: &Path, folder: &str, by_file: bool) -> Result<Vec<Source>, ClosureError> {
+    let mut found = Vec::new();
     // What a program embeds (`include_str!`) lies beside its sources.
     let mut open = vec![folder.to_owned()];
     while let Some(next) = open.pop() {
@@ -27,11 +49,11 @@ pub(crate) fn of_crate(root: &Path, folder: &str) -> Result<BTreeMap<String, Vec
                 let bytes = fs::read(entry.path())
                     .map_err(|source| ClosureError::Io { path: entry.path(), source })?;
                 let bytes = if name.ends_with(".rs") { without_tests(bytes) } else { bytes };
-                texts.insert(key, bytes);
+                found.push(Source::new(key, bytes, by_file));
             }
         }
     }
-    Ok(texts)
+    Ok(found)
 }
 
 /// The text before `#[cfg(test)] mod tests { ... }`, where that ends the file.

@@ -1,7 +1,7 @@
 //! The scene log: the only truth later stages read.
 
 use crate::table;
-use crate::tables::Weather;
+use crate::tables::weather::{Weather, weather_parameters};
 
 table! {
     /// One row per object of a scene, moving or not: the id is the same number in every output.
@@ -67,95 +67,40 @@ table! {
     }
 }
 
-table! {
-    /// One row per frame: time and weather.
-    FrameRow in "log/frames" {
-        /// Frame number, from 0.
-        frame: u32,
-        /// Time since frame 0, s.
-        time_s: f64,
-        /// Cloud cover, percent.
-        cloudiness: f64,
-        /// Rain, percent.
-        precipitation: f64,
-        /// Puddles, percent.
-        precipitation_deposits: f64,
-        /// Wind, percent.
-        wind_intensity: f64,
-        /// Sun's direction, degrees clockwise from north seen from above.
-        sun_azimuth_deg: f64,
-        /// Sun's height above the horizon, degrees.
-        sun_altitude_deg: f64,
-        /// How wet surfaces look, percent.
-        wetness: f64,
-        /// Fog, percent.
-        fog_density: f64,
-        /// Where fog starts, m.
-        fog_distance_m: f64,
-        /// How fog thins with height.
-        fog_falloff: f64,
-        /// Light scattered by fog.
-        scattering_intensity: f64,
-        /// Haze (Mie scattering).
-        mie_scattering_scale: f64,
-        /// Air (Rayleigh scattering).
-        rayleigh_scattering_scale: f64,
-        /// Dust, percent.
-        dust_storm: f64,
-        /// Whether street lamps burn.
-        street_lamps: bool,
-        /// Whether windows are lit.
-        building_lights: bool,
-    }
-}
-
-impl FrameRow {
-    /// The frame's weather.
-    #[must_use]
-    pub fn weather(&self) -> Weather {
-        Weather {
-            cloudiness: self.cloudiness,
-            precipitation: self.precipitation,
-            precipitation_deposits: self.precipitation_deposits,
-            wind_intensity: self.wind_intensity,
-            sun_azimuth_deg: self.sun_azimuth_deg,
-            sun_altitude_deg: self.sun_altitude_deg,
-            wetness: self.wetness,
-            fog_density: self.fog_density,
-            fog_distance_m: self.fog_distance_m,
-            fog_falloff: self.fog_falloff,
-            scattering_intensity: self.scattering_intensity,
-            mie_scattering_scale: self.mie_scattering_scale,
-            rayleigh_scattering_scale: self.rayleigh_scattering_scale,
-            dust_storm: self.dust_storm,
+macro_rules! define_frames {
+    ($( #[doc = $doc:literal] $name:ident = $clear:literal, )+) => {
+        table! {
+            /// One row per frame: time and weather.
+            FrameRow in "log/frames" {
+                /// Frame number, from 0.
+                frame: u32,
+                /// Time since frame 0, s.
+                time_s: f64,
+                $( #[doc = $doc] $name: f64, )+
+                /// Whether street lamps burn.
+                street_lamps: bool,
+                /// Whether windows are lit.
+                building_lights: bool,
+            }
         }
-    }
 
-    /// A frame with a weather.
-    #[must_use]
-    pub fn new(frame: u32, weather: &Weather, street_lamps: bool, building_lights: bool) -> Self {
-        Self {
-            frame,
-            time_s: f64::from(frame) * crate::FRAME_PERIOD_S,
-            cloudiness: weather.cloudiness,
-            precipitation: weather.precipitation,
-            precipitation_deposits: weather.precipitation_deposits,
-            wind_intensity: weather.wind_intensity,
-            sun_azimuth_deg: weather.sun_azimuth_deg,
-            sun_altitude_deg: weather.sun_altitude_deg,
-            wetness: weather.wetness,
-            fog_density: weather.fog_density,
-            fog_distance_m: weather.fog_distance_m,
-            fog_falloff: weather.fog_falloff,
-            scattering_intensity: weather.scattering_intensity,
-            mie_scattering_scale: weather.mie_scattering_scale,
-            rayleigh_scattering_scale: weather.rayleigh_scattering_scale,
-            dust_storm: weather.dust_storm,
-            street_lamps,
-            building_lights,
+        impl FrameRow {
+            /// The frame's weather.
+            #[must_use]
+            pub fn weather(&self) -> Weather {
+                Weather { $( $name: self.$name, )+ }
+            }
+
+            /// A frame with a weather.
+            #[must_use]
+            pub fn new(frame: u32, weather: &Weather, street_lamps: bool, building_lights: bool) -> Self {
+                let time_s = f64::from(frame) * crate::FRAME_PERIOD_S;
+                Self { frame, time_s, $( $name: weather.$name, )+ street_lamps, building_lights }
+            }
         }
-    }
+    };
 }
+weather_parameters!(define_frames);
 
 table! {
     /// One row per street lamp and building: its light when lights are on (`frames` says when they are).

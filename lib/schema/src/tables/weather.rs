@@ -1,140 +1,81 @@
 //! Weather of one frame.
 
-/// Weather parameters. Percentages are 0 to 100; angles are degrees because people set them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weather {
-    /// Cloud cover, percent.
-    pub cloudiness: f64,
-    /// Rain, percent.
-    pub precipitation: f64,
-    /// Puddles, percent.
-    pub precipitation_deposits: f64,
-    /// Wind, percent.
-    pub wind_intensity: f64,
-    /// Sun's direction, degrees clockwise from north (+y) seen from above.
-    pub sun_azimuth_deg: f64,
-    /// Sun's height above the horizon, degrees, -90 to 90.
-    pub sun_altitude_deg: f64,
-    /// How wet surfaces look, percent.
-    pub wetness: f64,
-    /// Fog, percent.
-    pub fog_density: f64,
-    /// Where fog starts, metres.
-    pub fog_distance_m: f64,
-    /// How fog thins with height: 0 not at all, 5 lies on the ground.
-    pub fog_falloff: f64,
-    /// Light scattered by fog.
-    pub scattering_intensity: f64,
-    /// Haze (Mie scattering).
-    pub mie_scattering_scale: f64,
-    /// Air (Rayleigh scattering), 0.0331 on earth.
-    pub rayleigh_scattering_scale: f64,
-    /// Dust in the air, percent.
-    pub dust_storm: f64,
-}
-
-impl Default for Weather {
-    /// A clear noon.
-    fn default() -> Self {
-        Self {
-            cloudiness: 0.0,
-            precipitation: 0.0,
-            precipitation_deposits: 0.0,
-            wind_intensity: 0.0,
-            sun_azimuth_deg: 180.0,
-            sun_altitude_deg: 60.0,
-            wetness: 0.0,
-            fog_density: 0.0,
-            fog_distance_m: 100.0,
-            fog_falloff: 1.0,
-            scattering_intensity: 1.0,
-            mie_scattering_scale: 0.03,
-            rayleigh_scattering_scale: 0.0331,
-            dust_storm: 0.0,
+/// Names the weather's parameters, here and nowhere else: hands each one's meaning, name and value on a clear noon to another
+/// macro. Percentages are 0 to 100; angles are degrees because people set them.
+macro_rules! weather_parameters {
+    ($then:ident) => {
+        $then! {
+            /// Cloud cover, percent.
+            cloudiness = 0.0,
+            /// Rain, percent.
+            precipitation = 0.0,
+            /// Puddles, percent.
+            precipitation_deposits = 0.0,
+            /// Wind, percent.
+            wind_intensity = 0.0,
+            /// Sun's direction, degrees clockwise from north (+y) seen from above.
+            sun_azimuth_deg = 180.0,
+            /// Sun's height above the horizon, degrees, -90 to 90.
+            sun_altitude_deg = 60.0,
+            /// How wet surfaces look, percent.
+            wetness = 0.0,
+            /// Fog, percent.
+            fog_density = 0.0,
+            /// Where fog starts, metres.
+            fog_distance_m = 100.0,
+            /// How fog thins with height: 0 not at all, 5 lies on the ground.
+            fog_falloff = 1.0,
+            /// Light scattered by fog.
+            scattering_intensity = 1.0,
+            /// Haze (Mie scattering).
+            mie_scattering_scale = 0.03,
+            /// Air (Rayleigh scattering), 0.0331 on earth.
+            rayleigh_scattering_scale = 0.0331,
+            /// Dust in the air, percent.
+            dust_storm = 0.0,
         }
-    }
+    };
 }
+pub(super) use weather_parameters;
+
+macro_rules! define_weather {
+    ($( #[doc = $doc:literal] $name:ident = $clear:literal, )+) => {
+        /// Weather parameters. Percentages are 0 to 100; angles are degrees because people set them.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Weather {
+            $( #[doc = $doc] pub $name: f64, )+
+        }
+
+        impl Default for Weather {
+            /// A clear noon.
+            fn default() -> Self {
+                Self { $( $name: $clear, )+ }
+            }
+        }
+
+        impl Weather {
+            /// Names of the parameters, in array order.
+            pub const NAMES: [&'static str; Self::COUNT] = [$( stringify!($name) ),+];
+            /// Number of parameters.
+            pub const COUNT: usize = [$( $clear ),+].len();
+
+            /// The parameters as an array, in [`Weather::NAMES`] order.
+            #[must_use]
+            pub fn to_array(&self) -> [f64; Self::COUNT] {
+                [$( self.$name ),+]
+            }
+
+            /// The inverse of [`Weather::to_array`].
+            #[must_use]
+            pub fn from_array([$( $name ),+]: [f64; Self::COUNT]) -> Self {
+                Self { $( $name ),+ }
+            }
+        }
+    };
+}
+weather_parameters!(define_weather);
 
 impl Weather {
-    /// Number of parameters.
-    pub const COUNT: usize = 14;
-
-    /// Names of the parameters, in array order.
-    pub const NAMES: [&'static str; Self::COUNT] = [
-        "cloudiness",
-        "precipitation",
-        "precipitation_deposits",
-        "wind_intensity",
-        "sun_azimuth_deg",
-        "sun_altitude_deg",
-        "wetness",
-        "fog_density",
-        "fog_distance_m",
-        "fog_falloff",
-        "scattering_intensity",
-        "mie_scattering_scale",
-        "rayleigh_scattering_scale",
-        "dust_storm",
-    ];
-
-    /// The parameters as an array, in [`Weather::NAMES`] order.
-    #[must_use]
-    pub fn to_array(&self) -> [f64; Self::COUNT] {
-        [
-            self.cloudiness,
-            self.precipitation,
-            self.precipitation_deposits,
-            self.wind_intensity,
-            self.sun_azimuth_deg,
-            self.sun_altitude_deg,
-            self.wetness,
-            self.fog_density,
-            self.fog_distance_m,
-            self.fog_falloff,
-            self.scattering_intensity,
-            self.mie_scattering_scale,
-            self.rayleigh_scattering_scale,
-            self.dust_storm,
-        ]
-    }
-
-    /// The inverse of [`Weather::to_array`].
-    #[must_use]
-    pub fn from_array(values: [f64; Self::COUNT]) -> Self {
-        let [
-            cloudiness,
-            precipitation,
-            precipitation_deposits,
-            wind_intensity,
-            sun_azimuth_deg,
-            sun_altitude_deg,
-            wetness,
-            fog_density,
-            fog_distance_m,
-            fog_falloff,
-            scattering_intensity,
-            mie_scattering_scale,
-            rayleigh_scattering_scale,
-            dust_storm,
-        ] = values;
-        Self {
-            cloudiness,
-            precipitation,
-            precipitation_deposits,
-            wind_intensity,
-            sun_azimuth_deg,
-            sun_altitude_deg,
-            wetness,
-            fog_density,
-            fog_distance_m,
-            fog_falloff,
-            scattering_intensity,
-            mie_scattering_scale,
-            rayleigh_scattering_scale,
-            dust_storm,
-        }
-    }
-
     /// Replaces parameters by name; unknown names are left to the configuration reader, which refuses them.
     #[must_use]
     pub fn with_overrides(self, overrides: &[(String, f64)]) -> Self {
