@@ -21,7 +21,8 @@ fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
     let mut counts = MeasureTotals::default();
     let mut scenes: Vec<SceneInfo> = Vec::new();
     let mut unfinished = 0;
-    job.pulse().set_total(planned.len() as u64);
+    let progress = job.progress();
+    progress.set_total(planned.len() as u64);
     for &scene in &planned {
         let mut whole = true;
         for stage in COUNTING {
@@ -38,7 +39,7 @@ fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
             }
         }
         unfinished += u32::from(!whole);
-        job.pulse().beat(1)?;
+        progress.advance(1)?;
     }
     if unfinished > 0 {
         tracing::warn!("{unfinished} of {} scenes are not finished: their counts are partial", planned.len());

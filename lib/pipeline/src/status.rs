@@ -90,6 +90,7 @@ impl fmt::Display for NotReady {
             Self::Stage { name, state } => match &**state {
                 State::Stale(Staleness::NotReady(why @ Self::Stage { .. })) => write!(f, "{why}"),
                 State::Missing => write!(f, "{name} is missing"),
+                State::Failed(why) => write!(f, "{name} failed ({why})"),
                 state => write!(f, "{name} is {state}"),
             },
             Self::Unplanned { scene } => write!(f, "scene {scene} is not in the plan"),
