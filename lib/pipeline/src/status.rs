@@ -110,6 +110,9 @@ pub(crate) enum CodeRule {
 /// Begins the names of inputs that are not in the store (map files).
 pub(crate) const SOURCE: &str = "source/";
 
+/// Stands for the digest of what is not done.
+const NOT_DONE: &str = "not done";
+
 /// Name of a scene's digest in the plan's manifest.
 pub(crate) fn plan_section(scene: u32) -> String {
     format!("scene/{scene:04}")
@@ -180,11 +183,13 @@ pub(crate) fn inputs(
             (UnitKind::Stats, _) => {
                 for scene in planned_scenes(store)?.unwrap_or_default() {
                     let scene_scope = Scope::Scene(scene);
-                    if judge(store, settings, read, scene_scope, code)? == State::Done
-                        && let Some(manifest) = store.manifest(scene_scope, name)?
-                    {
-                        inputs.digests.insert(format!("{}/{name}", plan_section(scene)), manifest.digest());
-                    }
+                    let manifest = match judge(store, settings, read, scene_scope, code)? {
+                        State::Done => store.manifest(scene_scope, name)?,
+                        _ => None,
+                    };
+                    // What is planned and not done is remembered as well: statistics say how much they leave out.
+                    let digest = manifest.map_or_else(|| NOT_DONE.to_owned(), |m| m.digest());
+                    inputs.digests.insert(format!("{}/{name}", plan_section(scene)), digest);
                 }
             }
             _ => {
