@@ -89,7 +89,7 @@ fn hazards_are_in_log_boxes_and_masks() {
     for stage in ["spawn-planner", "simulate-and-log", "bev-gt"] {
         bench.run(stage, &[]).expect_done();
     }
-    let made = read(&Store::on_disk(&bench.store()));
+    let made = read(&Store::open(bench.store()).expect("is a folder"));
     counts_agree(&made);
     boxes_have_their_classes(&made);
     vehicles_have_lamps_and_doors(&made);

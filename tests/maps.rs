@@ -18,7 +18,7 @@ fn drive(names: &[&str], maps: Option<&Path>) {
     let args: Vec<&str> = folder.iter().flat_map(|f| ["--maps", f.as_str()]).collect();
     bench.run("spawn-planner", &args).expect_done();
     bench.run("simulate-and-log", &[]).expect_done();
-    let store = Store::on_disk(&bench.store());
+    let store = Store::open(bench.store()).expect("is a folder");
     for (scene, name) in names.iter().enumerate() {
         let scene = scene as u32;
         let manifest =

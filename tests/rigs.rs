@@ -62,7 +62,7 @@ fn tables(bench: &Bench, vehicle: u16) -> Vec<String> {
 
 /// Beams that some ray came back on, and the most points of a sweep.
 fn sweeps(bench: &Bench, vehicle: u16) -> (u16, usize) {
-    let store = Store::on_disk(&bench.store());
+    let store = Store::open(bench.store()).expect("is a folder");
     let manifest = store.manifest(Scope::Scene(0), "render-sensors").expect("reads").expect("is there");
     let key = store::keys::sensor(0, AgentId::vehicle(vehicle), "LIDAR");
     let rows: Vec<LidarRow> = store.read_rows(&manifest, &key).expect("sweeps");

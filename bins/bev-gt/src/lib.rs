@@ -4,7 +4,7 @@ use bev::{Areas, BevRasterizer};
 use counts::PartialCounts;
 use formats::{DEFAULT_LEVEL, Scalar, encode_member, frame_member};
 use nalgebra::Point3;
-use pipeline::{Job, Pulse, Stage, StageError};
+use pipeline::{At, Job, Place, Progress, Stage, StageError};
 use replay::{Replay, Spare, archive_frames};
 use schema::BevClass;
 use schema::settings::BevSettings;
@@ -27,13 +27,14 @@ fn run(job: &mut Job<'_, BevSettings>) -> Result<(), StageError> {
     let areas = Areas { crosswalks: &crosswalks, hazards: &hazards };
     let agents = replay.log.agent_ids().to_vec();
     let frames = replay.log.frame_count();
-    job.pulse().set_total(u64::from(frames) * agents.len() as u64);
+    let progress = job.progress();
+    progress.set_total(u64::from(frames) * agents.len() as u64);
 
     for (position, agent) in agents.iter().enumerate() {
         let name = agent.to_string();
-        let Some((mut unit, pulse)) = job.unit_and_pulse(&name)? else { continue };
+        let Some(mut unit) = job.unit(&name)? else { continue };
         let work = Work { replay: &replay, position, settings: &settings, areas };
-        let counts = work.masks(&mut unit, &keys::bev(scene, *agent), &name, pulse)?;
+        let counts = work.masks(&mut unit, &keys::bev(scene, *agent), &name, &progress)?;
         unit.rows(&keys::partial_stats(scene, &format!("{}.{name}", NAME)), &counts.rows())?;
         unit.finish()?;
     }
@@ -48,13 +49,18 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
+    fn place(&self, frame: u32) -> Place {
+        let log = &self.replay.log;
+        Place::scene(log.info.scene).frame(frame).agent(log.agent_ids()[self.position])
+    }
+
     /// One member per frame, `[14, rows, columns]` booleans.
     fn masks(
         &self,
         unit: &mut Unit<'_>,
         key: &str,
         name: &str,
-        pulse: Pulse<'_>,
+        progress: &Progress,
     ) -> Result<PartialCounts, StageError> {
         let frames = self.replay.log.frame_count();
         let cells = self.settings.cells as usize;
@@ -64,20 +70,19 @@ impl Work<'_> {
         let one = |frame: u32| {
             let pose = self.replay.log.world_from_agent(self.position, frame);
             let snapshot = self.replay.snapshot(frame, pose.xyz(), radius_m);
-            let mut rasterizer =
-                spare.take(|| BevRasterizer::new(self.settings).map_err(|e| StageError::failed(&e)))?;
+            let mut rasterizer = spare.take(|| BevRasterizer::new(self.settings)).at(|| self.place(frame))?;
             let mask = rasterizer.rasterize(&snapshot, &pose, self.areas);
             spare.give(rasterizer);
             let shape = [BevClass::COUNT, cells, cells];
             let member =
                 encode_member(&frame_member(frame), Scalar::Bool, &shape, &mask.to_bytes(), DEFAULT_LEVEL)
-                    .map_err(|e| StageError::failed(&e))?;
+                    .at(|| self.place(frame))?;
             let mut counts = PartialCounts::new();
             mask.add_to(&mut counts, name);
             Ok((member, counts))
         };
         let mut counts = PartialCounts::new();
-        archive_frames(unit, key, frames, pulse, one, |of_frame| counts.merge(of_frame))?;
+        archive_frames(unit, key, frames, progress, one, |of_frame| counts.merge(of_frame))?;
         Ok(counts)
     }
 }

@@ -31,7 +31,8 @@ impl Fault {
             Self::Usage(_) | Self::Town { .. } => EXIT_USAGE,
             Self::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => EXIT_USAGE,
             Self::Io { source, .. } if source.kind() == std::io::ErrorKind::StorageFull => EXIT_TRY_AGAIN,
-            Self::Io { .. } | Self::File { .. } | Self::Scene(_) => EXIT_SOME_FAILED,
+            Self::Io { .. } | Self::File { .. } => EXIT_SOME_FAILED,
+            Self::Scene(error) => error.exit_code(),
         }
     }
 }
@@ -41,7 +42,10 @@ pub(crate) fn exit_code(result: Result<(), Fault>) -> u8 {
     match result {
         Ok(()) => EXIT_DONE,
         Err(fault) => {
-            tracing::error!("{fault}");
+            match &fault {
+                Fault::Scene(error) => tracing::error!("{}", error.report()),
+                other => tracing::error!("{other}"),
+            }
             fault.exit_code()
         }
     }

@@ -73,7 +73,7 @@ fn film(
     if out.extension().is_none_or(|e| e != "png") {
         return Err(Fault::Usage(format!("{}: an animated picture must end in .png", out.display())));
     }
-    let store = Store::on_disk(folder);
+    let store = Store::open(folder).map_err(pipeline::StageError::from)?;
     let manifest =
         store.manifest(Scope::Scene(scene), SIMULATE).map_err(pipeline::StageError::from)?.ok_or_else(
             || Fault::Usage(format!("{}: scene {scene} has no log: run {SIMULATE}", folder.display())),

@@ -1,6 +1,6 @@
 //! The merging stage: one list of unique objects per frame, tracks over the scene.
 
-use pipeline::{Job, Stage, StageError, TrackSettings};
+use pipeline::{At, Job, Stage, StageError, TrackSettings};
 use replay::SIMULATE;
 use schema::scene_info::SceneInfo;
 use schema::tables::{BoxRow, ValidBoxRow};
@@ -19,7 +19,7 @@ fn run(job: &mut Job<'_, TrackSettings>) -> Result<(), StageError> {
     let info: SceneInfo =
         store.read_json(&info_key)?.ok_or_else(|| StoreError::Missing { path: store.location(&info_key) })?;
 
-    let (frames, tracks) = tracks::merge(&boxes, &valid).map_err(|e| StageError::failed(&e))?;
+    let (frames, tracks) = tracks::merge(&boxes, &valid).at(|| job.place())?;
     let counts = tracks::count(&frames, info.frames);
     if let Some(mut unit) = job.unit("tracks")? {
         unit.rows(&key("tracks.parquet"), &tracks)?;

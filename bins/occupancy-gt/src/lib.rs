@@ -2,7 +2,7 @@
 
 use counts::PartialCounts;
 use formats::{DEFAULT_LEVEL, Scalar, encode_member, frame_member};
-use pipeline::{Job, Pulse, Stage, StageError};
+use pipeline::{At, Job, Place, Progress, Stage, StageError};
 use replay::{Replay, Spare, archive_frames};
 use schema::ObjectId;
 use schema::settings::{OccupancySettings, PerAgent};
@@ -22,7 +22,8 @@ fn run(job: &mut Job<'_, Seen>) -> Result<(), StageError> {
     let replay = Replay::open(job)?;
     let agents = replay.log.agent_ids().to_vec();
     let frames = replay.log.frame_count();
-    job.pulse().set_total(u64::from(frames) * agents.len() as u64);
+    let progress = job.progress();
+    progress.set_total(u64::from(frames) * agents.len() as u64);
 
     for (position, agent) in agents.iter().enumerate() {
         let settings = settings.of(*agent);
@@ -30,9 +31,9 @@ fn run(job: &mut Job<'_, Seen>) -> Result<(), StageError> {
             continue;
         }
         let name = agent.to_string();
-        let Some((mut unit, pulse)) = job.unit_and_pulse(&name)? else { continue };
+        let Some(mut unit) = job.unit(&name)? else { continue };
         let work = Work { replay: &replay, position, settings };
-        let counts = work.grids(&mut unit, &keys::occupancy(scene, *agent), &name, pulse)?;
+        let counts = work.grids(&mut unit, &keys::occupancy(scene, *agent), &name, &progress)?;
         unit.rows(&keys::partial_stats(scene, &format!("{}.{name}", NAME)), &counts.rows())?;
         unit.finish()?;
     }
@@ -46,33 +47,35 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
+    fn place(&self, frame: u32) -> Place {
+        let log = &self.replay.log;
+        Place::scene(log.info.scene).frame(frame).agent(log.agent_ids()[self.position])
+    }
+
     /// One member per frame, `[x, y, z]` tags.
     fn grids(
         &self,
         unit: &mut Unit<'_>,
         key: &str,
         name: &str,
-        pulse: Pulse<'_>,
+        progress: &Progress,
     ) -> Result<PartialCounts, StageError> {
         let frames = self.replay.log.frame_count();
         let spare = Spare::default();
         let one = |frame: u32| {
-            let (mut voxelizer, mut grid) = spare.take(|| {
-                Voxelizer::new(self.settings)
-                    .map(|v| (v, VoxelGrid::default()))
-                    .map_err(|e| StageError::failed(&e))
-            })?;
+            let make = || Voxelizer::new(self.settings).map(|v| (v, VoxelGrid::default()));
+            let (mut voxelizer, mut grid) = spare.take(make).at(|| self.place(frame))?;
             self.voxelize(frame, &mut voxelizer, &mut grid);
             let mut counts = PartialCounts::new();
             grid.add_to(&mut counts, name, Filling::Hollow);
             let member =
                 encode_member(&frame_member(frame), Scalar::U8, &grid.shape, &grid.data, DEFAULT_LEVEL)
-                    .map_err(|e| StageError::failed(&e))?;
+                    .at(|| self.place(frame))?;
             spare.give((voxelizer, grid));
             Ok((member, counts))
         };
         let mut counts = PartialCounts::new();
-        archive_frames(unit, key, frames, pulse, one, |of_frame| counts.merge(of_frame))?;
+        archive_frames(unit, key, frames, progress, one, |of_frame| counts.merge(of_frame))?;
         Ok(counts)
     }
 

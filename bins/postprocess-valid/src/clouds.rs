@@ -1,7 +1,7 @@
 //! An agent's lidar and radar readings, one frame at a time.
 
 use frames::{Agent, Pose, World};
-use pipeline::StageError;
+use pipeline::{At, Place, StageError};
 use schema::AgentId;
 use schema::settings::Mount;
 use schema::settings::stages::RangeRig;
@@ -9,6 +9,7 @@ use schema::tables::{LidarRow, RadarRow};
 use store::{RowGroups, keys};
 use validity::{PointCloud, radar_to_cartesian};
 
+use crate::error::InputError;
 use crate::{RENDER, Work};
 
 /// The open tables of an agent's range sensors.
@@ -24,22 +25,21 @@ pub(crate) struct Readings {
 }
 
 struct Rows<R> {
-    location: String,
+    place: Place,
     groups: RowGroups<R>,
     ready: std::vec::IntoIter<R>,
 }
 
 impl<R: schema::table::Row> Rows<R> {
     fn next(&mut self, frame: u32) -> Result<R, StageError> {
+        let place = || self.place.clone().frame(frame);
         loop {
             if let Some(row) = self.ready.next() {
                 return Ok(row);
             }
             match self.groups.next() {
                 Some(group) => self.ready = group?.into_iter(),
-                None => {
-                    return Err(StageError::Failed(format!("{}: ends before frame {frame}", self.location)));
-                }
+                None => return Err(InputError::Ends).at(place),
             }
         }
     }
@@ -58,7 +58,8 @@ impl Clouds {
         ) -> Result<Rows<R>, StageError> {
             let key = keys::sensor(job.scene(), agent, name);
             let groups = job.store().row_groups(job.input(RENDER)?, &key)?;
-            Ok(Rows { location: job.store().location(&key), groups, ready: Vec::new().into_iter() })
+            let place = job.place().agent(agent).sensor(name).in_file(job.store().location(&key));
+            Ok(Rows { place, groups, ready: Vec::new().into_iter() })
         }
         Ok(Self {
             lidars: rig
@@ -79,21 +80,21 @@ impl Clouds {
     /// # Errors
     /// A table is broken, ends, or goes on with another frame.
     pub(crate) fn next_frame(&mut self, frame: u32) -> Result<Readings, StageError> {
-        let check = |found: u32, location: &str| {
+        let check = |found: u32, place: &Place| {
             if found == frame {
                 return Ok(());
             }
-            Err(StageError::Failed(format!("{location}: has frame {found} where {frame} was expected")))
+            Err(InputError::OtherFrame { found }).at(|| place.clone().frame(frame))
         };
         let mut readings = Readings { lidars: Vec::new(), radars: Vec::new() };
         for (mount, rows) in &mut self.lidars {
             let row = rows.next(frame)?;
-            check(row.frame, &rows.location)?;
+            check(row.frame, &rows.place)?;
             readings.lidars.push((*mount, [row.x, row.y, row.z]));
         }
         for (mount, rows) in &mut self.radars {
             let row = rows.next(frame)?;
-            check(row.frame, &rows.location)?;
+            check(row.frame, &rows.place)?;
             readings.radars.push((*mount, radar_to_cartesian(&row.depth, &row.altitude, &row.azimuth)));
         }
         Ok(readings)

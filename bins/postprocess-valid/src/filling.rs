@@ -1,15 +1,18 @@
 //! Filled voxel grids.
 
+use std::error::Error;
+
 use counts::PartialCounts;
 use fill::Filler;
 use formats::{Array, DEFAULT_LEVEL, NpzError, NpzReader, Scalar, encode_member, frame_member};
-use pipeline::StageError;
+use pipeline::{At, Place, StageError};
 use replay::{Spare, archive_frames};
 use schema::AgentId;
 use schema::settings::OccupancySettings;
-use store::{ReadSeek, StoreError, keys};
+use store::{ShardStream, StoreError, keys};
 use voxelgrid::{Filling, VoxelGrid};
 
+use crate::error::InputError;
 use crate::{NAME, OCCUPANCY, Work};
 
 /// Fills every grid of an agent.
@@ -25,26 +28,27 @@ pub(crate) fn fill_agent(
     let key = keys::occupancy(scene, agent);
     let (store, manifest) = (job.store().clone(), job.input(OCCUPANCY)?.clone());
     let grids = Grids { path: store.location(&key), scene, agent };
-    let open = || grids.open(store.open_output(&manifest, &key)?.into_stream());
+    let open = || grids.open(store.stream_output(&manifest, &key)?);
     let frames = open()?.members().len() as u32;
 
-    let Some((mut unit, pulse)) = job.unit_and_pulse(&format!("occupancy.{name}"))? else { return Ok(()) };
+    let progress = job.progress();
+    let Some(mut unit) = job.unit(&format!("occupancy.{name}"))? else { return Ok(()) };
     let spare = Spare::default();
     let one = |frame: u32| {
         let (mut reader, mut filler) = spare.take(|| Ok::<_, StageError>((open()?, Filler::default())))?;
         let mut grid = grids.read(&mut reader, frame)?;
-        filler.fill(&mut grid, settings.voxel_m).map_err(|e| grids.broken(Some(frame), &e.to_string()))?;
+        filler.fill(&mut grid, settings.voxel_m).map_err(|e| grids.broken(Some(frame), e))?;
         spare.give((reader, filler));
         let mut counts = PartialCounts::new();
         grid.add_to(&mut counts, &name, Filling::Filled);
         let member = frame_member(frame);
         let encoded = encode_member(&member, Scalar::U8, &grid.shape, &grid.data, DEFAULT_LEVEL)
-            .map_err(|e| StageError::failed(&e))?;
+            .at(|| grids.place(Some(frame)))?;
         Ok((encoded, counts))
     };
     let mut counts = PartialCounts::new();
     let filled = keys::occupancy_filled(scene, agent);
-    archive_frames(&mut unit, &filled, frames, pulse, one, |of_frame| counts.merge(of_frame))?;
+    archive_frames(&mut unit, &filled, frames, &progress, one, |of_frame| counts.merge(of_frame))?;
     unit.rows(&keys::partial_stats(scene, &format!("{}.{name}", NAME)), &counts.rows())?;
     unit.finish()?;
     Ok(())
@@ -61,34 +65,33 @@ struct Grids {
 }
 
 impl Grids {
-    fn open(&self, stream: Box<dyn ReadSeek>) -> Result<NpzReader<Box<dyn ReadSeek>>, StageError> {
+    fn open(&self, stream: ShardStream) -> Result<NpzReader<ShardStream>, StageError> {
         let reader = NpzReader::new(stream).map_err(|e| self.unreadable(None, e))?;
         Ok(reader.with_max_bytes(MAX_MEMBER_BYTES))
     }
 
-    fn read(&self, reader: &mut NpzReader<Box<dyn ReadSeek>>, frame: u32) -> Result<VoxelGrid, StageError> {
+    fn read(&self, reader: &mut NpzReader<ShardStream>, frame: u32) -> Result<VoxelGrid, StageError> {
         let member = frame_member(frame);
         let array = reader.read(&member).map_err(|e| self.unreadable(Some(frame), e))?;
-        grid_of(array).ok_or_else(|| {
-            self.broken(Some(frame), &format!("{member}: is no three-dimensional array of bytes"))
-        })
+        grid_of(array).ok_or_else(|| self.broken(Some(frame), InputError::NoGrid { member }))
     }
 
     /// A failing disk is not a broken archive.
     fn unreadable(&self, frame: Option<u32>, error: NpzError) -> StageError {
         match error {
-            NpzError::Io(source) => StoreError::io(&self.path, "read", source).into(),
-            error => self.broken(frame, &error.to_string()),
+            NpzError::Io(source) => StoreError::read(&self.path, "read", source).into(),
+            error => self.broken(frame, error),
         }
     }
 
     /// What is wrong with which frame, and what to do about it.
-    fn broken(&self, frame: Option<u32>, problem: &str) -> StageError {
-        let Self { path, scene, agent } = self;
-        let frame = frame.map_or_else(String::new, |frame| format!(" frame {frame}"));
-        StageError::Failed(format!(
-            "{path}: {problem} (scene {scene} {agent}{frame}; run {OCCUPANCY} for this scene again with --force)"
-        ))
+    fn broken(&self, frame: Option<u32>, cause: impl Error + Send + Sync + 'static) -> StageError {
+        let source = InputError::Grids(cause.into()).into();
+        StageError::Failed { place: Box::new(self.place(frame)), source }
+    }
+
+    fn place(&self, frame: Option<u32>) -> Place {
+        Place { frame, ..Place::scene(self.scene).agent(self.agent).in_file(&self.path) }
     }
 }
 

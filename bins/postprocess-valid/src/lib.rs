@@ -1,11 +1,12 @@
 //! The post-processing stage: points per box, valid flag, difficulty; filled voxel grids.
 
 mod clouds;
+mod error;
 mod filling;
 
 use std::collections::BTreeMap;
 
-use pipeline::{Job, Stage, StageError};
+use pipeline::{At, Job, Stage, StageError};
 use replay::SIMULATE;
 use schema::AgentId;
 use schema::scene_info::SceneInfo;
@@ -15,6 +16,7 @@ use store::{StoreError, keys};
 use validity::{Evidence, PixelCounts};
 
 use crate::clouds::Clouds;
+use crate::error::InputError;
 
 /// The stage.
 pub const STAGE: Stage<ValiditySettings> = Stage::new(run);
@@ -31,7 +33,7 @@ fn run(job: &mut Work<'_>) -> Result<(), StageError> {
     let agents = agents_of(job)?;
     let occupied: Vec<&AgentId> = agents.iter().filter(|a| settings.occupancy.of(**a).enabled).collect();
     let frames = frames_of(job)?;
-    job.pulse().set_total(u64::from(frames) * (agents.len() + occupied.len()) as u64);
+    job.progress().set_total(u64::from(frames) * (agents.len() + occupied.len()) as u64);
 
     for agent in &occupied {
         filling::fill_agent(job, **agent, settings.occupancy.of(**agent))?;
@@ -53,7 +55,7 @@ fn scene_info(job: &Work<'_>) -> Result<SceneInfo, StageError> {
 }
 
 fn agents_of(job: &Work<'_>) -> Result<Vec<AgentId>, StageError> {
-    let parse = |a: &schema::scene_info::AgentInfo| a.agent.parse().map_err(|e| StageError::failed(&e));
+    let parse = |a: &schema::scene_info::AgentInfo| a.agent.parse::<AgentId>().at(|| job.place());
     scene_info(job)?.agents.iter().map(parse).collect()
 }
 
@@ -68,7 +70,7 @@ fn validate_all(
     agents: &[AgentId],
     boxes: &[BoxRow],
 ) -> Result<Vec<ValidBoxRow>, StageError> {
-    let scene = job.scene();
+    let (scene, progress) = (job.scene(), job.progress());
     let agent_rows: Vec<AgentRow> =
         job.store().read_rows(job.input(SIMULATE)?, &keys::scene(scene, "agents.parquet"))?;
     let mut valid: Vec<Option<ValidBoxRow>> = vec![None; boxes.len()];
@@ -97,14 +99,13 @@ fn validate_all(
             for (&row, judged) in rows.iter().zip(validity::validate(&of_frame, &evidence)) {
                 valid[row] = Some(judged);
             }
-            job.pulse().beat(1)?;
+            progress.advance(1)?;
         }
     }
-    let path = job.store().location(&keys::scene(scene, "boxes.parquet"));
     let judged: Option<Vec<ValidBoxRow>> = valid.into_iter().collect();
-    judged.ok_or_else(|| {
-        StageError::Failed(format!("{path}: has boxes of an agent or frame that does not exist"))
-    })
+    judged
+        .ok_or(InputError::Boxes)
+        .at(|| job.place().in_file(job.store().location(&keys::scene(scene, "boxes.parquet"))))
 }
 
 /// Pixels per object and tag, by frame.

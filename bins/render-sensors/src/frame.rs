@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use frames::{Agent, LocalOrigin, Pose, World};
 use glam::Affine3A;
-use pipeline::StageError;
+use pipeline::{At, Place, StageError};
 use random::Stream;
 use replay::Replay;
 use schema::settings::{Mount, Rig};
@@ -61,12 +61,15 @@ impl<'a> Station<'a> {
         geo_origin: GeoOrigin,
     ) -> Result<Self, StageError> {
         let agent = replay.log.agent_ids()[position];
-        let scene = u64::from(replay.log.info.scene);
-        let stream = |sensor: &str| Stream::new(seed, scene, &format!("sensors/{agent}/{sensor}"), 0);
+        let scene = replay.log.info.scene;
+        let stream = |sensor: &str| Stream::new(seed, scene.into(), &format!("sensors/{agent}/{sensor}"), 0);
         let lidars = rig
             .lidars
             .iter()
-            .map(|spec| Ok((Lidar::new(spec).map_err(|e| StageError::failed(&e))?, stream(&spec.name))))
+            .map(|spec| {
+                let place = || Place::scene(scene).agent(agent).sensor(&spec.name);
+                Ok((Lidar::new(spec).at(place)?, stream(&spec.name)))
+            })
             .collect::<Result<_, StageError>>()?;
         let radars = rig.radars.iter().map(|spec| stream(&spec.name)).collect();
         let (gnss, imu) = (stream("GNSS"), stream("IMU"));
@@ -149,13 +152,10 @@ impl<'a> Station<'a> {
             .iter()
             .map(|camera| {
                 let view = CameraView::new(origin, now, before, &camera.mount, settings);
-                sensors::render_camera(scene, &view, lighting.as_ref()).map_err(|e| {
-                    let info = &self.replay.log.info;
-                    let agent = self.replay.log.agent_ids()[self.position];
-                    StageError::Failed(format!(
-                        "scene {} frame {frame} {agent} {}: {e}",
-                        info.scene, camera.name
-                    ))
+                sensors::render_camera(scene, &view, lighting.as_ref()).at(|| {
+                    let log = &self.replay.log;
+                    let agent = log.agent_ids()[self.position];
+                    Place::scene(log.info.scene).frame(frame).agent(agent).sensor(&camera.name)
                 })
             })
             .collect()

@@ -1,5 +1,6 @@
 //! The sensor stage: what every agent's cameras, lidars, radars, GNSS and IMU gave at every frame.
 
+mod error;
 mod frame;
 mod shards;
 
@@ -25,14 +26,15 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
     let agents = replay.log.agent_ids().to_vec();
     let frames = replay.log.frame_count();
     let geo_origin = geo_origin(&replay);
-    job.pulse().set_total(u64::from(frames) * agents.len() as u64);
+    let progress = job.progress();
+    progress.set_total(u64::from(frames) * agents.len() as u64);
 
     for (position, agent) in agents.iter().enumerate() {
         let rig = settings.rigs.of(*agent);
-        let Some((mut unit, pulse)) = job.unit_and_pulse(&agent.to_string())? else { continue };
+        let Some(mut unit) = job.unit(&agent.to_string())? else { continue };
         let station = Station::new(&replay, &meshes, position, rig, settings.seed, geo_origin)?;
         let mut shards = Shards::create(&unit, scene, *agent, rig)?;
-        in_frame_order(frames, pulse, |frame| station.sense(frame), |_, readings| shards.push(readings))?;
+        in_frame_order(frames, &progress, |frame| station.sense(frame), |_, readings| shards.push(readings))?;
         let (finished, counts) = shards.finish()?;
         for shard in finished {
             unit.add(shard);

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use counts::PartialCounts;
-use pipeline::StageError;
+use pipeline::{At, Place, StageError};
 use schema::settings::{Mount, Rig};
 use schema::table::Row;
 use schema::tables::{
@@ -14,6 +14,7 @@ use schema::{AgentId, measures};
 use sensors::SENSOR_METADATA_KEY;
 use store::{Finished, TableOptions, TableWriter, Unit, keys};
 
+use crate::error::KindError;
 use crate::frame::{LidarReading, Readings};
 
 /// Kind of the tables of optical flow.
@@ -136,11 +137,7 @@ impl Shards {
                     table.push(&[row])?;
                     points
                 }
-                _ => {
-                    return Err(StageError::Failed(format!(
-                        "{name}: reading and table are of different kinds"
-                    )));
-                }
+                _ => return Err(KindError).at(|| Place::default().frame(frame).sensor(name)),
             };
             self.counts.add(&self.agent, measures::sensors::LIDAR_POINTS, name, 0, points as u64);
         }

@@ -3,11 +3,13 @@
 use std::collections::BTreeMap;
 
 use opendrive::Map;
-use pipeline::StageError;
+use pipeline::{At, Place, StageError};
 use schema::scene_info::{AgentInfo, SceneInfo};
 use schema::settings::stages::SimulationSettings;
 use schema::tables::{PlanAgentRow, PlanSceneRow, Weather};
 use traffic::SceneLog;
+
+use crate::error::LogError;
 
 /// Facts about a simulated scene.
 ///
@@ -23,9 +25,9 @@ pub(crate) fn scene_info(
     let agents = agents
         .iter()
         .map(|agent| {
-            let actor = log.actors.iter().find(|a| a.role == agent.agent).ok_or_else(|| {
-                StageError::Failed(format!("scene {}: {} was not simulated", plan.scene, agent.agent))
-            })?;
+            let actor = log.actors.iter().find(|a| a.role == agent.agent);
+            let missing = || LogError::NotSimulated { agent: agent.agent.clone() };
+            let actor = actor.ok_or_else(missing).at(|| Place::scene(plan.scene))?;
             Ok(AgentInfo {
                 agent: agent.agent.clone(),
                 id: actor.id,

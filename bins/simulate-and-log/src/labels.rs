@@ -7,11 +7,13 @@ use annotation::hd_map::HdMap;
 use counts::PartialCounts;
 use frames::{Pose, World};
 use opendrive::Map;
-use pipeline::StageError;
+use pipeline::{At, Place, StageError};
 use schema::scene_info::SceneInfo;
 use schema::tables::{ActorRow, AgentRow, BoxRow, HdMapRow, PartialRow, StateRow};
 use schema::{AgentId, FRAME_PERIOD_S, ObjectId, measures};
 use traffic::SceneLog;
+
+use crate::error::LogError;
 
 /// Labels of all frames of a scene.
 pub(crate) struct Labels {
@@ -38,7 +40,7 @@ impl Labels {
             .iter()
             .map(|a| a.agent.parse().map(|id| (id, a.id)))
             .collect::<Result<_, _>>()
-            .map_err(|e| StageError::failed(&e))?;
+            .at(|| Place::scene(info.scene))?;
         let hd_map = HdMap::new(map);
         let mut labels =
             Self { agents: Vec::new(), boxes: Vec::new(), hd_map: Vec::new(), counts: Vec::new() };
@@ -61,9 +63,8 @@ impl Labels {
                 let object = &objects[usize::from(id) - 1];
                 let world_from_agent = Pose::from_isometry(*object.world_from_object.isometry());
                 labels.agents.push(agent_row(frame, agent, object));
-                let record = hd_map.record(frame, agent, &world_from_agent).ok_or_else(|| {
-                    StageError::Failed(format!("scene {} frame {frame} {agent}: no driving lane", info.scene))
-                })?;
+                let record = hd_map.record(frame, agent, &world_from_agent).ok_or(LogError::NoLane);
+                let record = record.at(|| Place::scene(info.scene).frame(frame).agent(agent))?;
                 labels.hd_map.push(record);
                 observers.push(Observer { agent, id, world_from_agent });
             }

@@ -1,5 +1,6 @@
 //! The simulation stage: from a scene's plan to its log, the raw boxes and the HD-map records.
 
+mod error;
 mod ground;
 mod info;
 mod labels;
@@ -7,7 +8,7 @@ mod lamps;
 
 use std::ops::ControlFlow;
 
-use pipeline::{Job, Stage, StageError};
+use pipeline::{At, Job, Place, Progress, Stage, StageError};
 use random::Stream;
 use schema::ObjectId;
 use schema::settings::stages::SimulationSettings;
@@ -15,6 +16,7 @@ use schema::tables::PlanSceneRow;
 use store::keys;
 use traffic::{SceneInput, SceneLog};
 
+use crate::error::LogError;
 use crate::labels::Labels;
 
 /// The stage.
@@ -30,10 +32,10 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     let settings = job.settings().clone();
     let scene = job.scene();
 
-    let Some((mut unit, pulse)) = job.unit_and_pulse("scene")? else { return Ok(()) };
+    let (progress, place) = (job.progress(), job.place());
+    let Some(mut unit) = job.unit("scene")? else { return Ok(()) };
     let centres: Vec<[f64; 3]> = agents.iter().map(|a| a.xyz_m).collect();
-    let mut fixed =
-        scenery::place(&map, &settings.world, plan.seed, &centres, 1).map_err(|e| StageError::failed(&e))?;
+    let mut fixed = scenery::place(&map, &settings.world, plan.seed, &centres, 1).at(|| place.clone())?;
     let lamps = lamps::draw(&mut fixed, &plan, &settings.lights);
     let first_id = fixed.last().map_or(1, |a| a.id.saturating_add(1));
     let mut log = simulate(
@@ -46,7 +48,7 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
             fixed: &fixed,
             first_id,
         },
-        pulse,
+        &progress,
     )?;
     say_what_lacks(&plan, &log);
     for actor in &mut log.actors {
@@ -55,12 +57,12 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     }
     let mut actors = fixed;
     actors.extend(log.actors.iter().cloned());
-    check_ids(&actors.iter().map(|a| a.id).collect::<Vec<_>>())?;
-    ground::stand(&map, &mut actors, &mut log.states).map_err(|e| StageError::failed(&e))?;
+    check_ids(&actors.iter().map(|a| a.id).collect::<Vec<_>>()).at(|| place.clone())?;
+    ground::stand(&map, &mut actors, &mut log.states).at(|| place.clone())?;
 
     let info = info::scene_info(&plan, &agents, &log, &map, &settings)?;
     let labels = Labels::collect(&map, &actors, &log, &info, settings.box_radius_m)?;
-    let json = serde_json::to_vec_pretty(&info).map_err(|e| StageError::failed(&e))?;
+    let json = serde_json::to_vec_pretty(&info).at(|| place.clone())?;
     let key = |name: &str| keys::scene(scene, name);
     unit.bytes(&key("log/scene.json"), &json, 1)?;
     unit.rows(&key("log/actors.parquet"), &actors)?;
@@ -92,14 +94,14 @@ fn say_what_lacks(plan: &PlanSceneRow, log: &SceneLog) {
     }
 }
 
-fn simulate(input: &SceneInput<'_>, pulse: pipeline::Pulse<'_>) -> Result<SceneLog, StageError> {
+fn simulate(input: &SceneInput<'_>, progress: &Progress) -> Result<SceneLog, StageError> {
     let mut stopped = None;
     let mut told = 0;
     let outcome = traffic::simulate(input, &mut |done, total| {
-        pulse.set_total(total as u64);
+        progress.set_total(total as u64);
         let step = done.saturating_sub(told) as u64;
         told = done;
-        match pulse.beat(step) {
+        match progress.advance(step) {
             Ok(()) => ControlFlow::Continue(()),
             Err(e) => {
                 stopped = Some(e);
@@ -109,17 +111,14 @@ fn simulate(input: &SceneInput<'_>, pulse: pipeline::Pulse<'_>) -> Result<SceneL
     });
     match (stopped, outcome) {
         (Some(stop), _) => Err(stop),
-        (None, outcome) => outcome.map_err(|e| StageError::failed(&e)),
+        (None, outcome) => outcome.at(Place::default),
     }
 }
 
 /// Ids must be 1, 2, 3, ...: one number per object, never reused.
-fn check_ids(ids: &[ObjectId]) -> Result<(), StageError> {
+fn check_ids(ids: &[ObjectId]) -> Result<(), LogError> {
     match ids.iter().enumerate().find(|(i, id)| usize::from(**id) != i + 1) {
-        Some((i, id)) => Err(StageError::Failed(format!(
-            "object number {} has id {id}: a scene can hold at most 65535 objects (lower world.radius_m)",
-            i + 1
-        ))),
+        Some((i, id)) => Err(LogError::Ids { number: i + 1, id: *id }),
         None => Ok(()),
     }
 }

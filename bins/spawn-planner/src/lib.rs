@@ -1,12 +1,13 @@
 //! The planning stage: reads maps, plans scenes, keeps everything a store needs to be complete by itself.
 
+mod error;
 mod forecast;
 mod maps;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use pipeline::{Job, Stage, StageError, StageSettings};
+use pipeline::{At, Job, Place, Stage, StageError, StageSettings};
 use plan::{Plan, PlanMap, Roster, SceneSlot};
 use schema::settings::DatasetSettings;
 use schema::settings::stages::PlanSettings;
@@ -44,7 +45,7 @@ fn make(as_written: &PlanSettings, folder: Option<&Path>, store: &Store) -> Resu
         let hash = store::hash_bytes(&source.text);
         maps.insert(name.clone(), PlanMap { map: maps::parse(source)?, hash });
     }
-    let plan = plan::plan_slots(&settings, &roster.slots, &maps).map_err(|e| StageError::failed(&e))?;
+    let plan = plan::plan_slots(&settings, &roster.slots, &maps).at(Place::default)?;
     for warning in roster.warnings.iter().chain(&plan.warnings) {
         tracing::warn!("{warning}");
     }
@@ -77,7 +78,7 @@ fn run(job: &mut Job<'_, PlanSettings>) -> Result<(), StageError> {
                 unit.rows(&keys::vector_map(name), &vectormap::rows(&own.map))?;
             }
         }
-        let mut json = serde_json::to_vec_pretty(&roster.slots).map_err(|e| StageError::failed(&e))?;
+        let mut json = serde_json::to_vec_pretty(&roster.slots).at(Place::default)?;
         json.push(b'\n');
         unit.bytes(keys::ROSTER, &json, roster.slots.len() as u64)?;
         unit.rows(keys::PLAN_SCENES, &plan.scenes)?;
@@ -99,7 +100,7 @@ fn enrol(store: &Store, settings: &PlanSettings) -> Result<Roster, StageError> {
             made.push(slot.scene);
         }
     }
-    plan::enrol(settings, &existing, &|scene| made.contains(&scene)).map_err(|e| StageError::failed(&e))
+    plan::enrol(settings, &existing, &|scene| made.contains(&scene)).at(Place::default)
 }
 
 /// Digest of everything the plan says about one scene: the simulation of a scene depends on nothing else of it.

@@ -5,10 +5,12 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use opendrive::Map;
-use pipeline::StageError;
+use pipeline::{At, Place, StageError};
 use plan::SceneSlot;
 use schema::settings::stages::PlanSettings;
 use store::{Store, keys};
+
+use crate::error::MapError;
 
 /// Digests of the map files, by name in the store. Our own towns are part of the code; a file that is not found now is
 /// in the store already, or missed with a message when it is needed.
@@ -57,9 +59,8 @@ pub(crate) fn texts(
         if let Some(other) = written_as.insert(name, written)
             && other != written
         {
-            return Err(StageError::Usage(format!(
-                "maps `{other}` and `{written}` are both called `{name}`: rename one of the files"
-            )));
+            let [first, second, name] = [other, written, name].map(str::to_owned);
+            return Err(StageError::usage(MapError::SameName { first, second, name }));
         }
     }
     let mut texts = BTreeMap::new();
@@ -70,15 +71,14 @@ pub(crate) fn texts(
         let written = written_as.get(name).copied();
         let source = match (town::named(name), written) {
             (Some(parameters), _) => {
-                let network = town::generate(&parameters).map_err(|e| StageError::failed(&e))?;
+                let network = town::generate(&parameters).at(Place::default)?;
                 MapSource { text: opendrive::write(&network).into_bytes(), origin: name.to_owned() }
             }
             (None, Some(written)) => read_map_file(written, folder)?,
             (None, None) => {
                 let origin = store.location(&keys::map(name));
-                let text = replay::read_map_text(store, name)?.ok_or_else(|| {
-                    StageError::Failed(format!("{origin}: missing, and older scenes stand on this map"))
-                })?;
+                let text = replay::read_map_text(store, name)?.ok_or(MapError::Gone);
+                let text = text.at(|| Place::file(&origin))?;
                 MapSource { text, origin }
             }
         };
@@ -96,15 +96,11 @@ fn read_map_file(written: &str, folder: Option<&Path>) -> Result<MapSource, Stag
         below.into_iter().chain([PathBuf::from(written)]).collect()
     } else {
         let Some(folder) = folder else {
-            return Err(StageError::Usage(format!(
-                "map `{written}` is none of our own towns ({own}): give the path of its .xodr file instead, or say \
-                 in which folder it is with --maps FOLDER"
-            )));
+            let written = written.to_owned();
+            return Err(StageError::usage(MapError::NoFolder { written, own }));
         };
         if written.split(['/', '\\']).any(|part| part.is_empty() || part.starts_with('.')) {
-            return Err(StageError::Usage(format!(
-                "map `{written}` is not a plain name: give the whole path of the file, with its ending .xodr"
-            )));
+            return Err(StageError::usage(MapError::NotPlain { written: written.to_owned() }));
         }
         ENDINGS.iter().map(|ending| folder.join(format!("{written}{ending}"))).collect()
     };
@@ -115,12 +111,15 @@ fn read_map_file(written: &str, folder: Option<&Path>) -> Result<MapSource, Stag
                 return Ok(MapSource { text, origin: path.display().to_string() });
             }
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => {}
-            Err(e) => return Err(StageError::Usage(format!("{}: cannot read the map: {e}", path.display()))),
+            Err(source) => {
+                let path = path.clone();
+                return Err(StageError::usage(MapError::Unreadable { path, source }));
+            }
         }
     }
     let looked: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
-    let looked = looked.join(" nor ");
-    Err(StageError::Usage(format!("map `{written}`: there is no {looked}; our own towns are {own}")))
+    let (written, looked) = (written.to_owned(), looked.join(" nor "));
+    Err(StageError::usage(MapError::NotFound { written, looked, own }))
 }
 
 /// The text of a map file that may be gzipped: the store keeps the text, so its hash does not depend on packing.
@@ -133,14 +132,14 @@ fn unpack(bytes: Vec<u8>, path: &Path) -> Result<Vec<u8>, StageError> {
     flate2::read::GzDecoder::new(bytes.as_slice())
         .take(LARGEST)
         .read_to_end(&mut text)
-        .map_err(|e| StageError::Failed(format!("{}: broken gzip file: {e}", path.display())))?;
+        .map_err(MapError::Gzip)
+        .at(|| Place::file(path.display().to_string()))?;
     Ok(text)
 }
 
 pub(crate) fn parse(source: &MapSource) -> Result<Map, StageError> {
     let origin = &source.origin;
-    let network =
-        opendrive::read_bytes(&source.text).map_err(|e| StageError::Failed(format!("{origin}: {e}")))?;
+    let network = opendrive::read_bytes(&source.text).at(|| Place::file(origin))?;
     if !network.warnings.is_empty() {
         let count = network.warnings.len();
         tracing::info!("{origin}: {count} peculiarities in the file (CONVOY_LOG=debug lists them)");

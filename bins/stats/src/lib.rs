@@ -1,12 +1,14 @@
 //! The statistics stage: partial counts of all scenes into tables, figures and a report.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use analysis::{DatasetFacts, MeasureTotals, compute_tables, draw_figures, report_html, to_csv};
 use pipeline::{Job, Stage, StageError};
 use replay::SIMULATE;
 use schema::scene_info::SceneInfo;
 use schema::settings::stages::StatisticsSettings;
 use schema::tables::PartialRow;
-use store::keys;
+use store::{Manifest, keys};
 
 /// The stage.
 pub const STAGE: Stage<StatisticsSettings> = Stage::new(run);
@@ -18,34 +20,33 @@ const COUNTING: [&str; 6] =
 fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
     let store = job.store().clone();
     let planned = job.planned_scenes()?;
+    let progress = job.progress();
+    progress.set_total(planned.len() as u64);
+    let done = done_stages(job, &planned)?;
+    let covered = covered(&done);
+    if covered.len() < planned.len() {
+        let (covered, planned) = (covered.len(), planned.len());
+        tracing::warn!("statistics of {covered} of {planned} scenes: the others are not finished");
+    }
     let mut counts = MeasureTotals::default();
     let mut scenes: Vec<SceneInfo> = Vec::new();
-    let mut unfinished = 0;
-    job.pulse().set_total(planned.len() as u64);
-    for &scene in &planned {
-        let mut whole = true;
-        for stage in COUNTING {
-            let Some(manifest) = job.manifest_if_done(stage, scene)? else {
-                whole = false;
-                continue;
-            };
-            let folder = keys::scene(scene, "stats/");
+    for (scene, manifests) in &covered {
+        let folder = keys::scene(*scene, "stats/");
+        for manifest in *manifests {
             for output in manifest.outputs.iter().filter(|o| o.key.starts_with(&folder)) {
-                counts.add(&store.read_rows::<PartialRow>(&manifest, &output.key)?);
-            }
-            if stage == SIMULATE {
-                scenes.extend(store.read_json::<SceneInfo>(&keys::scene(scene, "log/scene.json"))?);
+                counts.add(&store.read_rows::<PartialRow>(manifest, &output.key)?);
             }
         }
-        unfinished += u32::from(!whole);
-        job.pulse().beat(1)?;
-    }
-    if unfinished > 0 {
-        tracing::warn!("{unfinished} of {} scenes are not finished: their counts are partial", planned.len());
+        scenes.extend(store.read_json::<SceneInfo>(&keys::scene(*scene, "log/scene.json"))?);
+        progress.advance(1)?;
     }
 
     let settings = job.settings();
-    let facts = DatasetFacts { name: settings.name.clone(), bev_cells_per_grid: settings.bev_cells_per_grid };
+    let facts = DatasetFacts {
+        name: settings.name.clone(),
+        planned_scenes: planned.len() as u64,
+        bev_cells_per_grid: settings.bev_cells_per_grid,
+    };
     let tables = compute_tables(&facts, &scenes, &counts);
     let figures = draw_figures(&tables);
     let Some(mut unit) = job.unit("stats")? else { return Ok(()) };
@@ -60,4 +61,53 @@ fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
     unit.bytes("stats/report.html", report_html(&tables, &figures).as_bytes(), 1)?;
     unit.finish()?;
     Ok(())
+}
+
+/// The manifests of the counting stages that are done, by scene.
+fn done_stages(
+    job: &Job<'_, StatisticsSettings>,
+    planned: &[u32],
+) -> Result<BTreeMap<u32, Vec<Manifest>>, StageError> {
+    let mut done = BTreeMap::new();
+    for &scene in planned {
+        let manifests = COUNTING.iter().map(|stage| job.manifest_if_done(stage, scene));
+        done.insert(scene, manifests.filter_map(Result::transpose).collect::<Result<Vec<_>, _>>()?);
+    }
+    Ok(done)
+}
+
+/// The scenes that every stage has done that has done any: tables of different stages speak of the same scenes. A
+/// dataset that was only simulated so far has statistics, too; a scene that failed half-way is in none.
+fn covered(done: &BTreeMap<u32, Vec<Manifest>>) -> Vec<(u32, &[Manifest])> {
+    let stages: BTreeSet<&str> = done.values().flatten().map(|m| m.stage.as_str()).collect();
+    let whole = done.iter().filter(|(_, manifests)| !manifests.is_empty() && manifests.len() == stages.len());
+    whole.map(|(scene, manifests)| (*scene, manifests.as_slice())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn done(scenes: &[(u32, &[&str])]) -> Vec<u32> {
+        let manifest = |stage: &&str| Manifest {
+            format_version: 1,
+            stage: (*stage).to_owned(),
+            code_version: String::new(),
+            config_hash: String::new(),
+            generation: 0,
+            inputs: BTreeMap::new(),
+            outputs: Vec::new(),
+            sections: BTreeMap::new(),
+            accepted_by: Vec::new(),
+        };
+        let scenes = scenes.iter().map(|(scene, stages)| (*scene, stages.iter().map(manifest).collect()));
+        covered(&scenes.collect()).iter().map(|(scene, _)| *scene).collect()
+    }
+
+    #[test]
+    fn all_tables_speak_of_the_same_scenes() {
+        assert_eq!(done(&[(0, &[SIMULATE, "bev-gt"]), (1, &[SIMULATE]), (2, &[SIMULATE, "bev-gt"])]), [0, 2]);
+        assert_eq!(done(&[(0, &[SIMULATE]), (1, &[SIMULATE]), (2, &[])]), [0, 1]);
+        assert_eq!(done(&[(0, &[]), (1, &[])]), [0; 0]);
+    }
 }

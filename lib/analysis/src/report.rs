@@ -56,6 +56,12 @@ const META: &str = "<meta charset=\"utf-8\"/>\n\
 #[must_use]
 pub fn report_html(tables: &Tables, figures: &[Figure]) -> String {
     let name = &tables.dataset;
+    let what = match tables.partial {
+        None => "Statistics of the dataset".to_owned(),
+        Some([covered, planned]) => {
+            format!("Statistics of {covered} of {planned} scenes of the dataset: the others are not finished")
+        }
+    };
     let parts = Section::ALL.map(|section| (section, section_html(section, tables, figures)));
     let parts: Vec<_> = parts.into_iter().filter(|(_, part)| !part.0.is_empty()).collect();
     let page = html! {
@@ -68,7 +74,7 @@ pub fn report_html(tables: &Tables, figures: &[Figure]) -> String {
             }
             body {
                 h1 { (name) }
-                p { "Statistics of the dataset" }
+                p { (what) }
                 nav {
                     @for (section, _) in &parts {
                         a href={ "#" (anchor(*section)) } { (section.title()) } "\n"

@@ -209,6 +209,8 @@ impl Table {
 pub struct Tables {
     /// Name of the dataset.
     pub dataset: String,
+    /// Scenes that were counted, of how many, where some of the plan are not finished.
+    pub partial: Option<[u64; 2]>,
     /// The tables, in the report's order. Their names don't depend on the data; a table may have no rows.
     pub tables: Vec<Table>,
 }

@@ -36,8 +36,23 @@ fn weather(scene: SceneInfo, parameter: &str, initial: f64, last: Option<f64>) -
 fn tables_of(scenes: &[SceneInfo], rows: &[PartialRow]) -> Tables {
     let mut counts = MeasureTotals::default();
     counts.add(rows);
-    let facts = DatasetFacts { name: "demo".into(), bev_cells_per_grid: 160_000 };
-    compute_tables(&facts, scenes, &counts)
+    compute_tables(&facts(scenes.len()), scenes, &counts)
+}
+
+fn facts(planned: usize) -> DatasetFacts {
+    DatasetFacts { name: "demo".into(), planned_scenes: planned as u64, bev_cells_per_grid: 160_000 }
+}
+
+#[test]
+fn statistics_say_which_part_of_the_dataset_they_cover() {
+    let counts = MeasureTotals::default();
+    let whole = compute_tables(&facts(2), &[scene(0, 1, 0), scene(1, 1, 0)], &counts);
+    assert!(
+        !csv(&whole, "overview").contains("planned") && report_html(&whole, &[]).contains("of the dataset<")
+    );
+    let part = compute_tables(&facts(3), &[scene(0, 1, 0), scene(1, 1, 0)], &counts);
+    assert!(csv(&part, "overview").starts_with("quantity,value\nscenes,2\nplanned_scenes,3\nmaps,1\n"));
+    assert!(report_html(&part, &[]).contains("Statistics of 2 of 3 scenes"));
 }
 
 fn csv(tables: &Tables, name: &str) -> String {

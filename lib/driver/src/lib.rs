@@ -8,8 +8,8 @@ use clap::Subcommand;
 use store::{Scope, Store};
 
 use pipeline::{
-    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, ProgressMode, SceneList, StageSpec,
-    State, StateError, UnitKind, planned_scenes, say, settings_or_faults, state_of,
+    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, ProgressMode, SceneList, StageError,
+    StageSpec, State, StateError, UnitKind, planned_scenes, say, settings_or_faults, state_of,
 };
 
 /// How often a running stage is looked at.
@@ -23,7 +23,7 @@ pub enum StoreCommand {
         /// Dataset configuration (TOML, or YAML of SimBEV2X).
         #[arg(long, value_name = "FILE")]
         config: PathBuf,
-        /// The store: a folder.
+        /// The store: a folder, by its path or as file:///FOLDER.
         #[arg(long, value_name = "DIR")]
         store: PathBuf,
         /// Folder with OpenDRIVE files.
@@ -50,7 +50,7 @@ pub enum StoreCommand {
         /// Dataset configuration (TOML, or YAML of SimBEV2X).
         #[arg(long, value_name = "FILE")]
         config: PathBuf,
-        /// The store: a folder.
+        /// The store: a folder, by its path or as file:///FOLDER.
         #[arg(long, value_name = "DIR")]
         store: PathBuf,
         /// Only these scenes.
@@ -59,7 +59,7 @@ pub enum StoreCommand {
     },
     /// Re-hashes a store and names every missing, truncated or changed shard.
     Verify {
-        /// The store: a folder.
+        /// The store: a folder, by its path or as file:///FOLDER.
         #[arg(long, value_name = "DIR")]
         store: PathBuf,
     },
@@ -145,7 +145,7 @@ fn run(common: &[String], scenes: Option<&str>, store: &std::path::Path) -> u8 {
     }
     let total: f64 = times.iter().map(|(_, secs, _)| secs).sum();
     say(&format!("{:<20} {total:>9.1}", "total"));
-    if worst != EXIT_USAGE {
+    if worst != EXIT_USAGE && worst != EXIT_TRY_AGAIN {
         let root = store.display();
         say(&format!("dataset: {root} (scenes in {root}/scenes, report in {root}/stats/report.html)"));
     }
@@ -176,7 +176,10 @@ fn run_program(command: &mut Command) -> std::io::Result<u8> {
 
 fn status(config: &std::path::Path, store: &std::path::Path, only: Option<&SceneList>) -> u8 {
     let Some(settings) = settings_or_faults(config, false) else { return EXIT_USAGE };
-    match status_table(&settings, &Store::on_disk(store), only) {
+    let told = Store::open(store)
+        .map_err(StageError::from)
+        .and_then(|store| Ok(status_table(&settings, &store, only)?));
+    match told {
         Ok(all_done) => {
             if all_done {
                 EXIT_DONE
@@ -185,8 +188,8 @@ fn status(config: &std::path::Path, store: &std::path::Path, only: Option<&Scene
             }
         }
         Err(e) => {
-            tracing::error!("{e}");
-            EXIT_SOME_FAILED
+            tracing::error!("{}", e.report());
+            e.exit_code()
         }
     }
 }
@@ -241,24 +244,44 @@ fn status_table(
     Ok(all_done)
 }
 
+/// Every stage of every scene of the plan.
+fn all_stages(store: &Store) -> Result<Vec<(Scope, &'static str)>, store::StoreError> {
+    let scenes = planned_scenes(store)?.unwrap_or_default();
+    let scopes = |unit| match unit {
+        UnitKind::Plan => vec![Scope::Plan],
+        UnitKind::Stats => vec![Scope::Stats],
+        UnitKind::Scene => scenes.iter().copied().map(Scope::Scene).collect(),
+    };
+    let of_stage =
+        |stage: &'static StageSpec| scopes(stage.unit).into_iter().map(|scope| (scope, stage.name));
+    Ok(Graph::get().stages.iter().flat_map(of_stage).collect())
+}
+
 fn verify(store: &std::path::Path) -> u8 {
-    match store::verify(&Store::on_disk(store), |_| {}) {
-        Ok(result) => {
-            for finding in &result.findings {
-                say(&finding.to_string());
-            }
-            let megabytes = result.bytes as f64 / 1e6;
-            say(&format!(
-                "{} manifests, {} shards, {megabytes:.1} MB: {} faulty",
-                result.manifests,
-                result.shards,
-                result.findings.len()
-            ));
-            if result.findings.is_empty() { EXIT_DONE } else { EXIT_SOME_FAILED }
-        }
+    let verified = Store::open(store).and_then(|store| {
+        let stages = all_stages(&store)?;
+        store::verify(&store, &stages, |_| {})
+    });
+    let result = match verified {
+        Ok(result) => result,
         Err(e) => {
             tracing::error!("{e}");
-            EXIT_SOME_FAILED
+            return if e.is_usage() { EXIT_USAGE } else { EXIT_SOME_FAILED };
         }
+    };
+    for finding in &result.findings {
+        say(&finding.to_string());
     }
+    let in_hand = result.in_hand.iter().map(|key| format!("{key}: of a run that is going on or was stopped"));
+    let unfinished = result.unfinished.iter().map(|file| {
+        let whose = if file.abandoned { "left by a run that was killed" } else { "being written" };
+        format!("{}: {whose} ({})", file.location, file.owner)
+    });
+    for note in in_hand.chain(unfinished) {
+        say(&format!("note: {note}"));
+    }
+    let megabytes = result.bytes as f64 / 1e6;
+    let (manifests, shards, faulty) = (result.manifests, result.shards, result.findings.len());
+    say(&format!("{manifests} manifests, {shards} shards, {megabytes:.1} MB: {faulty} faulty"));
+    if result.findings.is_empty() { EXIT_DONE } else { EXIT_SOME_FAILED }
 }

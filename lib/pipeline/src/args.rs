@@ -15,7 +15,7 @@ pub struct StageArgs {
     /// Dataset configuration (TOML, or YAML of SimBEV2X).
     #[arg(long, value_name = "FILE")]
     pub config: PathBuf,
-    /// The store: a folder.
+    /// The store: a folder, by its path or as file:///FOLDER.
     #[arg(long, value_name = "DIR")]
     pub store: PathBuf,
     /// Folder with OpenDRIVE files for maps that the configuration names.

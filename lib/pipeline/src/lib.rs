@@ -7,6 +7,7 @@
 mod args;
 mod code_version;
 mod config;
+mod error;
 mod graph;
 mod interrupt;
 mod progress;
@@ -17,10 +18,11 @@ mod views;
 pub use args::{ProgressMode, SceneList, StageArgs};
 pub use code_version::code_version;
 pub use config::{ConfigKey, Fault, config_keys, load as load_config, parse as parse_config, simbev2x_keys};
+pub use error::{At, Place, StageError};
 pub use graph::{Graph, StageSpec, UnitKind};
 pub use interrupt::{listen as listen_for_signals, stopped as was_stopped};
 pub use progress::Progress;
-pub use runner::{Forecast, Job, Pulse, Stage, StageError, init_logging, run_stage, say, settings_or_faults};
+pub use runner::{Forecast, Job, Stage, init_logging, run_stage, say, settings_or_faults};
 pub use status::{NotReady, Staleness, State, StateError, planned_scenes, state_of};
 pub use views::{StageSettings, TrackSettings, ViewError, config_hash};
 
@@ -30,5 +32,5 @@ pub const EXIT_DONE: u8 = 0;
 pub const EXIT_SOME_FAILED: u8 = 1;
 /// Exit code: bad arguments or configuration.
 pub const EXIT_USAGE: u8 = 2;
-/// Exit code: stopped by a signal or a full disk; worth another try.
+/// Exit code: stopped by a signal, or because the store cannot be written (a full disk); worth another try.
 pub const EXIT_TRY_AGAIN: u8 = 75;

@@ -1,19 +1,21 @@
 //! Progress of a scene: a bar on a terminal, plain lines elsewhere.
 
 use std::io::IsTerminal;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::ProgressMode;
+use crate::error::StageError;
+use crate::{ProgressMode, interrupt};
 
 const PLAIN_PERIOD: Duration = Duration::from_secs(10);
 
-/// Progress of one piece of work. Clones of a reference may be used from any thread.
+/// Progress of one piece of work, from any thread; it also tells a loop when to stop. Clones are the same progress.
+#[derive(Clone)]
 pub struct Progress {
-    kind: Kind,
-    label: String,
+    kind: Arc<Kind>,
+    label: Arc<str>,
 }
 
 enum Kind {
@@ -48,12 +50,12 @@ impl Progress {
             }
             ProgressMode::Plain => Kind::Plain(Mutex::new(Plain { done: 0, total, spoke: Instant::now() })),
         };
-        Self { kind, label }
+        Self { kind: Arc::new(kind), label: label.into() }
     }
 
     /// Sets the amount of work.
     pub fn set_total(&self, total: u64) {
-        match &self.kind {
+        match &*self.kind {
             Kind::Bar(bar) => bar.set_length(total),
             Kind::Plain(plain) => {
                 if let Ok(mut plain) = plain.lock() {
@@ -65,8 +67,16 @@ impl Progress {
     }
 
     /// Counts work done.
-    pub fn advance(&self, amount: u64) {
-        match &self.kind {
+    ///
+    /// # Errors
+    /// A signal came: drop what is in hand and return.
+    pub fn advance(&self, amount: u64) -> Result<(), StageError> {
+        self.count(amount);
+        if interrupt::stopped() { Err(StageError::Stopped) } else { Ok(()) }
+    }
+
+    fn count(&self, amount: u64) {
+        match &*self.kind {
             Kind::Bar(bar) => bar.inc(amount),
             Kind::Plain(plain) => {
                 let Ok(mut plain) = plain.lock() else { return };
@@ -82,7 +92,7 @@ impl Progress {
 
     /// Takes a bar off the terminal.
     pub fn finish(&self) {
-        if let Kind::Bar(bar) = &self.kind {
+        if let Kind::Bar(bar) = &*self.kind {
             bar.finish_and_clear();
         }
     }

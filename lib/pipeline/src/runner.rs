@@ -9,16 +9,17 @@ use std::time::Instant;
 use clap::Parser;
 use schema::settings::DatasetSettings;
 use serde::Serialize;
-use store::{Attempt, Failure, Identity, Manifest, Scope, Store, StoreError, Unit, keys};
+use store::{Attempt, Failure, Identity, Manifest, Scope, Store, Unit, keys};
 
 use crate::args::{ProgressMode, StageArgs};
+use crate::error::{Place, StageError};
 use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::progress::Progress;
 use crate::status::{
-    CodeRule, SOURCE, Staleness, State, StateError, inputs, judge, plan_section, planned_scenes, state_of,
+    CodeRule, SOURCE, Staleness, State, inputs, judge, plan_section, planned_scenes, state_of,
 };
 use crate::views::{StageSettings, ViewError, config_hash};
-use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, config, interrupt};
+use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, config, interrupt};
 
 /// A stage: its work for one scope. Its name in `pipeline.toml` is that of the settings that it sees.
 #[derive(Clone, Copy)]
@@ -45,52 +46,6 @@ impl<S: StageSettings> Stage<S> {
 
 /// What to expect before anything runs, line by line.
 pub type Forecast = fn(&DatasetSettings, Option<&Path>, &Store) -> Result<Vec<String>, StageError>;
-
-/// Why the work of a scope ended early.
-#[derive(Debug, thiserror::Error)]
-pub enum StageError {
-    /// The store failed.
-    #[error(transparent)]
-    Store(#[from] StoreError),
-    /// A signal came.
-    #[error("stopped by a signal")]
-    Stopped,
-    /// The work cannot be done; the text says where and why.
-    #[error("{0}")]
-    Failed(String),
-    /// The configuration cannot be handed to a stage.
-    #[error(transparent)]
-    View(#[from] ViewError),
-    /// The arguments or the configuration do not allow the work.
-    #[error("{0}")]
-    Usage(String),
-}
-
-impl From<StateError> for StageError {
-    fn from(error: StateError) -> Self {
-        match error {
-            StateError::Store(error) => error.into(),
-            StateError::View(error) => error.into(),
-        }
-    }
-}
-
-impl StageError {
-    /// A failure with its causes, outermost first.
-    #[must_use]
-    pub fn failed(error: &dyn std::error::Error) -> Self {
-        let mut text = error.to_string();
-        let mut cause = error.source();
-        while let Some(inner) = cause {
-            let inner_text = inner.to_string();
-            if !text.ends_with(&inner_text) {
-                text = format!("{text}: {inner_text}");
-            }
-            cause = inner.source();
-        }
-        Self::Failed(text)
-    }
-}
 
 /// One piece of work: a scope of a stage.
 pub struct Job<'a, S> {
@@ -139,7 +94,16 @@ impl<S: StageSettings> Job<'_, S> {
     pub fn input(&self, stage: &str) -> Result<&Manifest, StageError> {
         self.inputs
             .get(stage)
-            .ok_or_else(|| StageError::Failed(format!("pipeline.toml does not let this stage read {stage}")))
+            .ok_or_else(|| StageError::Undeclared { stage: S::STAGE, input: stage.to_owned() })
+    }
+
+    /// Where the job is at work, for errors.
+    #[must_use]
+    pub fn place(&self) -> Place {
+        match self.scope {
+            Scope::Scene(scene) => Place::scene(scene),
+            Scope::Plan | Scope::Stats => Place::default(),
+        }
     }
 
     /// Opens a unit of work, or `None` when a killed run finished it already. A signal stops here.
@@ -179,44 +143,10 @@ impl<S: StageSettings> Job<'_, S> {
         Ok(None)
     }
 
-    /// A handle for loops: progress and the wish to stop.
+    /// The job's progress, for loops: it also tells them when to stop.
     #[must_use]
-    pub fn pulse(&self) -> Pulse<'_> {
-        Pulse { progress: &self.progress }
-    }
-
-    /// Splits the job into what a unit needs at the same time: the attempt's unit and the pulse.
-    ///
-    /// # Errors
-    /// As [`Job::unit`].
-    pub fn unit_and_pulse(&mut self, name: &str) -> Result<Option<(Unit<'_>, Pulse<'_>)>, StageError> {
-        if interrupt::stopped() {
-            return Err(StageError::Stopped);
-        }
-        let pulse = Pulse { progress: &self.progress };
-        Ok(self.attempt.unit(name)?.map(|unit| (unit, pulse)))
-    }
-}
-
-/// Progress and the wish to stop.
-#[derive(Clone, Copy)]
-pub struct Pulse<'a> {
-    progress: &'a Progress,
-}
-
-impl Pulse<'_> {
-    /// Sets the amount of work of the job.
-    pub fn set_total(&self, total: u64) {
-        self.progress.set_total(total);
-    }
-
-    /// Counts work done.
-    ///
-    /// # Errors
-    /// A signal came: drop what is in hand and return.
-    pub fn beat(&self, amount: u64) -> Result<(), StageError> {
-        self.progress.advance(amount);
-        if interrupt::stopped() { Err(StageError::Stopped) } else { Ok(()) }
+    pub fn progress(&self) -> Progress {
+        self.progress.clone()
     }
 }
 
@@ -248,18 +178,9 @@ fn run_with<S: StageSettings>(stage: Stage<S>, args: &StageArgs) -> u8 {
     match try_run(stage, args) {
         Ok(code) => code,
         Err(error) => {
-            tracing::error!("{}: {error}", S::STAGE);
-            exit_code_of(&error)
+            tracing::error!("{}: {}", S::STAGE, error.report());
+            error.exit_code()
         }
-    }
-}
-
-fn exit_code_of(error: &StageError) -> u8 {
-    match error {
-        StageError::Stopped => EXIT_TRY_AGAIN,
-        StageError::Store(e) if e.is_transient() => EXIT_TRY_AGAIN,
-        StageError::Usage(_) => EXIT_USAGE,
-        StageError::Store(_) | StageError::View(_) | StageError::Failed(_) => EXIT_SOME_FAILED,
     }
 }
 
@@ -296,7 +217,7 @@ fn try_run<S: StageSettings>(stage: Stage<S>, args: &StageArgs) -> Result<u8, St
     } = args;
     let spec = Graph::get()
         .stage(S::STAGE)
-        .ok_or_else(|| StageError::Usage(format!("pipeline.toml knows no stage {}", S::STAGE)))?;
+        .ok_or_else(|| StageError::usage(format!("pipeline.toml knows no stage {}", S::STAGE)))?;
     // One stage is enough to say what a configuration asks for in vain.
     let Some(settings) = settings_or_faults(config, spec.unit == UnitKind::Plan) else {
         return Ok(EXIT_USAGE);
@@ -310,7 +231,7 @@ fn try_run<S: StageSettings>(stage: Stage<S>, args: &StageArgs) -> Result<u8, St
         spec,
         view: S::of(&settings),
         settings: &settings,
-        store: Store::on_disk(store),
+        store: Store::open(store)?,
         maps: maps.clone(),
         force: *force,
         accept_code: *accept_code,
@@ -357,20 +278,20 @@ impl<S: StageSettings> Run<'_, S> {
         let planner = &Graph::get().stages[0];
         let Some(scenes) = planned_scenes(&self.store)? else {
             let place = self.store.location("");
-            return Err(StageError::Usage(format!("{place} holds no plan: run {} first", planner.name)));
+            return Err(StageError::usage(format!("{place} holds no plan: run {} first", planner.name)));
         };
         if let Some(manifest) = self.store.manifest(Scope::Plan, planner.name)?
             && manifest.config_hash != config_hash(planner, self.settings)?
         {
             let message = format!("the plan was made from another configuration: run {} first", planner.name);
-            return Err(StageError::Usage(message));
+            return Err(StageError::usage(message));
         }
         if let Some(list) = &args.scenes {
             let unknown = list.outside(&scenes);
             if !unknown.is_empty() {
                 let last = scenes.last().copied().unwrap_or(0);
                 let message = format!("--scenes: no scene {unknown:?} in the plan (it has 0 to {last})");
-                return Err(StageError::Usage(message));
+                return Err(StageError::usage(message));
             }
         }
         let wanted = scenes.into_iter().enumerate().filter(|(position, scene)| {
@@ -412,29 +333,27 @@ impl<S: StageSettings> Run<'_, S> {
 
     fn all(&self, scopes: &[Scope]) -> Result<u8, StageError> {
         let start = Instant::now();
-        let (mut done, mut kept) = (0, 0);
-        let mut failed: Vec<String> = Vec::new();
+        let (mut done, mut kept, mut failed) = (0, 0, 0);
         for &scope in scopes {
             match self.one(scope) {
                 Ok(true) => done += 1,
                 Ok(false) => kept += 1,
-                Err(error) if exit_code_of(&error) != EXIT_SOME_FAILED => return Err(error),
+                Err(error) if error.exit_code() != EXIT_SOME_FAILED => return Err(error),
                 Err(error) => {
-                    let reason = error.to_string();
+                    let reason = error.report();
                     tracing::error!("{}: {reason}", self.label(scope));
-                    let failure = Failure { code_version: crate::code_version(S::STAGE).into(), reason };
-                    let key = scope.failure(S::STAGE);
-                    if let Err(error) = self.store.write_json(&key, S::STAGE, &failure) {
-                        tracing::warn!("the failure could not be recorded: {error}");
+                    if error.is_failure() {
+                        let failure = Failure { code_version: crate::code_version(S::STAGE).into(), reason };
+                        self.store.write_json(&scope.failure(S::STAGE), S::STAGE, &failure)?;
                     }
-                    failed.push(self.label(scope));
+                    failed += 1;
                 }
             }
         }
         let secs = start.elapsed().as_secs_f64();
         let name = S::STAGE;
-        tracing::info!("{name}: {done} done, {kept} kept, {} failed in {secs:.1} s", failed.len());
-        Ok(if failed.is_empty() { EXIT_DONE } else { EXIT_SOME_FAILED })
+        tracing::info!("{name}: {done} done, {kept} kept, {failed} failed in {secs:.1} s");
+        Ok(if failed == 0 { EXIT_DONE } else { EXIT_SOME_FAILED })
     }
 
     /// What the stage reads outside the store, by the names of its manifest.
@@ -501,10 +420,7 @@ impl<S: StageSettings> Run<'_, S> {
         let is_stray = |key: &&str| !key.strip_prefix(&folder).is_some_and(|path| self.spec.may_write(path));
         match attempt.keys().find(is_stray) {
             None => Ok(()),
-            Some(key) => Err(StageError::Failed(format!(
-                "a bug in Convoy: {} wrote {key}, which pipeline.toml does not list among what it writes",
-                S::STAGE
-            ))),
+            Some(key) => Err(StageError::Unlisted { stage: S::STAGE, key: key.to_owned() }),
         }
     }
 
@@ -522,7 +438,7 @@ impl<S: StageSettings> Run<'_, S> {
             return Ok(false);
         }
         let ready = inputs(&self.store, self.settings, self.spec, scope, CodeRule::Same)?
-            .map_err(|why| StageError::Failed(format!("{why}: run that first")))?;
+            .map_err(StageError::NotReady)?;
         let identity = Identity {
             stage: S::STAGE.into(),
             scope,
@@ -563,8 +479,11 @@ impl<S: StageSettings> Run<'_, S> {
                     .map(String::as_str)
                     .or_else(|| panic.downcast_ref::<&str>().copied())
                     .unwrap_or("no message");
-                Err(StageError::Failed(format!("a bug in Convoy: {text} (please report it)")))
+                Err(StageError::Panic { message: text.to_owned() })
             }
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -90,6 +90,7 @@ impl fmt::Display for NotReady {
             Self::Stage { name, state } => match &**state {
                 State::Stale(Staleness::NotReady(why @ Self::Stage { .. })) => write!(f, "{why}"),
                 State::Missing => write!(f, "{name} is missing"),
+                State::Failed(why) => write!(f, "{name} failed ({why})"),
                 state => write!(f, "{name} is {state}"),
             },
             Self::Unplanned { scene } => write!(f, "scene {scene} is not in the plan"),
@@ -108,6 +109,9 @@ pub(crate) enum CodeRule {
 
 /// Begins the names of inputs that are not in the store (map files).
 pub(crate) const SOURCE: &str = "source/";
+
+/// Stands for the digest of what is not done.
+const NOT_DONE: &str = "not done";
 
 /// Name of a scene's digest in the plan's manifest.
 pub(crate) fn plan_section(scene: u32) -> String {
@@ -179,11 +183,13 @@ pub(crate) fn inputs(
             (UnitKind::Stats, _) => {
                 for scene in planned_scenes(store)?.unwrap_or_default() {
                     let scene_scope = Scope::Scene(scene);
-                    if judge(store, settings, read, scene_scope, code)? == State::Done
-                        && let Some(manifest) = store.manifest(scene_scope, name)?
-                    {
-                        inputs.digests.insert(format!("{}/{name}", plan_section(scene)), manifest.digest());
-                    }
+                    let manifest = match judge(store, settings, read, scene_scope, code)? {
+                        State::Done => store.manifest(scene_scope, name)?,
+                        _ => None,
+                    };
+                    // What is planned and not done is remembered as well: statistics say how much they leave out.
+                    let digest = manifest.map_or_else(|| NOT_DONE.to_owned(), |m| m.digest());
+                    inputs.digests.insert(format!("{}/{name}", plan_section(scene)), digest);
                 }
             }
             _ => {

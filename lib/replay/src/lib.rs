@@ -4,14 +4,16 @@
 //! [`schema::geometry::Snapshot`] of any frame. [`in_frame_order`] computes frames in parallel and hands them over
 //! in order, [`archive_frames`] writes one array of each.
 
+mod error;
 mod log;
 mod map;
 mod order;
 mod replay;
 mod spare;
 
+pub use error::ReplayError;
 pub use log::{SIMULATE, SceneLog};
-pub use map::{compress_map, read_hazards, read_map, read_map_text, read_plan};
+pub use map::{PLANNER, compress_map, read_hazards, read_map, read_map_text, read_plan};
 pub use order::{archive_frames, in_frame_order};
 pub use replay::Replay;
 pub use spare::Spare;

@@ -3,11 +3,13 @@
 use std::ops::Range;
 
 use frames::{Agent, Pose, World};
-use pipeline::{Job, StageError, StageSettings};
+use pipeline::{At, Job, Place, StageError, StageSettings};
 use schema::AgentId;
 use schema::scene_info::SceneInfo;
 use schema::tables::{ActorRow, AgentRow, FrameRow, LampRow, SignalRow, StateRow};
 use store::{Manifest, Store, StoreError, keys};
+
+use crate::ReplayError;
 
 /// The stage that writes the log.
 pub const SIMULATE: &str = "simulate-and-log";
@@ -84,14 +86,10 @@ impl SceneLog {
             .iter()
             .map(|a| a.agent.parse())
             .collect::<Result<_, _>>()
-            .map_err(|e| StageError::Failed(format!("{}: {e}", store.location(&info_key))))?;
+            .at(|| Place::file(store.location(&info_key)))?;
         if agent_rows.len() != agents.len() * frames as usize {
-            let path = store.location(&key("agents.parquet"));
-            return Err(StageError::Failed(format!(
-                "{path}: has {} rows, expected {} agents times {frames} frames",
-                agent_rows.len(),
-                agents.len()
-            )));
+            let wrong = ReplayError::Rows { found: agent_rows.len(), agents: agents.len(), frames };
+            return Err(wrong).at(|| Place::file(store.location(&key("agents.parquet"))));
         }
         Ok(Self {
             info,

@@ -3,11 +3,14 @@
 use std::io::Read;
 
 use opendrive::Map;
-use pipeline::{Job, StageError, StageSettings};
+use pipeline::{At, Job, Place, StageError, StageSettings};
 use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
 use store::{Store, keys};
 
-const PLANNER: &str = "spawn-planner";
+use crate::ReplayError;
+
+/// The stage that writes plan and maps.
+pub const PLANNER: &str = "spawn-planner";
 
 /// Largest map text that is believed, bytes.
 const MAX_MAP_BYTES: u64 = 1 << 30;
@@ -17,7 +20,7 @@ const MAX_MAP_BYTES: u64 = 1 << 30;
 /// # Errors
 /// The compressor fails.
 pub fn compress_map(text: &[u8]) -> Result<Vec<u8>, StageError> {
-    zstd::bulk::compress(text, 9).map_err(|e| StageError::Failed(format!("cannot compress a map: {e}")))
+    zstd::bulk::compress(text, 9).map_err(ReplayError::Pack).at(Place::default)
 }
 
 /// The OpenDRIVE text of a map of the store, by its name; `None` when the store has no such map.
@@ -30,10 +33,8 @@ pub fn read_map_text(store: &Store, name: &str) -> Result<Option<Vec<u8>>, Stage
     let mut text = Vec::new();
     zstd::Decoder::new(packed.as_slice())
         .and_then(|decoder| decoder.take(MAX_MAP_BYTES).read_to_end(&mut text))
-        .map_err(|e| {
-            let path = store.location(&key);
-            StageError::Failed(format!("{path}: cannot decompress: {e} (run {PLANNER} with --force)"))
-        })?;
+        .map_err(ReplayError::Unpack)
+        .at(|| Place::file(store.location(&key)))?;
     Ok(Some(text))
 }
 
@@ -42,16 +43,12 @@ pub fn read_map_text(store: &Store, name: &str) -> Result<Option<Vec<u8>>, Stage
 /// # Errors
 /// It is missing, changed, or no OpenDRIVE file.
 pub fn read_map(store: &Store, name: &str, hash: &str) -> Result<Map, StageError> {
-    let path = store.location(&keys::map(name));
-    let Some(text) = read_map_text(store, name)? else {
-        return Err(StageError::Failed(format!("{path}: missing (run {PLANNER} with --force)")));
-    };
+    let place = || Place::file(store.location(&keys::map(name)));
+    let text = read_map_text(store, name)?.ok_or(ReplayError::NoMap).at(place)?;
     if store::hash_bytes(&text) != hash {
-        return Err(StageError::Failed(format!(
-            "{path}: is not the map of the plan (run {PLANNER} with --force)"
-        )));
+        return Err(ReplayError::OtherMap).at(place);
     }
-    let network = opendrive::read_bytes(&text).map_err(|e| StageError::Failed(format!("{path}: {e}")))?;
+    let network = opendrive::read_bytes(&text).at(place)?;
     Ok(Map::new(network))
 }
 
@@ -64,10 +61,8 @@ pub fn read_plan<S: StageSettings>(
 ) -> Result<(PlanSceneRow, Vec<PlanAgentRow>), StageError> {
     let (store, manifest, scene) = (job.store(), job.input(PLANNER)?, job.scene());
     let rows: Vec<PlanSceneRow> = store.read_rows(manifest, keys::PLAN_SCENES)?;
-    let Some(row) = rows.into_iter().find(|r| r.scene == scene) else {
-        let path = store.location(keys::PLAN_SCENES);
-        return Err(StageError::Failed(format!("{path}: has no scene {scene}")));
-    };
+    let row = rows.into_iter().find(|r| r.scene == scene).ok_or(ReplayError::NoScene);
+    let row = row.at(|| job.place().in_file(store.location(keys::PLAN_SCENES)))?;
     let mut agents: Vec<PlanAgentRow> = store.read_rows(manifest, keys::PLAN_AGENTS)?;
     agents.retain(|a| a.scene == scene);
     Ok((row, agents))

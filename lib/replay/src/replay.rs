@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use opendrive::Map;
-use pipeline::{Job, StageError, StageSettings};
+use pipeline::{At, Job, StageError, StageSettings};
 use schema::geometry::{Snapshot, TriMesh};
 use world::{Moment, SceneWorld};
 
@@ -27,7 +27,7 @@ impl Replay {
     pub fn open<S: StageSettings>(job: &Job<'_, S>) -> Result<Self, StageError> {
         let log = SceneLog::read(job)?;
         let map = read_map(job.store(), &log.info.map, &log.info.map_hash)?;
-        let mut world = SceneWorld::new(&map, &log.actors).map_err(|e| StageError::failed(&e))?;
+        let mut world = SceneWorld::new(&map, &log.actors).at(|| job.place())?;
         world.set_lamps(&log.lamps);
         Ok(Self { log, map, world })
     }

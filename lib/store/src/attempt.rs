@@ -24,7 +24,37 @@ pub struct Identity {
     pub inputs: BTreeMap<String, String>,
 }
 
-/// A running try. Dropping it keeps finished units for the next one and discards shards in hand.
+/// A running try.
+///
+/// ```
+/// use std::collections::BTreeMap;
+///
+/// use schema::tables::GnssRow;
+/// use store::{Attempt, Identity, Scope, Store, verify};
+///
+/// let store = Store::open("memory:")?;
+/// let identity = Identity {
+///     stage: "render-sensors".into(),
+///     scope: Scope::Scene(7),
+///     code_version: "1".into(),
+///     config_hash: "c".into(),
+///     inputs: BTreeMap::new(),
+/// };
+/// let mut attempt = Attempt::start(&store, identity, false)?;
+/// if let Some(mut unit) = attempt.unit("vehicle_0")? {
+///     unit.rows("scenes/0007/GNSS.parquet", &[GnssRow { frame: 3, ..GnssRow::default() }])?;
+///     unit.finish()?;
+/// }
+/// let manifest = attempt.commit()?;
+///
+/// let rows: Vec<GnssRow> = store.read_rows(&manifest, "scenes/0007/GNSS.parquet")?;
+/// assert_eq!(rows[0].frame, 3);
+/// let checked = verify(&store, &[(Scope::Scene(7), "render-sensors")], |_| {})?;
+/// assert!(checked.findings.is_empty());
+/// # Ok::<(), store::StoreError>(())
+/// ```
+///
+/// Dropping it keeps finished units for the next one and discards shards in hand.
 #[derive(Debug)]
 pub struct Attempt {
     store: Store,
@@ -150,7 +180,7 @@ impl Attempt {
         for key in self.redo.replaces.iter().filter(|k| !kept.contains(k.as_str())) {
             backend.remove(key)?;
         }
-        self.store.write_json(&scope.manifest(stage), stage, &manifest)?;
+        self.store.commit_manifest(&scope.manifest(stage), &manifest)?;
         Self::tidy(&self.store, scope, stage)?;
         Ok(manifest)
     }

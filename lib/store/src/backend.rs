@@ -1,26 +1,33 @@
-//! The few operations a place of storage must offer.
+//! What a place of storage must offer: a disk does, an object store can.
 
-use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::Write;
+use std::ops::Range;
 
-use parquet::errors::Result as ParquetResult;
-use parquet::file::reader::{ChunkReader, Length};
+use bytes::Bytes;
 
 use crate::StoreError;
 
-/// A place of storage. Keys are relative paths with `/`.
+/// A place of storage: objects under keys, which are relative paths with `/`.
 ///
-/// An object becomes visible whole or not at all. A disk writes under another name and renames; an object store
-/// uploads and completes.
+/// Nothing here renames, appends or changes a part of an object, so each operation is one request to an object store:
+/// a streamed PUT (an upload in parts that is completed or given up), a PUT on condition that there is none, GET of a
+/// range, HEAD, DELETE, LIST by prefix. What has been put, removed or listed is seen by whoever asks next.
 pub trait Backend: Send + Sync {
-    /// Starts an object that becomes visible under `key` at [`Sink::commit`], replacing what was there.
-    /// `owner` names the stage in whose leftovers it is counted until then.
+    /// Starts an object that becomes visible under `key`, whole, at [`Sink::commit`], and takes the place of what was
+    /// there. `owner` is the stage that writes it: among whose leftovers it counts until then.
     ///
     /// # Errors
     /// The place cannot be written to.
     fn create(&self, key: &str, owner: &str) -> Result<Box<dyn Sink>, StoreError>;
 
-    /// A whole object, or `None` when it does not exist.
+    /// Puts a whole object unless there is one under `key`, in one step: of several that try, one succeeds. Returns
+    /// whether it did.
+    ///
+    /// # Errors
+    /// The place cannot be written to.
+    fn put_if_absent(&self, key: &str, owner: &str, bytes: &[u8]) -> Result<bool, StoreError>;
+
+    /// A whole small object, or `None` when it does not exist.
     ///
     /// # Errors
     /// It exists and cannot be read.
@@ -30,7 +37,7 @@ pub trait Backend: Send + Sync {
     ///
     /// # Errors
     /// It does not exist or cannot be read.
-    fn open(&self, key: &str) -> Result<Shard, StoreError>;
+    fn open(&self, key: &str) -> Result<Box<dyn Shard>, StoreError>;
 
     /// An object's size in bytes, or `None` when it does not exist.
     ///
@@ -44,13 +51,21 @@ pub trait Backend: Send + Sync {
     /// It exists and cannot be removed.
     fn remove(&self, key: &str) -> Result<(), StoreError>;
 
-    /// All objects whose key starts with a folder, sorted.
+    /// Keys of all objects below a folder (`""`: of the whole store), sorted. What is still being written is none.
     ///
     /// # Errors
     /// The place cannot be listed.
     fn list(&self, folder: &str) -> Result<Vec<String>, StoreError>;
 
-    /// Removes what unfinished writers of `owner` left under a folder. Returns how many leftovers there were.
+    /// What was begun with [`Backend::create`] below a folder and neither committed nor discarded: in the hands of a
+    /// living process, or left by one that was killed.
+    ///
+    /// # Errors
+    /// The place cannot be listed.
+    fn unfinished(&self, folder: &str) -> Result<Vec<Unfinished>, StoreError>;
+
+    /// Removes what writers of `owner` left unfinished below a folder, but not what is in the hands of another living
+    /// process. Returns how many there were.
     ///
     /// # Errors
     /// The place cannot be listed or changed.
@@ -69,78 +84,26 @@ pub trait Sink: Write + Send {
     fn commit(self: Box<Self>) -> Result<(), StoreError>;
 }
 
-/// An open object.
-#[derive(Debug)]
-pub enum Shard {
-    /// A file on disk.
-    File(File),
-    /// Bytes in memory.
-    Bytes(bytes::Bytes),
+/// An open object, read in parts from any thread.
+pub trait Shard: Send + Sync {
+    /// Size in bytes.
+    fn size(&self) -> u64;
+
+    /// The bytes of a range. What small reads next to one another cost is for the place to mend (by reading ahead,
+    /// say): readers ask for what they need.
+    ///
+    /// # Errors
+    /// They cannot be read, or the range reaches beyond the end.
+    fn read_at(&self, range: Range<u64>) -> std::io::Result<Bytes>;
 }
 
-impl Length for Shard {
-    fn len(&self) -> u64 {
-        match self {
-            Self::File(file) => file.metadata().map_or(0, |m| m.len()),
-            Self::Bytes(bytes) => bytes.len() as u64,
-        }
-    }
+/// An object that was begun and is not there yet.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unfinished {
+    /// Where it lies.
+    pub location: String,
+    /// The stage that began it.
+    pub owner: String,
+    /// Whether nobody writes it any more, as far as can be told: the next start of the stage removes it.
+    pub abandoned: bool,
 }
-
-/// Reads an object from a position to its end.
-pub enum ShardReader {
-    /// From a file.
-    File(io::BufReader<File>),
-    /// From memory.
-    Bytes(io::Cursor<bytes::Bytes>),
-}
-
-impl Read for ShardReader {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        match self {
-            Self::File(file) => file.read(buffer),
-            Self::Bytes(bytes) => bytes.read(buffer),
-        }
-    }
-}
-
-impl ChunkReader for Shard {
-    type T = ShardReader;
-
-    fn get_read(&self, start: u64) -> ParquetResult<Self::T> {
-        Ok(match self {
-            Self::File(file) => {
-                let mut file = file.try_clone()?;
-                file.seek(SeekFrom::Start(start))?;
-                ShardReader::File(io::BufReader::new(file))
-            }
-            Self::Bytes(bytes) => {
-                let mut cursor = io::Cursor::new(bytes.clone());
-                cursor.set_position(start);
-                ShardReader::Bytes(cursor)
-            }
-        })
-    }
-
-    fn get_bytes(&self, start: u64, length: usize) -> ParquetResult<bytes::Bytes> {
-        match self {
-            Self::File(file) => file.get_bytes(start, length),
-            Self::Bytes(bytes) => bytes.get_bytes(start, length),
-        }
-    }
-}
-
-impl Shard {
-    /// The object as a stream from its start that can seek.
-    #[must_use]
-    pub fn into_stream(self) -> Box<dyn ReadSeek> {
-        match self {
-            Self::File(file) => Box::new(io::BufReader::new(file)),
-            Self::Bytes(bytes) => Box::new(io::Cursor::new(bytes)),
-        }
-    }
-}
-
-/// A stream that can seek.
-pub trait ReadSeek: Read + Seek + Send {}
-impl<T: Read + Seek + Send> ReadSeek for T {}

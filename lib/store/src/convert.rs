@@ -1,4 +1,7 @@
 //! Between our columns and arrow's arrays.
+//!
+//! By hand, not by `serde_arrow`: the row types lie in `schema`, which knows no Arrow and makes the docs from the same
+//! definition, and a lidar's lists are moved here as whole slices where serde would visit each number.
 
 use std::sync::Arc;
 

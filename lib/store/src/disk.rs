@@ -2,18 +2,22 @@
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
+use std::ops::Range;
+use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use crate::backend::{Backend, Shard, Sink};
+use bytes::Bytes;
+
+use crate::backend::{Backend, Shard, Sink, Unfinished};
 use crate::error::StoreError;
 
 const UNFINISHED: &str = ".tmp";
 /// What another host left unfinished is believed dead after this long without a write.
 const FOREIGN_DEAD: Duration = Duration::from_secs(24 * 3600);
 
-/// A folder.
+/// A folder. An object is written under another name, synced and renamed into place.
 #[derive(Debug)]
 pub struct Disk {
     root: PathBuf,
@@ -34,6 +38,31 @@ impl Disk {
     fn path(&self, key: &str) -> PathBuf {
         self.root.join(key)
     }
+
+    fn begin(&self, key: &str, owner: &str) -> Result<DiskSink, StoreError> {
+        let path = self.path(key);
+        let error = |action| {
+            let path = path.display().to_string();
+            move |e| StoreError::write(path, action, e)
+        };
+        let folder = path.parent().unwrap_or(&self.root);
+        fs::create_dir_all(folder).map_err(error("make the folder of"))?;
+        let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        let number = self.next.fetch_add(1, Ordering::Relaxed);
+        let unfinished = folder.join(format!(".{owner}~{name}~{}-{number}{UNFINISHED}", self.attempt));
+        let file =
+            OpenOptions::new().write(true).create_new(true).open(&unfinished).map_err(error("create"))?;
+        Ok(DiskSink { file: BufWriter::with_capacity(1 << 16, file), unfinished, path, committed: false })
+    }
+
+    /// Unfinished files below a folder, with their owners.
+    fn unfinished_files(&self, folder: &str) -> Result<Vec<(PathBuf, UnfinishedName)>, StoreError> {
+        let named = |path: PathBuf| {
+            let name = UnfinishedName::parse(&path.file_name()?.to_string_lossy())?;
+            Some((path, name))
+        };
+        Ok(self.walk(folder)?.into_iter().filter_map(named).collect())
+    }
 }
 
 struct DiskSink {
@@ -52,21 +81,30 @@ impl Write for DiskSink {
     }
 }
 
+impl DiskSink {
+    fn error(&self, action: &'static str) -> impl FnOnce(io::Error) -> StoreError + use<> {
+        let path = self.path.display().to_string();
+        move |e| StoreError::write(path, action, e)
+    }
+
+    fn sync(&mut self) -> Result<(), StoreError> {
+        self.file.flush().map_err(self.error("write"))?;
+        self.file.get_ref().sync_all().map_err(self.error("sync"))
+    }
+
+    /// A new name is durable only when its folder is.
+    fn sync_folder(&self) -> Result<(), StoreError> {
+        let Some(folder) = self.path.parent() else { return Ok(()) };
+        File::open(folder).and_then(|f| f.sync_all()).map_err(self.error("sync the folder of"))
+    }
+}
+
 impl Sink for DiskSink {
     fn commit(mut self: Box<Self>) -> Result<(), StoreError> {
-        let error = |action| {
-            let path = self.path.display().to_string();
-            move |e| StoreError::io(path, action, e)
-        };
-        self.file.flush().map_err(error("write"))?;
-        self.file.get_ref().sync_all().map_err(error("sync"))?;
-        fs::rename(&self.unfinished, &self.path).map_err(error("rename into place"))?;
+        self.sync()?;
+        fs::rename(&self.unfinished, &self.path).map_err(self.error("rename into place"))?;
         self.committed = true;
-        if let Some(folder) = self.path.parent() {
-            // The rename is durable only when the folder is.
-            File::open(folder).and_then(|f| f.sync_all()).map_err(error("sync the folder of"))?;
-        }
-        Ok(())
+        self.sync_folder()
     }
 }
 
@@ -79,49 +117,71 @@ impl Drop for DiskSink {
     }
 }
 
+struct DiskShard {
+    file: File,
+    bytes: u64,
+}
+
+impl Shard for DiskShard {
+    fn size(&self) -> u64 {
+        self.bytes
+    }
+
+    fn read_at(&self, range: Range<u64>) -> io::Result<Bytes> {
+        let length = usize::try_from(range.end.saturating_sub(range.start)).map_err(io::Error::other)?;
+        let mut bytes = vec![0; length];
+        self.file.read_exact_at(&mut bytes, range.start)?;
+        Ok(bytes.into())
+    }
+}
+
 impl Backend for Disk {
     fn create(&self, key: &str, owner: &str) -> Result<Box<dyn Sink>, StoreError> {
-        let path = self.path(key);
-        let error = |action| {
-            let path = path.display().to_string();
-            move |e| StoreError::io(path, action, e)
-        };
-        let folder = path.parent().unwrap_or(&self.root);
-        fs::create_dir_all(folder).map_err(error("make the folder of"))?;
-        let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let number = self.next.fetch_add(1, Ordering::Relaxed);
-        let unfinished = folder.join(format!(".{owner}~{name}~{}-{number}{UNFINISHED}", self.attempt));
-        let file =
-            OpenOptions::new().write(true).create_new(true).open(&unfinished).map_err(error("create"))?;
-        Ok(Box::new(DiskSink {
-            file: BufWriter::with_capacity(1 << 16, file),
-            unfinished,
-            path,
-            committed: false,
-        }))
+        Ok(Box::new(self.begin(key, owner)?))
+    }
+
+    fn put_if_absent(&self, key: &str, owner: &str, bytes: &[u8]) -> Result<bool, StoreError> {
+        let mut sink = self.begin(key, owner)?;
+        sink.write_all(bytes).map_err(sink.error("write"))?;
+        sink.sync()?;
+        // A link, unlike a rename, never takes the place of a file. The other name goes when the sink is dropped.
+        match fs::hard_link(&sink.unfinished, &sink.path) {
+            Ok(()) => {}
+            Err(e) if e.kind() == io::ErrorKind::AlreadyExists => return Ok(false),
+            // Some file systems have no links: there, looking and renaming are two steps.
+            Err(_) if self.size(key)?.is_some() => return Ok(false),
+            Err(_) => {
+                fs::rename(&sink.unfinished, &sink.path).map_err(sink.error("rename into place"))?;
+                sink.committed = true;
+            }
+        }
+        sink.sync_folder()?;
+        Ok(true)
     }
 
     fn read(&self, key: &str) -> Result<Option<Vec<u8>>, StoreError> {
         match fs::read(self.path(key)) {
             Ok(bytes) => Ok(Some(bytes)),
             Err(e) if is_absent(&e) => Ok(None),
-            Err(e) => Err(StoreError::io(self.location(key), "read", e)),
+            Err(e) => Err(StoreError::read(self.location(key), "read", e)),
         }
     }
 
-    fn open(&self, key: &str) -> Result<Shard, StoreError> {
-        match File::open(self.path(key)) {
-            Ok(file) => Ok(Shard::File(file)),
+    fn open(&self, key: &str) -> Result<Box<dyn Shard>, StoreError> {
+        let opened = File::open(self.path(key)).and_then(|file| Ok((file.metadata()?, file)));
+        match opened {
+            Ok((meta, file)) if meta.is_file() => Ok(Box::new(DiskShard { file, bytes: meta.len() })),
+            Ok(_) => Err(StoreError::Missing { path: self.location(key) }),
             Err(e) if is_absent(&e) => Err(StoreError::Missing { path: self.location(key) }),
-            Err(e) => Err(StoreError::io(self.location(key), "open", e)),
+            Err(e) => Err(StoreError::read(self.location(key), "open", e)),
         }
     }
 
     fn size(&self, key: &str) -> Result<Option<u64>, StoreError> {
         match fs::metadata(self.path(key)) {
-            Ok(meta) => Ok(Some(meta.len())),
+            Ok(meta) => Ok(meta.is_file().then_some(meta.len())),
             Err(e) if is_absent(&e) => Ok(None),
-            Err(e) => Err(StoreError::io(self.location(key), "look at", e)),
+            Err(e) => Err(StoreError::read(self.location(key), "look at", e)),
         }
     }
 
@@ -130,7 +190,7 @@ impl Backend for Disk {
         match fs::remove_file(&path) {
             Ok(()) => {}
             Err(e) if is_absent(&e) => return Ok(()),
-            Err(e) => return Err(StoreError::io(self.location(key), "remove", e)),
+            Err(e) => return Err(StoreError::write(self.location(key), "remove", e)),
         }
         // Folders exist only for what is in them.
         let mut folder = path.parent();
@@ -143,7 +203,8 @@ impl Backend for Disk {
     fn list(&self, folder: &str) -> Result<Vec<String>, StoreError> {
         let mut keys = Vec::new();
         for path in self.walk(folder)? {
-            if path.extension().is_none_or(|e| e != "tmp")
+            let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+            if UnfinishedName::parse(&name).is_none()
                 && let Ok(key) = path.strip_prefix(&self.root)
             {
                 keys.push(key.to_string_lossy().into_owned());
@@ -153,14 +214,23 @@ impl Backend for Disk {
         Ok(keys)
     }
 
+    fn unfinished(&self, folder: &str) -> Result<Vec<Unfinished>, StoreError> {
+        let files = self.unfinished_files(folder)?.into_iter();
+        Ok(files
+            .map(|(path, name)| Unfinished {
+                location: path.display().to_string(),
+                abandoned: name.is_abandoned(&path),
+                owner: name.owner,
+            })
+            .collect())
+    }
+
     fn sweep(&self, folder: &str, owner: &str) -> Result<usize, StoreError> {
-        let prefix = format!(".{owner}~");
         let mut swept = 0;
-        for path in self.walk(folder)? {
-            let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-            if name.starts_with(&prefix) && name.ends_with(UNFINISHED) && is_abandoned(&path, &name) {
+        for (path, name) in self.unfinished_files(folder)? {
+            if name.owner == owner && name.is_abandoned(&path) {
                 fs::remove_file(&path)
-                    .map_err(|e| StoreError::io(path.display().to_string(), "remove the leftover", e))?;
+                    .map_err(|e| StoreError::write(path.display().to_string(), "remove the leftover", e))?;
                 swept += 1;
             }
         }
@@ -184,7 +254,7 @@ impl Disk {
                 Err(e) if e.io_error().is_some_and(is_absent) => {}
                 Err(e) => {
                     let path = e.path().unwrap_or(&start).display().to_string();
-                    return Err(StoreError::io(path, "list", e.into()));
+                    return Err(StoreError::read(path, "list", e.into()));
                 }
             }
         }
@@ -198,17 +268,30 @@ fn host() -> String {
     name.trim().replace(['~', '/'], "-")
 }
 
-/// Whether the process that was writing an unfinished file (`.owner~name~host~pid~...`) is gone. Another process at work
-/// on the same shard is let be: both write the same bytes, and the later rename wins.
-fn is_abandoned(path: &Path, name: &str) -> bool {
-    let mut parts = name.rsplit('~').skip(1);
-    let (pid, written_on) = (parts.next().and_then(|p| p.parse::<u32>().ok()), parts.next());
-    let (Some(pid), Some(written_on)) = (pid, written_on) else { return true };
-    if written_on == host() {
-        return pid == std::process::id() || !is_running(pid);
+/// The name of an unfinished file: `.owner~name~host~pid~time-number.tmp`.
+struct UnfinishedName {
+    owner: String,
+    host: String,
+    pid: u32,
+}
+
+impl UnfinishedName {
+    fn parse(name: &str) -> Option<Self> {
+        let (owner, rest) = name.strip_prefix('.')?.strip_suffix(UNFINISHED)?.split_once('~')?;
+        let mut parts = rest.rsplit('~').skip(1);
+        let (pid, host) = (parts.next()?.parse().ok()?, parts.next()?);
+        Some(Self { owner: owner.to_owned(), host: host.to_owned(), pid })
     }
-    let age = fs::metadata(path).and_then(|m| m.modified()).map(|t| t.elapsed().unwrap_or_default());
-    age.is_ok_and(|age| age > FOREIGN_DEAD)
+
+    /// Whether the process that was writing it is gone. Another process at work on the same shard is let be: both write
+    /// the same bytes, and the later rename wins.
+    fn is_abandoned(&self, path: &Path) -> bool {
+        if self.host == host() {
+            return self.pid == std::process::id() || !is_running(self.pid);
+        }
+        let age = fs::metadata(path).and_then(|m| m.modified()).map(|t| t.elapsed().unwrap_or_default());
+        age.is_ok_and(|age| age > FOREIGN_DEAD)
+    }
 }
 
 /// Whether a process of this machine still does anything. Where `/proc` does not tell, it counts as gone.

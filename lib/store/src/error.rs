@@ -6,17 +6,23 @@ use std::io;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreError {
-    /// The device is full or the quota is used up. Worth another try after making room.
+    /// Writing failed, whatever was being written: the device is full, the quota used up, the disk broken, the folder
+    /// not ours. No scene is to blame, so a stage stops here; worth another try once that is mended.
     #[error(
-        "{path}: no space left on the device (make room and run the same command again; nothing committed is lost)"
+        "{path}: cannot {action}: {source} ({}, then run the same command again; nothing committed is lost)",
+        remedy(source)
     )]
-    Full {
+    Write {
         /// The file that could not be written.
         path: String,
+        /// What was tried.
+        action: &'static str,
+        /// The cause.
+        source: io::Error,
     },
-    /// Reading or writing failed.
+    /// Reading failed.
     #[error("{path}: cannot {action}: {source}")]
-    Io {
+    Read {
         /// The file.
         path: String,
         /// What was tried.
@@ -58,6 +64,14 @@ pub enum StoreError {
         /// The file.
         path: String,
     },
+    /// Two processes did the same stage of the same scene at once, from different inputs, configurations or code.
+    #[error(
+        "{path}: another process wrote other outputs of this stage at the same time; neither is kept (let one run end, then run the same command again)"
+    )]
+    Contested {
+        /// The manifest that both wanted to write.
+        path: String,
+    },
     /// A store of another layout version.
     #[error("{path}: store format {found}, this program reads and writes {expected} (use a fresh store)")]
     Format {
@@ -68,6 +82,24 @@ pub enum StoreError {
         /// Version of this program.
         expected: u32,
     },
+    /// A text that names no place of storage we know.
+    #[error("store `{place}`: {problem}; a store is a folder, by its path or as file:///FOLDER")]
+    Place {
+        /// The text.
+        place: String,
+        /// What is wrong.
+        problem: String,
+    },
+}
+
+/// What a user can do about a failed write.
+fn remedy(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "make room",
+        io::ErrorKind::FileTooLarge => "raise the limit on the size of files (`ulimit -f`)",
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "make the store writable",
+        _ => "see to the disk",
+    }
 }
 
 /// A damaged record counts as one that is not there: what it said is done again.
@@ -82,27 +114,33 @@ pub(crate) fn sound<T>(record: Result<Option<T>, StoreError>) -> Result<Option<T
 }
 
 impl StoreError {
-    /// Wraps an I/O error; a full device gets its own variant.
+    /// A failed write.
     #[must_use]
-    pub fn io(path: impl Into<String>, action: &'static str, source: io::Error) -> Self {
-        let path = path.into();
-        match source.kind() {
-            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge => {
-                Self::Full { path }
-            }
-            _ => Self::Io { path, action, source },
-        }
+    pub fn write(path: impl Into<String>, action: &'static str, source: io::Error) -> Self {
+        Self::Write { path: path.into(), action, source }
     }
 
-    /// Whether another try may succeed without changing the command.
+    /// A failed read.
+    #[must_use]
+    pub fn read(path: impl Into<String>, action: &'static str, source: io::Error) -> Self {
+        Self::Read { path: path.into(), action, source }
+    }
+
+    /// Whether another try may succeed without changing the command, and no scene is to blame.
     #[must_use]
     pub fn is_transient(&self) -> bool {
         match self {
-            Self::Full { .. } => true,
-            Self::Io { source, .. } => {
+            Self::Write { .. } | Self::Contested { .. } => true,
+            Self::Read { source, .. } => {
                 matches!(source.kind(), io::ErrorKind::TimedOut | io::ErrorKind::StaleNetworkFileHandle)
             }
             _ => false,
         }
+    }
+
+    /// Whether the command asks for something that cannot be had: another place, or another version of the program.
+    #[must_use]
+    pub fn is_usage(&self) -> bool {
+        matches!(self, Self::Format { .. } | Self::Place { .. })
     }
 }

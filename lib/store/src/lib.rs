@@ -4,8 +4,9 @@
 //! last and names every shard with its checksum. Readers follow manifests. So a process can be killed at any
 //! instant: what is named by a manifest is whole, what is not is swept at the next start.
 //!
-//! * [`Backend`]: the few operations a place of storage must offer; [`Disk`] is the only one so far. Nothing
-//!   above it renames or assumes a file system.
+//! * [`Store::open`]: a store by its path or URL.
+//! * [`Backend`]: the few operations a place of storage must offer, as [`Disk`] and [`Memory`] do. Nothing above it
+//!   renames or assumes a file system.
 //! * [`keys`]: the layout, one function per kind of file.
 //! * [`Manifest`], [`Attempt`], [`Unit`]: writing a stage's outputs.
 //! * [`Store::read_rows`], [`Store::row_groups`]: reading tables.
@@ -18,20 +19,25 @@ mod disk;
 mod error;
 pub mod keys;
 mod manifest;
+mod memory;
+mod place;
 mod read;
+mod shard;
 mod verify;
 mod write;
 
-use std::path::Path;
+use std::ffi::OsStr;
 use std::sync::Arc;
 
 pub use attempt::{Attempt, Identity, Unit};
-pub use backend::{Backend, ReadSeek, Shard, Sink};
+pub use backend::{Backend, Shard, Sink, Unfinished};
 pub use disk::Disk;
 pub use error::StoreError;
 pub use keys::Scope;
 pub use manifest::{Failure, Manifest, Output, Redo};
+pub use memory::Memory;
 pub use read::RowGroups;
+pub use shard::ShardStream;
 pub use verify::{Finding, Problem, Verification, verify};
 pub use write::{FileWriter, Finished, TableOptions, TableWriter};
 
@@ -42,10 +48,23 @@ pub struct Store {
 }
 
 impl Store {
-    /// The store in a folder, which need not exist yet.
-    #[must_use]
-    pub fn on_disk(root: &Path) -> Self {
-        Self::new(Arc::new(Disk::new(root)))
+    /// The store at a place: a folder, which need not exist yet, by its path or as `file:///FOLDER`; `memory:` is a
+    /// fresh one that ends with the process.
+    ///
+    /// ```
+    /// use store::{Scope, Store, StoreError};
+    ///
+    /// let store = Store::open("file:///data/town%2003")?;
+    /// assert_eq!(store.location("plan/scenes.parquet"), "/data/town 03/plan/scenes.parquet");
+    /// assert!(store.manifest(Scope::Plan, "spawn-planner")?.is_none());
+    /// assert!(matches!(Store::open("s3://bucket"), Err(StoreError::Place { .. })));
+    /// # Ok::<(), StoreError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A URL of a kind that is not known.
+    pub fn open(place: impl AsRef<OsStr>) -> Result<Self, StoreError> {
+        Ok(Self { backend: place::open(place.as_ref())? })
     }
 
     /// A store on any backend.

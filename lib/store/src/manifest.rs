@@ -63,6 +63,12 @@ pub struct Failure {
     pub reason: String,
 }
 
+/// What all versions of a manifest have.
+#[derive(Deserialize)]
+struct Versioned {
+    format_version: u32,
+}
+
 impl Manifest {
     /// The output with a key.
     #[must_use]
@@ -101,8 +107,11 @@ impl Store {
     /// It cannot be read or understood.
     pub fn read_json<T: DeserializeOwned>(&self, key: &str) -> Result<Option<T>, StoreError> {
         let Some(bytes) = self.read(key)? else { return Ok(None) };
-        serde_json::from_slice(&bytes)
-            .map(Some)
+        self.parse(key, &bytes).map(Some)
+    }
+
+    fn parse<T: DeserializeOwned>(&self, key: &str, bytes: &[u8]) -> Result<T, StoreError> {
+        serde_json::from_slice(bytes)
             .map_err(|e| StoreError::Corrupt { path: self.location(key), problem: e.to_string() })
     }
 
@@ -112,7 +121,7 @@ impl Store {
     /// The backend cannot write.
     pub fn write_json<T: Serialize>(&self, key: &str, owner: &str, value: &T) -> Result<(), StoreError> {
         let mut sink = self.backend().create(key, owner)?;
-        sink.write_all(&to_json(value)).map_err(|e| StoreError::io(self.location(key), "write", e))?;
+        sink.write_all(&to_json(value)).map_err(|e| StoreError::write(self.location(key), "write", e))?;
         sink.commit()
     }
 
@@ -121,16 +130,34 @@ impl Store {
     /// # Errors
     /// It cannot be read or understood, or is of another format version.
     pub fn manifest(&self, scope: Scope, stage: &str) -> Result<Option<Manifest>, StoreError> {
-        let key = scope.manifest(stage);
-        let manifest: Option<Manifest> = self.read_json(&key)?;
-        match manifest {
-            Some(m) if m.format_version != schema::FORMAT_VERSION => Err(StoreError::Format {
-                path: self.location(&key),
-                found: m.format_version,
-                expected: schema::FORMAT_VERSION,
-            }),
-            manifest => Ok(manifest),
+        self.manifest_at(&scope.manifest(stage))
+    }
+
+    pub(crate) fn manifest_at(&self, key: &str) -> Result<Option<Manifest>, StoreError> {
+        let Some(bytes) = self.read(key)? else { return Ok(None) };
+        // The version first: what follows it may look otherwise in another one.
+        let Versioned { format_version } = self.parse(key, &bytes)?;
+        if format_version != schema::FORMAT_VERSION {
+            let (path, expected) = (self.location(key), schema::FORMAT_VERSION);
+            return Err(StoreError::Format { path, found: format_version, expected });
         }
+        self.parse(key, &bytes).map(Some)
+    }
+
+    /// Writes a manifest where none stands. One of the same content is as good as ours.
+    ///
+    /// # Errors
+    /// The backend cannot write; or another process did the same stage from something else at the same time. Each has
+    /// then replaced shards of the other, so no manifest is left to stand for them.
+    pub(crate) fn commit_manifest(&self, key: &str, manifest: &Manifest) -> Result<(), StoreError> {
+        let bytes = to_json(manifest);
+        if self.backend().put_if_absent(key, &manifest.stage, &bytes)?
+            || self.read(key)?.as_ref() == Some(&bytes)
+        {
+            return Ok(());
+        }
+        self.backend().remove(key)?;
+        Err(StoreError::Contested { path: self.location(key) })
     }
 
     /// Whether every output of a manifest is there in its size. (Contents are checked by [`crate::verify`].)

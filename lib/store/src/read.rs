@@ -6,7 +6,9 @@ use arrow_array::RecordBatch;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use schema::table::{Column, ColumnError, Row};
 
+use crate::backend::Shard;
 use crate::manifest::Manifest;
+use crate::shard::{Chunks, ShardStream};
 use crate::{Store, StoreError, convert};
 
 impl Store {
@@ -27,23 +29,30 @@ impl Store {
     /// # Errors
     /// As [`Store::read_rows`]; later groups report their own.
     pub fn row_groups<R: Row>(&self, manifest: &Manifest, key: &str) -> Result<RowGroups<R>, StoreError> {
-        let location = self.location(key);
-        let corrupt = |problem: String| StoreError::Corrupt { path: location.clone(), problem };
-        let shard = self.open_output(manifest, key)?;
-        let builder = ParquetRecordBatchReaderBuilder::try_new(shard).map_err(|e| corrupt(e.to_string()))?;
+        let chunks = Chunks::new(self.open_output(manifest, key)?, self.location(key));
+        let builder =
+            ParquetRecordBatchReaderBuilder::try_new(chunks.clone()).map_err(|e| chunks.error(&e))?;
         let groups = builder.metadata().num_row_groups();
         let largest = (0..groups).map(|g| builder.metadata().row_group(g).num_rows()).max().unwrap_or(0);
         // A batch never spans more than a few thousand rows, nor several frames of a sensor.
         let batch = usize::try_from(largest).unwrap_or(1).clamp(1, 8192);
-        let reader = builder.with_batch_size(batch).build().map_err(|e| corrupt(e.to_string()))?;
-        Ok(RowGroups { reader, location, row: PhantomData })
+        let reader = builder.with_batch_size(batch).build().map_err(|e| chunks.error(&e))?;
+        Ok(RowGroups { reader, chunks, row: PhantomData })
+    }
+
+    /// An output as a stream that can seek, after checking its size against the manifest.
+    ///
+    /// # Errors
+    /// As [`Store::open_output`].
+    pub fn stream_output(&self, manifest: &Manifest, key: &str) -> Result<ShardStream, StoreError> {
+        Ok(ShardStream::new(self.open_output(manifest, key)?.into(), 0))
     }
 
     /// Opens an output after checking its size against the manifest.
     ///
     /// # Errors
     /// The manifest does not name it, it is missing, or of another size.
-    pub fn open_output(&self, manifest: &Manifest, key: &str) -> Result<crate::Shard, StoreError> {
+    pub fn open_output(&self, manifest: &Manifest, key: &str) -> Result<Box<dyn Shard>, StoreError> {
         let path = self.location(key);
         let Some(output) = manifest.output(key) else {
             let problem = format!("is not among the outputs of stage {}", manifest.stage);
@@ -63,7 +72,7 @@ impl Store {
 /// Rows of a table, some at a time.
 pub struct RowGroups<R> {
     reader: ParquetRecordBatchReader,
-    location: String,
+    chunks: Chunks,
     row: PhantomData<fn() -> R>,
 }
 
@@ -72,12 +81,8 @@ impl<R: Row> Iterator for RowGroups<R> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let batch = self.reader.next()?;
-        let corrupt = |problem: String| StoreError::Corrupt { path: self.location.clone(), problem };
-        Some(
-            batch
-                .map_err(|e| corrupt(e.to_string()))
-                .and_then(|batch| rows_of(&batch).map_err(|e| corrupt(e.to_string()))),
-        )
+        let batch = batch.map_err(|e| self.chunks.error(&e));
+        Some(batch.and_then(|batch| rows_of(&batch).map_err(|e| self.chunks.error(&e))))
     }
 }
 

@@ -1,11 +1,11 @@
-//! Re-hashing a store.
+//! Re-hashing a store, and naming what does not belong.
 
-use std::io::Read;
+use std::collections::{BTreeMap, BTreeSet};
 
-use crate::manifest::{Manifest, Output};
-use crate::{Store, StoreError};
+use crate::manifest::{Failure, Manifest, Output, Redo};
+use crate::{Scope, Store, StoreError, Unfinished, keys};
 
-/// What is wrong with a shard.
+/// What is wrong with a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Problem {
     /// It is not there.
@@ -21,15 +21,21 @@ pub enum Problem {
     Changed,
     /// A manifest cannot be understood.
     Manifest(String),
+    /// No manifest names it, and no try of a stage has it in hand.
+    Stray,
+    /// A stage has no manifest: it was never done, was stopped half-way, or the manifest was deleted.
+    NotDone,
+    /// A stage has no manifest because it failed.
+    Failed(String),
 }
 
-/// A shard that is not as its manifest says.
+/// A file that is not as it should be.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
-    /// The shard (or the manifest itself).
+    /// The file.
     pub key: String,
-    /// The manifest that names it.
-    pub manifest: String,
+    /// The manifest that names it, where there is one.
+    pub manifest: Option<String>,
     /// What is wrong.
     pub problem: Problem,
 }
@@ -44,8 +50,11 @@ impl std::fmt::Display for Finding {
             }
             Problem::Changed => write!(f, "right size, other bytes: changed")?,
             Problem::Manifest(problem) => write!(f, "{problem}")?,
+            Problem::Stray => write!(f, "no manifest names this file")?,
+            Problem::NotDone => write!(f, "no manifest: the stage is not done, or its manifest was deleted")?,
+            Problem::Failed(reason) => write!(f, "no manifest: the stage failed: {reason}")?,
         }
-        write!(f, " (named by {})", self.manifest)
+        self.manifest.as_ref().map_or(Ok(()), |manifest| write!(f, " (named by {manifest})"))
     }
 }
 
@@ -60,44 +69,152 @@ pub struct Verification {
     pub bytes: u64,
     /// What is wrong.
     pub findings: Vec<Finding>,
+    /// Files of tries that are running or were stopped half-way: the stage takes them up or away when it runs again.
+    pub in_hand: Vec<String>,
+    /// Objects that were begun and not completed.
+    pub unfinished: Vec<Unfinished>,
 }
 
-/// Hashes every shard that a manifest names. `on_shard` is called after each.
+/// Hashes every shard that a manifest names, and names files that belong to none and stages (of those `expected`)
+/// without one. `on_shard` is called after each shard.
 ///
 /// # Errors
 /// The store cannot be listed or read. Faulty shards are findings, not errors.
-pub fn verify(store: &Store, mut on_shard: impl FnMut(&str)) -> Result<Verification, StoreError> {
-    let mut result = Verification::default();
-    for key in store.backend().list("")?.into_iter().filter(|k| is_manifest(k)) {
-        let manifest: Manifest = match store.read_json(&key) {
-            Ok(Some(manifest)) => manifest,
-            Ok(None) => continue,
-            Err(StoreError::Corrupt { problem, .. }) => {
-                let finding =
-                    Finding { key: key.clone(), manifest: key, problem: Problem::Manifest(problem) };
-                result.findings.push(finding);
-                continue;
+pub fn verify(
+    store: &Store,
+    expected: &[(Scope, &str)],
+    mut on_shard: impl FnMut(&str),
+) -> Result<Verification, StoreError> {
+    let mut result = Verification { unfinished: store.backend().unfinished("")?, ..Verification::default() };
+    let files = store.backend().list("")?;
+    let mut known = Known::default();
+    for key in &files {
+        match record_of(key) {
+            Some(Record::Manifest) => {
+                if let Some(manifest) = sound_or_finding(store.manifest_at(key), key, &mut result)? {
+                    result.manifests += 1;
+                    result.check_outputs(store, key, &manifest, &mut on_shard)?;
+                    known.committed.extend(manifest.outputs.into_iter().map(|output| output.key));
+                }
+                known.committed.insert(key.clone());
             }
-            Err(e) => return Err(e),
-        };
-        result.manifests += 1;
-        for output in &manifest.outputs {
-            if let Some(problem) = check(store, output)? {
-                result.findings.push(Finding { key: output.key.clone(), manifest: key.clone(), problem });
+            Some(Record::Part) => {
+                let part: Option<Manifest> = sound_or_finding(store.read_json(key), key, &mut result)?;
+                known.in_hand.extend(part.into_iter().flat_map(|p| p.outputs).map(|output| output.key));
+                known.in_hand.insert(key.clone());
             }
-            result.shards += 1;
-            result.bytes += output.bytes;
-            on_shard(&output.key);
+            Some(Record::Redo) => {
+                let redo: Option<Redo> = sound_or_finding(store.read_json(key), key, &mut result)?;
+                known.in_hand.extend(redo.into_iter().flat_map(|redo| redo.replaces));
+                known.in_hand.insert(key.clone());
+            }
+            Some(Record::Failure) => {
+                let failure: Option<Failure> = sound_or_finding(store.read_json(key), key, &mut result)?;
+                known.failures.extend(failure.map(|failure| (key.clone(), failure.reason)));
+                known.committed.insert(key.clone());
+            }
+            None => {}
         }
     }
+    // The roster is written before the plan that it is for.
+    known.in_hand.insert(keys::ROSTER.to_owned());
+    result.find_strays(&files, &known);
+    result.find_undone(&files, expected, &known);
     Ok(result)
 }
 
-fn is_manifest(key: &str) -> bool {
-    let scene = key.contains("/_manifests/") && !key.contains(".parts/");
-    (scene && !key.ends_with(".redo.json") && !key.ends_with(".failed.json") && key.ends_with(".json"))
-        || key.ends_with("/_manifest.json")
+/// Which files belong where.
+#[derive(Default)]
+struct Known {
+    committed: BTreeSet<String>,
+    in_hand: BTreeSet<String>,
+    failures: BTreeMap<String, String>,
 }
+
+enum Record {
+    Manifest,
+    Part,
+    Redo,
+    Failure,
+}
+
+/// Which kind of record a key is, by the layout of [`keys`].
+fn record_of(key: &str) -> Option<Record> {
+    let (folder, name) = key.rsplit_once('/')?;
+    if name == "_manifest.json" {
+        return Some(Record::Manifest);
+    }
+    let (_, below) = folder.split_once("/_manifests").filter(|_| name.ends_with(".json"))?;
+    match below {
+        "" if name.ends_with(".redo.json") => Some(Record::Redo),
+        "" if name.ends_with(".failed.json") => Some(Record::Failure),
+        "" => Some(Record::Manifest),
+        below if below.starts_with('/') && below.ends_with(".parts") => Some(Record::Part),
+        _ => None,
+    }
+}
+
+/// A damaged record is a finding.
+fn sound_or_finding<T>(
+    record: Result<Option<T>, StoreError>,
+    key: &str,
+    result: &mut Verification,
+) -> Result<Option<T>, StoreError> {
+    let problem = match record {
+        Err(StoreError::Corrupt { problem, .. }) => problem,
+        Err(e @ StoreError::Format { .. }) => e.to_string(),
+        other => return other,
+    };
+    let problem = Problem::Manifest(problem);
+    result.findings.push(Finding { key: key.to_owned(), manifest: None, problem });
+    Ok(None)
+}
+
+impl Verification {
+    fn check_outputs(
+        &mut self,
+        store: &Store,
+        key: &str,
+        manifest: &Manifest,
+        on_shard: &mut impl FnMut(&str),
+    ) -> Result<(), StoreError> {
+        for output in &manifest.outputs {
+            if let Some(problem) = check(store, output)? {
+                let manifest = Some(key.to_owned());
+                self.findings.push(Finding { key: output.key.clone(), manifest, problem });
+            }
+            self.shards += 1;
+            self.bytes += output.bytes;
+            on_shard(&output.key);
+        }
+        Ok(())
+    }
+
+    fn find_strays(&mut self, files: &[String], known: &Known) {
+        for key in files.iter().filter(|key| !known.committed.contains(*key)) {
+            if known.in_hand.contains(key) {
+                self.in_hand.push(key.clone());
+            } else {
+                let finding = Finding { key: key.clone(), manifest: None, problem: Problem::Stray };
+                self.findings.push(finding);
+            }
+        }
+    }
+
+    fn find_undone(&mut self, files: &[String], expected: &[(Scope, &str)], known: &Known) {
+        for (scope, stage) in expected {
+            let key = scope.manifest(stage);
+            if files.binary_search(&key).is_err() {
+                let failure = known.failures.get(&scope.failure(stage));
+                let problem = failure.map_or(Problem::NotDone, |reason| Problem::Failed(reason.clone()));
+                self.findings.push(Finding { key, manifest: None, problem });
+            }
+        }
+    }
+}
+
+/// How much of a shard is hashed at a time, bytes.
+const CHUNK: u64 = 1 << 20;
 
 fn check(store: &Store, output: &Output) -> Result<Option<Problem>, StoreError> {
     match store.backend().size(&output.key)? {
@@ -107,16 +224,15 @@ fn check(store: &Store, output: &Output) -> Result<Option<Problem>, StoreError> 
         }
         Some(_) => {}
     }
-    let mut stream = store.backend().open(&output.key)?.into_stream();
+    let shard = store.backend().open(&output.key)?;
     let mut hasher = blake3::Hasher::new();
-    let mut buffer = vec![0; 1 << 16];
-    loop {
-        let n =
-            stream.read(&mut buffer).map_err(|e| StoreError::io(store.location(&output.key), "read", e))?;
-        if n == 0 {
-            break;
-        }
-        hasher.update(&buffer[..n]);
+    let mut at = 0;
+    while at < shard.size() {
+        let end = shard.size().min(at + CHUNK);
+        let bytes =
+            shard.read_at(at..end).map_err(|e| StoreError::read(store.location(&output.key), "read", e))?;
+        hasher.update(&bytes);
+        at = end;
     }
     let same = hasher.finalize().to_hex().as_str() == output.blake3;
     Ok((!same).then_some(Problem::Changed))

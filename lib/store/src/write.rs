@@ -29,16 +29,22 @@ pub struct FileWriter {
 
 /// The first I/O error of a shard. Parquet turns errors into text; this remembers the real one.
 #[derive(Clone, Default)]
-struct Failed(Arc<Mutex<Option<io::Error>>>);
+pub(crate) struct Failed(Arc<Mutex<Option<io::Error>>>);
 
 impl Failed {
-    fn remember(&self, error: io::Error) {
-        if let Ok(mut slot) = self.0.lock() {
+    /// Keeps the error and returns one like it, to be passed on.
+    pub(crate) fn remember(&self, error: io::Error) -> io::Error {
+        let copy = error.raw_os_error().map_or_else(|| error.kind().into(), io::Error::from_raw_os_error);
+        // Whoever is interrupted tries again.
+        if error.kind() != io::ErrorKind::Interrupted
+            && let Ok(mut slot) = self.0.lock()
+        {
             slot.get_or_insert(error);
         }
+        copy
     }
 
-    fn take(&self) -> Option<io::Error> {
+    pub(crate) fn take(&self) -> Option<io::Error> {
         self.0.lock().ok().and_then(|mut slot| slot.take())
     }
 }
@@ -80,7 +86,7 @@ impl FileWriter {
     }
 
     fn error(&self, action: &'static str, error: io::Error) -> StoreError {
-        StoreError::io(self.location.clone(), action, self.failed.take().unwrap_or(error))
+        StoreError::write(self.location.clone(), action, self.failed.take().unwrap_or(error))
     }
 }
 
@@ -92,16 +98,12 @@ impl Write for FileWriter {
                 self.bytes += n as u64;
                 Ok(n)
             }
-            Err(e) => {
-                let copy = e.raw_os_error().map_or_else(|| e.kind().into(), io::Error::from_raw_os_error);
-                self.failed.remember(e);
-                Err(copy)
-            }
+            Err(e) => Err(self.failed.remember(e)),
         }
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.sink.flush()
+        self.sink.flush().map_err(|e| self.failed.remember(e))
     }
 }
 
@@ -226,7 +228,7 @@ impl<R: Row> TableWriter<R> {
 
 fn error_of(failed: &Failed, location: &str, error: &parquet::errors::ParquetError) -> StoreError {
     match failed.take() {
-        Some(io) => StoreError::io(location, "write", io),
+        Some(io) => StoreError::write(location, "write", io),
         None => StoreError::Corrupt { path: location.to_owned(), problem: error.to_string() },
     }
 }

@@ -48,7 +48,7 @@ impl Bench {
     }
 
     pub(crate) fn store(&self) -> Store {
-        Store::on_disk(&self.folder.path().join("store"))
+        Store::open(self.folder.path().join("store")).expect("is a folder")
     }
 
     pub(crate) fn manifest(&self) -> Manifest {

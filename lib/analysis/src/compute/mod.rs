@@ -23,6 +23,8 @@ pub(crate) use weather::{WEATHER_TABLES, WeatherTable};
 pub struct DatasetFacts {
     /// Name of the dataset.
     pub name: String,
+    /// Scenes of the plan: those that the statistics are given may be fewer.
+    pub planned_scenes: u64,
     /// Cells of one channel of a BEV mask: rows times columns.
     pub bev_cells_per_grid: u64,
 }
@@ -33,7 +35,7 @@ pub struct DatasetFacts {
 /// use analysis::{DatasetFacts, MeasureTotals, compute_tables, draw_figures, report_html, to_csv};
 /// use schema::scene_info::SceneInfo;
 ///
-/// let facts = DatasetFacts { name: "demo".into(), bev_cells_per_grid: 160_000 };
+/// let facts = DatasetFacts { name: "demo".into(), planned_scenes: 1, bev_cells_per_grid: 160_000 };
 /// let scene = SceneInfo { map: "Town01".into(), frames: 40, ..SceneInfo::default() };
 /// let tables = compute_tables(&facts, &[scene], &MeasureTotals::default());
 /// let overview = tables.get("overview").map(to_csv);
@@ -45,14 +47,15 @@ pub fn compute_tables(facts: &DatasetFacts, scenes: &[SceneInfo], counts: &Measu
     let mut scenes = scenes.iter().collect::<Vec<_>>();
     scenes.sort_by_key(|scene| scene.scene);
     let frames = recorded_frames(&scenes, counts);
-    let mut tables = vec![overview::overview(&scenes, counts, frames)];
+    let mut tables = vec![overview::overview(&scenes, facts.planned_scenes, counts, frames)];
     tables.extend(scenes::tables(&scenes));
     tables.extend(WEATHER_TABLES.iter().map(|table| weather::transitions(table, &scenes)));
     tables.extend(boxes::tables(counts, frames));
     tables.push(grids::bev(counts, facts.bev_cells_per_grid));
     tables.push(grids::occupancy(counts));
     tables.extend(sensors::tables(counts));
-    Tables { dataset: facts.name.clone(), tables }
+    let (covered, planned) = (scenes.len() as u64, facts.planned_scenes);
+    Tables { dataset: facts.name.clone(), partial: (covered < planned).then_some([covered, planned]), tables }
 }
 
 /// Frames of all scenes: as counted with the boxes, else as the scenes say.

@@ -6,7 +6,7 @@ use schema::scene_info::SceneInfo;
 use crate::table::{Section, Table};
 use crate::totals::MeasureTotals;
 
-pub(super) fn overview(scenes: &[&SceneInfo], counts: &MeasureTotals, frames: u64) -> Table {
+pub(super) fn overview(scenes: &[&SceneInfo], planned: u64, counts: &MeasureTotals, frames: u64) -> Table {
     let mut maps: Vec<&str> = scenes.iter().map(|scene| scene.map.as_str()).collect();
     maps.sort_unstable();
     maps.dedup();
@@ -15,12 +15,14 @@ pub(super) fn overview(scenes: &[&SceneInfo], counts: &MeasureTotals, frames: u6
         let agents = counts.agents(measures::simulation::AGENT_FRAMES, "");
         agents.filter(|(agent, _)| agent.starts_with(kind)).map(|(_, n)| n).fold(0, u64::saturating_add)
     };
-    let mut rows = vec![
-        ("scenes", scenes.len() as u64),
+    let covered = scenes.len() as u64;
+    let mut rows = vec![("scenes", covered)];
+    rows.extend((covered < planned).then_some(("planned_scenes", planned)));
+    rows.extend([
         ("maps", maps.len() as u64),
         ("frames", frames),
         ("recorded_time_s", seconds.round() as u64),
-    ];
+    ]);
     // What no stage has counted yet is left out rather than shown as 0.
     let optional = [
         (

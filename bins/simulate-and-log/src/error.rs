@@ -1,0 +1,17 @@
+//! What can go wrong between the simulation and its log.
+
+/// A scene was simulated and cannot be logged.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum LogError {
+    /// Ids are not 1, 2, 3, ...
+    #[error(
+        "object number {number} has id {id}: a scene can hold at most 65535 objects (lower world.radius_m)"
+    )]
+    Ids { number: usize, id: u16 },
+    /// An agent of the plan is not among the actors.
+    #[error("{agent} was not simulated")]
+    NotSimulated { agent: String },
+    /// An agent is where no lane is.
+    #[error("no driving lane")]
+    NoLane,
+}

@@ -1,0 +1,33 @@
+//! What can be wrong with the maps of a plan.
+
+use std::io;
+use std::path::PathBuf;
+
+/// A map cannot be had.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum MapError {
+    /// Two files of one stem.
+    #[error("maps `{first}` and `{second}` are both called `{name}`: rename one of the files")]
+    SameName { first: String, second: String, name: String },
+    /// A name that is no town of ours, and no folder to look in.
+    #[error(
+        "map `{written}` is none of our own towns ({own}): give the path of its .xodr file instead, or say \
+         in which folder it is with --maps FOLDER"
+    )]
+    NoFolder { written: String, own: String },
+    /// A name that leads out of the maps folder.
+    #[error("map `{written}` is not a plain name: give the whole path of the file, with its ending .xodr")]
+    NotPlain { written: String },
+    /// No file of this name.
+    #[error("map `{written}`: there is no {looked}; our own towns are {own}")]
+    NotFound { written: String, looked: String, own: String },
+    /// A file that cannot be read.
+    #[error("{}: cannot read the map", path.display())]
+    Unreadable { path: PathBuf, source: io::Error },
+    /// A file that is no gzip after all.
+    #[error("broken gzip file")]
+    Gzip(#[source] io::Error),
+    /// A map of older scenes is gone from the store.
+    #[error("missing, and older scenes stand on this map")]
+    Gone,
+}

@@ -1,0 +1,141 @@
+//! What one bad scene, a panic or a full store does to a run.
+
+use std::io::Write;
+use std::sync::Arc;
+
+use schema::settings::BevSettings;
+use store::{Backend, Memory};
+
+use super::*;
+
+/// A store in which three scenes are planned and simulated.
+fn simulated(store: &Store, settings: &DatasetSettings) {
+    let commit = |name: &str, scope: Scope| {
+        let spec = Graph::get().stage(name).expect("is a stage");
+        let ready = inputs(store, settings, spec, scope, CodeRule::Same).expect("reads").expect("is ready");
+        let identity = Identity {
+            stage: name.into(),
+            scope,
+            code_version: crate::code_version(name).into(),
+            config_hash: config_hash(spec, settings).expect("is a view"),
+            inputs: ready.digests,
+        };
+        let mut attempt = Attempt::start(store, identity, false).expect("starts");
+        if scope == Scope::Plan {
+            (0..3).for_each(|scene| attempt.section(&plan_section(scene), format!("plan of {scene}")));
+        }
+        attempt.commit().expect("commits");
+    };
+    commit("spawn-planner", Scope::Plan);
+    (0..3).for_each(|scene| commit("simulate-and-log", Scope::Scene(scene)));
+}
+
+fn run_of<'a>(
+    settings: &'a DatasetSettings,
+    store: &Store,
+    run: fn(&mut Job<'_, BevSettings>) -> Result<(), StageError>,
+) -> Run<'a, BevSettings> {
+    Run {
+        stage: Stage::new(run),
+        spec: Graph::get().stage("bev-gt").expect("is a stage"),
+        view: BevSettings::of(settings),
+        settings,
+        store: store.clone(),
+        maps: None,
+        force: false,
+        accept_code: false,
+        progress: ProgressMode::None,
+    }
+}
+
+const SCENES: [Scope; 3] = [Scope::Scene(0), Scope::Scene(1), Scope::Scene(2)];
+
+fn states(run: &Run<'_, BevSettings>) -> [State; 3] {
+    SCENES.map(|scope| run.state(scope, &BTreeMap::new()).expect("is known"))
+}
+
+fn write(job: &mut Job<'_, BevSettings>, bytes: usize) -> Result<(), StageError> {
+    let key = store::keys::scene(job.scene(), "bev/vehicle_0.npz");
+    if let Some(mut unit) = job.unit("vehicle_0")? {
+        unit.bytes(&key, &vec![7; bytes], 1)?;
+        unit.finish()?;
+    }
+    Ok(())
+}
+
+#[test]
+fn a_panic_is_the_fault_of_its_scene_alone() {
+    let settings = config::example_settings();
+    let store = Store::open("memory:").expect("is a place");
+    simulated(&store, &settings);
+    let bad = run_of(&settings, &store, |job| {
+        write(job, 10)?;
+        let numbers: Vec<u32> = (0..job.scene()).collect();
+        // Scene 1 has one number.
+        assert!(numbers.len() != 1 || numbers.get(1).is_some(), "number {} of {}", 1, numbers.len());
+        Ok(())
+    });
+    assert_eq!(bad.all(&SCENES).expect("goes on"), EXIT_SOME_FAILED);
+    let [first, second, third] = states(&bad);
+    assert_eq!([first, third], [State::Done, State::Done]);
+    let reason = "a bug in Convoy: number 1 of 1 (please report it)".to_owned();
+    assert_eq!(second, State::Failed(reason));
+
+    let mended = run_of(&settings, &store, |job| write(job, 10));
+    assert_eq!(mended.all(&SCENES).expect("runs"), EXIT_DONE);
+    assert_eq!(states(&mended), [State::Done, State::Done, State::Done]);
+    assert!(store.read(&SCENES[1].failure("bev-gt")).expect("asks").is_none(), "is forgotten");
+}
+
+#[test]
+fn a_full_store_stops_the_stage_and_blames_no_scene() {
+    let settings = config::example_settings();
+    let whole = Memory::default();
+    simulated(&Store::new(Arc::new(whole.clone())), &settings);
+    // The same store with room for one scene's file and its records.
+    let used: u64 = whole.list("").expect("lists").iter().filter_map(|key| whole.size(key).ok()?).sum();
+    let small = Memory::with_capacity(usize::try_from(used).expect("is small") + 6000);
+    for key in whole.list("").expect("lists") {
+        let mut sink = small.create(&key, "copy").expect("creates");
+        sink.write_all(&whole.read(&key).expect("reads").expect("is there")).expect("writes");
+        sink.commit().expect("commits");
+    }
+    let store = Store::new(Arc::new(small));
+    let run = run_of(&settings, &store, |job| write(job, 3000));
+    let error = run.all(&SCENES).expect_err("is full");
+    assert_eq!(error.exit_code(), crate::EXIT_TRY_AGAIN);
+    assert!(error.report().contains("scenes/0001/bev/vehicle_0.npz: cannot write"), "{}", error.report());
+    assert_eq!(states(&run), [State::Done, State::Missing, State::Missing]);
+}
+
+#[test]
+fn what_is_not_ready_is_no_failure() {
+    let settings = config::example_settings();
+    let store = Store::open("memory:").expect("is a place");
+    simulated(&store, &settings);
+    store.backend().remove(&SCENES[1].manifest("simulate-and-log")).expect("removes");
+    let run = run_of(&settings, &store, |job| write(job, 10));
+    let error = run.one(SCENES[1]).expect_err("has no log");
+    assert_eq!(error.report(), "simulate-and-log is missing: run that first");
+    assert_eq!(run.all(&SCENES).expect("goes on"), EXIT_SOME_FAILED);
+    assert_eq!(states(&run), [State::Done, State::Missing, State::Done]);
+    // A log that failed is told once, with its own reason.
+    let failure = Failure { code_version: "x".into(), reason: "no driving lanes".into() };
+    store.write_json(&SCENES[1].failure("simulate-and-log"), "simulate-and-log", &failure).expect("writes");
+    let error = run.one(SCENES[1]).expect_err("has no log");
+    assert_eq!(error.report(), "simulate-and-log failed (no driving lanes): run that first");
+}
+
+#[test]
+fn a_store_of_another_format_is_left_alone() {
+    let settings = config::example_settings();
+    let store = Store::open("memory:").expect("is a place");
+    simulated(&store, &settings);
+    let key = SCENES[1].manifest("simulate-and-log");
+    let mut manifest = store.manifest(SCENES[1], "simulate-and-log").expect("reads").expect("is there");
+    manifest.format_version += 1;
+    store.write_json(&key, "test", &manifest).expect("writes");
+    let run = run_of(&settings, &store, |job| write(job, 10));
+    assert_eq!(run.all(&SCENES).expect_err("is of another format").exit_code(), EXIT_USAGE);
+    assert!(store.read(&SCENES[1].failure("bev-gt")).expect("asks").is_none());
+}

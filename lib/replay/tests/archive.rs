@@ -1,0 +1,85 @@
+//! Archives of frames, written into a store that fills up.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use formats::{DEFAULT_LEVEL, NpzReader, Scalar, encode_member, frame_member};
+use pipeline::{At, Place, Progress, ProgressMode, StageError};
+use store::{Attempt, Identity, Manifest, Memory, Scope, Store, StoreError};
+
+const KEY: &str = "scenes/0007/bev/vehicle_0.npz";
+const FRAMES: u32 = 9;
+
+fn grid(frame: u32) -> Vec<u8> {
+    // Hardly to be compressed, so that the archive grows with each frame.
+    (0..500_u32).map(|i| (i.wrapping_mul(2_654_435_761).wrapping_add(frame * 40_503) >> 13) as u8).collect()
+}
+
+fn archive(store: &Store, broken: Option<u32>) -> Result<Manifest, StageError> {
+    let identity = Identity {
+        stage: "bev-gt".into(),
+        scope: Scope::Scene(7),
+        code_version: "test".into(),
+        config_hash: "c".into(),
+        inputs: BTreeMap::new(),
+    };
+    let mut attempt = Attempt::start(store, identity, false)?;
+    let Some(mut unit) = attempt.unit("vehicle_0")? else { return Ok(attempt.commit()?) };
+    let progress = Progress::start(ProgressMode::None, "test".into(), 0);
+    let one = |frame: u32| {
+        if broken == Some(frame) {
+            return Err("no such grid").at(|| Place::scene(7).frame(frame));
+        }
+        let member = encode_member(&frame_member(frame), Scalar::U8, &[500], &grid(frame), DEFAULT_LEVEL);
+        Ok((member.at(|| Place::scene(7).frame(frame))?, frame))
+    };
+    let mut order = Vec::new();
+    replay::archive_frames(&mut unit, KEY, FRAMES, &progress, one, |frame| order.push(frame))?;
+    assert!(order.iter().copied().eq(0..FRAMES), "{order:?}");
+    unit.finish()?;
+    Ok(attempt.commit()?)
+}
+
+#[test]
+fn frames_come_back_in_order() {
+    let store = Store::open("memory:").expect("is a place");
+    let manifest = archive(&store, None).expect("writes");
+    let mut reader =
+        NpzReader::new(store.stream_output(&manifest, KEY).expect("opens")).expect("is an archive");
+    assert_eq!(reader.members().len(), FRAMES as usize);
+    for frame in [8, 0, 3] {
+        assert_eq!(reader.read(&frame_member(frame)).expect("reads").bytes, grid(frame));
+    }
+}
+
+#[test]
+fn a_full_store_is_nobodys_fault_but_the_disks() {
+    let whole = Memory::default();
+    archive(&Store::new(Arc::new(whole)), None).expect("writes");
+    let mut full = 0;
+    for room in (0..6000).step_by(211) {
+        let store = Store::new(Arc::new(Memory::with_capacity(room)));
+        let Err(error) = archive(&store, None) else { continue };
+        full += 1;
+        assert_eq!(error.exit_code(), pipeline::EXIT_TRY_AGAIN, "{error}");
+        let StageError::Store(StoreError::Write { path, source, .. }) = &error else { panic!("{error:?}") };
+        assert_eq!(source.kind(), std::io::ErrorKind::StorageFull);
+        assert!(path.contains("vehicle_0") || path.contains("bev-gt"), "{path}");
+        if room > 0 && room < 4000 {
+            assert!(path.ends_with(KEY), "{path}");
+        }
+        assert!(error.report().contains("make room"), "{}", error.report());
+        let left = store.backend().list("").expect("lists");
+        assert!(left.iter().all(|key| !key.ends_with("bev-gt.json")), "{left:?}");
+    }
+    assert!(full > 15, "{full}");
+}
+
+#[test]
+fn a_bad_frame_is_named() {
+    let store = Store::open("memory:").expect("is a place");
+    let error = archive(&store, Some(4)).expect_err("frame 4 is bad");
+    assert_eq!(error.exit_code(), pipeline::EXIT_SOME_FAILED);
+    assert_eq!(error.report(), "scene 7 frame 4: no such grid");
+    assert!(store.backend().list("").expect("lists").is_empty());
+}

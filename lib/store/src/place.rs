@@ -1,0 +1,82 @@
+//! From what a user writes to a place of storage.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::{Backend, Disk, Memory, StoreError};
+
+/// The place of storage that a path or a URL names.
+pub(crate) fn open(place: &OsStr) -> Result<Arc<dyn Backend>, StoreError> {
+    // A path that is no UTF-8 is no URL either.
+    let Some(text) = place.to_str() else { return Ok(Arc::new(Disk::new(Path::new(place)))) };
+    let unsupported =
+        |problem: &str| StoreError::Place { place: text.to_owned(), problem: problem.to_owned() };
+    if text == "memory:" {
+        return Ok(Arc::new(Memory::default()));
+    }
+    match text.split_once("://") {
+        None if text.is_empty() => Err(unsupported("names no place")),
+        None => Ok(Arc::new(Disk::new(Path::new(text)))),
+        Some(("file", rest)) => {
+            let path = rest.strip_prefix("localhost").unwrap_or(rest);
+            if !path.starts_with('/') {
+                return Err(unsupported("a file URL takes a whole path, file:///FOLDER"));
+            }
+            let path = decoded(path).ok_or_else(|| unsupported("has a % without two hexadecimal digits"))?;
+            Ok(Arc::new(Disk::new(&path)))
+        }
+        Some((scheme, _)) => Err(unsupported(&format!("there is no store of kind `{scheme}`"))),
+    }
+}
+
+/// A path whose bytes may be written as `%20`.
+fn decoded(path: &str) -> Option<PathBuf> {
+    let mut bytes = Vec::with_capacity(path.len());
+    let mut rest = path.as_bytes();
+    while let Some((&first, tail)) = rest.split_first() {
+        rest = tail;
+        if first == b'%' {
+            let digits = tail.get(..2).filter(|d| d.iter().all(u8::is_ascii_hexdigit))?;
+            bytes.push(u8::from_str_radix(std::str::from_utf8(digits).ok()?, 16).ok()?);
+            rest = &tail[2..];
+        } else {
+            bytes.push(first);
+        }
+    }
+    String::from_utf8(bytes).ok().map(PathBuf::from)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Store;
+
+    #[test]
+    fn paths_and_urls_name_places() {
+        for (place, location) in [
+            ("dataset", "dataset/x"),
+            ("/data/set 1", "/data/set 1/x"),
+            ("a:b", "a:b/x"),
+            ("file:///data/set%201", "/data/set 1/x"),
+            ("file://localhost/data", "/data/x"),
+            ("memory:", "memory:x"),
+        ] {
+            let store = Store::open(place).expect(place);
+            assert_eq!(store.location("x"), location, "{place}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_supported_says_what_is() {
+        for (place, problem) in [
+            ("s3://bucket/set", "no store of kind `s3`"),
+            ("File:///data", "no store of kind `File`"),
+            ("file://server/data", "file:///FOLDER"),
+            ("file:///data%2", "without two hexadecimal digits"),
+            ("", "names no place"),
+        ] {
+            let text = Store::open(place).expect_err(place).to_string();
+            assert!(text.contains(problem) && text.contains(place) && text.contains("a folder"), "{text}");
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! What a stage writes is there whole or not at all, however often it is stopped.
+
+use std::io::Write;
+
+use schema::tables::{GnssRow, LidarRow};
+use store::{Attempt, Problem, Scope, StoreError, TableOptions, keys, verify};
+
+use crate::common::{Bench, SCOPE, STAGE, gnss, identity, key, on_every_backend, run, run_half};
+
+on_every_backend!(
+    rows_come_back_and_checksums_hold,
+    parts_of_an_object_are_read_alone,
+    lists_keep_one_frame_per_group,
+    a_killed_try_keeps_its_finished_units,
+    a_try_killed_after_its_manifest_is_tidied,
+    leftovers_of_the_plan_are_found_all_over_the_store,
+    a_finished_unit_of_another_config_is_not_kept,
+    forcing_changes_the_digest_once_even_when_killed_between,
+    what_a_new_try_no_longer_writes_is_removed,
+    broken_shards_are_named,
+    damaged_records_are_done_again,
+    two_outputs_of_one_name_are_refused,
+    of_two_that_put_one_succeeds,
+    two_processes_of_one_mind_agree,
+    two_processes_at_odds_leave_no_manifest,
+    an_object_is_replaced_whole,
+);
+
+const TWO: [&str; 2] = ["vehicle_0", "vehicle_1"];
+
+fn rows_come_back_and_checksums_hold(bench: &Bench) {
+    let store = &bench.store;
+    let manifest = run(store, "c", false, &TWO).expect("runs");
+    assert_eq!(manifest.outputs.len(), 2);
+    let rows: Vec<GnssRow> = store.read_rows(&manifest, &key("vehicle_1")).expect("reads");
+    assert_eq!(rows, gnss(40));
+    let checked = verify(store, &[(SCOPE, STAGE)], |_| {}).expect("verifies");
+    assert_eq!((checked.manifests, checked.shards, checked.findings), (1, 2, vec![]));
+    let manifest = SCOPE.manifest(STAGE);
+    assert_eq!(bench.tree().into_keys().collect::<Vec<_>>(), [manifest, key("vehicle_0"), key("vehicle_1")]);
+}
+
+fn parts_of_an_object_are_read_alone(bench: &Bench) {
+    bench.put("a/b", b"0123456789");
+    let shard = bench.store.backend().open("a/b").expect("opens");
+    assert_eq!(shard.size(), 10);
+    assert_eq!(shard.read_at(3..7).expect("reads"), "3456");
+    assert_eq!(shard.read_at(0..10).expect("reads"), "0123456789");
+    assert!(shard.read_at(10..10).expect("is empty").is_empty());
+    assert!(shard.read_at(8..11).is_err(), "beyond its end");
+    assert!(matches!(bench.store.backend().open("a"), Err(StoreError::Missing { .. })));
+    assert!(matches!(bench.store.backend().open("a/c"), Err(StoreError::Missing { .. })));
+    assert_eq!(bench.store.backend().size("a/c").expect("asks"), None);
+    // Folders end where their name does.
+    bench.put("ab/c", b"");
+    assert_eq!(bench.store.backend().list("a").expect("lists"), ["a/b"]);
+}
+
+fn lists_keep_one_frame_per_group(bench: &Bench) {
+    let sweep = |frame: u32| LidarRow {
+        frame,
+        x: vec![1.5; 1000 + frame as usize],
+        ring: vec![3; 1000 + frame as usize],
+        tag: vec![9; 1000 + frame as usize],
+        ..LidarRow::default()
+    };
+    let rows: Vec<LidarRow> = (0..5).map(sweep).collect();
+    let mut attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is new");
+    let mut table = unit.table("scenes/0007/x.parquet", TableOptions::frames(Vec::new())).expect("opens");
+    table.push(&rows).expect("writes");
+    unit.add(table.finish().expect("finishes"));
+    unit.finish().expect("commits");
+    let manifest = attempt.commit().expect("commits");
+    let groups: Vec<Vec<LidarRow>> = bench
+        .store
+        .row_groups(&manifest, "scenes/0007/x.parquet")
+        .expect("opens")
+        .map(|g| g.expect("reads"))
+        .collect();
+    assert_eq!(groups.iter().map(Vec::len).collect::<Vec<_>>(), [1; 5]);
+    assert_eq!(groups.concat(), rows);
+}
+
+fn a_killed_try_keeps_its_finished_units(broken: &Bench) {
+    let clean = broken.another();
+    run(&clean.store, "c", false, &TWO).expect("runs");
+
+    // The process dies with one unit finished and a shard in hand.
+    let store = &broken.store;
+    let mut attempt = Attempt::start(store, identity("c"), false).expect("starts");
+    let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is new");
+    unit.rows(&key("vehicle_0"), &gnss(40)).expect("writes");
+    unit.finish().expect("finishes");
+    let unit = attempt.unit("vehicle_1").expect("asks").expect("is new");
+    let mut hand = unit.file(&key("vehicle_1")).expect("opens");
+    hand.write_all(b"half a shard").expect("writes");
+    std::mem::forget(hand);
+    assert!(store.manifest(SCOPE, STAGE).expect("asks").is_none());
+    let left = store.backend().unfinished("").expect("lists");
+    assert!(left.len() == 1 && left[0].owner == STAGE && left[0].abandoned, "{left:?}");
+    assert!(!store.backend().list("").expect("lists").contains(&key("vehicle_1")), "half is nothing");
+
+    let mut attempt = Attempt::start(store, identity("c"), false).expect("starts again");
+    assert!(attempt.unit("vehicle_0").expect("asks").is_none(), "is kept");
+    let mut unit = attempt.unit("vehicle_1").expect("asks").expect("was lost");
+    unit.rows(&key("vehicle_1"), &gnss(40)).expect("writes");
+    unit.finish().expect("finishes");
+    attempt.commit().expect("commits");
+    assert_eq!(clean.tree(), broken.tree());
+}
+
+fn a_try_killed_after_its_manifest_is_tidied(bench: &Bench) {
+    let store = &bench.store;
+    run(store, "c", false, &["vehicle_0"]).expect("runs");
+    let clean = bench.tree();
+    store.write_json(&SCOPE.part(STAGE, "vehicle_0"), STAGE, &1).expect("writes");
+    store.write_json(&SCOPE.redo(STAGE), STAGE, &1).expect("writes");
+    Attempt::tidy(store, SCOPE, STAGE).expect("tidies");
+    assert_eq!(clean, bench.tree());
+}
+
+fn leftovers_of_the_plan_are_found_all_over_the_store(bench: &Bench) {
+    let backend = bench.store.backend();
+    for key in [keys::DATASET, "maps/convoy/demo.xodr.zst", keys::PLAN_SCENES] {
+        std::mem::forget(backend.create(key, "spawn-planner").expect("creates"));
+    }
+    assert_eq!(backend.unfinished("").expect("lists").len(), 3);
+    assert_eq!(backend.unfinished("maps").expect("lists").len(), 1);
+    assert_eq!(backend.sweep("plan", "bev-gt").expect("sweeps"), 0, "not its owner");
+    Attempt::tidy(&bench.store, Scope::Plan, "spawn-planner").expect("tidies");
+    assert!(bench.tree().is_empty());
+}
+
+fn a_finished_unit_of_another_config_is_not_kept(bench: &Bench) {
+    run_half(&bench.store, "old", false);
+    let mut attempt = Attempt::start(&bench.store, identity("new"), false).expect("starts");
+    assert!(attempt.unit("vehicle_0").expect("asks").is_some());
+}
+
+fn forcing_changes_the_digest_once_even_when_killed_between(bench: &Bench) {
+    let store = &bench.store;
+    let first = run(store, "c", false, &TWO).expect("runs");
+    let again = run(store, "c", false, &TWO).expect("runs");
+    assert_eq!(first.digest(), again.digest());
+
+    let mut attempt = Attempt::start(store, identity("c"), true).expect("starts");
+    let mut unit = attempt.unit("vehicle_0").expect("asks").expect("forced");
+    assert!(store.manifest(SCOPE, STAGE).expect("asks").is_some(), "the old one still stands");
+    unit.rows(&key("vehicle_0"), &gnss(40)).expect("writes");
+    unit.finish().expect("finishes");
+    assert!(store.manifest(SCOPE, STAGE).expect("asks").is_none(), "its shards are being replaced");
+    drop(attempt);
+    let forced = run(store, "c", true, &TWO).expect("runs");
+    assert_eq!(forced.generation, 1);
+    assert_ne!(first.digest(), forced.digest());
+    assert_eq!(first.outputs, forced.outputs);
+}
+
+fn what_a_new_try_no_longer_writes_is_removed(bench: &Bench) {
+    run(&bench.store, "c", false, &TWO).expect("runs");
+    run(&bench.store, "d", false, &["vehicle_0"]).expect("runs");
+    let files = bench.tree();
+    assert!(files.contains_key(&key("vehicle_0")));
+    assert!(!files.keys().any(|k| k.contains("vehicle_1")), "{:?}", files.keys());
+}
+
+fn broken_shards_are_named(bench: &Bench) {
+    let store = &bench.store;
+    let manifest = run(store, "c", false, &TWO).expect("runs");
+    let (first, second) = (key("vehicle_0"), key("vehicle_1"));
+    let whole = bench.bytes(&first);
+
+    bench.put(&first, &whole[..whole.len() / 2]);
+    let error = store.read_rows::<GnssRow>(&manifest, &first).expect_err("is truncated");
+    let text = error.to_string();
+    assert!(text.contains("vehicle_0/GNSS.parquet") && text.contains("truncated"), "{text}");
+    assert!(!store.outputs_present(&manifest).expect("asks"));
+
+    let mut changed = whole.clone();
+    changed[whole.len() / 3] ^= 0x40;
+    bench.put(&first, &changed);
+    store.backend().remove(&second).expect("removes");
+    let findings = verify(store, &[], |_| {}).expect("verifies").findings;
+    let problems: Vec<_> = findings.iter().map(|f| (f.key.as_str(), f.problem.clone())).collect();
+    assert_eq!(problems, [(first.as_str(), Problem::Changed), (second.as_str(), Problem::Missing)]);
+
+    // The right size, but no table.
+    bench.put(&first, &vec![7; whole.len()]);
+    let error = store.read_rows::<GnssRow>(&manifest, &first).expect_err("is no table");
+    assert!(matches!(&error, StoreError::Corrupt { path, .. } if path.contains("vehicle_0")), "{error}");
+}
+
+fn damaged_records_are_done_again(bench: &Bench) {
+    let store = &bench.store;
+    run(store, "c", false, &TWO).expect("runs");
+    let whole = bench.tree();
+    let manifest = SCOPE.manifest(STAGE);
+    for kept in [0, 40] {
+        let bytes = bench.bytes(&manifest);
+        bench.put(&manifest, &bytes[..kept]);
+        assert!(matches!(store.manifest(SCOPE, STAGE), Err(StoreError::Corrupt { .. })));
+        run(store, "c", false, &TWO).expect("runs again");
+        assert_eq!(whole, bench.tree());
+    }
+    // The same for the records of a try that was killed after its first unit.
+    run_half(store, "d", true);
+    for record in [SCOPE.part(STAGE, "vehicle_0"), SCOPE.redo(STAGE)] {
+        assert!(store.read(&record).expect("asks").is_some(), "{record}");
+        bench.put(&record, b"{");
+    }
+    let manifest = run(store, "d", false, &TWO).expect("runs");
+    assert_eq!(manifest.outputs.len(), 2);
+    assert!(verify(store, &[(SCOPE, STAGE)], |_| {}).expect("verifies").findings.is_empty());
+}
+
+fn two_outputs_of_one_name_are_refused(bench: &Bench) {
+    let mut attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is to do");
+    unit.rows(&key("vehicle_0"), &gnss(40)).expect("writes");
+    unit.rows(&key("vehicle_0"), &gnss(20)).expect("writes");
+    let error = unit.finish().expect_err("is refused");
+    assert!(error.to_string().contains("vehicle_0/GNSS.parquet"), "{error}");
+}
+
+fn of_two_that_put_one_succeeds(bench: &Bench) {
+    let backend = bench.store.backend();
+    let won: usize = std::thread::scope(|scope| {
+        let tries = (0..8_u8)
+            .map(|i| scope.spawn(move || backend.put_if_absent("a/once", STAGE, &[i; 64]).expect("puts")));
+        let tries: Vec<_> = tries.collect();
+        tries.into_iter().map(|t| usize::from(t.join().expect("ends"))).sum()
+    });
+    assert_eq!(won, 1);
+    let bytes = bench.tree().remove("a/once").expect("is there");
+    assert!(bytes.len() == 64 && bytes.iter().all(|b| *b == bytes[0]), "one of them, whole: {bytes:?}");
+}
+
+fn two_processes_of_one_mind_agree(bench: &Bench) {
+    let mut slow = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    let fast = run(&bench.store, "c", false, &["vehicle_0"]).expect("runs");
+    let tree = bench.tree();
+    if let Some(mut unit) = slow.unit("vehicle_0").expect("asks") {
+        unit.rows(&key("vehicle_0"), &gnss(40)).expect("writes");
+        unit.finish().expect("finishes");
+    }
+    assert_eq!(slow.commit().expect("agrees"), fast);
+    assert_eq!(tree, bench.tree());
+}
+
+fn two_processes_at_odds_leave_no_manifest(bench: &Bench) {
+    let mut slow = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    run(&bench.store, "d", false, &["vehicle_0"]).expect("runs");
+    let mut unit = slow.unit("vehicle_0").expect("asks").expect("is to do");
+    unit.rows(&key("vehicle_0"), &gnss(20)).expect("writes");
+    unit.finish().expect("finishes");
+    let error = slow.commit().expect_err("the shards are mixed");
+    assert!(matches!(error, StoreError::Contested { .. }) && error.is_transient(), "{error}");
+    assert!(bench.store.manifest(SCOPE, STAGE).expect("asks").is_none());
+    let manifest = run(&bench.store, "c", false, &["vehicle_0"]).expect("runs");
+    assert!(bench.store.outputs_present(&manifest).expect("asks"));
+}
+
+fn an_object_is_replaced_whole(bench: &Bench) {
+    bench.put("a", b"first");
+    let mut sink = bench.store.backend().create("a", STAGE).expect("creates");
+    sink.write_all(b"sec").expect("writes");
+    sink.flush().expect("flushes");
+    assert_eq!(bench.bytes("a"), b"first");
+    drop(sink);
+    assert_eq!(bench.tree()["a"], b"first", "what is dropped is discarded");
+    bench.put("a", b"2");
+    assert_eq!(bench.bytes("a"), b"2");
+}

@@ -1,0 +1,62 @@
+//! What only a file system has: names of unfinished files, processes, folders.
+
+use std::fs;
+use std::path::Path;
+
+use store::{Backend, Disk};
+
+use crate::common::STAGE;
+
+fn files(folder: &Path) -> Vec<std::path::PathBuf> {
+    let entries = walkdir::WalkDir::new(folder).into_iter().filter_map(Result::ok);
+    entries.map(walkdir::DirEntry::into_path).filter(|p| p.is_file()).collect()
+}
+
+#[test]
+fn what_a_living_process_writes_is_not_swept() {
+    let dir = tempfile::tempdir().expect("temp dir");
+    let disk = Disk::new(dir.path());
+    let sink = disk.create("a/table.parquet", STAGE).expect("creates");
+    let ours = files(dir.path()).pop().expect("is being written");
+    // The same leftover, had another process made it.
+    let mut other = std::process::Command::new("sleep").arg("600").spawn().expect("sleep runs");
+    let name = ours.file_name().expect("has a name").to_string_lossy().into_owned();
+    let own_id = format!("~{}~", std::process::id());
+    assert!(name.contains(&own_id), "{name}");
+    let theirs = ours.with_file_name(name.replace(&own_id, &format!("~{}~", other.id())));
+    fs::write(&theirs, "half").expect("writes");
+    drop(sink);
+    assert_eq!(disk.sweep("", STAGE).expect("sweeps"), 0);
+    let seen = disk.unfinished("").expect("lists");
+    assert!(seen.len() == 1 && !seen[0].abandoned, "{seen:?}");
+    other.kill().expect("is killed");
+    other.wait().expect("is reaped");
+    assert!(disk.unfinished("").expect("lists")[0].abandoned);
+    assert_eq!(disk.sweep("", "bev-gt").expect("sweeps"), 0, "not its owner");
+    assert_eq!(disk.sweep("", STAGE).expect("sweeps"), 1);
+    assert!(!theirs.exists());
+}
+
+#[test]
+fn only_our_unfinished_files_are_hidden() {
+    let dir = tempfile::tempdir().expect("temp dir");
+    let disk = Disk::new(dir.path());
+    for name in ["notes.tmp", ".hidden", ".a~b.tmp"] {
+        fs::write(dir.path().join(name), "x").expect("writes");
+    }
+    let sink = disk.create("table.parquet", STAGE).expect("creates");
+    assert_eq!(disk.list("").expect("lists"), [".a~b.tmp", ".hidden", "notes.tmp"]);
+    assert!(disk.put_if_absent("table.parquet", STAGE, b"whole").expect("puts"));
+    drop(sink);
+    assert_eq!(files(dir.path()).len(), 4, "a put leaves no other name behind");
+}
+
+#[test]
+fn folders_go_with_what_was_in_them() {
+    let dir = tempfile::tempdir().expect("temp dir");
+    let disk = Disk::new(dir.path());
+    assert!(disk.put_if_absent("a/b/c", STAGE, b"").expect("puts"));
+    disk.remove("a/b/c").expect("removes");
+    disk.remove("a/b/c").expect("is gone");
+    assert!(dir.path().exists() && !dir.path().join("a").exists());
+}

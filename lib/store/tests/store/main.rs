@@ -1,0 +1,8 @@
+//! Commit, resume, faults, old formats, verification: on every backend.
+
+mod commit;
+mod common;
+mod disk;
+mod faults;
+mod format;
+mod verify;

@@ -1,0 +1,110 @@
+//! A store that is checked: what is faulty, what does not belong, what is missing, what is only in the making.
+
+use std::io::Write;
+
+use store::{Attempt, Failure, Finding, Problem, Scope, Verification, verify};
+
+use crate::common::{Bench, SCOPE, STAGE, gnss, identity, key, on_every_backend, run, run_half};
+
+on_every_backend!(
+    strays_are_named,
+    a_deleted_manifest_is_missed,
+    stages_that_failed_say_why,
+    what_is_in_the_making_is_no_stray,
+    records_that_cannot_be_read_are_named,
+);
+
+fn checked(bench: &Bench) -> Verification {
+    verify(&bench.store, &[(SCOPE, STAGE)], |_| {}).expect("verifies")
+}
+
+fn finding(key: impl Into<String>, problem: Problem) -> Finding {
+    Finding { key: key.into(), manifest: None, problem }
+}
+
+fn strays_are_named(bench: &Bench) {
+    run(&bench.store, "c", false, &["vehicle_0"]).expect("runs");
+    assert_eq!(checked(bench).findings, []);
+    let strays = [
+        "notes.txt",
+        "scenes/0007/sensors/vehicle_0/old.parquet",
+        "scenes/0007/_manifests/notes.txt",
+        "scenes/0007/_manifests/x.parts.json.bak",
+        "scenes/0007/table.tmp",
+    ];
+    for stray in strays {
+        bench.put(stray, b"{}");
+    }
+    let mut named = strays.map(|stray| finding(stray, Problem::Stray));
+    named.sort_by(|a, b| a.key.cmp(&b.key));
+    assert_eq!(checked(bench).findings, named);
+    assert_eq!(named[0].to_string(), "notes.txt: no manifest names this file");
+}
+
+fn a_deleted_manifest_is_missed(bench: &Bench) {
+    run(&bench.store, "c", false, &["vehicle_0"]).expect("runs");
+    let manifest = SCOPE.manifest(STAGE);
+    bench.store.backend().remove(&manifest).expect("removes");
+    let result = checked(bench);
+    let expected = [finding(key("vehicle_0"), Problem::Stray), finding(&manifest, Problem::NotDone)];
+    assert_eq!(result.findings, expected);
+    // A scene that was never begun lacks it as well.
+    let all = verify(&bench.store, &[(SCOPE, STAGE), (Scope::Scene(8), STAGE)], |_| {}).expect("verifies");
+    assert_eq!(all.findings[2], finding(Scope::Scene(8).manifest(STAGE), Problem::NotDone));
+}
+
+fn stages_that_failed_say_why(bench: &Bench) {
+    let failure = Failure { code_version: "test".into(), reason: "frame 3: no light".into() };
+    bench.store.write_json(&SCOPE.failure(STAGE), STAGE, &failure).expect("writes");
+    let result = checked(bench);
+    assert_eq!(result.findings, [finding(SCOPE.manifest(STAGE), Problem::Failed(failure.reason))]);
+    assert!(result.findings[0].to_string().contains("failed: frame 3: no light"));
+}
+
+fn what_is_in_the_making_is_no_stray(bench: &Bench) {
+    run(&bench.store, "c", false, &["vehicle_0", "vehicle_1"]).expect("runs");
+    // A forced try that ends after its first unit: a record of it, one that the manifest is set aside, a file begun.
+    run_half(&bench.store, "c", true);
+    let mut hand = bench.store.backend().create("scenes/0007/x.parquet", STAGE).expect("creates");
+    hand.write_all(b"half").expect("writes");
+    std::mem::forget(hand);
+    let result = checked(bench);
+    assert_eq!(result.findings, [finding(SCOPE.manifest(STAGE), Problem::NotDone)]);
+    let mut in_hand =
+        vec![SCOPE.part(STAGE, "vehicle_0"), SCOPE.redo(STAGE), key("vehicle_0"), key("vehicle_1")];
+    in_hand.sort_unstable();
+    assert_eq!(result.in_hand, in_hand);
+    assert!(result.unfinished.len() == 1 && result.unfinished[0].owner == STAGE, "{result:?}");
+    // Once it is done, nothing is left of it.
+    run(&bench.store, "c", false, &["vehicle_0", "vehicle_1"]).expect("runs");
+    let result = checked(bench);
+    assert!(
+        result.findings.is_empty() && result.in_hand.is_empty() && result.unfinished.is_empty(),
+        "{result:?}"
+    );
+}
+
+fn records_that_cannot_be_read_are_named(bench: &Bench) {
+    let mut manifest = run(&bench.store, "c", false, &["vehicle_0"]).expect("runs");
+    let place = SCOPE.manifest(STAGE);
+    manifest.format_version = 99;
+    bench.store.write_json(&place, STAGE, &manifest).expect("writes");
+    let problems = checked(bench).findings;
+    assert!(
+        matches!(&problems[0], Finding { key, problem: Problem::Manifest(text), .. }
+        if *key == place && text.contains("store format 99")),
+        "{problems:?}"
+    );
+
+    bench.put(&place, b"{");
+    let mut attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is to do");
+    unit.rows(&key("vehicle_0"), &gnss(40)).expect("writes");
+    unit.finish().expect("finishes");
+    drop(attempt);
+    let part = SCOPE.part(STAGE, "vehicle_0");
+    bench.put(&part, b"[");
+    let findings = checked(bench).findings;
+    let damaged = |f: &&Finding| matches!(f.problem, Problem::Manifest(_));
+    assert_eq!(findings.iter().filter(damaged).map(|f| f.key.as_str()).collect::<Vec<_>>(), [part.as_str()]);
+}
