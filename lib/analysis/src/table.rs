@@ -224,9 +224,6 @@ impl Tables {
 }
 
 /// A table as CSV (RFC 4180, but lines end with a line feed): a line of column names, then the rows.
-///
-/// # Panics
-/// Never with a table of this crate: its columns are equally long, and memory takes what is written.
 #[must_use]
 pub fn to_csv(table: &Table) -> String {
     let mut csv = csv::Writer::from_writer(Vec::new());

@@ -1,7 +1,5 @@
 //! numpy reads what is written here, and the other way round.
 
-#![allow(clippy::print_stderr)] // A skipped test says so.
-
 use std::fs;
 use std::io::Cursor;
 use std::path::PathBuf;
@@ -9,16 +7,9 @@ use std::process::Command;
 
 use formats::{DEFAULT_LEVEL, DType, NpzReader, NpzWriter, Scalar, encode_member, npy_header};
 
-// Skipping is silent where output is captured: to be put under the workspace's one rule for what is absent
-// (`CONVOY_REQUIRE`) as soon as there is such a crate.
 /// Runs a Python program with the folder as its argument; `None` without Python or numpy.
 fn python(program: &str, folder: &str) -> Option<String> {
-    let python = std::env::var("CONVOY_PYTHON").unwrap_or_else(|_| "python3".into());
-    let has_numpy = Command::new(&python).args(["-c", "import numpy"]).output();
-    if !has_numpy.is_ok_and(|output| output.status.success()) {
-        eprintln!("skipped: {python} with numpy is not here");
-        return None;
-    }
+    let python = testkit::python(&["numpy"])?;
     let output = Command::new(&python).args(["-c", program, folder]).output().expect("python starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     Some(String::from_utf8(output.stdout).expect("text"))
