@@ -3,7 +3,7 @@
 use counts::PartialCounts;
 use formats::{DEFAULT_LEVEL, Scalar, encode_member, frame_member};
 use pipeline::{Job, Pulse, Stage, StageError};
-use replay::{Replay, Spare, archive_frames};
+use replay::{BufferPool, Replay, archive_frames};
 use schema::ObjectId;
 use schema::settings::{OccupancySettings, PerAgent};
 use store::{Unit, keys};
@@ -55,9 +55,9 @@ impl Work<'_> {
         pulse: Pulse<'_>,
     ) -> Result<PartialCounts, StageError> {
         let frames = self.replay.log.frame_count();
-        let spare = Spare::default();
+        let pool = BufferPool::default();
         let one = |frame: u32| {
-            let (mut voxelizer, mut grid) = spare.take(|| {
+            let (mut voxelizer, mut grid) = pool.take(|| {
                 Voxelizer::new(self.settings)
                     .map(|v| (v, VoxelGrid::default()))
                     .map_err(|e| StageError::failed(&e))
@@ -68,7 +68,7 @@ impl Work<'_> {
             let member =
                 encode_member(&frame_member(frame), Scalar::U8, &grid.shape, &grid.data, DEFAULT_LEVEL)
                     .map_err(|e| StageError::failed(&e))?;
-            spare.give((voxelizer, grid));
+            pool.give((voxelizer, grid));
             Ok((member, counts))
         };
         let mut counts = PartialCounts::new();

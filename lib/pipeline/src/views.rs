@@ -170,6 +170,7 @@ pub fn config_hash(spec: &StageSpec, settings: &DatasetSettings) -> Result<Strin
 
 #[cfg(test)]
 mod tests {
+    use schema::ImageSet;
     use schema::settings::OwnRig;
 
     use super::*;
