@@ -5,6 +5,7 @@ use std::fmt::Write;
 use std::fs;
 
 use convoy_tests::workspace;
+use schema::images::ImageEncoding;
 
 /// Compares the part of a page below its marker with a text.
 fn check(page: &str, generated: &str) {
@@ -33,6 +34,24 @@ fn schema_page_names_every_column() {
         for (field, kind) in table.columns {
             writeln!(text, "| `{}` | {kind} | {} |", field.name, field.doc.trim()).expect("writes");
         }
+    }
+    text.push_str(
+        "\n### Kinds of images\n\n| kind | pixels | kept as | switched on by |\n|---|---|---|---|\n",
+    );
+    for kind in schema::ImageKind::ALL {
+        let spec = kind.spec();
+        let kept_as = match spec.encoding {
+            ImageEncoding::Jpeg => "JPEG",
+            ImageEncoding::Png => "PNG",
+            ImageEncoding::Columns => "columns",
+        };
+        let line = [
+            format!("`{}`", spec.prefix),
+            spec.doc.trim().into(),
+            kept_as.into(),
+            format!("`{}`", spec.flag),
+        ];
+        writeln!(text, "| {} |", line.join(" | ")).expect("writes");
     }
     check("schema.md", &text);
 }

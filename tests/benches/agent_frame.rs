@@ -17,15 +17,17 @@ use opendrive::Map;
 use pipeline::StageSettings;
 use plan::PlanMap;
 use random::Stream;
+use rayon::prelude::*;
 use schema::geometry::Snapshot;
+use schema::images::{Instance, Rgb};
 use schema::settings::stages::{PlanSettings, SimulationSettings};
 use schema::settings::{DatasetSettings, LidarSpec};
 use schema::tables::{ActorRow, BoxRow};
 use schema::{AgentId, BevClass, DetectionClass};
-use sensors::{CameraFrame, CameraView, Lidar, Lighting, Picture, RadarMotion, Sky};
+use sensors::{CameraView, CpuPainter, FrameWeather, Image, Lidar, Painter, RadarMotion, Shot, Sight};
 use traffic::{SceneInput, SceneLog};
 use validity::{Evidence, PointCloud};
-use visibility::{Meshes, Scene};
+use visibility::{CpuRenderer, Renderer, Scene};
 use voxelgrid::VoxelGrid;
 use voxels::Voxelizer;
 use world::{Moment, SceneWorld};
@@ -116,7 +118,7 @@ struct Agentframe<'a> {
     actors: &'a [ActorRow],
     log: &'a SceneLog,
     world: &'a SceneWorld,
-    meshes: Meshes,
+    renderer: CpuRenderer,
     pose: Pose<World, Agent>,
     own: u16,
 }
@@ -134,7 +136,9 @@ impl<'a> Agentframe<'a> {
         let own = log.actors.iter().find(|a| a.role == "vehicle_0").expect("is simulated").id;
         let state = log.states.iter().find(|s| s.frame == FRAME && s.id == own).expect("has a state");
         let pose = Pose::from_xyz_wxyz(state.xyz_m, state.quaternion);
-        Self { settings, map, actors, log, world, meshes: Meshes::build(&world.meshes()), pose, own }
+        let mut renderer = CpuRenderer::default();
+        renderer.prepare(&world.meshes()).expect("has no device");
+        Self { settings, map, actors, log, world, renderer, pose, own }
     }
 
     fn snapshot(&self, radius_m: f64) -> Snapshot {
@@ -166,28 +170,29 @@ impl<'a> Agentframe<'a> {
             "snapshot and top-level tree",
             best(5, || {
                 let snapshot = self.snapshot(1000.0);
-                black_box(Scene::new(&self.meshes, &snapshot));
+                black_box(self.renderer.place(&snapshot).is_ok());
             }),
             0.01,
         );
         let snapshot = self.snapshot(1000.0);
-        let scene = Scene::new(&self.meshes, &snapshot);
-        let [raster, shade, encode] = self.cameras(&scene);
+        let scene = &*self.renderer.place(&snapshot).expect("all meshes are prepared");
+        let [raster, shade, encode] = self.cameras(scene);
         push("camera visibility, 6 cameras", raster, 0.35);
         push("shading, 6 cameras", shade, 0.15);
         push("image encoding, RGB + instance, 6 cameras", encode, 0.07);
-        push("lidar 262,144 rays + 4 radars", self.ranging(&scene), 0.04);
+        push("lidar 262,144 rays + 4 radars", self.ranging(scene), 0.04);
         push("BEV", self.bev(), 0.002);
         let [voxels, fill, npz] = self.occupancy();
         push("voxels, exact overlap", voxels, 0.1);
         push("voxel fill", fill, 0.05);
         push("voxel npz, one grid (two are written)", npz, 0.09);
-        push("boxes and post-processing", self.post_processing(&scene), 0.005);
+        push("boxes and post-processing", self.post_processing(scene), 0.005);
     }
 
-    fn cameras(&self, scene: &Scene<'_>) -> [f64; 3] {
+    fn cameras(&self, scene: &dyn Scene) -> [f64; 3] {
         let rig = &self.settings.vehicle_rig;
         let weather = self.log.frames[FRAME as usize].weather();
+        let when = FrameWeather { frame: FRAME as u32, time_s: 2.0, weather };
         let origin = scene.snapshot().origin;
         let views: Vec<CameraView> = rig
             .cameras
@@ -195,24 +200,33 @@ impl<'a> Agentframe<'a> {
             .map(|c| CameraView::new(&origin, &self.pose, &self.pose, &c.mount, &rig.camera))
             .collect();
         let pinholes: Vec<_> = views.iter().map(|v| v.pinhole().expect("is a camera")).collect();
-        let raster = best(3, || pinholes.iter().map(|p| visibility::rasterize(scene, p)).collect::<Vec<_>>());
-        let buffers: Vec<_> = pinholes.iter().map(|p| visibility::rasterize(scene, p)).collect();
-        let sky = Sky::new(&weather, 2.0);
-        let light = || Lighting::new(scene, &sky, &weather, origin.local_from_world(self.pose.xyz()));
-        let shade = best(3, || {
-            let lighting = light();
-            let pictures = views.iter().zip(&buffers);
-            pictures.map(|(view, buffer)| Picture::new(scene, view, buffer, &lighting)).collect::<Vec<_>>()
+        let raster = best(3, || scene.look(&pinholes));
+        let seen = scene.look(&pinholes).expect("has no device");
+        let shots: Vec<Shot<'_>> = views.iter().zip(&seen).map(|(view, seen)| Shot { view, seen }).collect();
+        // The painter keeps the sky of a frame, which agents share.
+        let painter = CpuPainter::default();
+        let place = origin.local_from_world(self.pose.xyz());
+        let paint = || painter.paint(scene, &when, place, &shots).expect("has no device");
+        paint();
+        let shade = best(3, paint);
+        let sights: Vec<Sight> = views
+            .iter()
+            .zip(&seen)
+            .zip(paint())
+            .map(|((view, seen), p)| Sight { view: view.clone(), seen: seen.clone(), picture: Some(p) })
+            .collect();
+        let snapshot = scene.snapshot();
+        let encode = best(3, || {
+            let images = sights.par_iter().map(|sight| {
+                let counts = sensors::pixel_counts(snapshot, &sight.seen);
+                (Rgb::of(snapshot, sight, 0).is_ok(), Instance::of(snapshot, sight, 0).is_ok(), counts)
+            });
+            images.collect::<Vec<_>>()
         });
-        let all = best(3, || {
-            let lighting = light();
-            let frames = views.iter().zip(&buffers);
-            frames.map(|(v, b)| CameraFrame::from_buffer(scene, v, b, Some(&lighting))).collect::<Vec<_>>()
-        });
-        [raster, shade, (all - shade).max(0.0)]
+        [raster, shade, encode]
     }
 
-    fn ranging(&self, scene: &Scene<'_>) -> f64 {
+    fn ranging(&self, scene: &dyn Scene) -> f64 {
         let rig = &self.settings.vehicle_rig;
         let origin = scene.snapshot().origin;
         let lidar = Lidar::new(&rig.lidars[0]).expect("is a lidar");
@@ -220,7 +234,7 @@ impl<'a> Agentframe<'a> {
         best(3, || {
             let spec: &LidarSpec = lidar.spec();
             let at = origin.local_from_body(&(self.pose * spec.mount.agent_from_sensor()));
-            black_box(lidar.sweep(scene, at, &stream, 0));
+            black_box(lidar.sweep(scene, at, &stream, 0).is_ok());
             for radar in &rig.radars {
                 let at = origin.local_from_body(&(self.pose * radar.mount.agent_from_sensor()));
                 let motion = RadarMotion {
@@ -228,7 +242,7 @@ impl<'a> Agentframe<'a> {
                     previous_local_from_sensor: at,
                     own: Some(self.own),
                 };
-                black_box(sensors::radar(scene, radar, &motion, &stream, 0));
+                black_box(sensors::radar(scene, radar, &motion, &stream, 0).is_ok());
             }
         })
     }
@@ -263,7 +277,7 @@ impl<'a> Agentframe<'a> {
         [voxels, fill, npz]
     }
 
-    fn post_processing(&self, scene: &Scene<'_>) -> f64 {
+    fn post_processing(&self, scene: &dyn Scene) -> f64 {
         let objects: Vec<ObservedObject<'_>> = self
             .actors
             .iter()
@@ -284,7 +298,8 @@ impl<'a> Agentframe<'a> {
         let lidar = Lidar::new(&rig.lidars[0]).expect("is a lidar");
         let mount = lidar.spec().mount.agent_from_sensor();
         let at = scene.snapshot().origin.local_from_body(&(self.pose * mount));
-        let sweep = lidar.sweep(scene, at, &Stream::new(1, 2, "bench", 3), 0);
+        let stream = Stream::new(1, 2, "bench", 3);
+        let sweep = lidar.sweep(scene, at, &stream, 0).expect("has no device");
         let cloud =
             PointCloud { world_from_sensor: self.pose * mount, x: &sweep.x_m, y: &sweep.y_m, z: &sweep.z_m };
         let pixels = BTreeMap::new();

@@ -5,7 +5,7 @@ use counts::PartialCounts;
 use formats::{DEFAULT_LEVEL, Scalar, encode_member, frame_member};
 use nalgebra::Point3;
 use pipeline::{At, Job, Place, Progress, Stage, StageError};
-use replay::{Replay, Spare, archive_frames};
+use replay::{BufferPool, Replay, archive_frames};
 use schema::BevClass;
 use schema::settings::BevSettings;
 use store::{Unit, keys};
@@ -66,13 +66,13 @@ impl Work<'_> {
         let cells = self.settings.cells as usize;
         // Half the diagonal, and the size of the largest object.
         let radius_m = self.settings.half_extent_m() * std::f64::consts::SQRT_2 + 10.0;
-        let spare = Spare::default();
+        let pool = BufferPool::default();
         let one = |frame: u32| {
             let pose = self.replay.log.world_from_agent(self.position, frame);
             let snapshot = self.replay.snapshot(frame, pose.xyz(), radius_m);
-            let mut rasterizer = spare.take(|| BevRasterizer::new(self.settings)).at(|| self.place(frame))?;
+            let mut rasterizer = pool.take(|| BevRasterizer::new(self.settings)).at(|| self.place(frame))?;
             let mask = rasterizer.rasterize(&snapshot, &pose, self.areas);
-            spare.give(rasterizer);
+            pool.give(rasterizer);
             let shape = [BevClass::COUNT, cells, cells];
             let member =
                 encode_member(&frame_member(frame), Scalar::Bool, &shape, &mask.to_bytes(), DEFAULT_LEVEL)

@@ -3,7 +3,7 @@
 use counts::PartialCounts;
 use formats::{DEFAULT_LEVEL, Scalar, encode_member, frame_member};
 use pipeline::{At, Job, Place, Progress, Stage, StageError};
-use replay::{Replay, Spare, archive_frames};
+use replay::{BufferPool, Replay, archive_frames};
 use schema::ObjectId;
 use schema::settings::{OccupancySettings, PerAgent};
 use store::{Unit, keys};
@@ -61,17 +61,17 @@ impl Work<'_> {
         progress: &Progress,
     ) -> Result<PartialCounts, StageError> {
         let frames = self.replay.log.frame_count();
-        let spare = Spare::default();
+        let pool = BufferPool::default();
         let one = |frame: u32| {
             let make = || Voxelizer::new(self.settings).map(|v| (v, VoxelGrid::default()));
-            let (mut voxelizer, mut grid) = spare.take(make).at(|| self.place(frame))?;
+            let (mut voxelizer, mut grid) = pool.take(make).at(|| self.place(frame))?;
             self.voxelize(frame, &mut voxelizer, &mut grid);
             let mut counts = PartialCounts::new();
             grid.add_to(&mut counts, name, Filling::Hollow);
             let member =
                 encode_member(&frame_member(frame), Scalar::U8, &grid.shape, &grid.data, DEFAULT_LEVEL)
                     .at(|| self.place(frame))?;
-            spare.give((voxelizer, grid));
+            pool.give((voxelizer, grid));
             Ok((member, counts))
         };
         let mut counts = PartialCounts::new();

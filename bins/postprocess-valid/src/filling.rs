@@ -6,7 +6,7 @@ use counts::PartialCounts;
 use fill::Filler;
 use formats::{Array, DEFAULT_LEVEL, NpzError, NpzReader, Scalar, encode_member, frame_member};
 use pipeline::{At, Place, StageError};
-use replay::{Spare, archive_frames};
+use replay::{BufferPool, archive_frames};
 use schema::AgentId;
 use schema::settings::OccupancySettings;
 use store::{ShardStream, StoreError, keys};
@@ -33,12 +33,12 @@ pub(crate) fn fill_agent(
 
     let progress = job.progress();
     let Some(mut unit) = job.unit(&format!("occupancy.{name}"))? else { return Ok(()) };
-    let spare = Spare::default();
+    let pool = BufferPool::default();
     let one = |frame: u32| {
-        let (mut reader, mut filler) = spare.take(|| Ok::<_, StageError>((open()?, Filler::default())))?;
+        let (mut reader, mut filler) = pool.take(|| Ok::<_, StageError>((open()?, Filler::default())))?;
         let mut grid = grids.read(&mut reader, frame)?;
         filler.fill(&mut grid, settings.voxel_m).map_err(|e| grids.broken(Some(frame), e))?;
-        spare.give((reader, filler));
+        pool.give((reader, filler));
         let mut counts = PartialCounts::new();
         grid.add_to(&mut counts, &name, Filling::Filled);
         let member = frame_member(frame);

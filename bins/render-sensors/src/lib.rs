@@ -1,18 +1,18 @@
 //! The sensor stage: what every agent's cameras, lidars, radars, GNSS and IMU gave at every frame.
 
-mod error;
-mod frame;
-mod shards;
+mod agent;
+mod recorder;
 
-use pipeline::{Job, Stage, StageError};
+use counts::PartialCounts;
+use pipeline::{At, Job, Stage, StageError};
 use replay::{Replay, in_frame_order};
 use schema::settings::stages::SensorSettings;
-use sensors::GeoOrigin;
+use sensors::{Carrier, CpuPainter, GeoOrigin};
 use store::keys;
-use visibility::Meshes;
+use visibility::{CpuRenderer, Renderer};
 
-use crate::frame::Station;
-use crate::shards::Shards;
+use crate::agent::{AgentRig, Eyes};
+use crate::recorder::Recorder;
 
 /// The stage.
 pub const STAGE: Stage<SensorSettings> = Stage::new(run);
@@ -22,7 +22,10 @@ const NAME: &str = Stage::<SensorSettings>::NAME;
 fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
     let (settings, scene) = (job.settings().clone(), job.scene());
     let replay = Replay::open(job)?;
-    let meshes = Meshes::build(&replay.meshes());
+    let mut renderer = CpuRenderer::default();
+    renderer.prepare(&replay.meshes()).at(|| job.place())?;
+    let painter = CpuPainter::default();
+    let eyes = Eyes { renderer: &renderer, painter: &painter };
     let agents = replay.log.agent_ids().to_vec();
     let frames = replay.log.frame_count();
     let geo_origin = geo_origin(&replay);
@@ -32,10 +35,13 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
     for (position, agent) in agents.iter().enumerate() {
         let rig = settings.rigs.of(*agent);
         let Some(mut unit) = job.unit(&agent.to_string())? else { continue };
-        let station = Station::new(&replay, &meshes, position, rig, settings.seed, geo_origin)?;
-        let mut shards = Shards::create(&unit, scene, *agent, rig)?;
-        in_frame_order(frames, &progress, |frame| station.sense(frame), |_, readings| shards.push(readings))?;
-        let (finished, counts) = shards.finish()?;
+        let carrier = Carrier { seed: settings.seed, scene, agent: *agent, geo_origin };
+        let recorder = Recorder::open(&unit, rig, &carrier)?;
+        let agent_rig = AgentRig { replay: &replay, eyes, position, rig };
+        let mut counts = PartialCounts::new();
+        let sense = |frame| agent_rig.sense(frame, &recorder);
+        in_frame_order(frames, &progress, sense, |frame, ()| recorder.write(frame, &mut counts))?;
+        let (finished, counts) = recorder.finish(counts)?;
         for shard in finished {
             unit.add(shard);
         }

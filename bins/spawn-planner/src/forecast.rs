@@ -4,20 +4,12 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use indicatif::{DecimalBytes, HumanCount};
 use plan::Plan;
-use schema::settings::{CameraSettings, DatasetSettings, LidarSpec, Split};
+use schema::settings::{CameraSettings, DatasetSettings, Split};
 use schema::{AgentId, AgentKind};
 
-/// Bytes as stored, measured on four datasets of 240 agent-frames each (the demo town and three of CARLA's, 640 x 360
-/// images). Larger images take fewer bytes a pixel, busy places more: good within a factor of two.
+/// Bytes as stored, measured on four datasets of 240 agent-frames each (the demo town and three of CARLA's). Busy places
+/// take more: good within a factor of two. Images and sensors know their own ([`schema::images`], `Rig::reading_costs`).
 mod bytes {
-    pub(super) const RGB_PX: f64 = 0.13;
-    pub(super) const SEMANTIC_PX: f64 = 0.09;
-    pub(super) const INSTANCE_PX: f64 = 0.07;
-    pub(super) const DEPTH_PX: f64 = 0.45;
-    pub(super) const FLOW_PX: f64 = 0.5;
-    pub(super) const LIDAR_RAY: f64 = 7.3;
-    pub(super) const SEMANTIC_LIDAR_RAY: f64 = 6.0;
-    pub(super) const RADAR_RAY: f64 = 14.0;
     pub(super) const BEV_CELL: f64 = 0.08;
     /// One grid, by column of voxels: what is stored is a surface.
     pub(super) const VOXEL_COLUMN: f64 = 0.75;
@@ -29,9 +21,6 @@ mod bytes {
 /// factor of two.
 mod core_seconds {
     pub(super) const VISIBILITY_PX: f64 = 50e-9;
-    pub(super) const RGB_PX: f64 = 160e-9;
-    pub(super) const ENCODING_PX: f64 = 15e-9;
-    pub(super) const LIDAR_RAY: f64 = 0.4e-6;
     pub(super) const BEV_CELL: f64 = 130e-9;
     pub(super) const VOXEL: f64 = 4.4e-9;
     /// Simulation, snapshot, shadow maps, boxes, tracks, writing.
@@ -71,13 +60,9 @@ impl Forecast {
         let rigs = settings.rigs();
         let rig = rigs.of(agent);
         self.cameras(&rig.camera, rig.cameras.len() as u64 * frames);
-        for lidar in &rig.lidars {
-            self.lidar(lidar, frames);
-        }
-        for radar in &rig.radars {
-            let rays = f64::from(radar.rays);
-            self.output("radar readings", frames, rays * bytes::RADAR_RAY);
-            self.core_s += frames as f64 * rays * core_seconds::LIDAR_RAY;
+        for cost in rig.reading_costs() {
+            self.output(cost.output, frames, cost.bytes);
+            self.core_s += frames as f64 * cost.core_s;
         }
         if settings.bev.enabled {
             let cells = f64::from(settings.bev.cells) * f64::from(settings.bev.cells);
@@ -95,31 +80,13 @@ impl Forecast {
 
     fn cameras(&mut self, camera: &CameraSettings, images: u64) {
         let pixels = f64::from(camera.width) * f64::from(camera.height);
-        let kinds = [
-            (camera.rgb, "RGB images", bytes::RGB_PX),
-            (camera.semantic, "semantic images", bytes::SEMANTIC_PX),
-            (camera.instance, "instance images", bytes::INSTANCE_PX),
-            (camera.depth, "depth images", bytes::DEPTH_PX),
-            (camera.flow, "flow images", bytes::FLOW_PX),
-        ];
-        let mut per_pixel_s = if camera.any() { core_seconds::VISIBILITY_PX } else { 0.0 };
-        for (_, name, bytes_px) in kinds.into_iter().filter(|(wanted, ..)| *wanted) {
-            self.output(name, images, pixels * bytes_px);
-            per_pixel_s += core_seconds::ENCODING_PX;
+        let mut per_pixel_s = if camera.images.is_empty() { 0.0 } else { core_seconds::VISIBILITY_PX };
+        for kind in camera.images.iter() {
+            let spec = kind.spec();
+            self.output(spec.plural, images, pixels * spec.stored_bytes_px);
+            per_pixel_s += spec.core_s_px;
         }
-        per_pixel_s += if camera.rgb { core_seconds::RGB_PX } else { 0.0 };
         self.core_s += images as f64 * pixels * per_pixel_s;
-    }
-
-    fn lidar(&mut self, lidar: &LidarSpec, frames: u64) {
-        let rays = lidar.scan.rays() as f64;
-        let (name, ray) = if lidar.semantic {
-            ("semantic lidar sweeps", bytes::SEMANTIC_LIDAR_RAY)
-        } else {
-            ("lidar sweeps", bytes::LIDAR_RAY)
-        };
-        self.output(name, frames, rays * ray);
-        self.core_s += frames as f64 * rays * core_seconds::LIDAR_RAY;
     }
 
     fn output(&mut self, name: &'static str, count: u64, bytes_each: f64) {
@@ -177,6 +144,7 @@ pub(crate) fn lines(settings: &DatasetSettings, plan: &Plan, cores: usize) -> Ve
 #[cfg(test)]
 mod tests {
     use super::*;
+    use schema::ImageKind;
     use schema::settings::SceneCount;
     use schema::tables::{PlanAgentRow, PlanSceneRow};
 
@@ -225,7 +193,7 @@ mod tests {
         less.bev.enabled = false;
         less.vehicle_occupancy.enabled = false;
         less.rsu_rig.lidars.clear();
-        less.vehicle_rig.camera.rgb = false;
+        less.vehicle_rig.camera.images.set(ImageKind::Rgb, false);
         let (all, some) = (Forecast::of(&settings(), &plan()), Forecast::of(&less, &plan()));
         let count = |name| some.outputs.get(name).map_or(0, |share: &Share| share.count);
         assert_eq!([count("BEV masks"), count("voxel grids"), count("lidar sweeps")], [0, 800, 800]);
@@ -263,7 +231,8 @@ mod tests {
         let cameras = |rgb, instance| {
             core_s(|s| {
                 s.vehicle_rig.cameras = rig.cameras.clone();
-                (s.vehicle_rig.camera.rgb, s.vehicle_rig.camera.instance) = (rgb, instance);
+                s.vehicle_rig.camera.images.set(ImageKind::Rgb, rgb);
+                s.vehicle_rig.camera.images.set(ImageKind::Instance, instance);
             })
         };
         assert_eq!(cameras(false, false), nothing, "cameras without images");

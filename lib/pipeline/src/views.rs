@@ -1,5 +1,6 @@
 //! What each stage sees of the configuration, and its digest.
 
+use schema::ImageKind;
 use schema::settings::stages::{
     PlanSettings, RangeRig, RangeSensor, SensorSettings, SimulationSettings, StatisticsSettings,
     ValiditySettings,
@@ -105,7 +106,7 @@ fn range_rig(rig: &Rig) -> RangeRig {
     RangeRig {
         lidars: plain.map(|s| RangeSensor { name: s.name.clone(), mount: s.mount }).collect(),
         radars: rig.radars.iter().map(|s| RangeSensor { name: s.name.clone(), mount: s.mount }).collect(),
-        instance: rig.camera.instance,
+        instance: rig.camera.images.has(ImageKind::Instance),
     }
 }
 
@@ -169,6 +170,7 @@ pub fn config_hash(spec: &StageSpec, settings: &DatasetSettings) -> Result<Strin
 
 #[cfg(test)]
 mod tests {
+    use schema::ImageSet;
     use schema::settings::OwnRig;
 
     use super::*;
@@ -199,7 +201,9 @@ mod tests {
         assert_eq!(stale(|s| s.vehicle_rig.lidars[0].noise_m = 0.5), rendered);
         assert_eq!(stale(|s| s.own_rigs[0].rig.lidars[0].noise_m = 0.5), rendered);
         assert_eq!(stale(|s| s.rsu_rig.camera.jpeg_quality = 17), rendered);
-        assert_eq!(stale(|s| s.rsu_rig.camera.instance ^= true), ["render-sensors", "postprocess-valid"]);
+        let judged = ["render-sensors", "postprocess-valid"];
+        assert_eq!(stale(|s| s.rsu_rig.camera.images = ImageSet::NONE), judged);
+        assert_eq!(stale(|s| s.rsu_rig.camera.images.set(ImageKind::Flow, true)), rendered);
         let voxels = ["occupancy-gt", "postprocess-valid"];
         assert_eq!(stale(|s| s.own_rigs[0].occupancy.voxel_m = 0.5), voxels);
         assert_eq!(stale(|s| s.vehicle_occupancy.range_m = 32.0), voxels);

@@ -8,12 +8,12 @@ mod error;
 mod log;
 mod map;
 mod order;
+mod pool;
 mod replay;
-mod spare;
 
 pub use error::ReplayError;
 pub use log::{SIMULATE, SceneLog};
 pub use map::{PLANNER, compress_map, read_hazards, read_map, read_map_text, read_plan};
 pub use order::{archive_frames, in_frame_order};
+pub use pool::BufferPool;
 pub use replay::Replay;
-pub use spare::Spare;

@@ -3,14 +3,16 @@
 #[path = "../tests/common/mod.rs"]
 mod common;
 
+use std::sync::Arc;
+
 use divan::Bencher;
-use frames::{Agent, Pose, World};
 use glam::Vec3;
 use random::Stream;
-use schema::settings::{CameraSettings, LidarSpec, Mount, Rig};
+use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
+use schema::settings::{CameraSettings, LidarSpec, Rig};
 use schema::tables::Weather;
-use sensors::{CameraFrame, CameraView, Lidar, Lighting, Picture, RadarMotion, Sky, radar};
-use visibility::{Meshes, Scene, VisibilityBuffer, rasterize};
+use sensors::{Image, Lidar, Lighting, Picture, RadarMotion, Sight, Sky, pixel_counts, radar};
+use visibility::Scene;
 
 fn main() {
     divan::main();
@@ -24,22 +26,13 @@ fn night() -> Weather {
     Weather { sun_altitude_deg: -30.0, wetness: 60.0, ..Weather::default() }
 }
 
-/// Calls with everything that a camera image is made from.
-fn with_view(
-    weather: &Weather,
-    each: impl FnOnce(&Scene<'_>, &CameraView, &VisibilityBuffer, &Lighting<'_>),
-) {
+/// Calls with everything that images are made from.
+fn with_sight(weather: &Weather, each: impl FnOnce(&dyn Scene, &Sight, &Lighting)) {
     let snapshot = common::street(weather.is_night());
-    let meshes = Meshes::build(&snapshot.meshes);
-    let scene = Scene::new(&meshes, &snapshot);
-    let sky = Sky::new(weather, 0.0);
-    let lighting = Lighting::new(&scene, &sky, weather, Vec3::ZERO);
-    let pose = Pose::<World, Agent>::from_xyz_rpy([0.0, -5.2, 0.0], [0.0; 3]);
-    let mount = Mount::upright([0.6, 0.0, 1.6], 0.0);
-    let view = CameraView::new(&snapshot.origin, &pose, &pose, &mount, &CameraSettings::default());
-    if let Ok(camera) = view.pinhole() {
-        each(&scene, &view, &rasterize(&scene, &camera), &lighting);
-    }
+    common::with_scene(&snapshot, |scene| {
+        let view = common::standing_view([0.0, -5.2, 0.0], [0.0; 3], &CameraSettings::default());
+        each(scene, &common::sight(scene, &view, weather), &common::lighting(scene, weather));
+    });
 }
 
 #[divan::bench]
@@ -49,52 +42,46 @@ fn sky(bencher: Bencher) {
 
 #[divan::bench]
 fn lighting(bencher: Bencher) {
-    with_view(&day(), |scene, _, _, _| {
-        let sky = Sky::new(&day(), 0.0);
-        bencher.bench(|| Lighting::new(scene, &sky, &day(), Vec3::ZERO));
+    with_sight(&day(), |scene, _, _| {
+        let sky = Arc::new(Sky::new(&day(), 0.0));
+        bencher.bench(|| Lighting::new(scene, Arc::clone(&sky), &day(), Vec3::ZERO));
     });
 }
 
 #[divan::bench]
 fn camera_visibility(bencher: Bencher) {
-    with_view(&day(), |scene, _, buffer, _| bencher.bench(|| rasterize(scene, &buffer.camera)));
+    with_sight(&day(), |scene, sight, _| bencher.bench(|| scene.look(&[sight.seen.camera])));
 }
 
 #[divan::bench]
 fn camera_colour_day(bencher: Bencher) {
-    with_view(&day(), |scene, view, buffer, light| {
-        bencher.bench(|| Picture::new(scene, view, buffer, light))
+    with_sight(&day(), |scene, sight, light| {
+        bencher.bench(|| Picture::new(scene.snapshot(), &sight.view, &sight.seen, light));
     });
 }
 
 #[divan::bench]
 fn camera_colour_wet_night(bencher: Bencher) {
-    with_view(&night(), |scene, view, buffer, light| {
-        bencher.bench(|| Picture::new(scene, view, buffer, light));
+    with_sight(&night(), |scene, sight, light| {
+        bencher.bench(|| Picture::new(scene.snapshot(), &sight.view, &sight.seen, light));
     });
 }
 
-/// Each image with its encoder, without the others.
-#[divan::bench(args = ["rgb", "semantic", "instance", "depth", "flow"])]
-fn camera_image(bencher: Bencher, kind: &str) {
-    with_view(&day(), |scene, view, buffer, light| {
-        let settings = CameraSettings {
-            rgb: kind == "rgb",
-            semantic: kind == "semantic",
-            instance: kind == "instance",
-            depth: kind == "depth",
-            flow: kind == "flow",
-            ..view.settings.clone()
-        };
-        let view = CameraView { settings, ..view.clone() };
-        bencher.bench(|| CameraFrame::from_buffer(scene, &view, buffer, Some(light)));
-    });
+/// Each image with its encoder, from what was seen and painted.
+#[divan::bench(types = [Rgb, Semantic, Instance, Depth, Flow])]
+fn camera_image<I: Image>(bencher: Bencher) {
+    with_sight(&day(), |scene, sight, _| bencher.bench(|| I::of(scene.snapshot(), sight, 3).is_ok()));
+}
+
+#[divan::bench]
+fn camera_pixel_counts(bencher: Bencher) {
+    with_sight(&day(), |scene, sight, _| bencher.bench(|| pixel_counts(scene.snapshot(), &sight.seen)));
 }
 
 #[divan::bench]
 fn lidar_262144_rays(bencher: Bencher) {
-    with_view(&day(), |scene, _, _, _| {
-        let Ok(lidar) = Lidar::new(&LidarSpec::vehicle()) else { return };
+    with_sight(&day(), |scene, _, _| {
+        let lidar = Lidar::new(&LidarSpec::vehicle()).expect("is possible");
         let stream = Stream::new(27, 0, "bench", 0);
         bencher.bench(|| lidar.sweep(scene, common::at(0.0, -5.2, 1.8, 0.0), &stream, 3));
     });
@@ -102,16 +89,12 @@ fn lidar_262144_rays(bencher: Bencher) {
 
 #[divan::bench]
 fn four_radars(bencher: Bencher) {
-    with_view(&day(), |scene, _, _, _| {
+    with_sight(&day(), |scene, _, _| {
         let stream = Stream::new(27, 0, "bench", 0);
         let pose = common::at(0.0, -5.2, 0.6, 0.0);
         let motion = RadarMotion { local_from_sensor: pose, previous_local_from_sensor: pose, own: None };
-        bencher.bench(|| {
-            Rig::vehicle()
-                .radars
-                .iter()
-                .map(|spec| radar(scene, spec, &motion, &stream, 3).len())
-                .sum::<usize>()
-        });
+        let rig = Rig::vehicle();
+        let returns = |spec| radar(scene, spec, &motion, &stream, 3).map_or(0, |returns| returns.len());
+        bencher.bench(|| rig.radars.iter().map(returns).sum::<usize>());
     });
 }

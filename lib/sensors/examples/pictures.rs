@@ -8,11 +8,9 @@ use std::fs::File;
 use std::path::PathBuf;
 
 use frames::{Agent, Pose, World, deg};
-use glam::Vec3;
 use schema::settings::{CameraSettings, Mount};
 use schema::tables::Weather;
-use sensors::{CameraView, Lighting, Picture, Sky};
-use visibility::{Meshes, Scene, rasterize};
+use sensors::CameraView;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".into()));
@@ -40,17 +38,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     ];
     for (name, weather) in weathers {
         let snapshot = common::street(weather.is_night());
-        let meshes = Meshes::build(&snapshot.meshes);
-        let scene = Scene::new(&meshes, &snapshot);
-        let sky = Sky::new(&weather, 0.0);
-        let lighting = Lighting::new(&scene, &sky, &weather, Vec3::ZERO);
         let pose = Pose::<World, Agent>::from_xyz_rpy([0.0, -5.2, 0.0], [0.0, 0.0, deg(4.0)]);
         let settings = CameraSettings::default();
         for (side, yaw) in [("front", 0.0), ("left", 55.0)] {
             let mount = Mount::upright([0.6, 0.0, 1.6], yaw);
             let view = CameraView::new(&snapshot.origin, &pose, &pose, &mount, &settings);
-            let buffer = rasterize(&scene, &view.pinhole()?);
-            let picture = Picture::new(&scene, &view, &buffer, &lighting);
+            let picture = common::picture(&snapshot, &view, &weather);
             let file = File::create(folder.join(format!("{name}-{side}.png")))?;
             let mut encoder = png::Encoder::new(file, picture.width, picture.height);
             encoder.set_color(png::ColorType::Rgb);

@@ -17,9 +17,12 @@ pub enum SensorError {
         /// The field of view asked for, degrees.
         degrees: f64,
     },
-    /// A colour picture was asked for and no light given.
-    #[error("colour pictures need a light")]
-    NoLight,
+    /// A colour picture was asked for and nobody to paint it.
+    #[error("colour pictures need a painter")]
+    NoPainter,
+    /// The renderer failed.
+    #[error(transparent)]
+    Render(#[from] visibility::RenderError),
     /// A scan pattern with more rays than a sweep can number.
     #[error("lidar: {problem}")]
     ScanPattern {

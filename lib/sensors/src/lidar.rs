@@ -1,14 +1,20 @@
 //! Lidars: a table of rays, one sweep a frame.
 
 use glam::{Affine3A, Vec3};
+use random::Stream;
 use rayon::prelude::*;
 use schema::ObjectId;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{Part, Snapshot, Surface};
+use schema::measures::sensors::LIDAR_POINTS;
 use schema::settings::LidarSpec;
 use schema::tables::{LidarRow, SemanticLidarRow};
-use visibility::{Hit, Scene};
+use visibility::{Hit, RayBatch, Scene};
 
 use crate::error::SensorError;
+use crate::metadata::sensor_metadata;
+use crate::observation::Observation;
+use crate::sensor::{Amount, Carrier, Layout, Sensor, SensorTable};
+use crate::struck::Struck;
 
 /// Returns within this distance ahead or behind and [`CROP_LEFT_M`] to the sides are of the agent's own body.
 const CROP_AHEAD_M: f32 = 2.44;
@@ -51,6 +57,12 @@ pub struct LidarSweep {
     pub tag: Vec<u8>,
     /// Cosine of the angle between ray and surface normal, 0 to 1.
     pub cos_angle: Vec<f32>,
+}
+
+/// Some rays of a sweep: numbers and random words, and where they go in the snapshot's local frame.
+struct Volley {
+    rays: Vec<(u32, [u32; 4])>,
+    directions: Vec<Vec3>,
 }
 
 /// One return.
@@ -109,6 +121,11 @@ impl Lidar {
         &self.spec
     }
 
+    fn table(&self) -> SensorTable {
+        let about = sensor_metadata(&self.spec.name, &self.spec.mount);
+        SensorTable::new(&self.spec.name, Some(about), Layout::Frames)
+    }
+
     /// Unit directions of all rays in the sensor frame, highest channel first.
     #[must_use]
     pub fn directions(&self) -> &[Vec3] {
@@ -122,52 +139,63 @@ impl Lidar {
     /// a return whose bare intensity `I = exp(-attenuation d)` is at most [`LidarSpec::dropoff_intensity_limit`]
     /// is kept with the chance `1 - zero + I zero / limit`. Semantic lidars have neither drops nor noise. Returns
     /// with `|x| <= 2.44` and `|y| <= 1.04` are left out (the agent's own body).
-    #[must_use]
+    ///
+    /// # Errors
+    /// The renderer failed.
     pub fn sweep(
         &self,
-        scene: &Scene<'_>,
+        scene: &dyn Scene,
         local_from_sensor: Affine3A,
-        stream: &random::Stream,
+        stream: &Stream,
         frame: u32,
-    ) -> LidarSweep {
-        let spec = &self.spec;
-        let drop_below = if spec.semantic { 0.0 } else { spec.dropoff_rate as f32 };
+    ) -> Result<LidarSweep, SensorError> {
+        let fired = self.fire(local_from_sensor, stream, frame);
         let origin = Vec3::from(local_from_sensor.translation);
-        let words_of = |ray: u32| stream.at(u64::from(frame) << 32 | u64::from(ray));
-        let returns: Vec<Vec<Return>> = self
-            .order
-            .par_chunks(CHUNK)
-            .map(|rays| {
-                let fired: Vec<(u32, [u32; 4])> = rays
+        let range_m = [0.0, self.spec.range_m as f32];
+        let batches: Vec<RayBatch<'_>> =
+            fired.iter().map(|volley| RayBatch { origin, directions: &volley.directions, range_m }).collect();
+        let hits = scene.trace(&batches)?;
+        let snapshot = scene.snapshot();
+        let returns: Vec<Vec<Return>> = fired
+            .par_iter()
+            .zip(&hits)
+            .map(|(volley, hits)| {
+                volley
+                    .rays
                     .iter()
-                    .map(|&ray| (ray, if spec.semantic { [0; 4] } else { words_of(ray) }))
-                    .filter(|(_, words)| drop_below <= 0.0 || random::unit_f32(words[0]) >= drop_below)
-                    .collect();
-                let directions: Vec<Vec3> = fired
-                    .iter()
-                    .map(|&(ray, _)| {
-                        local_from_sensor.transform_vector3(self.directions[ray as usize]).normalize()
-                    })
-                    .collect();
-                let mut hits = vec![None; directions.len()];
-                scene.trace_packet_shared_origin(origin, &directions, 0.0, spec.range_m as f32, &mut hits);
-                fired
-                    .iter()
-                    .zip(&directions)
-                    .zip(&hits)
+                    .zip(&volley.directions)
+                    .zip(hits.iter())
                     .filter_map(|((&(ray, words), &direction), hit)| {
-                        self.receive(scene, ray, words, direction, hit.as_ref()?)
+                        self.receive(snapshot, ray, words, direction, &hit?)
                     })
                     .collect()
             })
             .collect();
-        self.collect(&returns)
+        Ok(self.collect(&returns))
+    }
+
+    /// The rays of a sweep that are not dropped at random, chunk by chunk.
+    fn fire(&self, local_from_sensor: Affine3A, stream: &Stream, frame: u32) -> Vec<Volley> {
+        let semantic = self.spec.semantic;
+        let drop_below = if semantic { 0.0 } else { self.spec.dropoff_rate as f32 };
+        let words_of = |ray: u32| stream.at(u64::from(frame) << 32 | u64::from(ray));
+        let volley = |rays: &[u32]| {
+            let rays: Vec<(u32, [u32; 4])> = rays
+                .iter()
+                .map(|&ray| (ray, if semantic { [0; 4] } else { words_of(ray) }))
+                .filter(|(_, words)| drop_below <= 0.0 || random::unit_f32(words[0]) >= drop_below)
+                .collect();
+            let turned = |ray: u32| local_from_sensor.transform_vector3(self.directions[ray as usize]);
+            let directions = rays.iter().map(|&(ray, _)| turned(ray).normalize()).collect();
+            Volley { rays, directions }
+        };
+        self.order.par_chunks(CHUNK).map(volley).collect()
     }
 
     /// Turns a hit into a return, unless it is too weak or on the agent's own body.
     fn receive(
         &self,
-        scene: &Scene<'_>,
+        snapshot: &Snapshot,
         ray: u32,
         words: [u32; 4],
         direction_local: Vec3,
@@ -191,7 +219,7 @@ impl Lidar {
         if point_m.x.abs() <= CROP_AHEAD_M && point_m.y.abs() <= CROP_LEFT_M {
             return None;
         }
-        let surface = Struck::new(scene, hit)?;
+        let surface = Struck::new(snapshot, hit)?;
         let cos_angle = surface.normal_local.dot(direction_local).abs().min(1.0);
         Some(Return {
             ray,
@@ -290,37 +318,74 @@ impl LidarSweep {
     }
 }
 
-/// The surface that a ray struck.
-pub(crate) struct Struck<'a> {
-    pub(crate) part: &'a Part,
-    pub(crate) object: ObjectId,
-    /// Unit normal, either side, local frame.
-    pub(crate) normal_local: Vec3,
-    /// Where the ray met it, in the object's frame.
-    pub(crate) position_object: Vec3,
+/// A lidar of an agent whose returns fade, get lost and scatter.
+pub(crate) struct PlainLidar {
+    lidar: Lidar,
+    stream: Stream,
 }
 
-impl<'a> Struck<'a> {
-    pub(crate) fn new(scene: &Scene<'a>, hit: &Hit) -> Option<Self> {
-        let snapshot = scene.snapshot();
-        let instance = snapshot.instances.get(hit.instance as usize)?;
-        let mesh = snapshot.mesh(instance);
-        let [a, b, c] = mesh.corners(hit.triangle as usize);
-        let normal = instance.local_from_object.transform_vector3((b - a).cross(c - a));
-        Some(Self {
-            part: mesh.part(hit.triangle as usize),
-            object: instance.object,
-            normal_local: normal.normalize_or_zero(),
-            position_object: a + (b - a) * hit.u + (c - a) * hit.v,
-        })
+impl PlainLidar {
+    pub(crate) fn new(spec: &LidarSpec, carrier: &Carrier) -> Result<Self, SensorError> {
+        Ok(Self { lidar: Lidar::new(spec)?, stream: carrier.stream(&spec.name) })
     }
+}
+
+impl Sensor for PlainLidar {
+    type Row = LidarRow;
+
+    fn table(&self) -> SensorTable {
+        self.lidar.table()
+    }
+
+    fn sense(&self, at: &Observation<'_>) -> Result<Vec<LidarRow>, SensorError> {
+        let [pose, _] = at.local_from_sensor(&self.lidar.spec.mount);
+        Ok(vec![self.lidar.sweep(at.scene, pose, &self.stream, at.frame)?.into_row(at.frame)])
+    }
+
+    fn amount(&self, rows: &[LidarRow]) -> Option<Amount> {
+        Some(points(rows.iter().map(|row| row.x.len())))
+    }
+}
+
+/// A semantic lidar of an agent.
+pub(crate) struct SemanticLidar {
+    lidar: Lidar,
+    stream: Stream,
+}
+
+impl SemanticLidar {
+    pub(crate) fn new(spec: &LidarSpec, carrier: &Carrier) -> Result<Self, SensorError> {
+        Ok(Self { lidar: Lidar::new(spec)?, stream: carrier.stream(&spec.name) })
+    }
+}
+
+impl Sensor for SemanticLidar {
+    type Row = SemanticLidarRow;
+
+    fn table(&self) -> SensorTable {
+        self.lidar.table()
+    }
+
+    fn sense(&self, at: &Observation<'_>) -> Result<Vec<SemanticLidarRow>, SensorError> {
+        let [pose, _] = at.local_from_sensor(&self.lidar.spec.mount);
+        Ok(vec![self.lidar.sweep(at.scene, pose, &self.stream, at.frame)?.into_semantic_row(at.frame)])
+    }
+
+    fn amount(&self, rows: &[SemanticLidarRow]) -> Option<Amount> {
+        Some(points(rows.iter().map(|row| row.x.len())))
+    }
+}
+
+fn points(lengths: impl Iterator<Item = usize>) -> Amount {
+    Amount { measure: LIDAR_POINTS, count: lengths.sum::<usize>() as u64 }
 }
 
 /// Share of near-infrared light (905 nm) that a surface sends back, 0 to 1.
 ///
-/// Round figures of the usual measurements for dry surfaces: asphalt 0.15, concrete 0.35, plants 0.5, cloth 0.4,
-/// dark glass 0.05. Signs and road markings are retroreflective; painted surfaces follow the brightness of their
-/// colour.
+/// Round figures of the usual measurements for dry surfaces: asphalt 0.15, concrete 0.35, plants 0.5, dark glass 0.05.
+/// Signs and road markings are retroreflective. Cloth and surfaces that are nothing in particular follow the brightness
+/// of their colour; car paint does not, because its clear coat and the metal flakes under it send back light whatever
+/// the pigment.
 fn reflectance(part: &Part) -> f32 {
     use schema::Tag;
     let [r, g, b] = part.rgb;

@@ -1,12 +1,18 @@
 //! Radars: a random cone of rays with range and range rate.
 
 use glam::{Affine3A, Vec3};
+use random::Stream;
+use schema::measures::sensors::RADAR_POINTS;
 use schema::settings::RadarSpec;
 use schema::tables::RadarRow;
 use schema::{FRAME_PERIOD_S, ObjectId};
-use visibility::{Hit, Ray, Scene};
+use visibility::{Hit, Hits, RayBatch, RenderError, Scene};
 
-use crate::lidar::Struck;
+use crate::error::SensorError;
+use crate::metadata::sensor_metadata;
+use crate::observation::Observation;
+use crate::sensor::{Amount, Carrier, Layout, Sensor, SensorTable};
+use crate::struck::Struck;
 
 /// Rays may start within the agent's own body; each surface of it that is passed costs one more trace.
 const OWN_SURFACES: usize = 8;
@@ -46,60 +52,36 @@ pub struct RadarReturns {
 /// Each ray ends at `(range, range tan(h / 2) r cos phi, range tan(v / 2) r sin phi)` in the sensor frame, with `r`
 /// and `phi` drawn evenly: an elliptic cone, denser at its axis. Ray `i` of frame `f` reads the random words at
 /// `f << 32 | i`. Velocities are those of the surface points and of the sensor over the last frame period.
-#[must_use]
+///
+/// # Errors
+/// The renderer failed.
 pub fn radar(
-    scene: &Scene<'_>,
+    scene: &dyn Scene,
     spec: &RadarSpec,
     motion: &RadarMotion,
-    stream: &random::Stream,
+    stream: &Stream,
     frame: u32,
-) -> RadarReturns {
-    let range_m = spec.range_m as f32;
-    let half_width = range_m * frames::math::tan(0.5 * spec.horizontal_fov_rad) as f32;
-    let half_height = range_m * frames::math::tan(0.5 * spec.vertical_fov_rad) as f32;
-    // Neighbours in angle are followed together; the order of the returns stays that of the draws.
-    let mut rays: Vec<(u32, Vec3)> = (0..spec.rays)
-        .map(|ray| {
-            let words = stream.at(u64::from(frame) << 32 | u64::from(ray));
-            let radius = random::unit_f32(words[0]);
-            let (sin, cos) = frames::math::f32::sin_cos(std::f32::consts::TAU * random::unit_f32(words[1]));
-            (ray, Vec3::new(range_m, half_width * radius * cos, half_height * radius * sin))
-        })
-        .collect();
-    rays.sort_by_key(|(ray, end)| {
-        let column = (16.0 * (end.y / half_width)) as i32;
-        let row = (8.0 * (end.z / half_height)) as i32;
-        (column, row, *ray)
-    });
-    let origin = Vec3::from(motion.local_from_sensor.translation);
-    let directions: Vec<Vec3> = rays
-        .iter()
-        .map(|(_, end)| motion.local_from_sensor.transform_vector3(*end).normalize_or_zero())
-        .collect();
-    let farthest_m = rays.iter().map(|(_, end)| end.length()).fold(0.0, f32::max);
-    let mut hits = vec![None; directions.len()];
-    scene.trace_packet_shared_origin(origin, &directions, 0.0, farthest_m, &mut hits);
+) -> Result<RadarReturns, RenderError> {
+    let rays = draw(spec, &motion.local_from_sensor, stream, frame);
+    let hits = beyond_own(scene, motion, &rays)?;
 
+    let origin = Vec3::from(motion.local_from_sensor.translation);
     let before = Vec3::from(motion.previous_local_from_sensor.translation);
     let velocity = (origin - before) / FRAME_PERIOD_S as f32;
+    let snapshot = scene.snapshot();
     let mut found: Vec<(u32, Vec3, f32, f32, ObjectId, u8)> = Vec::with_capacity(rays.len());
-    for (((ray, end), direction), hit) in rays.iter().zip(&directions).zip(hits) {
-        let limit_m = end.length();
-        let Some((hit, struck)) = hit.and_then(|h| beyond_own(scene, motion, *direction, h, limit_m)) else {
-            continue;
-        };
-        if hit.t > limit_m {
-            continue;
-        }
-        let Some(instance) = scene.snapshot().instances.get(hit.instance as usize) else { continue };
+    for (ray, hit) in rays.iter().zip(hits) {
+        let Some(hit) = hit.filter(|hit| hit.t <= ray.limit_m) else { continue };
+        let Some(struck) = Struck::new(snapshot, &hit) else { continue };
+        let Some(instance) = snapshot.instances.get(hit.instance as usize) else { continue };
         // The difference of the transforms first: it is exactly zero for what stands still.
         let moved = (instance.local_from_object.matrix3 - instance.previous_local_from_object.matrix3)
             * struck.position_object
             + Vec3::from(
                 instance.local_from_object.translation - instance.previous_local_from_object.translation,
             );
-        let radial = (moved / FRAME_PERIOD_S as f32 - velocity).dot(*direction);
-        found.push((*ray, *end / limit_m, hit.t, radial, struck.object, struck.part.tag as u8));
+        let radial = (moved / FRAME_PERIOD_S as f32 - velocity).dot(ray.direction);
+        found.push((ray.number, ray.end / ray.limit_m, hit.t, radial, struck.object, struck.part.tag as u8));
     }
     found.sort_by_key(|f| f.0);
     let mut out = RadarReturns::default();
@@ -111,31 +93,83 @@ pub fn radar(
         out.id.push(id);
         out.tag.push(tag);
     }
-    out
+    Ok(out)
 }
 
-/// The hit, or the first one behind it that is not on the agent's own body.
-fn beyond_own<'a>(
-    scene: &Scene<'a>,
-    motion: &RadarMotion,
-    direction: Vec3,
-    first: Hit,
+/// A ray of a reading.
+struct Drawn {
+    /// Place among the draws, which is the order of the returns.
+    number: u32,
+    /// Its end in the sensor frame, and how far away that is, metres.
+    end: Vec3,
     limit_m: f32,
-) -> Option<(Hit, Struck<'a>)> {
-    let mut hit = first;
-    for _ in 0..=OWN_SURFACES {
-        let struck = Struck::new(scene, &hit)?;
-        if Some(struck.object) != motion.own {
-            return Some((hit, struck));
+    /// Where it goes in the snapshot's local frame.
+    direction: Vec3,
+}
+
+/// Draws the rays of a reading; neighbours in angle stand together, because they are followed together.
+fn draw(spec: &RadarSpec, local_from_sensor: &Affine3A, stream: &Stream, frame: u32) -> Vec<Drawn> {
+    let range_m = spec.range_m as f32;
+    let half_width = range_m * frames::math::tan(0.5 * spec.horizontal_fov_rad) as f32;
+    let half_height = range_m * frames::math::tan(0.5 * spec.vertical_fov_rad) as f32;
+    let mut rays: Vec<Drawn> = (0..spec.rays)
+        .map(|number| {
+            let words = stream.at(u64::from(frame) << 32 | u64::from(number));
+            let radius = random::unit_f32(words[0]);
+            let (sin, cos) = frames::math::f32::sin_cos(std::f32::consts::TAU * random::unit_f32(words[1]));
+            let end = Vec3::new(range_m, half_width * radius * cos, half_height * radius * sin);
+            let direction = local_from_sensor.transform_vector3(end).normalize_or_zero();
+            Drawn { number, end, limit_m: end.length(), direction }
+        })
+        .collect();
+    rays.sort_by_key(|ray| {
+        let column = (16.0 * (ray.end.y / half_width)) as i32;
+        let row = (8.0 * (ray.end.z / half_height)) as i32;
+        (column, row, ray.number)
+    });
+    rays
+}
+
+/// What each ray hits first that is not the agent's own body.
+fn beyond_own(
+    scene: &dyn Scene,
+    motion: &RadarMotion,
+    rays: &[Drawn],
+) -> Result<Vec<Option<Hit>>, RenderError> {
+    let origin = Vec3::from(motion.local_from_sensor.translation);
+    let directions: Vec<Vec3> = rays.iter().map(|ray| ray.direction).collect();
+    let farthest_m = rays.iter().map(|ray| ray.limit_m).fold(0.0, f32::max);
+    let all = RayBatch { origin, directions: &directions, range_m: [0.0, farthest_m] };
+    let mut hits: Vec<Option<Hit>> = scene.trace(&[all])?.iter().flat_map(Hits::iter).collect();
+
+    let instances = &scene.snapshot().instances;
+    let is_own = |hit: &Hit| {
+        motion.own.is_some() && instances.get(hit.instance as usize).map(|i| i.object) == motion.own
+    };
+    for _ in 0..OWN_SURFACES {
+        let inside: Vec<(usize, Hit)> = hits
+            .iter()
+            .enumerate()
+            .filter_map(|(ray, hit)| Some((ray, (*hit)?)))
+            .filter(|(_, hit)| is_own(hit))
+            .collect();
+        if inside.is_empty() {
+            break;
         }
-        hit = scene.trace(&Ray {
-            origin: Vec3::from(motion.local_from_sensor.translation),
-            direction,
-            t_min: hit.t + STEP_M,
-            t_max: limit_m,
-        })?;
+        // Each goes on from another distance: a batch each.
+        let onward: Vec<RayBatch<'_>> = inside
+            .iter()
+            .map(|(ray, hit)| RayBatch {
+                origin,
+                directions: &directions[*ray..=*ray],
+                range_m: [hit.t + STEP_M, rays[*ray].limit_m],
+            })
+            .collect();
+        for ((ray, _), next) in inside.iter().zip(scene.trace(&onward)?) {
+            hits[*ray] = next.get(0);
+        }
     }
-    None
+    Ok(hits.into_iter().map(|hit| hit.filter(|hit| !is_own(hit))).collect())
 }
 
 impl RadarReturns {
@@ -164,5 +198,37 @@ impl RadarReturns {
             id: self.id,
             tag: self.tag,
         }
+    }
+}
+
+/// A radar of an agent.
+pub(crate) struct Radar {
+    spec: RadarSpec,
+    stream: Stream,
+}
+
+impl Radar {
+    pub(crate) fn new(spec: &RadarSpec, carrier: &Carrier) -> Self {
+        Self { spec: spec.clone(), stream: carrier.stream(&spec.name) }
+    }
+}
+
+impl Sensor for Radar {
+    type Row = RadarRow;
+
+    fn table(&self) -> SensorTable {
+        let about = sensor_metadata(&self.spec.name, &self.spec.mount);
+        SensorTable::new(&self.spec.name, Some(about), Layout::Frames)
+    }
+
+    fn sense(&self, at: &Observation<'_>) -> Result<Vec<RadarRow>, SensorError> {
+        let [local_from_sensor, previous_local_from_sensor] = at.local_from_sensor(&self.spec.mount);
+        let motion = RadarMotion { local_from_sensor, previous_local_from_sensor, own: Some(at.agent.own) };
+        Ok(vec![radar(at.scene, &self.spec, &motion, &self.stream, at.frame)?.into_row(at.frame)])
+    }
+
+    fn amount(&self, rows: &[RadarRow]) -> Option<Amount> {
+        let count = rows.iter().map(|row| row.depth.len() as u64).sum();
+        Some(Amount { measure: RADAR_POINTS, count })
     }
 }

@@ -4,19 +4,21 @@ mod common;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use common::{at, block, instance, plane, snapshot, street};
+use common::{
+    at, block, encoded, grey_sight, instance, plane, sight, snapshot, standing_view, street, with_scene,
+};
 use frames::{Agent, LocalOrigin, Pose, Sensor, World, deg};
 use glam::{Affine3A, Vec3};
 use nalgebra::Point3;
-use schema::geometry::{Snapshot, Surface};
+use schema::Tag;
+use schema::geometry::Surface;
+use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
 use schema::settings::{CameraSettings, Mount};
 use schema::tables::Weather;
-use schema::{Tag, lights};
-use sensors::{CameraFrame, CameraView, Lighting, Picture, SensorError, Sky, decode_depth_m, render_camera};
-use visibility::{Meshes, Scene, rasterize};
+use sensors::{CameraView, Image, decode_depth_m, pixel_counts};
 
 fn settings(width: u32, height: u32) -> CameraSettings {
-    CameraSettings { width, height, semantic: true, depth: true, flow: true, ..CameraSettings::default() }
+    CameraSettings { width, height, ..CameraSettings::default() }
 }
 
 fn decode(bytes: &[u8]) -> (Vec<u8>, png::OutputInfo) {
@@ -26,20 +28,6 @@ fn decode(bytes: &[u8]) -> (Vec<u8>, png::OutputInfo) {
     let mut data = vec![0; reader.output_buffer_size().expect("is small")];
     let info = reader.next_frame(&mut data).expect("has an image");
     (data, info)
-}
-
-fn render(snapshot: &Snapshot, view: &CameraView, weather: &Weather) -> CameraFrame {
-    let meshes = Meshes::build(&snapshot.meshes);
-    let scene = Scene::new(&meshes, snapshot);
-    let sky = Sky::new(weather, 0.0);
-    let lighting = Lighting::new(&scene, &sky, weather, Vec3::ZERO);
-    render_camera(&scene, view, Some(&lighting)).expect("is a camera")
-}
-
-fn standing_view(pose: [f64; 3], rpy: [f64; 3], settings: &CameraSettings) -> CameraView {
-    let pose = Pose::<World, Agent>::from_xyz_rpy(pose, rpy);
-    let mount = Mount::upright([0.6, 0.0, 1.6], 0.0);
-    CameraView::new(&LocalOrigin::near([0.0; 3]), &pose, &pose, &mount, settings)
 }
 
 #[test]
@@ -57,8 +45,8 @@ fn known_points_project_as_the_pinhole_formula_says() {
         let pose =
             Affine3A::from_translation(Vec3::new(centre.x as f32, centre.y as f32, centre.z as f32 - 0.1));
         let snapshot = snapshot(vec![block([0.2; 3], Tag::Car, Surface::Plain)], vec![instance(0, id, pose)]);
-        let frame = render(&snapshot, &view, &Weather::default());
-        let (data, info) = decode(frame.instance.as_ref().expect("was asked for"));
+        let sight = with_scene(&snapshot, |scene| grey_sight(scene, &view));
+        let (data, info) = decode(&encoded::<Instance>(&snapshot, &sight));
         let (mut u, mut v, mut n) = (0.0, 0.0, 0.0);
         for (i, p) in data.chunks_exact(3).enumerate() {
             if p[0] != Tag::Sky as u8 {
@@ -73,7 +61,8 @@ fn known_points_project_as_the_pinhole_formula_says() {
         let want_v = k[1][1] * -forward[2] / forward[0] + k[1][2];
         assert!(n > 4.0);
         assert!((u / n - want_u).abs() < 1.0 && (v / n - want_v).abs() < 1.0, "{} {want_u}", u / n);
-        assert_eq!(frame.pixel_counts, BTreeMap::from([((id, Tag::Car), n as u32)]));
+        let counts = pixel_counts(&snapshot, &sight.seen);
+        assert_eq!(counts, BTreeMap::from([((id, Tag::Car), n as u32)]));
     }
 }
 
@@ -81,26 +70,23 @@ fn known_points_project_as_the_pinhole_formula_says() {
 fn depth_decodes_to_the_buffer() {
     let snapshot = street(false);
     let view = standing_view([0.0, -5.0, 0.0], [0.0; 3], &settings(320, 180));
-    let meshes = Meshes::build(&snapshot.meshes);
-    let scene = Scene::new(&meshes, &snapshot);
-    let buffer = rasterize(&scene, &view.pinhole().expect("is a camera"));
-    let only = CameraSettings { rgb: false, ..view.settings.clone() };
-    let view = CameraView { settings: only, ..view };
-    let frame = CameraFrame::from_buffer(&scene, &view, &buffer, None).expect("needs no light");
-    assert!(frame.rgb.is_none());
-    let (data, _) = decode(frame.depth.as_ref().expect("was asked for"));
-    for (p, depth) in data.as_chunks::<3>().0.iter().zip(&buffer.depth_m) {
+    let sight = with_scene(&snapshot, |scene| grey_sight(scene, &view));
+    assert!(sight.picture.is_none());
+    let depth = encoded::<Depth>(&snapshot, &sight);
+    let semantic = encoded::<Semantic>(&snapshot, &sight);
+    let instance = encoded::<Instance>(&snapshot, &sight);
+    let (data, _) = decode(&depth);
+    for (p, depth) in data.as_chunks::<3>().0.iter().zip(&sight.seen.depth_m) {
         let want = f64::from(*depth).min(1000.0);
         assert!((decode_depth_m(*p) - want).abs() <= 1000.0 / 16_777_216.0);
     }
-    for image in [&frame.semantic, &frame.instance, &frame.depth] {
+    for image in [&semantic, &instance, &depth] {
         // Byte 24 of a PNG is the bit depth, byte 25 the kind of colour: 2 is red, green, blue without a palette.
-        let image = image.as_ref().expect("was asked for");
         assert_eq!(image[24..26], [8, 2]);
     }
     // Semantic colours name the same tags as the instance image.
-    let (semantic, _) = decode(frame.semantic.as_ref().expect("was asked for"));
-    let (instance, _) = decode(frame.instance.as_ref().expect("was asked for"));
+    let (semantic, _) = decode(&semantic);
+    let (instance, _) = decode(&instance);
     for (s, i) in semantic.as_chunks::<3>().0.iter().zip(instance.as_chunks::<3>().0) {
         assert_eq!(Tag::from_u8(i[0]).expect("is a tag").camera_rgb(), *s);
     }
@@ -112,7 +98,7 @@ fn depth_decodes_to_the_buffer() {
         *counts.entry(key).or_insert(0) += 1;
     }
     counts.retain(|(id, _), _| *id != 0);
-    assert_eq!(frame.pixel_counts, counts);
+    assert_eq!(pixel_counts(&snapshot, &sight.seen), counts);
     let objects: BTreeSet<u16> = counts.keys().map(|(id, _)| *id).collect();
     assert!(objects.len() < counts.len(), "some object shows several tags");
 }
@@ -135,12 +121,9 @@ fn flow_is_the_difference_of_two_projections() {
         ],
         vec![instance(0, 1, Affine3A::IDENTITY), mover],
     );
-    let meshes = Meshes::build(&snapshot.meshes);
-    let scene = Scene::new(&meshes, &snapshot);
-    let buffer = rasterize(&scene, &view.pinhole().expect("is a camera"));
-    let view = CameraView { settings: CameraSettings { rgb: false, ..settings.clone() }, ..view };
-    let frame = CameraFrame::from_buffer(&scene, &view, &buffer, None).expect("needs no light");
-    let flow = frame.flow.as_ref().expect("was asked for");
+    let sight = with_scene(&snapshot, |scene| grey_sight(scene, &view));
+    let flow = Flow::of(&snapshot, &sight, 0).expect("is no file");
+    let buffer = &sight.seen;
 
     let optical = mount.agent_from_sensor() * frames::flu_from_optical();
     let (now_optical, before_optical) = (now * optical, (before * optical).inverse());
@@ -192,12 +175,9 @@ fn what_stands_still_has_no_flow() {
     // A turned camera high above the street, so that no coordinate is a round number.
     let snapshot = street(false);
     let view = standing_view([0.0, -5.0, 5.7], [0.01, 0.33, 0.7], &settings(320, 180));
-    let meshes = Meshes::build(&snapshot.meshes);
-    let scene = Scene::new(&meshes, &snapshot);
-    let buffer = rasterize(&scene, &view.pinhole().expect("is a camera"));
-    let view = CameraView { settings: CameraSettings { rgb: false, ..view.settings.clone() }, ..view };
-    let frame = CameraFrame::from_buffer(&scene, &view, &buffer, None).expect("needs no light");
-    let flow = frame.flow.as_ref().expect("was asked for");
+    let sight = with_scene(&snapshot, |scene| grey_sight(scene, &view));
+    let flow = Flow::of(&snapshot, &sight, 0).expect("is no file");
+    let buffer = &sight.seen;
     let still = snapshot.instances.iter().map(|i| i.local_from_object == i.previous_local_from_object);
     let still: Vec<bool> = still.collect();
     let mut checked = 0;
@@ -218,95 +198,18 @@ fn bytes_do_not_depend_on_threads() {
     let view = standing_view([0.0, -5.0, 0.0], [0.0; 3], &settings(320, 180));
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("starts");
-        pool.install(|| render(&snapshot, &view, &weather))
+        pool.install(|| {
+            let sight = with_scene(&snapshot, |scene| sight(scene, &view, &weather));
+            let files = [
+                encoded::<Rgb>(&snapshot, &sight),
+                encoded::<Semantic>(&snapshot, &sight),
+                encoded::<Instance>(&snapshot, &sight),
+                encoded::<Depth>(&snapshot, &sight),
+            ];
+            (files, Flow::of(&snapshot, &sight, 0).expect("is no file"), pixel_counts(&snapshot, &sight.seen))
+        })
     };
     let (one, two) = (with(1), with(2));
     assert!(one == two);
-    assert_eq!(&one.rgb.expect("was asked for")[..2], &[0xff, 0xd8], "starts as a JPEG");
-}
-
-#[test]
-fn pictures_follow_sun_fog_and_aperture() {
-    let snapshot = street(false);
-    let meshes = Meshes::build(&snapshot.meshes);
-    let scene = Scene::new(&meshes, &snapshot);
-    let picture = |weather: &Weather, f_stop: f64| {
-        let settings = CameraSettings { f_stop, ..settings(200, 112) };
-        let view = standing_view([0.0, -5.2, 0.0], [0.0; 3], &settings);
-        let buffer = rasterize(&scene, &view.pinhole().expect("is a camera"));
-        let sky = Sky::new(weather, 0.0);
-        let lighting = Lighting::new(&scene, &sky, weather, Vec3::ZERO);
-        Picture::new(&scene, &view, &buffer, &lighting)
-    };
-    let mean = |p: &Picture| p.rgb.iter().map(|&v| f64::from(v)).sum::<f64>() / p.rgb.len() as f64;
-    let spread = |p: &Picture| {
-        let m = mean(p);
-        (p.rgb.iter().map(|&v| (f64::from(v) - m) * (f64::from(v) - m)).sum::<f64>() / p.rgb.len() as f64)
-            .sqrt()
-    };
-    let noon = picture(&Weather::default(), 1.8);
-    assert!((70.0..190.0).contains(&mean(&noon)), "{}", mean(&noon));
-    let night = picture(&Weather { sun_altitude_deg: -30.0, ..Weather::default() }, 1.8);
-    assert!(mean(&night) < 0.6 * mean(&noon) && mean(&night) > 8.0, "{}", mean(&night));
-    assert!(mean(&picture(&Weather::default(), 4.0)) < 0.7 * mean(&noon));
-    let fog = picture(
-        &Weather {
-            fog_density: 90.0,
-            fog_distance_m: 0.0,
-            fog_falloff: 0.0,
-            cloudiness: 90.0,
-            ..Weather::default()
-        },
-        1.8,
-    );
-    assert!(spread(&fog) < 0.75 * spread(&noon), "{} {}", spread(&fog), spread(&noon));
-}
-
-#[test]
-fn odd_requests_are_refused_or_answered() {
-    let empty = snapshot(Vec::new(), Vec::new());
-    let frame = render(&empty, &standing_view([0.0; 3], [0.0; 3], &settings(17, 5)), &Weather::default());
-    assert!(frame.pixel_counts.is_empty());
-    let (tags, _) = decode(frame.semantic.as_ref().expect("was asked for"));
-    assert_eq!(tags[..3], Tag::Sky.camera_rgb());
-
-    let view = |width, fov| {
-        standing_view([0.0; 3], [0.0; 3], &CameraSettings { horizontal_fov_rad: fov, ..settings(width, 10) })
-    };
-    assert!(matches!(view(0, 1.0).pinhole(), Err(SensorError::PictureSize { .. })));
-    assert!(matches!(view(1 << 20, 1.0).pinhole(), Err(SensorError::PictureSize { .. })));
-    assert!(matches!(view(10, 3.2).pinhole(), Err(SensorError::FieldOfView { .. })));
-    assert!(matches!(view(10, f64::NAN).pinhole(), Err(SensorError::FieldOfView { .. })));
-    let meshes = Meshes::build(&empty.meshes);
-    let scene = Scene::new(&meshes, &empty);
-    assert!(matches!(render_camera(&scene, &view(10, 1.0), None), Err(SensorError::NoLight)));
-}
-
-#[test]
-fn street_lamps_and_windows_shine_as_told() {
-    let picture = |lamp: [f32; 3], window: [f32; 3]| {
-        let mut snapshot = street(true);
-        for instance in &mut snapshot.instances {
-            if instance.lights == lights::STREET_LAMP {
-                instance.glow = lamp;
-            } else if instance.lights == lights::BUILDING {
-                instance.glow = window;
-            }
-        }
-        let meshes = Meshes::build(&snapshot.meshes);
-        let scene = Scene::new(&meshes, &snapshot);
-        let weather = Weather { sun_altitude_deg: -40.0, ..Weather::default() };
-        let view = standing_view([0.0, -5.2, 0.0], [0.0; 3], &settings(320, 180));
-        let buffer = rasterize(&scene, &view.pinhole().expect("is a camera"));
-        let sky = Sky::new(&weather, 0.0);
-        Picture::new(&scene, &view, &buffer, &Lighting::new(&scene, &sky, &weather, Vec3::ZERO)).rgb
-    };
-    let sum = |rgb: &[u8], k: usize| rgb.iter().skip(k).step_by(3).map(|&v| f64::from(v)).sum::<f64>();
-    let all = |rgb: &[u8]| (0..3).map(|k| sum(rgb, k)).sum::<f64>();
-    let [dark, dim, bright] = [0.0, 1.0, 2.5].map(|s: f32| all(&picture([s, 0.76 * s, 0.47 * s], [0.0; 3])));
-    assert!(dark < 0.98 * dim && dim < 0.98 * bright, "{dark} {dim} {bright}");
-    let (green, red) = (picture([0.0; 3], [0.0, 1.0, 0.0]), picture([0.0; 3], [1.0, 0.0, 0.0]));
-    let none = picture([0.0; 3], [0.0; 3]);
-    assert!(sum(&green, 1) > 1.01 * sum(&none, 1) && sum(&green, 0) < 1.001 * sum(&none, 0));
-    assert!(sum(&red, 0) > 1.01 * sum(&none, 0) && sum(&red, 1) < 1.001 * sum(&none, 1));
+    assert_eq!(&one.0[0][..2], &[0xff, 0xd8], "starts as a JPEG");
 }

@@ -2,17 +2,26 @@
 
 mod common;
 
-use common::{at, block, instance, plane, snapshot, street};
+use common::{at, block, instance, plane, prepared, snapshot, street, with_scene};
 use glam::{Affine3A, Vec3};
 use random::Stream;
 use schema::Tag;
 use schema::geometry::Surface;
-use schema::settings::{LidarSpec, Rig, ScanPattern};
-use sensors::{Lidar, RadarMotion, SensorError, radar};
-use visibility::{Meshes, Ray, Scene};
+use schema::settings::{LidarSpec, RadarSpec, Rig, ScanPattern};
+use sensors::{Lidar, LidarSweep, RadarMotion, RadarReturns, SensorError};
+use visibility::{RayBatch, Renderer, Scene};
 
 fn stream() -> Stream {
     Stream::new(27, 0, "test/sensors", 1)
+}
+
+fn sweep(spec: &LidarSpec, scene: &dyn Scene, pose: Affine3A, frame: u32) -> LidarSweep {
+    let lidar = Lidar::new(spec).expect("is small");
+    lidar.sweep(scene, pose, &stream(), frame).expect("has no device")
+}
+
+fn radar(scene: &dyn Scene, spec: &RadarSpec, motion: &RadarMotion, frame: u32) -> RadarReturns {
+    sensors::radar(scene, spec, motion, &stream(), frame).expect("has no device")
 }
 
 fn small(spec: LidarSpec) -> LidarSpec {
@@ -25,11 +34,10 @@ fn ranges_on_a_plane_follow_the_beam_angles() {
         vec![plane(400.0, 0.0, Tag::Road, Surface::Asphalt)],
         vec![instance(0, 9, Affine3A::IDENTITY)],
     );
-    let meshes = Meshes::build(&snapshot.meshes);
-    let scene = Scene::new(&meshes, &snapshot);
+    let renderer = prepared(&snapshot);
+    let scene = &*renderer.place(&snapshot).expect("all meshes are prepared");
     let spec = small(LidarSpec::vehicle().semantic());
-    let lidar = Lidar::new(&spec).expect("is small");
-    let sweep = lidar.sweep(&scene, at(5.0, 2.0, 1.8, 0.4), &stream(), 0);
+    let sweep = sweep(&spec, scene, at(5.0, 2.0, 1.8, 0.4), 0);
     let mut count = 0;
     for channel in 0..32u32 {
         let elevation =
@@ -68,8 +76,8 @@ fn drops_and_noise_have_the_stated_rates() {
         walls.push(instance(0, 3, Affine3A::from_rotation_z(yaw) * at(distance + 0.5, 0.0, -50.0, 0.0)));
     }
     let snapshot = snapshot(vec![block([1.0, 12.0, 100.0], Tag::Building, Surface::Concrete)], walls);
-    let meshes = Meshes::build(&snapshot.meshes);
-    let scene = Scene::new(&meshes, &snapshot);
+    let renderer = prepared(&snapshot);
+    let scene = &*renderer.place(&snapshot).expect("all meshes are prepared");
     let spec = LidarSpec {
         scan: ScanPattern {
             channels: 64,
@@ -80,9 +88,10 @@ fn drops_and_noise_have_the_stated_rates() {
         },
         ..LidarSpec::vehicle()
     };
-    let all = Lidar::new(&spec.semantic()).expect("is small").sweep(&scene, Affine3A::IDENTITY, &stream(), 4);
+    let of = |spec: &LidarSpec, frame| sweep(spec, scene, Affine3A::IDENTITY, frame);
+    let all = of(&spec.semantic(), 4);
     assert_eq!(all.len(), 64 * 1024);
-    let sweep = Lidar::new(&spec).expect("is small").sweep(&scene, Affine3A::IDENTITY, &stream(), 4);
+    let sweep = of(&spec, 4);
     let intensity = frames::math::exp(-0.004 * f64::from(distance));
     let want = 0.86 * (1.0 - 0.4 + 0.5 * intensity);
     let got = sweep.len() as f64 / all.len() as f64;
@@ -90,7 +99,7 @@ fn drops_and_noise_have_the_stated_rates() {
 
     // Noise: against the noiseless ranges of the same directions.
     let quiet = LidarSpec { noise_m: 0.0, ..spec.clone() };
-    let quiet = Lidar::new(&quiet).expect("is small").sweep(&scene, Affine3A::IDENTITY, &stream(), 4);
+    let quiet = of(&quiet, 4);
     assert_eq!(quiet.len(), sweep.len(), "noise drops nothing");
     let (mut sum, mut squares) = (0.0, 0.0);
     for i in 0..sweep.len() {
@@ -103,27 +112,25 @@ fn drops_and_noise_have_the_stated_rates() {
     assert!((sum / n).abs() < 5e-4);
     assert!(((squares / n).sqrt() - 0.03).abs() < 6e-4);
 
-    let other = Lidar::new(&spec).expect("is small").sweep(&scene, Affine3A::IDENTITY, &stream(), 5);
-    assert_ne!(other, sweep, "another frame draws other numbers");
+    assert_ne!(of(&spec, 5), sweep, "another frame draws other numbers");
 }
 
 #[test]
 fn sweeps_equal_single_rays_and_do_not_depend_on_threads() {
     let snapshot = street(false);
-    let meshes = Meshes::build(&snapshot.meshes);
-    let scene = Scene::new(&meshes, &snapshot);
+    let renderer = prepared(&snapshot);
+    let scene = &*renderer.place(&snapshot).expect("all meshes are prepared");
     let pose = at(0.0, -5.0, 1.8, 0.2);
     let lidar = Lidar::new(&small(LidarSpec::vehicle().semantic())).expect("is small");
-    let sweep = lidar.sweep(&scene, pose, &stream(), 1);
+    let sweep = lidar.sweep(scene, pose, &stream(), 1).expect("has no device");
     let mut next = 0;
     for direction in lidar.directions() {
-        let ray = Ray {
+        let ray = RayBatch {
             origin: Vec3::from(pose.translation),
-            direction: pose.transform_vector3(*direction).normalize(),
-            t_min: 0.0,
-            t_max: 120.0,
+            directions: &[pose.transform_vector3(*direction).normalize()],
+            range_m: [0.0, 120.0],
         };
-        let Some(hit) = scene.trace(&ray) else { continue };
+        let Some(hit) = scene.trace(&[ray]).expect("has no device")[0].get(0) else { continue };
         let p = *direction * hit.t;
         if p.x.abs() <= 2.44 && p.y.abs() <= 1.04 {
             continue;
@@ -137,7 +144,7 @@ fn sweeps_equal_single_rays_and_do_not_depend_on_threads() {
     let noisy = Lidar::new(&small(LidarSpec::rsu())).expect("is small");
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("starts");
-        pool.install(|| noisy.sweep(&scene, pose, &stream(), 2))
+        pool.install(|| noisy.sweep(scene, pose, &stream(), 2).expect("has no device"))
     };
     let one = with(1);
     assert_eq!(one, with(2));
@@ -161,15 +168,15 @@ fn doppler_is_positive_for_what_recedes() {
     let mut wall = instance(0, 2, at(40.0, 0.0, -50.0, 0.0));
     wall.previous_local_from_object = at(39.5, 0.0, -50.0, 0.0);
     let snapshot = snapshot(vec![block([1.0, 400.0, 100.0], Tag::Truck, Surface::Metal)], vec![wall]);
-    let meshes = Meshes::build(&snapshot.meshes);
-    let scene = Scene::new(&meshes, &snapshot);
+    let renderer = prepared(&snapshot);
+    let scene = &*renderer.place(&snapshot).expect("all meshes are prepared");
     let spec = &Rig::vehicle().radars[1];
     let motion = RadarMotion {
         local_from_sensor: at(0.2, 0.0, 0.6, 0.0),
         previous_local_from_sensor: at(0.0, 0.0, 0.6, 0.0),
         own: None,
     };
-    let returns = radar(&scene, spec, &motion, &stream(), 3);
+    let returns = radar(scene, spec, &motion, 3);
     assert_eq!(returns.len(), spec.rays as usize, "the wall fills the cone");
     let (mut left, mut high) = (0, 0);
     for i in 0..returns.len() {
@@ -198,15 +205,70 @@ fn the_own_body_is_looked_through() {
         ],
         vec![instance(0, 1, at(0.0, 0.0, 0.0, 0.0)), instance(1, 2, at(30.0, 0.0, -30.0, 0.0))],
     );
-    let meshes = Meshes::build(&snapshot.meshes);
-    let scene = Scene::new(&meshes, &snapshot);
+    let renderer = prepared(&snapshot);
+    let scene = &*renderer.place(&snapshot).expect("all meshes are prepared");
     let pose = at(2.4, 0.0, 0.6, 0.0);
     let motion = |own| RadarMotion { local_from_sensor: pose, previous_local_from_sensor: pose, own };
     let spec = &Rig::vehicle().radars[1];
-    let blocked = radar(&scene, spec, &motion(None), &stream(), 0);
+    let blocked = radar(scene, spec, &motion(None), 0);
     assert!(blocked.id.iter().all(|&id| id == 1));
-    let through = radar(&scene, spec, &motion(Some(1)), &stream(), 0);
+    let through = radar(scene, spec, &motion(Some(1)), 0);
     assert_eq!(through.len(), spec.rays as usize);
     assert!(through.id.iter().all(|&id| id == 2));
     assert!(through.velocity_mps.iter().all(|&v| v == 0.0));
+}
+
+#[test]
+fn brightness_is_the_surfaces_reflectance_at_905_nm() {
+    // Walls 10 m ahead, seen straight and at 60 degrees: intensity = exp(-0.004 d) r (1/4 + 3/4 cos).
+    let dark = [0.0; 3];
+    let cases = [
+        (Tag::Road, Surface::Asphalt, dark, 0.15),
+        (Tag::RoadLine, Surface::RoadMarking, dark, 0.8),
+        (Tag::Sidewalk, Surface::Concrete, dark, 0.35),
+        (Tag::Building, Surface::Facade, dark, 0.35),
+        (Tag::Vegetation, Surface::Foliage, dark, 0.5),
+        (Tag::Terrain, Surface::Grass, dark, 0.5),
+        (Tag::Car, Surface::Glass, [1.0; 3], 0.05),
+        // Clear coat: the pigment does not matter.
+        (Tag::Car, Surface::Paint, dark, 0.45),
+        (Tag::Car, Surface::Paint, [1.0; 3], 0.45),
+        (Tag::Car, Surface::Rubber, dark, 0.06),
+        // Cloth: it does, green most.
+        (Tag::Pedestrian, Surface::Cloth, dark, 0.15),
+        (Tag::Pedestrian, Surface::Cloth, [0.0, 1.0, 0.0], 0.15 + 0.6 * 0.7152),
+        (Tag::Pedestrian, Surface::Cloth, [9.0; 3], 0.75),
+        (Tag::Wall, Surface::Plain, [1.0; 3], 0.75),
+        // Faces of signs send light back where it came from, their poles do not.
+        (Tag::TrafficSign, Surface::Plain, dark, 1.0),
+        (Tag::TrafficSign, Surface::Metal, dark, 0.4),
+    ];
+    let one_ray = LidarSpec {
+        scan: ScanPattern {
+            channels: 1,
+            columns: 1,
+            upper_rad: 0.0,
+            lower_rad: 0.0,
+            horizontal_fov_rad: 0.0,
+        },
+        dropoff_rate: 0.0,
+        dropoff_zero_intensity: 0.0,
+        noise_m: 0.0,
+        ..LidarSpec::vehicle()
+    };
+    for (tag, surface, rgb, reflectance) in cases {
+        for turn_deg in [0.0, 60.0] {
+            let mut wall = common::Builder::default();
+            let part = wall.part(tag, surface, rgb);
+            wall.cuboid(part, [0.0, -20.0, -5.0], [0.1, 20.0, 5.0]);
+            let turn = frames::deg(turn_deg);
+            let snapshot = snapshot(vec![wall.done()], vec![instance(0, 4, at(10.0, 0.0, 0.0, turn as f32))]);
+            let sweep = with_scene(&snapshot, |scene| sweep(&one_ray, scene, Affine3A::IDENTITY, 0));
+            assert_eq!(sweep.len(), 1);
+            let cosine = frames::math::cos(turn);
+            let want = frames::math::exp(-0.004 * 10.0) * reflectance * (0.25 + 0.75 * cosine);
+            let got = f64::from(sweep.intensity[0]);
+            assert!((got - want).abs() < 1e-5, "{tag:?} {surface:?} {turn_deg}: {got} {want}");
+        }
+    }
 }

@@ -1,13 +1,12 @@
 //! What a camera sees, per pixel.
 
 use crate::camera::PinholeCamera;
-use crate::scene::Scene;
-use crate::surface::{SurfacePoint, Surfaces};
 
 /// In [`VisibilityBuffer::instance`] and [`VisibilityBuffer::triangle`]: nothing is seen here.
 pub const SKY: u32 = u32::MAX;
 
-/// Which surface each pixel's centre sees; rows from the top, row-major.
+/// Which surface each pixel's centre sees; rows from the top, row-major. `Surfaces` reads the surface
+/// points out of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VisibilityBuffer {
     /// The camera that saw it.
@@ -43,18 +42,5 @@ impl VisibilityBuffer {
     #[must_use]
     pub fn index(&self, x: u32, y: u32) -> usize {
         y as usize * self.width as usize + x as usize
-    }
-
-    /// Prepares the reading of surface points; `scene` must be the one that was seen.
-    #[must_use]
-    pub fn surfaces<'a>(&'a self, scene: &'a Scene<'a>) -> Surfaces<'a> {
-        Surfaces::new(self, scene)
-    }
-
-    /// The surface point at the centre of one pixel, `None` for sky. For many pixels, prepare
-    /// [`VisibilityBuffer::surfaces`] once.
-    #[must_use]
-    pub fn surface<'a>(&self, scene: &'a Scene<'_>, x: u32, y: u32) -> Option<SurfacePoint<'a>> {
-        crate::surface::single(self, scene, x, y)
     }
 }

@@ -1,11 +1,10 @@
 //! Surface points behind pixels: the pixel's ray met with the triangle that is known to be there.
 
-use glam::{DVec3, Vec3};
-use schema::geometry::{Instance, Part};
+use glam::{DVec3, Mat3, Vec3};
+use schema::geometry::{Instance, Part, Snapshot, TriMesh};
 
 use crate::buffer::{SKY, VisibilityBuffer};
 use crate::camera::PinholeCamera;
-use crate::scene::{Placed, Scene};
 
 /// A point on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,8 +17,6 @@ pub struct SurfacePoint<'a> {
     pub position_local: Vec3,
     /// Object frame, metres.
     pub position_object: Vec3,
-    /// Weights of the triangle's corners; they sum to 1.
-    pub barycentric: [f32; 3],
     /// Unit normal of the triangle's plane, on the camera's side, local frame.
     pub normal_local: Vec3,
     /// Planar depth along the optical axis, metres.
@@ -29,70 +26,71 @@ pub struct SurfacePoint<'a> {
 }
 
 /// An instance as the camera sees it: what is the same for all its pixels.
-#[derive(Clone, Copy)]
-struct View {
+struct View<'a> {
+    mesh: &'a TriMesh,
     /// Camera in the object frame.
     origin: Vec3,
     /// Optical to object frame.
-    rotation: glam::Mat3,
+    rotation: Mat3,
+    /// Object to local frame.
+    to_local: Mat3,
+    translation: Vec3,
 }
 
-impl View {
-    fn new(camera: &PinholeCamera, placed: &Placed<'_>) -> Self {
-        let object_from_local = placed.rotation.as_dmat3().transpose();
+impl<'a> View<'a> {
+    fn new(camera: &PinholeCamera, snapshot: &'a Snapshot, instance: &Instance) -> Option<Self> {
+        let mesh = snapshot.meshes.get(instance.mesh as usize)?;
+        let to_local = Mat3::from(instance.local_from_object.matrix3);
+        let translation = Vec3::from(instance.local_from_object.translation);
+        let object_from_local = to_local.as_dmat3().transpose();
         let camera_m: DVec3 = camera.local_from_optical.translation.as_dvec3();
-        let optical = glam::Mat3::from(camera.local_from_optical.matrix3).as_dmat3();
-        Self {
+        let optical = Mat3::from(camera.local_from_optical.matrix3).as_dmat3();
+        Some(Self {
+            mesh,
             // In double precision: the difference of two places far from the local origin loses nothing.
-            origin: (object_from_local * (camera_m - placed.translation.as_dvec3())).as_vec3(),
+            origin: (object_from_local * (camera_m - translation.as_dvec3())).as_vec3(),
             rotation: (object_from_local * optical).as_mat3(),
-        }
+            to_local,
+            translation,
+        })
     }
 }
 
 /// A triangle as the camera sees it: what is the same for all its pixels.
 #[derive(Clone, Copy)]
-struct Facet<'a> {
+struct Facet<'v, 'a> {
     instance: u32,
     triangle: u32,
     part: &'a Part,
-    view: View,
-    placed: &'a Placed<'a>,
+    view: &'v View<'a>,
     /// First corner, in the object frame relative to the camera; and in the object frame.
     a: Vec3,
     corner: Vec3,
     normal: Vec3,
     /// Distance of the plane from the camera along `normal` (times its length).
     offset: f32,
-    /// Weights of the second and third corner grow along these, from the first corner.
-    gradient: [Vec3; 2],
     normal_local: Vec3,
 }
 
-impl<'a> Facet<'a> {
-    fn new(scene: &'a Scene<'_>, view: View, instance: u32, triangle: u32) -> Option<Self> {
-        let placed = scene.placed(instance)?;
-        let source = &placed.mesh.source;
-        source.triangles.get(triangle as usize)?;
-        let [corner, second, third] = source.corners(triangle as usize);
-        let (a, p, q) = (corner - view.origin, second - corner, third - corner);
-        let normal = p.cross(q);
-        let scale = 1.0 / normal.length_squared();
+impl<'v, 'a> Facet<'v, 'a> {
+    fn new(view: &'v View<'a>, instance: u32, triangle: u32) -> Option<Self> {
+        view.mesh.triangles.get(triangle as usize)?;
+        let [corner, second, third] = view.mesh.corners(triangle as usize);
+        let a = corner - view.origin;
+        let normal = (second - corner).cross(third - corner);
         let offset = a.dot(normal);
         // The camera is on the side to which the normal points when the plane's offset is negative.
         let facing = if offset > 0.0 { -normal } else { normal };
         Some(Self {
             instance,
             triangle,
-            part: source.part(triangle as usize),
+            part: view.mesh.part(triangle as usize),
             view,
-            placed,
             a,
             corner,
             normal,
             offset,
-            gradient: [q.cross(normal) * scale, normal.cross(p) * scale],
-            normal_local: (placed.rotation * facing).normalize_or_zero(),
+            normal_local: (view.to_local * facing).normalize_or_zero(),
         })
     }
 
@@ -104,14 +102,12 @@ impl<'a> Facet<'a> {
         let exact = self.offset / slope;
         let depth_m = if exact.is_finite() && exact > 0.0 { exact } else { depth_m };
         let from_corner = direction * depth_m - self.a;
-        let (v, w) = (from_corner.dot(self.gradient[0]), from_corner.dot(self.gradient[1]));
         let position_object = self.corner + from_corner;
         SurfacePoint {
             instance: self.instance,
             triangle: self.triangle,
-            position_local: self.placed.rotation * position_object + self.placed.translation,
+            position_local: self.view.to_local * position_object + self.view.translation,
             position_object,
-            barycentric: [1.0 - v - w, v, w],
             normal_local: self.normal_local,
             depth_m,
             part: self.part,
@@ -119,24 +115,19 @@ impl<'a> Facet<'a> {
     }
 }
 
-/// Reads surface points out of a [`VisibilityBuffer`].
+/// Reads surface points out of a [`VisibilityBuffer`], whichever renderer filled it.
 pub struct Surfaces<'a> {
     buffer: &'a VisibilityBuffer,
-    scene: &'a Scene<'a>,
-    views: Vec<Option<View>>,
+    /// By instance; none for those whose mesh the snapshot does not hold.
+    views: Vec<Option<View<'a>>>,
 }
 
 impl<'a> Surfaces<'a> {
-    pub(crate) fn new(buffer: &'a VisibilityBuffer, scene: &'a Scene<'a>) -> Self {
-        let views =
-            scene.all_placed().iter().map(|p| p.as_ref().map(|p| View::new(&buffer.camera, p))).collect();
-        Self { buffer, scene, views }
-    }
-
-    /// The instance that a point is on.
+    /// Prepares the reading; `snapshot` must be the one that was seen.
     #[must_use]
-    pub fn instance(&self, point: &SurfacePoint<'_>) -> &'a Instance {
-        &self.scene.snapshot().instances[point.instance as usize]
+    pub fn new(buffer: &'a VisibilityBuffer, snapshot: &'a Snapshot) -> Self {
+        let views = snapshot.instances.iter().map(|i| View::new(&buffer.camera, snapshot, i)).collect();
+        Self { buffer, views }
     }
 
     /// The surface point at the centre of one pixel, `None` for sky.
@@ -167,22 +158,7 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    fn facet(&self, instance: u32, triangle: u32) -> Option<Facet<'a>> {
-        let view = (*self.views.get(instance as usize)?)?;
-        Facet::new(self.scene, view, instance, triangle)
+    fn facet(&self, instance: u32, triangle: u32) -> Option<Facet<'_, 'a>> {
+        Facet::new(self.views.get(instance as usize)?.as_ref()?, instance, triangle)
     }
-}
-
-/// One point without preparation.
-pub(crate) fn single<'a>(
-    buffer: &VisibilityBuffer,
-    scene: &'a Scene<'_>,
-    x: u32,
-    y: u32,
-) -> Option<SurfacePoint<'a>> {
-    let index = buffer.index(x, y);
-    let instance = buffer.instance[index];
-    let view = View::new(&buffer.camera, scene.placed(instance)?);
-    let facet = Facet::new(scene, view, instance, buffer.triangle[index])?;
-    Some(facet.point(&buffer.camera, x, y, buffer.depth_m[index]))
 }

@@ -6,12 +6,7 @@ mod common;
 use common::*;
 use glam::{Affine3A, Vec3};
 use schema::geometry::Snapshot;
-use visibility::{Hit, Meshes, PinholeCamera, Ray, SKY, Scene, VisibilityBuffer, rasterize};
-
-fn with_scene<T>(world: &Snapshot, run: impl FnOnce(&Scene<'_>) -> T) -> T {
-    let meshes = Meshes::build(&world.meshes);
-    run(&Scene::new(&meshes, world))
-}
+use visibility::{Hit, PinholeCamera, SKY, Scene, Surfaces, VisibilityBuffer};
 
 /// A camera at the origin that looks along x.
 fn forward(width: u32, height: u32, focal: f32) -> PinholeCamera {
@@ -62,19 +57,16 @@ fn pixels_from_edge(world: &Snapshot, camera: &PinholeCamera, hit: (u32, u32), x
 }
 
 /// The picture by rays: per pixel the hit and its planar depth.
-fn by_rays(scene: &Scene<'_>, camera: &PinholeCamera) -> Vec<Option<(Hit, f32)>> {
+fn by_rays(scene: &dyn Scene, camera: &PinholeCamera) -> Vec<Option<(Hit, f32)>> {
     let mut all = Vec::new();
     for y in 0..camera.height {
         for x in 0..camera.width {
             let optical = camera.direction_optical(x as f32 + 0.5, y as f32 + 0.5);
             let length = optical.length();
             let direction = camera.local_from_optical.transform_vector3(optical) / length;
-            let hit = scene.trace(&Ray {
-                origin: camera.local_from_optical.translation.into(),
-                direction,
-                t_min: camera.near_m * length,
-                t_max: camera.far_m * length,
-            });
+            let origin = camera.local_from_optical.translation.into();
+            let range_m = [camera.near_m * length, camera.far_m * length];
+            let hit = trace(scene, &Ray { origin, direction, range_m });
             all.push(hit.map(|h| (h, h.t / length)));
         }
     }
@@ -83,7 +75,7 @@ fn by_rays(scene: &Scene<'_>, camera: &PinholeCamera) -> Vec<Option<(Hit, f32)>>
 
 fn compare(world: &Snapshot, camera: &PinholeCamera) -> (usize, usize) {
     with_scene(world, |scene| {
-        let buffer = rasterize(scene, camera);
+        let buffer = see(scene, camera);
         let mut excused = 0;
         for (i, ray) in by_rays(scene, camera).iter().enumerate() {
             let (x, y) = (i as u32 % camera.width, i as u32 / camera.width);
@@ -153,7 +145,7 @@ fn a_wall_covers_exactly_its_pixels() {
     let camera = forward(140, 100, 100.0);
     for (shift, columns, rows) in [(0.0, 50..90, 40..60), (0.049, 50..90, 40..60), (0.051, 51..91, 41..61)] {
         let world = quads(&[wall(10.0, -2.0 + shift, -1.0 + shift, 2.0 + shift, 1.0 + shift)]);
-        let buffer = with_scene(&world, |scene| rasterize(scene, &camera));
+        let buffer = with_scene(&world, |scene| see(scene, &camera));
         for y in 0..100 {
             for x in 0..140 {
                 let i = buffer.index(x, y);
@@ -177,13 +169,13 @@ fn neighbours_share_no_pixel_and_leave_none_out() {
     let left = wall(1.0, -0.4, -0.4, 1.0 / 128.0, 0.4);
     let right = wall(1.0, 1.0 / 128.0, -0.4, 0.4, 0.4);
     let both =
-        |a: &Vec<Vec3>, b: &Vec<Vec3>| with_scene(&quads(&[a.clone(), b.clone()]), |s| rasterize(s, &camera));
+        |a: &Vec<Vec3>, b: &Vec<Vec3>| with_scene(&quads(&[a.clone(), b.clone()]), |s| see(s, &camera));
     let first = both(&left, &right);
     let second = both(&right, &left);
     let swapped: Vec<u32> = second.instance.iter().map(|&i| if i == SKY { SKY } else { 1 - i }).collect();
     assert_eq!(first.instance, swapped);
     assert_eq!(first.depth_m, second.depth_m);
-    let alone = |a: &Vec<Vec3>| with_scene(&quads(std::slice::from_ref(a)), |s| rasterize(s, &camera));
+    let alone = |a: &Vec<Vec3>| with_scene(&quads(std::slice::from_ref(a)), |s| see(s, &camera));
     let covered = |b: &VisibilityBuffer| b.instance.iter().filter(|&&i| i != SKY).count();
     assert_eq!(covered(&alone(&left)) + covered(&alone(&right)), covered(&first));
 }
@@ -197,7 +189,7 @@ fn a_closed_ball_has_no_cracks() {
     with_scene(&world, |scene| {
         for along in [Vec3::X, Vec3::new(-1.0, 0.4, 2.0), Vec3::new(0.1, -1.0, -0.5)] {
             let from = place.transform_point3(Vec3::new(0.5, 0.9, -0.7));
-            let buffer = rasterize(scene, &look(from, along, 500, 300, 2.0));
+            let buffer = see(scene, &look(from, along, 500, 300, 2.0));
             assert!(buffer.instance.iter().all(|&i| i == 0));
         }
     });
@@ -209,7 +201,7 @@ fn a_floor_has_the_closed_form_depth() {
     let mut camera = forward(200, 120, 150.0);
     camera.local_from_optical.translation.z = 1.7;
     let world = snapshot(vec![floor(30, 900.0)], vec![instance(0, 1, Affine3A::IDENTITY)]);
-    let buffer = with_scene(&world, |scene| rasterize(scene, &camera));
+    let buffer = with_scene(&world, |scene| see(scene, &camera));
     for y in 0..120 {
         let expected = 1.7 * 150.0 / (y as f32 + 0.5 - 60.0);
         for x in 0..200 {
@@ -228,7 +220,7 @@ fn near_and_far_end_the_view() {
     let mut camera = forward(40, 40, 40.0);
     let at = |distance: f32| wall(distance, -50.0, -50.0, 50.0, 50.0);
     let sees = |camera: &PinholeCamera, list: &[Vec<Vec3>]| {
-        with_scene(&quads(list), |scene| rasterize(scene, camera)).depth_m[20 * 40 + 20]
+        with_scene(&quads(list), |scene| see(scene, camera)).depth_m[20 * 40 + 20]
     };
     assert_eq!(sees(&camera, &[at(0.04), at(3.0)]), 3.0);
     assert_eq!(sees(&camera, &[at(-2.0), at(3.0)]), 3.0);
@@ -241,7 +233,7 @@ fn near_and_far_end_the_view() {
 fn the_smaller_number_wins_ties() {
     let camera = forward(40, 40, 40.0);
     let quad = wall(4.0, -1.0, -1.0, 1.0, 1.0);
-    let buffer = with_scene(&quads(&[quad.clone(), quad]), |scene| rasterize(scene, &camera));
+    let buffer = with_scene(&quads(&[quad.clone(), quad]), |scene| see(scene, &camera));
     assert_eq!(buffer.instance[20 * 40 + 20], 0);
     assert!(buffer.instance.iter().all(|&i| i == 0 || i == SKY));
 }
@@ -256,27 +248,32 @@ fn thread_counts_change_no_byte() {
             with_scene(&world, |scene| {
                 let mut s = stream("threads", 0);
                 let directions: Vec<Vec3> = (0..5000).map(|_| unit(&mut s)).collect();
-                let mut hits = vec![None; directions.len()];
-                scene.trace_packet_shared_origin(Vec3::Z, &directions, 0.0, 100.0, &mut hits);
-                (rasterize(scene, &camera), hits)
+                (see(scene, &camera), trace_all(scene, Vec3::Z, &directions, [0.0, 100.0]))
             })
         })
     };
     let (one, two) = (run(1), run(2));
     assert_eq!(one, two);
-    assert!(one.0.instance.iter().any(|&i| i != SKY) && one.1.iter().any(Option::is_some));
+    assert!(one.0.instance.iter().any(|&i| i != SKY) && one.1.iter().any(|hit| hit.is_some()));
 }
 
 #[test]
 fn empty_pictures_and_scenes() {
     let nothing = snapshot(vec![], vec![]);
-    let buffer = with_scene(&nothing, |scene| rasterize(scene, &forward(70, 35, 40.0)));
+    let buffer = with_scene(&nothing, |scene| see(scene, &forward(70, 35, 40.0)));
     assert!(buffer.instance.len() == 70 * 35 && buffer.instance.iter().all(|&i| i == SKY));
     let world = world(1);
     with_scene(&world, |scene| {
-        assert!(rasterize(scene, &forward(0, 35, 40.0)).instance.is_empty());
-        assert!(rasterize(scene, &forward(35, 0, 40.0)).instance.is_empty());
+        assert!(see(scene, &forward(0, 35, 40.0)).instance.is_empty());
+        assert!(see(scene, &forward(35, 0, 40.0)).instance.is_empty());
     });
+}
+
+/// Weights of a triangle's corners at the foot of a point on its plane; they sum to 1.
+fn weights([a, b, c]: [Vec3; 3], point: Vec3) -> [f32; 3] {
+    let normal = (b - a).cross(c - a);
+    let share = |p: Vec3, q: Vec3| (p - point).cross(q - point).dot(normal) / normal.length_squared();
+    [share(b, c), share(c, a), share(a, b)]
 }
 
 #[test]
@@ -284,24 +281,24 @@ fn surface_points_lie_on_their_triangles() {
     let world = world(3);
     let camera = look(Vec3::new(2.0, -25.0, 4.0), Vec3::new(0.0, 1.0, -0.1), 160, 90, 1.2);
     with_scene(&world, |scene| {
-        let buffer = rasterize(scene, &camera);
-        let surfaces = buffer.surfaces(scene);
+        let buffer = see(scene, &camera);
+        let surfaces = Surfaces::new(&buffer, &world);
         let eye = Vec3::from(camera.local_from_optical.translation);
         let mut seen = 0;
         for y in 0..90 {
             surfaces.for_each_in_row(y, |x, point| {
                 let i = buffer.index(x, y);
                 assert_eq!(point.copied(), surfaces.at(x, y));
-                assert_eq!(point.copied(), buffer.surface(scene, x, y));
                 let Some(point) = point else {
                     assert_eq!(buffer.instance[i], SKY);
                     return;
                 };
                 seen += 1;
-                let placed = surfaces.instance(point);
+                let placed = &world.instances[point.instance as usize];
                 let [a, b, c] = world.mesh(placed).corners(point.triangle as usize);
-                let [u, v, w] = point.barycentric;
-                assert!((u + v + w - 1.0).abs() < 1e-5 && u.min(v).min(w) > -1e-3, "{point:?}");
+                // Within the triangle: in its plane, and inside its edges by their areas.
+                let [u, v, w] = weights([a, b, c], point.position_object);
+                assert!(u.min(v).min(w) > -1e-3, "{point:?}");
                 let tolerance = 1e-5 * (10.0 + point.depth_m);
                 let by_weights = a * u + b * v + c * w;
                 assert!((by_weights - point.position_object).length() < tolerance, "{point:?}");

@@ -3,13 +3,14 @@
 
 mod common;
 
+use common::brute::BruteRenderer;
 use common::*;
 use glam::{Affine3A, Vec3};
 use proptest::prelude::*;
-use visibility::{Hit, Meshes, Ray, Scene};
+use visibility::{CpuRenderer, Hit, Renderer};
 
 fn ray(origin: Vec3, direction: Vec3) -> Ray {
-    Ray { origin, direction, t_min: 0.0, t_max: 200.0 }
+    Ray { origin, direction, range_m: [0.0, 200.0] }
 }
 
 /// Whether two answers may differ: one is at an edge, or they are at the same place.
@@ -31,15 +32,17 @@ proptest! {
     #[test]
     fn rays_find_what_brute_force_finds(number in 0u64..1000) {
         let world = world(number);
-        let meshes = Meshes::build(&world.meshes);
-        let scene = Scene::new(&meshes, &world);
+        let renderer = prepared(&world);
+        let scene = &*renderer.place(&world).unwrap();
+        let mut brute = BruteRenderer::default();
+        brute.prepare(&world.meshes).unwrap();
+        let every = &*brute.place(&world).unwrap();
         let mut s = stream("rays", number);
         let mut hits = 0;
         for _ in 0..24 {
             let ray = ray(point(&mut s, 30.0), unit(&mut s));
-            let (ours, theirs) = (scene.trace(&ray), brute_force(&world, &ray));
+            let (ours, theirs) = (trace(scene, &ray), trace(every, &ray));
             prop_assert!(agree(ours, theirs), "{ray:?}: {ours:?} {theirs:?}");
-            prop_assert_eq!(scene.occluded(&ray), ours.is_some());
             hits += usize::from(ours.is_some());
         }
         prop_assert!(hits > 2);
@@ -48,21 +51,21 @@ proptest! {
     #[test]
     fn packets_are_single_rays_bit_for_bit(number in 0u64..1000, count in 0usize..70) {
         let world = world(number);
-        let meshes = Meshes::build(&world.meshes);
-        let scene = Scene::new(&meshes, &world);
+        let renderer = prepared(&world);
+        let scene = &*renderer.place(&world).unwrap();
         let mut s = stream("packets", number);
         let origin = point(&mut s, 20.0);
         let towards = unit(&mut s);
         let directions: Vec<Vec3> =
             (0..count).map(|_| (towards + unit(&mut s) * 0.3).normalize()).collect();
-        let mut out = vec![None; count];
-        scene.trace_packet_shared_origin(origin, &directions, 0.5, 80.0, &mut out);
-        for (direction, packet) in directions.iter().zip(&out) {
-            let single = scene.trace(&Ray { origin, direction: *direction, t_min: 0.5, t_max: 80.0 });
-            let bits = |h: &Option<Hit>| h.map(|h| {
+        let range_m = [0.5, 80.0];
+        let out = trace_all(scene, origin, &directions, range_m);
+        for (direction, packet) in directions.iter().zip(out.iter()) {
+            let single = trace(scene, &Ray { origin, direction: *direction, range_m });
+            let bits = |h: Option<Hit>| h.map(|h| {
                 (h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.instance, h.triangle)
             });
-            prop_assert_eq!(bits(packet), bits(&single));
+            prop_assert_eq!(bits(packet), bits(single));
         }
     }
 }
@@ -70,22 +73,21 @@ proptest! {
 #[test]
 fn a_floor_is_hit_at_the_closed_form_distance() {
     let world = snapshot(vec![floor(8, 50.0)], vec![instance(0, 1, Affine3A::IDENTITY)]);
-    let meshes = Meshes::build(&world.meshes);
-    let scene = Scene::new(&meshes, &world);
+    let renderer = prepared(&world);
+    let scene = &*renderer.place(&world).unwrap();
     let mut s = stream("floor", 0);
     for _ in 0..500 {
         let origin =
             Vec3::new(uniform(&mut s, -9.0, 9.0), uniform(&mut s, -9.0, 9.0), uniform(&mut s, 1.0, 9.0));
         let target = Vec3::new(uniform(&mut s, -45.0, 45.0), uniform(&mut s, -45.0, 45.0), 0.0);
         let direction = (target - origin).normalize();
-        let hit = scene.trace(&ray(origin, direction)).unwrap();
+        let hit = trace(scene, &ray(origin, direction)).unwrap();
         let expected = (target - origin).length();
         assert!((hit.t - expected).abs() < 1e-5 * expected * (expected / origin.z), "{hit:?} {expected}");
-        assert!(scene.trace(&ray(origin, -direction)).is_none());
-        let short = Ray { t_max: expected * 0.99, ..ray(origin, direction) };
-        assert!(scene.trace(&short).is_none() && !scene.occluded(&short));
-        let late = Ray { t_min: expected * 1.01, ..ray(origin, direction) };
-        assert!(scene.trace(&late).is_none() && !scene.occluded(&late));
+        assert!(trace(scene, &ray(origin, -direction)).is_none());
+        for range_m in [[0.0, expected * 0.99], [expected * 1.01, 200.0]] {
+            assert!(trace(scene, &Ray { range_m, ..ray(origin, direction) }).is_none());
+        }
     }
 }
 
@@ -96,8 +98,8 @@ fn nothing_leaks_between_neighbours() {
     let meshes = vec![ball(&mut s, 20, 30, 4.0)];
     let place = pose(&mut s, 60.0);
     let world = snapshot(meshes, vec![instance(0, 1, place)]);
-    let prepared = Meshes::build(&world.meshes);
-    let scene = Scene::new(&prepared, &world);
+    let renderer = prepared(&world);
+    let scene = &*renderer.place(&world).unwrap();
     let source = &world.meshes[0];
     let origin = place.transform_point3(Vec3::new(0.3, -0.2, 0.1));
     let mut directions = Vec::new();
@@ -111,8 +113,7 @@ fn nothing_leaks_between_neighbours() {
         }
     }
     directions.extend((0..20_000).map(|_| unit(&mut s)));
-    let mut out = vec![None; directions.len()];
-    scene.trace_packet_shared_origin(origin, &directions, 0.0, f32::INFINITY, &mut out);
+    let out = trace_all(scene, origin, &directions, [0.0, f32::INFINITY]);
     let leaks = out.iter().filter(|h| h.is_none()).count();
     assert_eq!(leaks, 0, "of {}", out.len());
 }
@@ -121,15 +122,15 @@ fn nothing_leaks_between_neighbours() {
 fn rays_within_planes_and_along_axes_are_safe() {
     // The floor's box has no height, and the rays run within its plane or along its grid lines.
     let world = snapshot(vec![floor(4, 2.0)], vec![instance(0, 1, Affine3A::IDENTITY)]);
-    let meshes = Meshes::build(&world.meshes);
-    let scene = Scene::new(&meshes, &world);
+    let renderer = prepared(&world);
+    let scene = &*renderer.place(&world).unwrap();
     for direction in [Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, 0.8, 0.0)] {
-        let within = scene.trace(&ray(Vec3::new(-5.0, 0.0, 0.0), direction));
+        let within = trace(scene, &ray(Vec3::new(-5.0, 0.0, 0.0), direction));
         assert!(within.is_none_or(|h| h.t.is_finite()));
     }
     // Straight down onto a corner that six triangles share, and onto the outermost corner.
     for (x, y) in [(0.0, 0.0), (1.0, -1.0), (2.0, 2.0), (-2.0, 0.5)] {
-        let hit = scene.trace(&ray(Vec3::new(x, y, 3.0), Vec3::NEG_Z)).unwrap();
+        let hit = trace(scene, &ray(Vec3::new(x, y, 3.0), Vec3::NEG_Z)).unwrap();
         assert_eq!(hit.t, 3.0);
     }
 }
@@ -145,9 +146,9 @@ fn the_smaller_number_wins_ties() {
     for order in [[0u32, 1], [1, 0]] {
         let instances = order.map(|m| instance(m, 1, Affine3A::IDENTITY)).to_vec();
         let world = snapshot(vec![floor(1, 5.0), twice.clone()], instances);
-        let meshes = Meshes::build(&world.meshes);
-        let scene = Scene::new(&meshes, &world);
-        let hit = scene.trace(&ray(Vec3::new(1.0, 2.0, 4.0), Vec3::NEG_Z)).unwrap();
+        let renderer = prepared(&world);
+        let scene = &*renderer.place(&world).unwrap();
+        let hit = trace(scene, &ray(Vec3::new(1.0, 2.0, 4.0), Vec3::NEG_Z)).unwrap();
         assert!(hit.instance == 0 && hit.triangle < 2, "{hit:?}");
     }
 }
@@ -169,19 +170,17 @@ fn degenerate_and_absent_things_are_not_seen() {
             instance(2, 4, Affine3A::IDENTITY),
         ],
     );
-    let meshes = Meshes::build(&world.meshes);
-    let scene = Scene::new(&meshes, &world);
+    let renderer = prepared(&world);
+    let scene = &*renderer.place(&world).unwrap();
     for x in [-1.0, 0.0, 0.5, 1.5] {
-        let hit = scene.trace(&ray(Vec3::new(x, 0.0, 3.0), Vec3::NEG_Z)).unwrap();
+        let hit = trace(scene, &ray(Vec3::new(x, 0.0, 3.0), Vec3::NEG_Z)).unwrap();
         assert_eq!((hit.instance, hit.t), (3, 3.0));
     }
     let nothing = snapshot(vec![], vec![]);
-    let meshes = Meshes::build(&nothing.meshes);
-    let scene = Scene::new(&meshes, &nothing);
-    assert!(meshes.is_empty());
-    assert_eq!(scene.trace(&ray(Vec3::ZERO, Vec3::X)), None);
-    assert!(!scene.occluded(&ray(Vec3::ZERO, Vec3::X)));
-    assert_eq!(scene.trace(&ray(Vec3::ZERO, Vec3::splat(f32::NAN))), None);
+    let renderer = CpuRenderer::default();
+    let scene = &*renderer.place(&nothing).unwrap();
+    assert_eq!(trace(scene, &ray(Vec3::ZERO, Vec3::X)), None);
+    assert_eq!(trace(scene, &ray(Vec3::ZERO, Vec3::splat(f32::NAN))), None);
 }
 
 #[test]
@@ -190,10 +189,10 @@ fn meshes_can_be_appended() {
         vec![floor(1, 5.0), floor(2, 5.0)],
         vec![instance(1, 1, Affine3A::IDENTITY), instance(0, 2, Affine3A::from_translation(Vec3::Z))],
     );
-    let mut meshes = Meshes::build(&world.meshes[..1]);
-    meshes.extend(&world.meshes[1..]);
-    assert_eq!(meshes.len(), 2);
-    let scene = Scene::new(&meshes, &world);
-    assert_eq!(scene.trace(&ray(Vec3::new(0.5, 1.0, 5.0), Vec3::NEG_Z)).unwrap().instance, 1);
-    assert_eq!(scene.trace(&ray(Vec3::new(0.5, 1.0, -5.0), Vec3::Z)).unwrap().instance, 0);
+    let mut renderer = CpuRenderer::default();
+    renderer.prepare(&world.meshes[..1]).unwrap();
+    renderer.prepare(&world.meshes[1..]).unwrap();
+    let scene = &*renderer.place(&world).unwrap();
+    assert_eq!(trace(scene, &ray(Vec3::new(0.5, 1.0, 5.0), Vec3::NEG_Z)).unwrap().instance, 1);
+    assert_eq!(trace(scene, &ray(Vec3::new(0.5, 1.0, -5.0), Vec3::Z)).unwrap().instance, 0);
 }

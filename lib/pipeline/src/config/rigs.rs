@@ -7,9 +7,8 @@ use schema::settings::{
     CameraSettings, CameraSpec, GnssSpec, ImuSpec, LidarSpec, Mount, OccupancySettings, OwnRig, RadarSpec,
     Rig, ScanPattern,
 };
-use schema::{AgentId, AgentKind};
-
-use schema::tables::{CAMERA_TABLES, GNSS_TABLE, IMU_TABLE, VISIBLE_TABLE, camera_table};
+use schema::tables::{GNSS_TABLE, IMU_TABLE, VISIBLE_TABLE};
+use schema::{AgentId, AgentKind, ImageKind, ImageSet};
 
 use super::reader::Section;
 use super::table_names::TableNames;
@@ -113,12 +112,17 @@ fn camera(s: &Section<'_>, d: &CameraSettings) -> CameraSettings {
             100,
             "JPEG quality of the RGB images",
         ) as u8,
-        rgb: s.flag("rgb", d.rgb, "write RGB images"),
-        semantic: s.flag("semantic", d.semantic, "write semantic images"),
-        instance: s.flag("instance", d.instance, "write instance images"),
-        depth: s.flag("depth", d.depth, "write depth images"),
-        flow: s.flag("flow", d.flow, "write optical flow"),
+        images: images(s, d.images),
     }
+}
+
+fn images(s: &Section<'_>, d: ImageSet) -> ImageSet {
+    let mut images = ImageSet::NONE;
+    for &kind in ImageKind::ALL {
+        let spec = kind.spec();
+        images.set(kind, s.flag(spec.flag, d.has(kind), &format!("write {}", spec.plural)));
+    }
+    images
 }
 
 fn cameras(s: &Section<'_>, d: &[CameraSpec], tables: &mut TableNames) -> Vec<CameraSpec> {
@@ -132,7 +136,7 @@ fn cameras(s: &Section<'_>, d: &[CameraSpec], tables: &mut TableNames) -> Vec<Ca
         "camera positions; replaces the default list",
     );
     read(&s.describe_item("cameras"));
-    let tables_of = |name: &str| CAMERA_TABLES.map(|kind| camera_table(kind, name)).to_vec();
+    let tables_of = |name: &str| ImageKind::ALL.iter().map(|kind| kind.table(name)).collect();
     match sections {
         None => {
             d.iter().for_each(|camera| tables.take(s, &camera.name, tables_of(&camera.name)));

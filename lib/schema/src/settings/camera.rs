@@ -4,6 +4,7 @@ use frames::deg;
 use serde::Serialize;
 
 use super::mount::Mount;
+use crate::ImageSet;
 
 /// What all cameras of a rig share.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -18,16 +19,9 @@ pub struct CameraSettings {
     pub f_stop: f64,
     /// JPEG quality of the RGB images, 1 to 100 (80).
     pub jpeg_quality: u8,
-    /// Write RGB images.
-    pub rgb: bool,
-    /// Write semantic images.
-    pub semantic: bool,
-    /// Write instance images.
-    pub instance: bool,
-    /// Write depth images.
-    pub depth: bool,
-    /// Write optical flow.
-    pub flow: bool,
+    /// Which images are written: a flag a kind.
+    #[serde(flatten)]
+    pub images: ImageSet,
 }
 
 impl Default for CameraSettings {
@@ -38,11 +32,7 @@ impl Default for CameraSettings {
             horizontal_fov_rad: deg(80.0),
             f_stop: 1.8,
             jpeg_quality: 80,
-            rgb: true,
-            semantic: false,
-            instance: true,
-            depth: false,
-            flow: false,
+            images: ImageSet::default(),
         }
     }
 }
@@ -52,12 +42,6 @@ impl CameraSettings {
     #[must_use]
     pub fn focal_px(&self) -> f64 {
         f64::from(self.width) / (2.0 * frames::math::tan(0.5 * self.horizontal_fov_rad))
-    }
-
-    /// Whether any image is wanted.
-    #[must_use]
-    pub fn any(&self) -> bool {
-        self.rgb || self.semantic || self.instance || self.depth || self.flow
     }
 }
 

@@ -39,7 +39,7 @@ pub use mount::Mount;
 pub use occupancy::OccupancySettings;
 pub use per_agent::PerAgent;
 pub use radar::RadarSpec;
-pub use rig::Rig;
+pub use rig::*;
 pub use scenes::{SceneCount, Split};
 pub use timing::TimingSettings;
 pub use traffic::TrafficSettings;

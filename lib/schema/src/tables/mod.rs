@@ -22,10 +22,7 @@ pub use hd_map::HdMapRow;
 pub use log::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
 pub use map::{VectorKind, VectorMapRow};
 pub use plan::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
-pub use sensor::{
-    CAMERA_TABLES, CameraRow, FlowRow, GNSS_TABLE, GnssRow, IMU_TABLE, ImuRow, LidarRow, RadarRow,
-    SemanticLidarRow, VISIBLE_TABLE, VisibleRow, camera_table,
-};
+pub use sensor::*;
 pub use stats::PartialRow;
 pub use tracks::{TrackFrameRow, TrackRow};
 pub use weather::Weather;

@@ -3,8 +3,6 @@
 use crate::table;
 use crate::table::Blob;
 
-/// What stands before a camera's name in the names of its tables.
-pub const CAMERA_TABLES: [&str; 5] = ["RGB", "SEG", "IST", "DPT", "FLW"];
 /// Table of the GNSS receiver.
 pub const GNSS_TABLE: &str = "GNSS";
 /// Table of the IMU.
@@ -12,20 +10,14 @@ pub const IMU_TABLE: &str = "IMU";
 /// Table of [`VisibleRow`].
 pub const VISIBLE_TABLE: &str = "visible";
 
-/// Name of a camera's table: `RGB-CAM_FRONT`. Lidars and radars give their own names to their tables.
-#[must_use]
-pub fn camera_table(kind: &str, camera: &str) -> String {
-    format!("{kind}-{camera}")
-}
-
 table! {
-    /// Encoded images of one camera: `RGB-*` JPEG; `SEG-*`, `IST-*`, `DPT-*` PNG with 8-bit red, green and blue.
-    CameraRow in "sensors/{agent}/{RGB|SEG|IST|DPT}-{camera}" {
+    /// Encoded images of one camera, of one of the kinds listed below; PNG with 8-bit red, green and blue.
+    CameraRow in "sensors/{agent}/{kind}-{camera}" {
         /// Frame number.
         frame: u32,
         /// Time since frame 0, s.
         time_s: f64,
-        /// The encoded image. SEG: the tag's colour. IST: red the tag, green the id's low byte, blue its high byte. DPT: 24-bit planar depth, red lowest, 1000 m at 2^24 - 1.
+        /// The encoded image.
         image: Blob,
     }
 }

@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::Picture;
+use super::picture::Picture;
 
 /// Jumps below this (of 255), or below this share of the brighter side, stay.
 const LEAST_JUMP: i32 = 14;

@@ -1,10 +1,17 @@
 //! Encoders with settings chosen by measurement (`benches/sensors.rs`).
 
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
+use schema::table::Blob;
+use schema::tables::CameraRow;
 use visibility::VisibilityBuffer;
 
-use super::Picture;
+use super::picture::Picture;
 use crate::error::SensorError;
+
+/// An encoded image as a row of its table.
+pub(super) fn camera_row(frame: u32, image: Vec<u8>) -> CameraRow {
+    CameraRow { frame, time_s: crate::frame_time_s(frame), image: Blob(image) }
+}
 
 /// Colour as JPEG, chroma at half resolution both ways.
 pub(super) fn jpeg(picture: &Picture, quality: u8) -> Result<Vec<u8>, SensorError> {

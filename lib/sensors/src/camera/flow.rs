@@ -2,9 +2,14 @@
 
 use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
-use visibility::{PinholeCamera, Scene, VisibilityBuffer};
+use schema::geometry::Snapshot;
+use schema::images::Flow;
+use schema::tables::FlowRow;
+use visibility::{PinholeCamera, Surfaces};
 
-use super::{CameraView, Flow};
+use super::image::Image;
+use super::sight::Sight;
+use crate::error::SensorError;
 
 /// Largest flow: the whole picture.
 const LIMIT: f32 = 2.0;
@@ -18,11 +23,21 @@ const STEP: f32 = 1.0 / 131_072.0;
 /// The sky is infinitely far: it moves with the camera's rotation alone. Each component is limited to +-2, which a
 /// surface that was beside or behind the camera a frame ago exceeds, and rounded to a multiple of 2^-17. What stands
 /// still before a camera that stands still has flow 0 exactly.
-pub(super) fn flow(scene: &Scene<'_>, view: &CameraView, buffer: &VisibilityBuffer) -> Flow {
+impl Image for Flow {
+    fn of(snapshot: &Snapshot, sight: &Sight, frame: u32) -> Result<FlowRow, SensorError> {
+        let (dx, dy) = flow(snapshot, sight);
+        let (width, height) = (sight.seen.width, sight.seen.height);
+        Ok(FlowRow { frame, time_s: crate::frame_time_s(frame), width, height, dx, dy })
+    }
+}
+
+/// Motion to the right and up, row by row.
+fn flow(snapshot: &Snapshot, sight: &Sight) -> (Vec<f32>, Vec<f32>) {
+    let Sight { view, seen: buffer, .. } = sight;
     let camera = &buffer.camera;
     let width = buffer.width as usize;
-    let surfaces = buffer.surfaces(scene);
-    let instances = &scene.snapshot().instances;
+    let surfaces = Surfaces::new(buffer, snapshot);
+    let instances = &snapshot.instances;
     let optical_before = view.previous_local_from_optical.inverse();
     // Per instance: from its frame to the previous optical frame.
     let before: Vec<Affine3A> =
@@ -33,8 +48,8 @@ pub(super) fn flow(scene: &Scene<'_>, view: &CameraView, buffer: &VisibilityBuff
         camera_stands && instance.previous_local_from_object == instance.local_from_object
     };
     let pixels = buffer.instance.len();
-    let mut flow = Flow { dx: vec![0.0; pixels], dy: vec![0.0; pixels] };
-    let rows = flow.dx.par_chunks_mut(width).zip(flow.dy.par_chunks_mut(width));
+    let (mut dx, mut dy) = (vec![0.0; pixels], vec![0.0; pixels]);
+    let rows = dx.par_chunks_mut(width).zip(dy.par_chunks_mut(width));
     rows.enumerate().for_each(|(y, (dx, dy))| {
         let y = y as u32;
         surfaces.for_each_in_row(y, |x, point| {
@@ -53,7 +68,7 @@ pub(super) fn flow(scene: &Scene<'_>, view: &CameraView, buffer: &VisibilityBuff
             dy[x as usize] = rounded(-2.0 * moved.y / camera.height as f32);
         });
     });
-    flow
+    (dx, dy)
 }
 
 /// Limited and rounded; without negative zeros, which would only cost bytes.

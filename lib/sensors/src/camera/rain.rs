@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use visibility::VisibilityBuffer;
 
-use super::Picture;
+use super::picture::Picture;
 use crate::look::{hash2, unit};
 
 /// Drops at full rain.

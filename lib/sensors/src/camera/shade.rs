@@ -2,12 +2,13 @@
 
 use glam::Vec3;
 use rayon::prelude::*;
-use schema::geometry::Surface;
-use visibility::{Scene, SurfacePoint, VisibilityBuffer};
+use schema::geometry::{Snapshot, Surface};
+use visibility::{SurfacePoint, Surfaces, VisibilityBuffer};
 
 use super::antialias::smooth_edges;
+use super::picture::Picture;
 use super::rain::draw_rain;
-use super::{CameraView, Picture};
+use super::view::CameraView;
 use crate::light::{Lighting, Lit, exp_neg};
 use crate::look::{Facet, Look, Noise, look};
 
@@ -15,10 +16,10 @@ impl Picture {
     /// Lights and colours what was seen.
     #[must_use]
     pub fn new(
-        scene: &Scene<'_>,
+        snapshot: &Snapshot,
         view: &CameraView,
         buffer: &VisibilityBuffer,
-        lighting: &Lighting<'_>,
+        lighting: &Lighting,
     ) -> Self {
         let width = buffer.width as usize;
         let mut rgb = vec![0u8; 3 * buffer.instance.len()];
@@ -26,7 +27,7 @@ impl Picture {
         let mut ambient = lighting.sky.ambient;
         ambient[0] += lighting.sky.bounced_klx();
         let shader = Shader {
-            scene,
+            snapshot,
             buffer,
             lighting,
             noise: Noise::get(),
@@ -39,7 +40,7 @@ impl Picture {
             ambient: ambient.map(|a| a * (exposure / std::f32::consts::PI)),
             key: lighting.sky.key_klx * (exposure / std::f32::consts::PI),
         };
-        let surfaces = buffer.surfaces(scene);
+        let surfaces = Surfaces::new(buffer, snapshot);
         rgb.par_chunks_mut(3 * width).enumerate().for_each(|(y, row)| {
             let mut painter =
                 Painter { shader: &shader, row: row.as_chunks_mut::<3>().0, run: None, strip: Vec::new() };
@@ -154,9 +155,9 @@ impl<'a> Painter<'a, '_> {
 }
 
 struct Shader<'a> {
-    scene: &'a Scene<'a>,
+    snapshot: &'a Snapshot,
     buffer: &'a VisibilityBuffer,
-    lighting: &'a Lighting<'a>,
+    lighting: &'a Lighting,
     noise: &'a Noise,
     /// Film value per radiance.
     exposure: f32,
@@ -240,7 +241,7 @@ impl Shader<'_> {
 
     /// What is the same for a triangle.
     fn begin<'p>(&self, point: &SurfacePoint<'p>) -> Run<'p> {
-        let instance = &self.scene.snapshot().instances[point.instance as usize];
+        let instance = &self.snapshot.instances[point.instance as usize];
         let n = point.normal_local;
         let [a, x, y, z] = self.ambient;
         let ambient = (a + x * n.x + y * n.y + z * n.z).max(Vec3::ZERO);

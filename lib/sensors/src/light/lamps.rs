@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use glam::Vec3;
 use schema::geometry::{Snapshot, Surface, TriMesh};
 use schema::lights;
-use visibility::Scene;
 
 /// Half width of the area around an agent in which lamps give light, metres.
 const AREA_M: f32 = 96.0;
@@ -55,11 +54,11 @@ struct Fitting {
 }
 
 impl Lamps {
-    pub(crate) fn new(scene: &Scene<'_>, wanted: bool, centre: Vec3) -> Self {
+    pub(crate) fn new(snapshot: &Snapshot, wanted: bool, centre: Vec3) -> Self {
         if !wanted {
             return Self::default();
         }
-        let mut lamps = burning(scene.snapshot(), centre);
+        let mut lamps = burning(snapshot, centre);
         lamps.truncate(usize::from(u16::MAX));
         let corner = centre - Vec3::new(AREA_M, AREA_M, 0.0);
         let mut starts = vec![0u32];

@@ -1,16 +1,15 @@
-//! Shadows of the sun or moon, and the shade under things, from maps rasterised once per agent and frame.
+//! Shadows of the sun or moon, and the shade under things, from maps of what the light sees.
 //!
-//! A light far away sees the same triangles as the cameras, through `visibility`'s rasteriser with a very long
-//! lens. A place is in shadow when the light saw something nearer there.
+//! A light far away sees the same triangles as the cameras, through the same renderer with a very long lens. A place is in shadow when the light saw something nearer there.
 
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use rayon::prelude::*;
-use visibility::{PinholeCamera, Scene, rasterize};
+use visibility::{PinholeCamera, RenderError, Scene, VisibilityBuffer};
 
 /// Distance of the stand-in for the sun, metres: far enough that its rays are within a degree of parallel, near
 /// enough that depths keep a millimetre in `f32`.
 const LIGHT_M: f32 = 10_000.0;
-/// Heights around the agent that cast and receive shadows, metres.
+/// Heights around the place that cast and receive shadows, metres.
 const REACH_M: f32 = 900.0;
 /// Half widths of the maps, metres, and their sides, texels: fine near by, coarse far away.
 const MAPS: [(f32, u32); 3] = [(12.0, 768), (45.0, 1024), (160.0, 768)];
@@ -26,7 +25,51 @@ const COVER_M: f32 = 0.5;
 /// Lowest light that casts shadows: the sine of 2 degrees.
 const LOWEST_UP: f32 = 0.035;
 
-/// One look from the light.
+/// How a light looks at a place.
+#[derive(Clone, Copy, Debug)]
+struct Lens {
+    right: Vec3,
+    down: Vec3,
+    forward: Vec3,
+    texel_m: f32,
+    camera: PinholeCamera,
+}
+
+impl Lens {
+    fn new(world_m: [f64; 3], to_light: Vec3, centre: Vec3, half_m: f32, side: u32) -> Self {
+        let forward = -to_light;
+        let right = forward.cross(if forward.z.abs() < 0.99 { Vec3::Z } else { Vec3::Y }).normalize();
+        let down = forward.cross(right);
+        let texel_m = 2.0 * half_m / side as f32;
+        // Whole texels from the world's origin, so that edges of shadows do not swim when the agent moves.
+        let snap = |axis: Vec3| {
+            let along = axis.as_dvec3().dot(glam::DVec3::from_array(world_m) + centre.as_dvec3());
+            let texel = f64::from(texel_m);
+            axis * ((along / texel).round() * texel - along) as f32
+        };
+        let centre = centre + snap(right) + snap(down);
+        let local_from_optical = Affine3A {
+            matrix3: Mat3A::from_cols(right.into(), down.into(), forward.into()),
+            translation: Vec3A::from(centre - forward * LIGHT_M),
+        };
+        let half = 0.5 * side as f32;
+        let focal = half * LIGHT_M / half_m;
+        let camera = PinholeCamera {
+            local_from_optical,
+            width: side,
+            height: side,
+            fx: focal,
+            fy: focal,
+            cx: half,
+            cy: half,
+            near_m: LIGHT_M - REACH_M,
+            far_m: LIGHT_M + REACH_M,
+        };
+        Self { right, down, forward, texel_m, camera }
+    }
+}
+
+/// What the light sees through one lens.
 #[derive(Clone, Debug)]
 struct Map {
     /// Rows of the rotation from local to light axes, scaled to texels across and metres along.
@@ -79,41 +122,21 @@ impl Map {
             .collect()
     }
 
-    fn new(scene: &Scene<'_>, to_light: Vec3, centre: Vec3, half_m: f32, side: u32) -> Self {
-        let forward = -to_light;
-        let right = forward.cross(if forward.z.abs() < 0.99 { Vec3::Z } else { Vec3::Y }).normalize();
-        let down = forward.cross(right);
-        let texel_m = 2.0 * half_m / side as f32;
-        // Whole texels from the world's origin, so that edges of shadows do not swim when the agent moves.
-        let world = scene.snapshot().origin.world_xyz();
-        let snap = |axis: Vec3| {
-            let along = axis.as_dvec3().dot(glam::DVec3::from_array(world) + centre.as_dvec3());
-            let texel = f64::from(texel_m);
-            axis * ((along / texel).round() * texel - along) as f32
+    /// Reads the map out of what was seen through its lens.
+    fn new(lens: &Lens, seen: VisibilityBuffer) -> Self {
+        let Lens { right, down, forward, texel_m, camera } = *lens;
+        let mut map = Self {
+            right,
+            down,
+            forward,
+            origin: camera.local_from_optical.translation.into(),
+            focal: camera.fx,
+            half: camera.cx,
+            side: camera.width as usize,
+            texel_m,
+            depth_m: seen.depth_m,
+            blocks: Vec::new(),
         };
-        let centre = centre + snap(right) + snap(down);
-        let origin = centre - forward * LIGHT_M;
-        let local_from_optical = Affine3A {
-            matrix3: Mat3A::from_cols(right.into(), down.into(), forward.into()),
-            translation: Vec3A::from(origin),
-        };
-        let half = 0.5 * side as f32;
-        let focal = half * LIGHT_M / half_m;
-        let camera = PinholeCamera {
-            local_from_optical,
-            width: side,
-            height: side,
-            fx: focal,
-            fy: focal,
-            cx: half,
-            cy: half,
-            near_m: LIGHT_M - REACH_M,
-            far_m: LIGHT_M + REACH_M,
-        };
-        let depth_m = rasterize(scene, &camera).depth_m;
-        let side = side as usize;
-        let mut map =
-            Self { right, down, forward, origin, focal, half, side, texel_m, depth_m, blocks: Vec::new() };
         map.blocks = map.sum_up();
         map
     }
@@ -183,7 +206,31 @@ pub(crate) struct Lit {
     pub(crate) all_around: bool,
 }
 
-/// Shadows of the sun or moon around an agent.
+/// Looks from the light (when its shadows are wanted) and from above at a place, all in one batch.
+///
+/// # Errors
+/// The renderer failed.
+pub(crate) fn shadows_at(
+    scene: &dyn Scene,
+    to_light: Vec3,
+    wanted: bool,
+    centre: Vec3,
+) -> Result<(Shadows, Overhead), RenderError> {
+    let world_m = scene.snapshot().origin.world_xyz();
+    let raised = Vec3::new(to_light.x, to_light.y, to_light.z.max(LOWEST_UP)).normalize();
+    let lens =
+        |to_light: Vec3, (half_m, side): (f32, u32)| Lens::new(world_m, to_light, centre, half_m, side);
+    let above = std::iter::once(lens(Vec3::Z, ABOVE));
+    let lenses: Vec<Lens> =
+        above.chain(MAPS.iter().filter(|_| wanted).map(|&size| lens(raised, size))).collect();
+    let cameras: Vec<PinholeCamera> = lenses.iter().map(|lens| lens.camera).collect();
+    let seen = scene.look(&cameras)?;
+    let mut maps: Vec<Map> = lenses.par_iter().zip(seen).map(|(lens, seen)| Map::new(lens, seen)).collect();
+    let above = maps.remove(0);
+    Ok((Shadows { to_light: raised, maps }, Overhead { map: above }))
+}
+
+/// Shadows of the sun or moon around a place.
 #[derive(Clone, Debug)]
 pub(crate) struct Shadows {
     to_light: Vec3,
@@ -191,16 +238,6 @@ pub(crate) struct Shadows {
 }
 
 impl Shadows {
-    pub(crate) fn new(scene: &Scene<'_>, to_light: Vec3, wanted: bool, centre: Vec3) -> Self {
-        let raised = Vec3::new(to_light.x, to_light.y, to_light.z.max(LOWEST_UP)).normalize();
-        let maps = if wanted {
-            MAPS.iter().map(|&(half_m, side)| Map::new(scene, raised, centre, half_m, side)).collect()
-        } else {
-            Vec::new()
-        };
-        Self { to_light: raised, maps }
-    }
-
     /// How much of the light reaches a surface; all of it beyond the maps.
     #[inline]
     pub(crate) fn lit(&self, position: Vec3, normal: Vec3) -> Lit {
@@ -224,11 +261,6 @@ pub(crate) struct Overhead {
 }
 
 impl Overhead {
-    pub(crate) fn new(scene: &Scene<'_>, centre: Vec3) -> Self {
-        let (half_m, side) = ABOVE;
-        Self { map: Map::new(scene, Vec3::Z, centre, half_m, side) }
-    }
-
     /// Share of the light of the sky that reaches a surface, 0 to 1; 1 beyond the map.
     #[inline]
     pub(crate) fn open(&self, position: Vec3, normal: Vec3) -> f32 {
@@ -272,7 +304,7 @@ mod tests {
     use frames::LocalOrigin;
     use schema::Tag;
     use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
-    use visibility::{Meshes, Ray};
+    use visibility::{CpuRenderer, RayBatch, Renderer};
 
     use super::*;
 
@@ -312,36 +344,46 @@ mod tests {
         }
     }
 
+    /// Places a snapshot before a renderer and calls with the shadows around its origin.
+    fn with_shadows(snapshot: &Snapshot, to_light: Vec3, each: impl FnOnce(&dyn Scene, &Shadows, &Overhead)) {
+        let mut renderer = CpuRenderer::default();
+        renderer.prepare(&snapshot.meshes).expect("has no device");
+        let scene = renderer.place(snapshot).expect("all meshes are prepared");
+        let (shadows, overhead) = shadows_at(&*scene, to_light, true, Vec3::ZERO).expect("has no device");
+        each(&*scene, &shadows, &overhead);
+    }
+
     #[test]
     fn shadows_are_where_rays_to_the_light_are_stopped() {
-        let snapshot = scene_of([1234.0, -77.0, 12.0]);
-        let meshes = Meshes::build(&snapshot.meshes);
-        let scene = Scene::new(&meshes, &snapshot);
         let to_light = Vec3::new(0.5, -0.3, 0.8).normalize();
-        let shadows = Shadows::new(&scene, to_light, true, Vec3::ZERO);
-        let (mut wrong, mut shaded) = (0, 0);
-        let n = 120;
-        for i in 0..n * n {
-            let p = Vec3::new((i % n) as f32 * 1.3 - 78.0, (i / n) as f32 * 1.3 - 78.0, 0.0);
-            let ray = Ray { origin: p, direction: to_light, t_min: 1e-3, t_max: 500.0 };
-            let want = if scene.occluded(&ray) { 0.0 } else { 1.0 };
-            let got = shadows.lit(p, Vec3::Z).share;
-            shaded += i32::from(want == 0.0);
-            wrong += i32::from((got - want).abs() > 0.5);
-        }
-        assert!(shaded > 100, "{shaded}");
-        // Texels of up to 0.4 m, and rays that are parallel to a degree: only edges may differ.
-        assert!(wrong * 20 < shaded, "{wrong} of {shaded}");
+        with_shadows(&scene_of([1234.0, -77.0, 12.0]), to_light, |scene, shadows, _| {
+            let n = 120;
+            let places: Vec<Vec3> = (0..n * n)
+                .map(|i| Vec3::new((i % n) as f32 * 1.3 - 78.0, (i / n) as f32 * 1.3 - 78.0, 0.0))
+                .collect();
+            let directions = [to_light];
+            let batch = |&origin| RayBatch { origin, directions: &directions, range_m: [1e-3, 500.0] };
+            let batches: Vec<_> = places.iter().map(batch).collect();
+            let hits = scene.trace(&batches).expect("has no device");
+            let (mut wrong, mut shaded) = (0, 0);
+            for (p, hit) in places.iter().zip(hits) {
+                let want = if hit.get(0).is_some() { 0.0 } else { 1.0 };
+                let got = shadows.lit(*p, Vec3::Z).share;
+                shaded += i32::from(want == 0.0);
+                wrong += i32::from((got - want).abs() > 0.5);
+            }
+            assert!(shaded > 100, "{shaded}");
+            // Texels of up to 0.4 m, and rays that are parallel to a degree: only edges may differ.
+            assert!(wrong * 20 < shaded, "{wrong} of {shaded}");
+        });
     }
 
     #[test]
     fn it_is_dark_under_a_low_roof_only() {
-        let snapshot = scene_of([0.0; 3]);
-        let meshes = Meshes::build(&snapshot.meshes);
-        let scene = Scene::new(&meshes, &snapshot);
-        let overhead = Overhead::new(&scene, Vec3::ZERO);
-        assert!(overhead.open(Vec3::new(3.0, 2.0, 0.0), Vec3::Z) < 0.4);
-        assert_eq!(overhead.open(Vec3::new(-8.0, 0.0, 0.0), Vec3::Z), 1.0);
-        assert_eq!(overhead.open(Vec3::new(3.0, 2.0, 1.5), Vec3::Z), 1.0);
+        with_shadows(&scene_of([0.0; 3]), Vec3::Z, |_, _, overhead| {
+            assert!(overhead.open(Vec3::new(3.0, 2.0, 0.0), Vec3::Z) < 0.4);
+            assert_eq!(overhead.open(Vec3::new(-8.0, 0.0, 0.0), Vec3::Z), 1.0);
+            assert_eq!(overhead.open(Vec3::new(3.0, 2.0, 1.5), Vec3::Z), 1.0);
+        });
     }
 }

@@ -3,10 +3,73 @@
 
 use std::sync::Arc;
 
-use frames::LocalOrigin;
+use frames::{Agent, LocalOrigin, Pose, World};
 use glam::{Affine3A, Vec3};
 use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
-use schema::{ObjectId, Tag, lights};
+use schema::images::ImageTable;
+use schema::settings::{CameraSettings, Mount};
+use schema::tables::{CameraRow, Weather};
+use schema::{ImageSet, ObjectId, Tag, lights};
+use sensors::{CameraView, CpuPainter, FrameWeather, Image, Lighting, Painter, Picture, Sight, Sky};
+use visibility::{CpuRenderer, Renderer, Scene};
+
+#[path = "../../../visibility/tests/common/brute.rs"]
+pub(crate) mod brute;
+
+/// A renderer with a snapshot's meshes.
+pub(crate) fn prepared(snapshot: &Snapshot) -> CpuRenderer {
+    let mut renderer = CpuRenderer::default();
+    renderer.prepare(&snapshot.meshes).expect("has no device");
+    renderer
+}
+
+/// Calls with the scene of a snapshot.
+pub(crate) fn with_scene<T>(snapshot: &Snapshot, run: impl FnOnce(&dyn Scene) -> T) -> T {
+    run(&*prepared(snapshot).place(snapshot).expect("all meshes are prepared"))
+}
+
+/// The first frame in a weather.
+pub(crate) fn first_frame(weather: &Weather) -> FrameWeather {
+    FrameWeather { frame: 0, time_s: 0.0, weather: *weather }
+}
+
+/// A camera on an agent that stands.
+pub(crate) fn standing_view(xyz_m: [f64; 3], rpy_rad: [f64; 3], settings: &CameraSettings) -> CameraView {
+    let pose = Pose::<World, Agent>::from_xyz_rpy(xyz_m, rpy_rad);
+    let mount = Mount::upright([0.6, 0.0, 1.6], 0.0);
+    CameraView::new(&LocalOrigin::near([0.0; 3]), &pose, &pose, &mount, settings)
+}
+
+/// What a camera sees, in colour if its settings say so.
+pub(crate) fn sight(scene: &dyn Scene, view: &CameraView, weather: &Weather) -> Sight {
+    let painter = CpuPainter::default();
+    let views = vec![view.clone()];
+    sensors::see(scene, Some(&painter as &dyn Painter), &first_frame(weather), Vec3::ZERO, views)
+        .expect("is a camera")
+        .remove(0)
+}
+
+/// What a camera sees, without colour.
+pub(crate) fn grey_sight(scene: &dyn Scene, view: &CameraView) -> Sight {
+    let settings = CameraSettings { images: ImageSet::NONE, ..view.settings.clone() };
+    sight(scene, &CameraView { settings, ..view.clone() }, &Weather::default())
+}
+
+/// An encoded image.
+pub(crate) fn encoded<I: Image + ImageTable<Row = CameraRow>>(snapshot: &Snapshot, sight: &Sight) -> Vec<u8> {
+    I::of(snapshot, sight, 0).expect("is encoded").image.0
+}
+
+/// A colour picture before it is encoded.
+pub(crate) fn picture(snapshot: &Snapshot, view: &CameraView, weather: &Weather) -> Picture {
+    with_scene(snapshot, |scene| sight(scene, view, weather).picture.expect("is in colour"))
+}
+
+/// The light around the origin.
+pub(crate) fn lighting(scene: &dyn Scene, weather: &Weather) -> Lighting {
+    let sky = Arc::new(Sky::new(weather, 0.0));
+    Lighting::new(scene, sky, weather, Vec3::ZERO).expect("has no device")
+}
 
 /// Collects triangles part by part.
 #[derive(Default)]

@@ -4,42 +4,49 @@ mod scene;
 
 use divan::{Bencher, black_box};
 use glam::Vec3;
-use visibility::{Meshes, Ray, Scene, rasterize};
+use schema::geometry::Snapshot;
+use visibility::{CpuRenderer, RayBatch, Renderer, Surfaces};
 
 fn main() {
     divan::main();
 }
 
+fn prepared(town: &Snapshot) -> CpuRenderer {
+    let mut renderer = CpuRenderer::default();
+    renderer.prepare(&town.meshes).expect("has no device");
+    renderer
+}
+
 #[divan::bench(sample_count = 3)]
 fn prepare_meshes(bencher: Bencher) {
     let town = scene::town();
-    bencher.bench(|| Meshes::build(black_box(&town.meshes)));
+    bencher.bench(|| prepared(black_box(&town)));
 }
 
 #[divan::bench(sample_count = 20)]
 fn place_instances(bencher: Bencher) {
     let town = scene::town();
-    let meshes = Meshes::build(&town.meshes);
-    bencher.bench(|| Scene::new(&meshes, black_box(&town)));
+    let renderer = prepared(&town);
+    bencher.bench(|| renderer.place(black_box(&town)).is_ok());
 }
 
 #[divan::bench(sample_count = 10)]
 fn six_cameras(bencher: Bencher) {
     let town = scene::town();
-    let meshes = Meshes::build(&town.meshes);
-    let scene = Scene::new(&meshes, &town);
+    let renderer = prepared(&town);
+    let scene = renderer.place(&town).expect("all meshes are prepared");
     let cameras = scene::cameras();
-    bencher.bench(|| cameras.iter().map(|camera| rasterize(&scene, camera)).collect::<Vec<_>>());
+    bencher.bench(|| scene.look(black_box(&cameras)));
 }
 
 #[divan::bench(sample_count = 10)]
 fn surfaces_of_one_camera(bencher: Bencher) {
     let town = scene::town();
-    let meshes = Meshes::build(&town.meshes);
-    let scene = Scene::new(&meshes, &town);
-    let buffer = rasterize(&scene, &scene::cameras()[0]);
+    let renderer = prepared(&town);
+    let scene = renderer.place(&town).expect("all meshes are prepared");
+    let buffer = scene.look(&scene::cameras()[..1]).expect("has no device").remove(0);
     bencher.bench(|| {
-        let surfaces = buffer.surfaces(&scene);
+        let surfaces = Surfaces::new(&buffer, &town);
         let mut sum = Vec3::ZERO;
         for y in 0..buffer.height {
             surfaces.for_each_in_row(y, |_, point| {
@@ -55,26 +62,24 @@ fn surfaces_of_one_camera(bencher: Bencher) {
 #[divan::bench(sample_count = 10)]
 fn lidar(bencher: Bencher) {
     let town = scene::town();
-    let meshes = Meshes::build(&town.meshes);
-    let scene = Scene::new(&meshes, &town);
+    let renderer = prepared(&town);
+    let scene = renderer.place(&town).expect("all meshes are prepared");
     let directions = scene::lidar();
-    let mut hits = vec![None; directions.len()];
-    bencher.bench_local(|| {
-        let origin = Vec3::new(0.0, -1.5, 1.9);
-        scene.trace_packet_shared_origin(origin, black_box(&directions), 0.0, 120.0, &mut hits);
+    let origin = Vec3::new(0.0, -1.5, 1.9);
+    bencher.bench(|| {
+        scene.trace(&[RayBatch { origin, directions: black_box(&directions), range_m: [0.0, 120.0] }])
     });
 }
 
 #[divan::bench(sample_count = 5)]
 fn single_rays_65536(bencher: Bencher) {
     let town = scene::town();
-    let meshes = Meshes::build(&town.meshes);
-    let scene = Scene::new(&meshes, &town);
+    let renderer = prepared(&town);
+    let scene = renderer.place(&town).expect("all meshes are prepared");
     let directions = scene::lidar();
     let origin = Vec3::new(0.0, -1.5, 1.9);
-    bencher.bench_local(|| {
-        let rays = directions.iter().step_by(4);
-        rays.filter(|&&direction| scene.trace(&Ray { origin, direction, t_min: 0.0, t_max: 120.0 }).is_some())
-            .count()
-    });
+    let ray =
+        |direction| RayBatch { origin, directions: std::slice::from_ref(direction), range_m: [0.0, 120.0] };
+    let rays: Vec<_> = directions.iter().step_by(4).map(ray).collect();
+    bencher.bench(|| scene.trace(black_box(&rays)));
 }

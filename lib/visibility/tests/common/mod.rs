@@ -1,5 +1,7 @@
 //! Small worlds for the tests.
-#![allow(dead_code)] // Each test binary uses its share.
+#![allow(dead_code, clippy::unwrap_used)] // Each test binary uses its share.
+
+pub(crate) mod brute;
 
 use std::sync::Arc;
 
@@ -8,7 +10,7 @@ use glam::{Affine3A, Mat3, Quat, Vec3};
 use random::Stream;
 use schema::Tag;
 use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
-use visibility::{Hit, PinholeCamera, Ray};
+use visibility::{CpuRenderer, Hit, Hits, PinholeCamera, RayBatch, Renderer, Scene, VisibilityBuffer};
 
 pub(crate) fn stream(topic: &str, number: u64) -> Stream {
     Stream::new(5, 0, topic, number)
@@ -131,44 +133,35 @@ pub(crate) fn look(from: Vec3, along: Vec3, width: u32, height: u32, fov_rad: f3
     PinholeCamera::centred(pose, width, height, fov_rad)
 }
 
-/// Closest hit by trying every triangle: Moeller and Trumbore, "Fast, minimum storage ray-triangle intersection"
-/// (1997), in double precision.
-pub(crate) fn brute_force(snapshot: &Snapshot, ray: &Ray) -> Option<Hit> {
-    let mut best: Option<(f64, Hit)> = None;
-    let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-    for (number, instance) in snapshot.instances.iter().enumerate() {
-        let rotation = Mat3::from(instance.local_from_object.matrix3).as_dmat3();
-        let shift = instance.local_from_object.translation.as_dvec3();
-        let source = snapshot.mesh(instance);
-        for triangle in 0..source.triangles.len() {
-            let [a, b, c] = source.corners(triangle).map(|p| rotation * p.as_dvec3() + shift);
-            let (e1, e2) = (b - a, c - a);
-            let p = direction.cross(e2);
-            let determinant = e1.dot(p);
-            if determinant == 0.0 {
-                continue;
-            }
-            let from_a = origin - a;
-            let u = from_a.dot(p) / determinant;
-            let q = from_a.cross(e1);
-            let v = direction.dot(q) / determinant;
-            let t = e2.dot(q) / determinant;
-            if u < 0.0 || v < 0.0 || u + v > 1.0 || t < ray.t_min.into() || t > ray.t_max.into() {
-                continue;
-            }
-            if best.is_none_or(|(other, _)| t < other) {
-                let hit = Hit {
-                    t: t as f32,
-                    instance: number as u32,
-                    triangle: triangle as u32,
-                    u: u as f32,
-                    v: v as f32,
-                };
-                best = Some((t, hit));
-            }
-        }
-    }
-    best.map(|(_, hit)| hit)
+/// A ray by itself.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ray {
+    pub(crate) origin: Vec3,
+    pub(crate) direction: Vec3,
+    pub(crate) range_m: [f32; 2],
+}
+
+/// A renderer with a world's meshes.
+pub(crate) fn prepared(world: &Snapshot) -> CpuRenderer {
+    let mut renderer = CpuRenderer::default();
+    renderer.prepare(&world.meshes).unwrap();
+    renderer
+}
+
+pub(crate) fn with_scene<T>(world: &Snapshot, run: impl FnOnce(&dyn Scene) -> T) -> T {
+    run(&*prepared(world).place(world).unwrap())
+}
+
+pub(crate) fn trace(scene: &dyn Scene, ray: &Ray) -> Option<Hit> {
+    trace_all(scene, ray.origin, &[ray.direction], ray.range_m).get(0)
+}
+
+pub(crate) fn trace_all(scene: &dyn Scene, origin: Vec3, directions: &[Vec3], range_m: [f32; 2]) -> Hits {
+    scene.trace(&[RayBatch { origin, directions, range_m }]).unwrap().remove(0)
+}
+
+pub(crate) fn see(scene: &dyn Scene, camera: &PinholeCamera) -> VisibilityBuffer {
+    scene.look(&[*camera]).unwrap().remove(0)
 }
 
 /// How far, in barycentric weight, a hit is from its triangle's nearest edge.

@@ -6,9 +6,9 @@
 
 use glam::Vec3;
 
-use crate::bvh::{Node, Stack};
-use crate::ray::Hit;
-use crate::scene::Placed;
+use super::bvh::{Node, Stack};
+use super::placed::Placed;
+use crate::buffer::SKY;
 
 /// Boxes are entered when a lane misses them by less than this: relative rounding of the slab distances.
 const SLACK: f32 = 1.0 + 8.0 * f32::EPSILON;
@@ -17,8 +17,6 @@ const SLACK: f32 = 1.0 + 8.0 * f32::EPSILON;
 const PAD: f32 = 4.0 * f32::EPSILON;
 /// Directions nearer than this to an axis plane count as this steep in box tests, to keep inverses finite.
 const STEEPEST: f32 = 1e-20;
-
-const NOBODY: u32 = u32::MAX;
 
 /// Directions, by axis and lane.
 #[derive(Clone, Copy)]
@@ -60,6 +58,15 @@ pub(crate) struct Packet<const N: usize> {
     triangle: [u32; N],
     u: [f32; N],
     v: [f32; N],
+}
+
+/// The lists of hits of some rays, which said that nothing was hit.
+pub(crate) struct HitsMut<'a> {
+    pub(crate) t: &'a mut [f32],
+    pub(crate) instance: &'a mut [u32],
+    pub(crate) triangle: &'a mut [u32],
+    pub(crate) u: &'a mut [f32],
+    pub(crate) v: &'a mut [f32],
 }
 
 /// A triangle as seen from one origin, before any direction is known.
@@ -121,21 +128,25 @@ impl<const N: usize> Packet<N> {
             t_min,
             t,
             t_farthest: t_max.min(f32::MAX),
-            instance: [NOBODY; N],
-            triangle: [NOBODY; N],
+            instance: [SKY; N],
+            triangle: [SKY; N],
             u: [0.0; N],
             v: [0.0; N],
         }
     }
 
-    pub(crate) fn hit(&self, lane: usize) -> Option<Hit> {
-        (self.instance[lane] != NOBODY).then(|| Hit {
-            t: self.t[lane],
-            instance: self.instance[lane],
-            triangle: self.triangle[lane],
-            u: self.u[lane],
-            v: self.v[lane],
-        })
+    /// Writes what the first lanes hit, from a place in the lists on.
+    #[inline]
+    pub(crate) fn store(&self, lanes: usize, first: usize, out: &mut HitsMut<'_>) {
+        for lane in 0..lanes {
+            if self.instance[lane] != SKY {
+                out.t[first + lane] = self.t[lane];
+                out.instance[first + lane] = self.instance[lane];
+                out.triangle[first + lane] = self.triangle[lane];
+                out.u[first + lane] = self.u[lane];
+                out.v[first + lane] = self.v[lane];
+            }
+        }
     }
 
     /// Origin and directions in the local frame.
@@ -194,8 +205,8 @@ impl<const N: usize> Packet<N> {
         }
     }
 
-    /// Tests the triangles of one instance; with `ANY`, stops at the first hit and tells whether there is one.
-    pub(crate) fn visit<const ANY: bool>(&mut self, instance: u32, placed: &Placed<'_>) -> bool {
+    /// Tests the triangles of one instance.
+    pub(crate) fn visit(&mut self, instance: u32, placed: &Placed<'_>) {
         let mesh = placed.mesh;
         let origin = placed.rotation.transpose() * (self.origin - placed.translation);
         let lanes = {
@@ -227,18 +238,14 @@ impl<const N: usize> Packet<N> {
             }
             for slot in node.first..node.first + node.count {
                 let seen = SeenTriangle::new(mesh.corners(slot), origin);
-                let any = self.meet(&lanes, &seen, instance, mesh.bvh.order[slot as usize]);
-                if ANY && any {
-                    return true;
-                }
+                self.meet(&lanes, &seen, instance, mesh.bvh.order[slot as usize]);
             }
         }
-        false
     }
 
-    /// Keeps the triangle in the lanes that hit it closest; tells whether there is one.
+    /// Keeps the triangle in the lanes that hit it closest.
     #[inline(always)]
-    fn meet(&mut self, lanes: &Lanes<N>, seen: &SeenTriangle, instance: u32, triangle: u32) -> bool {
+    fn meet(&mut self, lanes: &Lanes<N>, seen: &SeenTriangle, instance: u32, triangle: u32) {
         let [dx, dy, dz] = &lanes.0;
         let mut inside = [0u32; N];
         let mut any = 0;
@@ -252,7 +259,7 @@ impl<const N: usize> Packet<N> {
             any |= inside[i];
         }
         if any == 0 {
-            return false;
+            return;
         }
         let mut closer = [0u32; N];
         let mut t = [0.0; N];
@@ -264,7 +271,7 @@ impl<const N: usize> Packet<N> {
             any |= closer[i];
         }
         if any == 0 {
-            return false;
+            return;
         }
         let mut kept = false;
         for i in 0..N {
@@ -287,6 +294,5 @@ impl<const N: usize> Packet<N> {
         if kept {
             self.t_farthest = self.t.iter().copied().fold(-1.0, max);
         }
-        kept
     }
 }

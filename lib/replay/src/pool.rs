@@ -2,19 +2,19 @@
 
 use std::sync::Mutex;
 
-/// Some values of a kind; there are never more than threads that use them at once.
+/// Buffers of a kind that wait to be used again; there are never more than threads that use them at once.
 #[derive(Debug)]
-pub struct Spare<T> {
+pub struct BufferPool<T> {
     free: Mutex<Vec<T>>,
 }
 
-impl<T> Default for Spare<T> {
+impl<T> Default for BufferPool<T> {
     fn default() -> Self {
         Self { free: Mutex::new(Vec::new()) }
     }
 }
 
-impl<T> Spare<T> {
+impl<T> BufferPool<T> {
     /// Takes a free value or makes one.
     ///
     /// # Errors

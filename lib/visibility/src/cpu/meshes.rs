@@ -1,4 +1,4 @@
-//! Per-mesh data that both renderers read, built once for a scene.
+//! Per-mesh data that rasteriser and tracer read, built once for a scene.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use schema::geometry::TriMesh;
 
-use crate::bvh::{Bvh, THOROUGH};
+use super::bvh::{Bvh, THOROUGH};
 
 /// Triangles a block.
 pub(crate) const BLOCK: usize = 8;
@@ -19,8 +19,6 @@ pub(crate) struct Block(pub(crate) [[[f32; BLOCK]; 3]; 3]);
 /// One mesh, ready to be looked at.
 #[derive(Debug)]
 pub(crate) struct MeshData {
-    /// The mesh itself.
-    pub(crate) source: Arc<TriMesh>,
     /// Tree over the triangles of non-zero area; [`Bvh::order`] maps slots of `blocks` to triangles.
     pub(crate) bvh: Bvh,
     /// Corners in the tree's order, slot `i` in lane `i % BLOCK` of block `i / BLOCK`.
@@ -30,7 +28,7 @@ pub(crate) struct MeshData {
 }
 
 impl MeshData {
-    fn build(source: &Arc<TriMesh>) -> Self {
+    fn build(source: &TriMesh) -> Self {
         let visible: Vec<u32> = (0..source.triangles.len())
             .filter(|&t| {
                 let [a, b, c] = source.corners(t);
@@ -56,7 +54,7 @@ impl MeshData {
             }
         }
         let aabb = boxes.iter().fold(Aabb::EMPTY, |all, b| all.union(*b));
-        Self { source: Arc::clone(source), bvh, blocks, aabb }
+        Self { bvh, blocks, aabb }
     }
 
     /// The corners of the triangle in a slot.
@@ -67,41 +65,24 @@ impl MeshData {
     }
 }
 
-/// The meshes of a scene with their search trees: built once, shared by all frames, agents and threads.
-///
-/// Cloning shares the data.
-#[derive(Clone, Debug, Default)]
-pub struct Meshes {
-    data: Vec<Arc<MeshData>>,
+/// The meshes of a scene with their search trees.
+#[derive(Debug, Default)]
+pub(crate) struct Meshes {
+    data: Vec<MeshData>,
 }
 
 impl Meshes {
-    /// Prepares meshes, in parallel; the order is kept.
-    #[must_use]
-    pub fn build(meshes: &[Arc<TriMesh>]) -> Self {
-        let mut all = Self::default();
-        all.extend(meshes);
-        all
-    }
-
-    /// Prepares more meshes, which take the next indices.
-    pub fn extend(&mut self, more: &[Arc<TriMesh>]) {
-        self.data.par_extend(more.par_iter().map(|mesh| Arc::new(MeshData::build(mesh))));
+    /// Prepares more meshes, in parallel; they take the next indices.
+    pub(crate) fn extend(&mut self, more: &[Arc<TriMesh>]) {
+        self.data.par_extend(more.par_iter().map(|mesh| MeshData::build(mesh)));
     }
 
     /// How many meshes there are.
-    #[must_use]
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.data.len()
     }
 
-    /// Whether there is none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.data.is_empty()
-    }
-
     pub(crate) fn get(&self, mesh: u32) -> Option<&MeshData> {
-        self.data.get(mesh as usize).map(Arc::as_ref)
+        self.data.get(mesh as usize)
     }
 }

@@ -11,24 +11,20 @@ mod view;
 
 use rayon::prelude::*;
 
+use super::placed::Placed;
 use crate::buffer::VisibilityBuffer;
 use crate::camera::PinholeCamera;
-use crate::scene::Scene;
-use tile::{TILE_HEIGHT, TILE_WIDTH, Tile};
-use view::View;
+use tile::Tile;
+use view::{TILE_HEIGHT, TILE_WIDTH, View};
 
-/// Sees a scene through a pinhole camera, in parallel.
-///
-/// A pixel sees the closest triangle that its centre is in, between the camera's near and far depth. A centre
-/// exactly on the edge between two triangles belongs to one of them.
-#[must_use]
-pub fn rasterize(scene: &Scene<'_>, camera: &PinholeCamera) -> VisibilityBuffer {
+/// Sees instances through a pinhole camera, in parallel.
+pub(crate) fn rasterize(placed: &[Option<Placed<'_>>], camera: &PinholeCamera) -> VisibilityBuffer {
     let mut buffer = VisibilityBuffer::empty(camera);
     let width = camera.width as usize;
     if width == 0 || camera.height == 0 {
         return buffer;
     }
-    let view = View::new(scene, camera);
+    let view = View::new(placed, camera);
     let band = width * TILE_HEIGHT;
     let instances = buffer.instance.par_chunks_mut(band);
     let triangles = buffer.triangle.par_chunks_mut(band);

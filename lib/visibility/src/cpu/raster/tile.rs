@@ -3,16 +3,12 @@
 
 use glam::{DVec3, Vec3};
 
-use super::view::{Seen, View};
+use super::super::bvh::{Node, Stack};
+use super::super::meshes::BLOCK;
+use super::view::{Seen, TILE_HEIGHT, TILE_WIDTH, View};
 use crate::buffer::SKY;
-use crate::bvh::{Node, Stack};
 use crate::camera::PinholeCamera;
-use crate::meshes::BLOCK;
 
-/// Columns of a tile; a multiple of [`LANES`].
-pub(super) const TILE_WIDTH: usize = 64;
-/// Rows of a tile.
-pub(super) const TILE_HEIGHT: usize = 32;
 /// Pixels drawn at once.
 const LANES: usize = 8;
 /// The pixels of a group, counted from its first.

@@ -2,11 +2,14 @@
 
 use glam::{DVec3, Mat3, Vec3};
 
-use super::tile::{TILE_HEIGHT, TILE_WIDTH};
+use super::super::meshes::MeshData;
+use super::super::placed::Placed;
 use crate::camera::PinholeCamera;
-use crate::meshes::MeshData;
-use crate::scene::{Placed, Scene};
 
+/// Columns of a tile; a multiple of the pixels that are drawn at once.
+pub(super) const TILE_WIDTH: usize = 64;
+/// Rows of a tile.
+pub(super) const TILE_HEIGHT: usize = 32;
 /// Pixels by which projected boxes grow: far more than rounding, far less than a tile.
 const MARGIN_PX: f32 = 1.0;
 
@@ -37,11 +40,10 @@ pub(super) struct View<'a> {
 type TileRange = [usize; 4];
 
 impl<'a> View<'a> {
-    pub(super) fn new(scene: &Scene<'a>, camera: &PinholeCamera) -> Self {
+    pub(super) fn new(placed: &[Option<Placed<'a>>], camera: &PinholeCamera) -> Self {
         let columns = (camera.width as usize).div_ceil(TILE_WIDTH);
         let rows = (camera.height as usize).div_ceil(TILE_HEIGHT);
-        let mut found: Vec<(Seen<'a>, TileRange)> = scene
-            .all_placed()
+        let mut found: Vec<(Seen<'a>, TileRange)> = placed
             .iter()
             .enumerate()
             .filter_map(|(number, placed)| look(number as u32, placed.as_ref()?, camera))

@@ -1,0 +1,77 @@
+//! One agent and all that it carries.
+
+use pipeline::{At, Place, StageError};
+use rayon::prelude::*;
+use replay::Replay;
+use schema::settings::Rig;
+use sensors::{AgentState, FrameWeather, Motion, Observation, Painter};
+use visibility::Renderer;
+
+use crate::recorder::Recorder;
+
+/// Everything within this distance is handed to the sensors: scenery reaches no further, lidars see less.
+const SIGHT_M: f64 = 1000.0;
+
+/// Who looks at a scene, for all agents in it.
+#[derive(Clone, Copy)]
+pub(crate) struct Eyes<'a> {
+    pub(crate) renderer: &'a dyn Renderer,
+    pub(crate) painter: &'a dyn Painter,
+}
+
+/// An agent with its rig.
+pub(crate) struct AgentRig<'a> {
+    pub(crate) replay: &'a Replay,
+    pub(crate) eyes: Eyes<'a>,
+    /// Its place in the log's list of agents.
+    pub(crate) position: usize,
+    pub(crate) rig: &'a Rig,
+}
+
+impl AgentRig<'_> {
+    /// Reads all sensors at a frame; the recorder keeps the readings until they are written.
+    ///
+    /// # Errors
+    /// The renderer failed or an encoder refused; the message names scene, frame, agent and sensor.
+    pub(crate) fn sense(&self, frame: u32, recorder: &Recorder) -> Result<(), StageError> {
+        let log = &self.replay.log;
+        let now = log.world_from_agent(self.position, frame);
+        let snapshot = self.replay.snapshot(frame, now.xyz(), SIGHT_M);
+        let here = || self.place(frame);
+        let scene = self.eyes.renderer.place(&snapshot).at(here)?;
+        let row = &log.frames[frame as usize];
+        let when = FrameWeather { frame, time_s: row.time_s, weather: row.weather() };
+        let agent = AgentState {
+            own: log.agent(self.position, frame).id,
+            motion: Motion::from_row(log.agent(self.position, frame)),
+            previous: self.previous_motion(frame),
+        };
+        let at =
+            Observation::new(&*scene, Some(self.eyes.painter), self.rig, &when, agent).at(here)?;
+        let sensed: Vec<Result<(), StageError>> = recorder
+            .channels()
+            .par_iter()
+            .map(|channel| channel.sense(&at).at(|| self.place(frame).sensor(channel.name())))
+            .collect();
+        sensed.into_iter().collect()
+    }
+
+    fn place(&self, frame: u32) -> Place {
+        let (scene, agent) = (self.replay.log.info.scene, self.replay.log.agent_ids()[self.position]);
+        Place::scene(scene).frame(frame).agent(agent)
+    }
+
+    /// The agent's motion one period earlier; before frame 0 it is the log's frame -1.
+    fn previous_motion(&self, frame: u32) -> Option<Motion> {
+        let log = &self.replay.log;
+        if frame > 0 {
+            return Some(Motion::from_row(log.agent(self.position, frame - 1)));
+        }
+        let id = log.agent(self.position, frame).id;
+        log.states_at(-1).iter().find(|s| s.id == id).map(|state| Motion {
+            world_from_agent: frames::Pose::from_xyz_wxyz(state.xyz_m, state.quaternion),
+            velocity_mps: state.velocity_mps.map(f64::from).into(),
+            angular_velocity_radps: state.angular_velocity_radps.map(f64::from).into(),
+        })
+    }
+}

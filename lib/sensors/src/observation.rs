@@ -1,0 +1,107 @@
+//! What the sensors of an agent are given at one frame.
+
+use frames::LocalOrigin;
+use glam::Affine3A;
+use schema::ObjectId;
+use schema::settings::{Mount, Rig};
+use visibility::{PinholeCamera, Scene};
+
+use crate::camera::picture::Picture;
+use crate::camera::sight::Sight;
+use crate::camera::view::CameraView;
+use crate::error::SensorError;
+use crate::light::FrameWeather;
+use crate::motion::Motion;
+use crate::painter::{Painter, Shot};
+
+/// An agent at one frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AgentState {
+    /// Its own object.
+    pub own: ObjectId,
+    /// Where it is and how it moves.
+    pub motion: Motion,
+    /// The same one frame before, if that is known.
+    pub previous: Option<Motion>,
+}
+
+/// Everything that the sensors of one agent look at, at one frame.
+pub struct Observation<'a> {
+    /// Number of the frame.
+    pub frame: u32,
+    /// The world around the agent.
+    pub scene: &'a dyn Scene,
+    /// The agent.
+    pub agent: AgentState,
+    /// What the cameras of the rig see, in the rig's order; empty when no images are wanted.
+    pub sights: Vec<Sight>,
+}
+
+impl<'a> Observation<'a> {
+    /// Looks through the cameras of a rig, all at once, and has their pictures painted when colour is wanted.
+    ///
+    /// # Errors
+    /// The settings are not those of a camera, colour is wanted and `painter` is missing, or renderer or painter failed.
+    pub fn new(
+        scene: &'a dyn Scene,
+        painter: Option<&dyn Painter>,
+        rig: &Rig,
+        when: &FrameWeather,
+        agent: AgentState,
+    ) -> Result<Self, SensorError> {
+        let origin = &scene.snapshot().origin;
+        let now = &agent.motion.world_from_agent;
+        let before = agent.previous.as_ref().map_or(now, |previous| &previous.world_from_agent);
+        let sights = if rig.camera.images.is_empty() {
+            Vec::new()
+        } else {
+            let view = |mount| CameraView::new(origin, now, before, mount, &rig.camera);
+            let views = rig.cameras.iter().map(|camera| view(&camera.mount)).collect();
+            see(scene, painter, when, origin.local_from_world(now.xyz()), views)?
+        };
+        Ok(Self { frame: when.frame, scene, agent, sights })
+    }
+
+    /// Where a sensor is: its frame to the snapshot's local frame, now and one frame before.
+    #[must_use]
+    pub fn local_from_sensor(&self, mount: &Mount) -> [Affine3A; 2] {
+        let origin: &LocalOrigin = &self.scene.snapshot().origin;
+        let local_from =
+            |m: &Motion| origin.local_from_body(&(m.world_from_agent * mount.agent_from_sensor()));
+        let now = local_from(&self.agent.motion);
+        [now, self.agent.previous.as_ref().map_or(now, local_from)]
+    }
+}
+
+/// Looks through cameras and has the pictures of those painted that want colour.
+///
+/// # Errors
+/// As [`Observation::new`].
+pub fn see(
+    scene: &dyn Scene,
+    painter: Option<&dyn Painter>,
+    when: &FrameWeather,
+    place_local: glam::Vec3,
+    views: Vec<CameraView>,
+) -> Result<Vec<Sight>, SensorError> {
+    let cameras = views.iter().map(CameraView::pinhole).collect::<Result<Vec<PinholeCamera>, _>>()?;
+    let seen = scene.look(&cameras)?;
+    let in_colour = |view: &CameraView| view.settings.images.has(schema::ImageKind::Rgb);
+    let shots: Vec<Shot<'_>> = views
+        .iter()
+        .zip(&seen)
+        .filter(|(view, _)| in_colour(view))
+        .map(|(view, seen)| Shot { view, seen })
+        .collect();
+    let pictures: Vec<Picture> = if shots.is_empty() {
+        Vec::new()
+    } else {
+        painter.ok_or(SensorError::NoPainter)?.paint(scene, when, place_local, &shots)?
+    };
+    let mut pictures = pictures.into_iter();
+    let sight = |(view, seen)| {
+        let picture = if in_colour(&view) { pictures.next() } else { None };
+        Sight { view, seen, picture }
+    };
+    Ok(views.into_iter().zip(seen).map(sight).collect())
+}

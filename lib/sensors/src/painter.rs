@@ -1,0 +1,58 @@
+//! Who paints colour pictures.
+
+use glam::Vec3;
+use rayon::prelude::*;
+use visibility::{Scene, VisibilityBuffer};
+
+use crate::camera::picture::Picture;
+use crate::camera::view::CameraView;
+use crate::error::SensorError;
+use crate::light::{FrameWeather, SceneLights};
+
+/// What one camera saw, to be painted.
+#[derive(Clone, Copy, Debug)]
+pub struct Shot<'a> {
+    /// The camera.
+    pub view: &'a CameraView,
+    /// What it saw.
+    pub seen: &'a VisibilityBuffer,
+}
+
+/// Paints colour pictures of one scene from what a renderer saw: the second seam, which a renderer need not fill.
+///
+/// A painter owns the lights of its scene (skies by frame, shadow maps by frame and place). Pictures of two painters may
+/// differ by two levels a channel; a dataset is painted by one.
+pub trait Painter: Send + Sync {
+    /// A picture for each shot, in their order. All were taken near `place_local` (the agent's origin, in the
+    /// snapshot's local frame) at one frame.
+    ///
+    /// # Errors
+    /// The renderer or the painter's device failed.
+    fn paint(
+        &self,
+        scene: &dyn Scene,
+        when: &FrameWeather,
+        place_local: Vec3,
+        shots: &[Shot<'_>],
+    ) -> Result<Vec<Picture>, SensorError>;
+}
+
+/// Paints on the processor's cores.
+#[derive(Debug, Default)]
+pub struct CpuPainter {
+    lights: SceneLights,
+}
+
+impl Painter for CpuPainter {
+    fn paint(
+        &self,
+        scene: &dyn Scene,
+        when: &FrameWeather,
+        place_local: Vec3,
+        shots: &[Shot<'_>],
+    ) -> Result<Vec<Picture>, SensorError> {
+        let lighting = self.lights.around(scene, when, place_local)?;
+        let snapshot = scene.snapshot();
+        Ok(shots.par_iter().map(|shot| Picture::new(snapshot, shot.view, shot.seen, &lighting)).collect())
+    }
+}

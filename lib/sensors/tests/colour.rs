@@ -1,0 +1,205 @@
+//! Colour pictures: how they follow light and lens, and one picture to compare with.
+
+mod common;
+
+use std::fs::File;
+use std::path::PathBuf;
+
+use common::{grey_sight, picture, snapshot, standing_view, street, with_scene};
+use schema::geometry::{Snapshot, Surface};
+use schema::settings::CameraSettings;
+use schema::tables::Weather;
+use schema::{Tag, lights};
+use sensors::Picture;
+
+fn settings(width: u32, height: u32) -> CameraSettings {
+    CameraSettings { width, height, ..CameraSettings::default() }
+}
+
+/// The street from the middle of its right lane.
+fn of_street(snapshot: &Snapshot, weather: &Weather, settings: &CameraSettings) -> Picture {
+    picture(snapshot, &standing_view([0.0, -5.2, 0.0], [0.0; 3], settings), weather)
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, n) = values.fold((0.0, 0.0), |(sum, n), v| (sum + v, n + 1.0));
+    assert!(n > 0.0, "there are no such pixels");
+    sum / n
+}
+
+fn green(p: &Picture) -> impl Iterator<Item = f64> + '_ {
+    p.rgb.iter().skip(1).step_by(3).map(|&v| f64::from(v))
+}
+
+/// Film value of an 8-bit value: the inverse of the filmic curve (Narkowicz 2015) and the sRGB code.
+fn film(value: u8) -> f64 {
+    let c = f64::from(value) / 255.0;
+    let l = if c <= 0.040_45 { c / 12.92 } else { frames::math::pow((c + 0.055) / 1.055, 2.4) };
+    // l (2.43 v^2 + 0.59 v + 0.14) = 2.51 v^2 + 0.03 v
+    let (a, b, c) = (2.51 - 2.43 * l, 0.03 - 0.59 * l, -0.14 * l);
+    (-b + (b * b - 4.0 * a * c).sqrt()) / (2.0 * a)
+}
+
+#[test]
+fn half_the_opening_is_half_the_light() {
+    let street = street(false);
+    let at = |f_stop: f64| {
+        of_street(&street, &Weather::default(), &CameraSettings { f_stop, ..settings(200, 112) })
+    };
+    let (open, stopped) = (at(1.8), at(1.8 * std::f64::consts::SQRT_2));
+    let mut ratios: Vec<f64> = open
+        .rgb
+        .iter()
+        .zip(&stopped.rgb)
+        .filter(|(a, b)| (40..=215).contains(*a) && (40..=215).contains(*b))
+        .map(|(a, b)| film(*a) / film(*b))
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    assert!(ratios.len() > 10_000);
+    // One level of 8 bits is up to 5 % of the light.
+    let at_share = |share: f64| ratios[(share * ratios.len() as f64) as usize];
+    assert!((at_share(0.5) - 2.0).abs() < 0.03, "{}", at_share(0.5));
+    assert!(at_share(0.05) > 1.85 && at_share(0.95) < 2.15, "{} {}", at_share(0.05), at_share(0.95));
+}
+
+#[test]
+fn night_is_darker_than_noon() {
+    let street = street(false);
+    let brightness = |sun_altitude_deg: f64| {
+        let weather = Weather { sun_altitude_deg, ..Weather::default() };
+        mean(green(&of_street(&street, &weather, &settings(200, 112))))
+    };
+    let (noon, night) = (brightness(60.0), brightness(-30.0));
+    assert!((70.0..190.0).contains(&noon), "{noon}");
+    assert!(night < 0.6 * noon && night > 8.0, "{night} {noon}");
+}
+
+#[test]
+fn fronts_that_face_the_sun_are_the_bright_ones() {
+    let street = street(false);
+    let settings = settings(200, 112);
+    let view = standing_view([0.0, -5.2, 0.0], [0.0; 3], &settings);
+    let seen = with_scene(&street, |scene| grey_sight(scene, &view)).seen;
+    // Fronts left of the street look south, those right of it north.
+    let fronts = |left: bool| {
+        let street = &street;
+        seen.instance.iter().enumerate().filter_map(move |(pixel, &i)| {
+            let house = street.instances.get(i as usize)?;
+            let front = street.mesh(house).parts[0].surface == Surface::Facade;
+            (front && (house.local_from_object.translation.y > 0.0) == left).then_some(pixel)
+        })
+    };
+    // Mean of the fronts on the left, mean of those on the right, how far north the sun stands.
+    let lit_from = |sun_azimuth_deg: f64| {
+        let weather =
+            Weather { sun_altitude_deg: 35.0, sun_azimuth_deg, cloudiness: 0.0, ..Weather::default() };
+        let p = of_street(&street, &weather, &settings);
+        let of = |left| mean(fronts(left).map(|pixel| f64::from(p.rgb[3 * pixel + 1])));
+        [of(true), of(false), weather.direction_to_sun()[1]]
+    };
+    let suns = [0.0, 90.0, 180.0, 270.0].map(lit_from);
+    // Of four sides, one is north and one south.
+    let south = suns.iter().find(|sun| sun[2] < -0.5).expect("a sun in the south");
+    let north = suns.iter().find(|sun| sun[2] > 0.5).expect("a sun in the north");
+    assert!(south[0] > 1.1 * north[0] && north[1] > 1.1 * south[1], "{south:?} {north:?}");
+}
+
+#[test]
+fn fog_hides_what_is_far() {
+    let street = street(false);
+    let settings = settings(200, 112);
+    let view = standing_view([0.0, -5.2, 0.0], [0.0; 3], &settings);
+    let seen = with_scene(&street, |scene| grey_sight(scene, &view)).seen;
+    // The same clouds in both, so that nothing but fog makes the difference.
+    let clear = Weather { cloudiness: 90.0, fog_density: 0.0, ..Weather::default() };
+    let foggy = Weather { fog_density: 90.0, fog_distance_m: 0.0, fog_falloff: 0.0, ..clear };
+    let spread = |weather: &Weather, depth_m: std::ops::Range<f32>| {
+        let p = of_street(&street, weather, &settings);
+        let there = |p: Picture| -> Vec<f64> {
+            green(&p).zip(&seen.depth_m).filter(|(_, d)| depth_m.contains(d)).map(|(v, _)| v).collect()
+        };
+        let values = there(p);
+        let m = mean(values.iter().copied());
+        mean(values.iter().map(|v| (v - m) * (v - m))).sqrt()
+    };
+    let (far, near) = (60.0..400.0, 0.0..12.0);
+    let ratio = |band: &std::ops::Range<f32>| spread(&foggy, band.clone()) / spread(&clear, band.clone());
+    assert!(ratio(&far) < 0.35, "{}", ratio(&far));
+    assert!(ratio(&near) > 2.0 * ratio(&far), "{} {}", ratio(&near), ratio(&far));
+}
+
+#[test]
+fn street_lamps_and_windows_shine_as_told() {
+    let picture = |lamp: [f32; 3], window: [f32; 3]| {
+        let mut snapshot = street(true);
+        for instance in &mut snapshot.instances {
+            if instance.lights == lights::STREET_LAMP {
+                instance.glow = lamp;
+            } else if instance.lights == lights::BUILDING {
+                instance.glow = window;
+            }
+        }
+        let weather = Weather { sun_altitude_deg: -40.0, ..Weather::default() };
+        of_street(&snapshot, &weather, &settings(320, 180)).rgb
+    };
+    let sum = |rgb: &[u8], k: usize| rgb.iter().skip(k).step_by(3).map(|&v| f64::from(v)).sum::<f64>();
+    let all = |rgb: &[u8]| (0..3).map(|k| sum(rgb, k)).sum::<f64>();
+    let [dark, dim, bright] = [0.0, 1.0, 2.5].map(|s: f32| all(&picture([s, 0.76 * s, 0.47 * s], [0.0; 3])));
+    assert!(dark < 0.98 * dim && dim < 0.98 * bright, "{dark} {dim} {bright}");
+    let (green, red) = (picture([0.0; 3], [0.0, 1.0, 0.0]), picture([0.0; 3], [1.0, 0.0, 0.0]));
+    let none = picture([0.0; 3], [0.0; 3]);
+    assert!(sum(&green, 1) > 1.01 * sum(&none, 1) && sum(&green, 0) < 1.001 * sum(&none, 0));
+    assert!(sum(&red, 0) > 1.01 * sum(&none, 0) && sum(&red, 1) < 1.001 * sum(&none, 1));
+}
+
+/// A picture looks as it did when somebody last looked at it.
+///
+/// `tests/data/street.png` is the hand-made street on a clear day, made by this test with `CONVOY_ACCEPT=1`. Values may
+/// differ by two levels, which is what two painters may; one in 500 by more, where the smoothing of edges decides
+/// otherwise.
+#[test]
+fn the_street_looks_as_it_did() {
+    let weather = Weather {
+        sun_altitude_deg: 42.0,
+        sun_azimuth_deg: 150.0,
+        cloudiness: 25.0,
+        wetness: 0.0,
+        precipitation: 0.0,
+        precipitation_deposits: 0.0,
+        fog_density: 0.0,
+        ..Weather::default()
+    };
+    let got = of_street(&street(false), &weather, &settings(160, 90));
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/street.png");
+    if std::env::var_os("CONVOY_ACCEPT").is_some() {
+        let file = File::create(&path).expect("the file is written");
+        let mut encoder = png::Encoder::new(file, got.width, got.height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.write_header().and_then(|mut w| w.write_image_data(&got.rgb)).expect("is encoded");
+        return;
+    }
+    let file = File::open(&path).expect("CONVOY_ACCEPT=1 makes it");
+    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("is PNG");
+    let mut want = vec![0; reader.output_buffer_size().expect("is small")];
+    let info = reader.next_frame(&mut want).expect("has an image");
+    assert_eq!((info.width, info.height, want.len()), (got.width, got.height, got.rgb.len()));
+    let far = got.rgb.iter().zip(&want).filter(|(a, b)| a.abs_diff(**b) > 2).count();
+    assert!(far * 500 <= want.len(), "{far} of {} values differ by more than two levels", want.len());
+}
+
+#[test]
+fn an_empty_world_is_sky() {
+    let empty = snapshot(Vec::new(), Vec::new());
+    let p = of_street(&empty, &Weather::default(), &settings(17, 6));
+    assert_eq!(p.rgb.len(), 3 * 17 * 6);
+    // Blue above.
+    assert!(p.rgb[2] > p.rgb[0], "{:?}", &p.rgb[..3]);
+    let sight =
+        with_scene(&empty, |scene| grey_sight(scene, &standing_view([0.0; 3], [0.0; 3], &settings(17, 6))));
+    assert!(sensors::pixel_counts(&empty, &sight.seen).is_empty());
+    let tags = common::encoded::<schema::images::Semantic>(&empty, &sight);
+    let mut reader = png::Decoder::new(std::io::Cursor::new(tags)).read_info().expect("is PNG");
+    let mut rgb = vec![0; reader.output_buffer_size().expect("is small")];
+    reader.next_frame(&mut rgb).expect("has an image");
+    assert_eq!(rgb[..3], Tag::Sky.camera_rgb());
+}

@@ -1,0 +1,38 @@
+//! The renderer on the CPU: a tiled rasteriser and a packet ray tracer over two-level trees.
+
+mod bvh;
+mod meshes;
+mod packet;
+mod placed;
+mod raster;
+mod scene;
+
+use std::sync::Arc;
+
+use schema::geometry::{Snapshot, TriMesh};
+
+use crate::error::RenderError;
+use crate::renderer::{Renderer, Scene};
+use meshes::Meshes;
+use scene::CpuScene;
+
+/// Looks at meshes with the processor's cores, all those of the rayon pool it is called in.
+#[derive(Debug, Default)]
+pub struct CpuRenderer {
+    meshes: Meshes,
+}
+
+impl Renderer for CpuRenderer {
+    fn prepare(&mut self, meshes: &[Arc<TriMesh>]) -> Result<(), RenderError> {
+        self.meshes.extend(meshes);
+        Ok(())
+    }
+
+    fn place<'a>(&'a self, snapshot: &'a Snapshot) -> Result<Box<dyn Scene + 'a>, RenderError> {
+        let (in_snapshot, prepared) = (snapshot.meshes.len(), self.meshes.len());
+        if in_snapshot > prepared {
+            return Err(RenderError::Unprepared { in_snapshot, prepared });
+        }
+        Ok(Box::new(CpuScene::new(&self.meshes, snapshot)))
+    }
+}

@@ -1,0 +1,138 @@
+//! A renderer that tries every triangle of every instance, in double precision and without any tree, tile or packet:
+//! a second implementation of the seam, to which the first must agree.
+#![allow(dead_code)] // Each test binary uses its share.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3, Mat3};
+use schema::geometry::{Snapshot, TriMesh};
+use visibility::{Hit, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer};
+
+#[derive(Default)]
+pub(crate) struct BruteRenderer {
+    prepared: usize,
+}
+
+struct BruteScene<'a> {
+    snapshot: &'a Snapshot,
+    triangles: Vec<Triangle>,
+}
+
+/// A triangle in the local frame.
+struct Triangle {
+    instance: u32,
+    number: u32,
+    corners: [DVec3; 3],
+}
+
+impl Renderer for BruteRenderer {
+    fn prepare(&mut self, meshes: &[Arc<TriMesh>]) -> Result<(), RenderError> {
+        self.prepared += meshes.len();
+        Ok(())
+    }
+
+    fn place<'a>(&'a self, snapshot: &'a Snapshot) -> Result<Box<dyn Scene + 'a>, RenderError> {
+        let (in_snapshot, prepared) = (snapshot.meshes.len(), self.prepared);
+        if in_snapshot > prepared {
+            return Err(RenderError::Unprepared { in_snapshot, prepared });
+        }
+        Ok(Box::new(BruteScene::new(snapshot)))
+    }
+}
+
+impl<'a> BruteScene<'a> {
+    fn new(snapshot: &'a Snapshot) -> Self {
+        let mut triangles = Vec::new();
+        for (number, instance) in snapshot.instances.iter().enumerate() {
+            let rotation = Mat3::from(instance.local_from_object.matrix3).as_dmat3();
+            let shift = instance.local_from_object.translation.as_dvec3();
+            let mesh = snapshot.mesh(instance);
+            for triangle in 0..mesh.triangles.len() {
+                let corners = mesh.corners(triangle).map(|p| rotation * p.as_dvec3() + shift);
+                triangles.push(Triangle { instance: number as u32, number: triangle as u32, corners });
+            }
+        }
+        Self { snapshot, triangles }
+    }
+
+    /// Closest hit: Moeller and Trumbore, "Fast, minimum storage ray-triangle intersection" (1997). Of equals, the
+    /// first.
+    fn closest(&self, origin: DVec3, direction: DVec3, range: [f64; 2]) -> Option<Hit> {
+        let mut best: Option<(f64, Hit)> = None;
+        for triangle in &self.triangles {
+            let [a, b, c] = triangle.corners;
+            let (e1, e2) = (b - a, c - a);
+            let p = direction.cross(e2);
+            let determinant = e1.dot(p);
+            if determinant == 0.0 || !determinant.is_finite() {
+                continue;
+            }
+            let from_a = origin - a;
+            let u = from_a.dot(p) / determinant;
+            let q = from_a.cross(e1);
+            let v = direction.dot(q) / determinant;
+            let t = e2.dot(q) / determinant;
+            if u < 0.0 || v < 0.0 || u + v > 1.0 || t < range[0] || t > range[1] {
+                continue;
+            }
+            if best.is_none_or(|(other, _)| t < other) {
+                let (instance, number) = (triangle.instance, triangle.number);
+                best = Some((t, Hit { t: t as f32, instance, triangle: number, u: u as f32, v: v as f32 }));
+            }
+        }
+        best.map(|(_, hit)| hit)
+    }
+
+    fn look_through(&self, camera: &PinholeCamera) -> VisibilityBuffer {
+        let pose = &camera.local_from_optical;
+        let local_from_optical = DAffine3 {
+            matrix3: Mat3::from(pose.matrix3).as_dmat3(),
+            translation: pose.translation.as_dvec3(),
+        };
+        let mut buffer = VisibilityBuffer::empty(camera);
+        for y in 0..camera.height {
+            for x in 0..camera.width {
+                let column = (f64::from(x) + 0.5 - f64::from(camera.cx)) / f64::from(camera.fx);
+                let row = (f64::from(y) + 0.5 - f64::from(camera.cy)) / f64::from(camera.fy);
+                // Not of unit length: distances along it are planar depths.
+                let direction = local_from_optical.transform_vector3(DVec3::new(column, row, 1.0));
+                let range = [f64::from(camera.near_m), f64::from(camera.far_m)];
+                if let Some(hit) = self.closest(local_from_optical.translation, direction, range) {
+                    let index = buffer.index(x, y);
+                    buffer.instance[index] = hit.instance;
+                    buffer.triangle[index] = hit.triangle;
+                    buffer.depth_m[index] = hit.t;
+                }
+            }
+        }
+        buffer
+    }
+}
+
+impl Scene for BruteScene<'_> {
+    fn snapshot(&self) -> &Snapshot {
+        self.snapshot
+    }
+
+    fn look(&self, cameras: &[PinholeCamera]) -> Result<Vec<VisibilityBuffer>, RenderError> {
+        Ok(cameras.iter().map(|camera| self.look_through(camera)).collect())
+    }
+
+    fn trace(&self, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
+        let trace = |batch: &RayBatch<'_>| {
+            let mut hits = Hits::none(batch.directions.len());
+            let range = batch.range_m.map(f64::from);
+            for (ray, direction) in batch.directions.iter().enumerate() {
+                if let Some(hit) = self.closest(batch.origin.as_dvec3(), direction.as_dvec3(), range) {
+                    hits.t[ray] = hit.t;
+                    hits.instance[ray] = hit.instance;
+                    hits.triangle[ray] = hit.triangle;
+                    hits.u[ray] = hit.u;
+                    hits.v[ray] = hit.v;
+                }
+            }
+            hits
+        };
+        Ok(batches.iter().map(trace).collect())
+    }
+}

@@ -1,0 +1,89 @@
+//! Two renderers behind one seam: the processor's trees, tiles and packets against every triangle one by one.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::brute::BruteRenderer;
+use common::*;
+use glam::Vec3;
+use schema::geometry::Snapshot;
+use visibility::{CpuRenderer, RayBatch, RenderError, Renderer, SKY, Scene, Surfaces};
+
+/// Calls with both renderers' scenes of a world.
+fn with_both(world: &Snapshot, run: impl FnOnce(&dyn Scene, &dyn Scene)) {
+    let mut renderers: [Box<dyn Renderer>; 2] =
+        [Box::<CpuRenderer>::default(), Box::<BruteRenderer>::default()];
+    for renderer in &mut renderers {
+        // In two parts, as tiles of a world come one after the other.
+        let (some, others) = world.meshes.split_at(1);
+        renderer.prepare(some).unwrap();
+        assert!(matches!(renderer.place(world), Err(RenderError::Unprepared { prepared: 1, .. })));
+        renderer.prepare(others).unwrap();
+    }
+    let [cpu, brute] = &renderers;
+    run(&*cpu.place(world).unwrap(), &*brute.place(world).unwrap());
+}
+
+#[test]
+fn both_see_the_same_ids_depths_and_surfaces() {
+    let mut covered = 0;
+    for number in 0..2 {
+        let world = world(number);
+        let mut s = stream("seam/cameras", number);
+        // A batch of unlike cameras.
+        let cameras: Vec<_> = (0..3)
+            .map(|i| {
+                let from = point(&mut s, 14.0) * Vec3::new(1.0, 1.0, 0.2);
+                look(from, unit(&mut s) * Vec3::new(1.0, 1.0, 0.3), 40 + 7 * i, 26, uniform(&mut s, 0.5, 2.2))
+            })
+            .collect();
+        with_both(&world, |cpu, brute| {
+            let (ours, theirs) = (cpu.look(&cameras).unwrap(), brute.look(&cameras).unwrap());
+            assert_eq!([ours.len(), theirs.len()], [3; 2]);
+            for (ours, theirs) in ours.iter().zip(&theirs) {
+                assert_eq!(ours.camera, theirs.camera);
+                assert_eq!(ours.instance, theirs.instance);
+                assert_eq!(ours.triangle, theirs.triangle);
+                for (a, b) in ours.depth_m.iter().zip(&theirs.depth_m) {
+                    assert!(a == b || (a / b - 1.0).abs() < 1e-4, "{a} {b}");
+                }
+                // Surface points come from ids alone, where planes are not seen edge-on.
+                let (a, b) = (Surfaces::new(ours, &world), Surfaces::new(theirs, &world));
+                assert_eq!(a.at(20, 13), b.at(20, 13));
+                covered += ours.instance.iter().filter(|&&i| i != SKY).count();
+            }
+        });
+    }
+    assert!(covered > 1500, "{covered}");
+}
+
+#[test]
+fn both_hit_the_same_triangles() {
+    let mut found = 0;
+    for number in 10..14 {
+        let world = world(number);
+        let mut s = stream("seam/rays", number);
+        let fans: Vec<(Vec3, Vec<Vec3>)> = [1, 0, 40, 7]
+            .into_iter()
+            .map(|rays| (point(&mut s, 20.0), (0..rays).map(|_| unit(&mut s)).collect()))
+            .collect();
+        let batches: Vec<RayBatch<'_>> = fans
+            .iter()
+            .map(|(origin, directions)| RayBatch { origin: *origin, directions, range_m: [9.0, 60.0] })
+            .collect();
+        with_both(&world, |cpu, brute| {
+            let (ours, theirs) = (cpu.trace(&batches).unwrap(), brute.trace(&batches).unwrap());
+            for ((ours, theirs), (_, directions)) in ours.iter().zip(&theirs).zip(&fans) {
+                assert_eq!(ours.len(), directions.len());
+                assert_eq!((&ours.instance, &ours.triangle), (&theirs.instance, &theirs.triangle));
+                for (a, b) in ours.iter().zip(theirs.iter()).filter_map(|(a, b)| Some((a?, b?))) {
+                    assert!(
+                        (a.t / b.t - 1.0).abs() < 1e-4 && (a.u - b.u).abs().max((a.v - b.v).abs()) < 2e-3
+                    );
+                    found += 1;
+                }
+            }
+        });
+    }
+    assert!(found > 50, "{found}");
+}
