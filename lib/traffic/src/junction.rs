@@ -17,8 +17,8 @@
 //!
 //! Requests are served by rank: who is inside, who waits for long, who has no sign and does not turn left at a light, the
 //! others; then in the order in which drivers came to the line, vehicle numbers breaking ties. Whoever has been refused
-//! for long claims its way and the room behind it: those who come later get no leave across the one or into the other, so
-//! that a busy road does not starve a side street.
+//! for long claims its way and the room behind it, for some seconds at a time: those who come later get no leave across the
+//! one or into the other, so that a busy road does not starve a side street.
 
 use crate::approach::{Approach, Line, OPEN, class_of, forbids, slow_down};
 use crate::attention::Class;
@@ -43,8 +43,6 @@ const LINE_M: f64 = 7.0;
 const STOP_STEPS: u32 = 40;
 /// At green, queues this long set off as one, metres.
 const QUEUE_M: f64 = 60.0;
-/// Slower than this is standing, m/s.
-const STANDING_MPS: f64 = 0.3;
 /// Who has been refused for this long claims its way, steps (10 s).
 const PATIENCE_STEPS: u32 = 200;
 /// A claim lasts this long, steps (5 s).
@@ -122,7 +120,7 @@ impl Reservations {
             |to: &LetIn| to.answer(&vehicle.driver.idm, vehicle.speed_mps, vehicle.speed_mps.max(1.0));
         for own in &vehicle.held {
             for (rival, held, meeting) in self.meetings(net, vehicles, me, (own.lane, own.start_m)) {
-                // Nor does one wait for whom the own place keeps standing in its queue.
+                // A rival whose queue stands for this one cannot go first, unless it is there.
                 let head = self.heads.get(rival).copied().flatten();
                 let waits_for_me = head.is_some_and(|head| vehicles[head].stands_for.contains(&me));
                 if !meeting.rival_first(turn(net, held, rival) < turn(net, own, me))
@@ -131,7 +129,7 @@ impl Reservations {
                     continue;
                 }
                 let wait = meeting.wait();
-                if wait.is_some() && vehicle.speed_mps < STANDING_MPS {
+                if wait.is_some() && vehicle.stands() {
                     stands_for.push(rival);
                 }
                 match wait {
@@ -193,7 +191,7 @@ impl Reservations {
             self.give_back(&mut vehicles[rival], rival);
         }
         // Whoever stands for this one on the way it has stands for it on the way it gets: its leave is as old.
-        let age = vehicles[me].held.iter().map(|held| held.order).min();
+        let age = vehicles[me].oldest_leave();
         let stood_for = vehicles.iter().any(|other| self.stands_for(other, me));
         for (lane, start) in movement {
             let place = (lane, odometer + start);
@@ -210,7 +208,7 @@ impl Reservations {
             }
         }
         if let Some(order) = age.filter(|_| stood_for) {
-            vehicles[me].held.iter_mut().for_each(|held| held.order = held.order.min(order));
+            vehicles[me].age_leave(order);
         }
         true
     }
@@ -340,7 +338,7 @@ fn turn(net: &Net, held: &Held, who: usize) -> (u64, bool, usize) {
 fn lets_pass(net: &Net, vehicles: &[Vehicle], me: usize, lane: usize, rival: usize) -> bool {
     net.lanes[lane].right_of_way
         && vehicles[me].speed_mps < CREEPING_MPS
-        && vehicles[rival].speed_mps < STANDING_MPS
+        && vehicles[rival].stands()
         && !vehicles[rival].stands_for.is_empty()
 }
 

@@ -13,8 +13,7 @@ const BEHIND_M: f64 = 1.0;
 const BEFORE_M: f64 = 1.0;
 /// Places that begin within this distance of a line are waited for before it, metres.
 const AT_LINE_M: f64 = 0.5;
-/// Slower than this is standing, m/s; those who stand are passed with so much room, metres.
-const STANDING_MPS: f64 = 0.3;
+/// Those who stand are passed with so much room, metres.
 const CLEAR_M: f64 = 0.3;
 /// Who is slower than this may stand for long: nobody sets off in the hope that it clears the way, m/s.
 const MOVING_MPS: f64 = 1.0;
@@ -178,7 +177,7 @@ impl<'a> Meeting<'a> {
     /// its rear still in it.
     fn stands_clear(&self) -> bool {
         let is_leaving = self.theirs.to_end_m < self.rival.half_length_m() + BEHIND_M;
-        if !is_leaving || self.rival.speed_mps > STANDING_MPS {
+        if !is_leaving || !self.rival.stands() {
             return false;
         }
         let way = &self.net.lanes[self.lane].way;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use schema::FRAME_PERIOD_S;
-use schema::models::BaseType;
+use schema::models::{BaseType, swept_m};
 
 use crate::net::Net;
 use crate::vehicles::Vehicle;
@@ -66,14 +66,10 @@ impl Vehicle {
         0.5 * self.model.wheelbase_m.max(0.5)
     }
 
-    /// How far it reaches inwards and outwards from a circle that its middle goes round on, metres: its rear axle goes round
-    /// on a smaller one, and its outer front corner on a larger one.
+    /// How far it reaches inwards and outwards from a circle that its middle goes round on, metres.
     pub(crate) fn reaches_m(&self, radius_m: f64) -> [f64; 2] {
         let [length, width, _] = self.model.size_m;
-        let half_base = self.half_base_m();
-        let rear = (radius_m * radius_m - half_base * half_base).max(0.0).sqrt();
-        let (side, front) = (rear + 0.5 * width, half_base + 0.5 * length);
-        [radius_m - rear + 0.5 * width, (side * side + front * front).sqrt() - radius_m]
+        swept_m([length, width], self.half_base_m(), radius_m)
     }
 
     /// The followed point's place at a distance along the lane it is on, or along its straight continuation: in the middle,

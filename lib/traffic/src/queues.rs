@@ -2,16 +2,13 @@
 
 use crate::net::Net;
 use crate::occupancy::Occupancy;
+use crate::reservations::Held;
 use crate::vehicles::Vehicle;
-
-/// Slower than this is standing, m/s.
-const STANDING_MPS: f64 = 0.3;
 
 /// The one that a vehicle with leave has ahead of it on the way that it has leave for, by its index.
 fn ahead(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize) -> Option<usize> {
     let vehicle = &vehicles[me];
-    let end_m =
-        |h: &crate::reservations::Held| h.start_m + net.lanes[h.lane].way.length_m - vehicle.odometer_m;
+    let end_m = |h: &Held| h.start_m + net.lanes[h.lane].way.length_m - vehicle.odometer_m;
     let last_m = vehicle.held.iter().map(end_m).fold(f64::NEG_INFINITY, f64::max);
     let leader = occupancy.leader(net, vehicles, me)?;
     (leader.gap_m + vehicle.half_length_m() < last_m && leader.vehicle < vehicles.len())
@@ -33,24 +30,22 @@ pub(crate) fn followed(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle]) -
 /// older leave behind a younger one would have the one at the head wait for somebody who waits for its queue. Returns the
 /// heads of the queues that those with leave stand in; None for those who move or stand at the head themselves.
 pub(crate) fn pass_on_ages(net: &Net, occupancy: &Occupancy, vehicles: &mut [Vehicle]) -> Vec<Option<usize>> {
-    let stands = |v: &Vehicle| v.speed_mps < STANDING_MPS;
     let mut heads = vec![None; vehicles.len()];
     for me in 0..vehicles.len() {
-        let mut oldest = vehicles[me].held.iter().map(|h| h.order).min();
+        let mut oldest = vehicles[me].oldest_leave();
         let mut at = me;
         // From one to the next ahead, to the head of the queue.
         for _ in 0..vehicles.len() {
-            let Some(order) = oldest.filter(|_| stands(&vehicles[at])) else { break };
-            let waits = !vehicles[at].stands_for.is_empty()
-                && vehicles[at].stands_for.iter().all(|&rival| stands(&vehicles[rival]));
+            let Some(order) = oldest.filter(|_| vehicles[at].stands()) else { break };
             if at != me {
                 heads[me] = Some(at);
-            }
-            if waits && at != me {
-                vehicles[at].held.iter_mut().for_each(|held| held.order = held.order.min(order));
+                let rivals = &vehicles[at].stands_for;
+                if !rivals.is_empty() && rivals.iter().all(|&rival| vehicles[rival].stands()) {
+                    vehicles[at].age_leave(order);
+                }
             }
             let Some(next) = ahead(net, occupancy, vehicles, at).filter(|&next| next != me) else { break };
-            oldest = vehicles[next].held.iter().map(|h| h.order).min().map(|own| own.min(order));
+            oldest = vehicles[next].oldest_leave().map(|own| own.min(order));
             at = next;
         }
     }

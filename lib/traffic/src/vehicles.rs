@@ -21,6 +21,8 @@ use crate::ways::Place;
 
 /// Bicycles go no faster, m/s.
 const BICYCLE_MPS: f64 = 8.0;
+/// Slower than this is standing, m/s.
+const STANDING_MPS: f64 = 0.3;
 /// Nobody stops nearer to a leader than this, metres.
 const LEAST_GAP_M: f64 = 0.5;
 /// Time gap that drivers keep, seconds: with the drawn standing gaps, queues of cars clear at some 1,600 vehicles per hour and lane.
@@ -128,6 +130,21 @@ pub(crate) struct Vehicle {
 }
 
 impl Vehicle {
+    /// Whether it stands, or hardly moves.
+    pub(crate) fn stands(&self) -> bool {
+        self.speed_mps < STANDING_MPS
+    }
+
+    /// Age of its oldest reservation; lower is older.
+    pub(crate) fn oldest_leave(&self) -> Option<u64> {
+        self.held.iter().map(|held| held.order).min()
+    }
+
+    /// Makes its reservations at least as old as this.
+    pub(crate) fn age_leave(&mut self, order: u64) {
+        self.held.iter_mut().for_each(|held| held.order = held.order.min(order));
+    }
+
     pub(crate) fn half_length_m(&self) -> f64 {
         0.5 * self.model.size_m[0]
     }

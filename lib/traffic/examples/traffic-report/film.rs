@@ -216,8 +216,8 @@ impl<'a> Film<'a> {
                 let [ahead, left] = snap.local(&line.at);
                 let along = frames::wrap_pi(line.yaw_rad - snap.yaw_rad).abs() < ASKEW_RAD;
                 // Farther ahead the lane may bend a little.
-                let beside = left.abs() > 1.7 + 0.06 * ahead.max(0.0);
-                if along && !beside && ahead - front < reach_m {
+                let off_it = left.abs() > 1.7 + 0.06 * ahead.max(0.0);
+                if along && !off_it && ahead - front < reach_m {
                     found.push((ahead - front, hold));
                 }
             }
