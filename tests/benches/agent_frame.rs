@@ -23,7 +23,7 @@ use schema::settings::{DatasetSettings, LidarSpec};
 use schema::tables::{ActorRow, BoxRow};
 use schema::{AgentId, BevClass, DetectionClass};
 use sensors::{CameraFrame, CameraView, Lidar, Lighting, Picture, RadarMotion, Sky};
-use traffic::{SceneInput, SceneLog};
+use traffic::{SceneInput, SimulationLog};
 use validity::{Evidence, PointCloud};
 use visibility::{Meshes, Scene};
 use voxelgrid::VoxelGrid;
@@ -85,7 +85,7 @@ fn main() {
 }
 
 /// Steps per second against real time, with all the traffic that fits.
-fn simulation(input: &SceneInput<'_>, rows: &mut Vec<Row>) -> SceneLog {
+fn simulation(input: &SceneInput<'_>, rows: &mut Vec<Row>) -> SimulationLog {
     let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
     let start = Instant::now();
     let mut first_step = None;
@@ -114,7 +114,7 @@ struct Agentframe<'a> {
     settings: &'a DatasetSettings,
     map: &'a Map,
     actors: &'a [ActorRow],
-    log: &'a SceneLog,
+    log: &'a SimulationLog,
     world: &'a SceneWorld,
     meshes: Meshes,
     pose: Pose<World, Agent>,
@@ -128,7 +128,7 @@ impl<'a> Agentframe<'a> {
         settings: &'a DatasetSettings,
         map: &'a Map,
         actors: &'a [ActorRow],
-        log: &'a SceneLog,
+        log: &'a SimulationLog,
         world: &'a SceneWorld,
     ) -> Self {
         let own = log.actors.iter().find(|a| a.role == "vehicle_0").expect("is simulated").id;

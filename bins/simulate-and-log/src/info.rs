@@ -7,7 +7,7 @@ use pipeline::StageError;
 use schema::scene_info::{AgentInfo, SceneInfo};
 use schema::settings::stages::SimulationSettings;
 use schema::tables::{PlanAgentRow, PlanSceneRow, Weather};
-use traffic::SceneLog;
+use traffic::SimulationLog;
 
 /// Facts about a simulated scene.
 ///
@@ -16,7 +16,7 @@ use traffic::SceneLog;
 pub(crate) fn scene_info(
     plan: &PlanSceneRow,
     agents: &[PlanAgentRow],
-    log: &SceneLog,
+    log: &SimulationLog,
     map: &Map,
     settings: &SimulationSettings,
 ) -> Result<SceneInfo, StageError> {

@@ -28,7 +28,7 @@ pub struct SceneInput<'a> {
 
 /// What happened in a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct SceneLog {
+pub struct SimulationLog {
     /// Agent vehicles, RSUs, background vehicles, walkers, what stands in hazards; ids ascend from the first one.
     pub actors: Vec<ActorRow>,
     /// Moving actors at frames -1 to the last, by frame, then id.

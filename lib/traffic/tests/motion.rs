@@ -9,7 +9,7 @@ use frames::math::{atan, sin_cos};
 use opendrive::Map;
 use schema::models;
 use schema::tables::{PlanAgentRow, StateRow};
-use traffic::SceneLog;
+use traffic::SimulationLog;
 
 /// Speed in space over the step before a state, m/s.
 fn speed(state: &StateRow) -> f64 {
@@ -17,7 +17,7 @@ fn speed(state: &StateRow) -> f64 {
 }
 
 /// Strongest braking and acceleration of speeds in space, m/s2, of all vehicles of a log that nothing hits.
-fn extremes(log: &SceneLog) -> [f64; 2] {
+fn extremes(log: &SimulationLog) -> [f64; 2] {
     let tracks = tracks(log);
     let vehicles = log.actors.iter().filter(|a| a.kind == "vehicle");
     let pairs = vehicles.flat_map(|a| tracks[&a.id].windows(2));

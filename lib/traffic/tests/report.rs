@@ -24,20 +24,20 @@ use frames::{Object, Pose, World};
 use opendrive::{Map, MarkType};
 use schema::models;
 use schema::tables::{ActorRow, SignalRow, StateRow};
-use traffic::SceneLog;
+use traffic::SimulationLog;
 
 /// Middle, yaw and speed along it.
 type Place = (f64, f64, f64, f64);
 
 /// A film in the making; state `i` is at `i` times 0.05 s.
 struct Shot {
-    log: SceneLog,
+    log: SimulationLog,
     states: usize,
 }
 
 impl Shot {
     fn new(seconds: f64) -> Self {
-        Self { log: SceneLog::default(), states: (20.0 * seconds).round() as usize }
+        Self { log: SimulationLog::default(), states: (20.0 * seconds).round() as usize }
     }
 
     /// Adds somebody of a model who is driven as told; returns the id.

@@ -10,9 +10,9 @@ use nalgebra::Point3;
 use opendrive::{LaneId, LaneInfo, LanePos, Map, MarkType};
 use schema::lights;
 use schema::tables::{PlanAgentRow, Weather};
-use traffic::{Idm, SceneLog, equilibrium_gap_m};
+use traffic::{Idm, SimulationLog, equilibrium_gap_m};
 
-fn assert_sound(log: &SceneLog, frames: u32) {
+fn assert_sound(log: &SimulationLog, frames: u32) {
     let moving = log.actors.iter().filter(|a| !a.fixed).count();
     assert_eq!(log.states.len(), moving * (frames as usize + 1));
     assert!(log.states.windows(2).all(|p| (p[0].frame, p[0].id) < (p[1].frame, p[1].id)));
@@ -45,7 +45,7 @@ fn apart(map: &Map) -> Vec<Point3<f64>> {
 
 /// Largest distance of a vehicle from the middle of a driving lane, but for the 30 m before lane ends that lie apart, and
 /// for lane changes (blinking outside junctions).
-fn worst_offset(map: &Map, log: &SceneLog) -> f64 {
+fn worst_offset(map: &Map, log: &SimulationLog) -> f64 {
     let apart = apart(map);
     let vehicles: Vec<u16> = log.actors.iter().filter(|a| a.kind == "vehicle").map(|a| a.id).collect();
     let sampled = log.states.iter().filter(|s| {

@@ -14,7 +14,7 @@ use opendrive::{
 use schema::settings::TrafficSettings;
 use schema::settings::stages::SimulationSettings;
 use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, StateRow, Weather};
-use traffic::{SceneInput, SceneLog, simulate};
+use traffic::{SceneInput, SimulationLog, simulate};
 
 pub(crate) fn settings() -> SimulationSettings {
     SimulationSettings {
@@ -422,7 +422,7 @@ pub(crate) fn run(
     scene: &PlanSceneRow,
     agents: &[PlanAgentRow],
     settings: &SimulationSettings,
-) -> SceneLog {
+) -> SimulationLog {
     run_with(map, scene, agents, &[], settings)
 }
 
@@ -433,7 +433,7 @@ pub(crate) fn run_with(
     agents: &[PlanAgentRow],
     hazards: &[PlanHazardRow],
     settings: &SimulationSettings,
-) -> SceneLog {
+) -> SimulationLog {
     let fixed = lights(map);
     let first_id = fixed.len() as u16 + 1;
     let input = SceneInput { map, scene, agents, hazards, settings, fixed: &fixed, first_id };
@@ -469,7 +469,7 @@ pub(crate) fn agents_on(map: &Map, count: usize, stride: usize) -> Vec<PlanAgent
 }
 
 /// States of each object, in frame order.
-pub(crate) fn tracks(log: &SceneLog) -> BTreeMap<u16, Vec<&StateRow>> {
+pub(crate) fn tracks(log: &SimulationLog) -> BTreeMap<u16, Vec<&StateRow>> {
     let mut tracks: BTreeMap<u16, Vec<&StateRow>> = BTreeMap::new();
     for state in &log.states {
         tracks.entry(state.id).or_default().push(state);
@@ -500,7 +500,7 @@ pub(crate) fn touch(a: &StateRow, a_size: [f64; 2], b: &StateRow, b_size: [f64; 
 }
 
 /// Pairs of a kind of actors that overlap in any frame.
-pub(crate) fn collisions(log: &SceneLog, with_walkers: bool) -> Vec<(i32, u16, u16)> {
+pub(crate) fn collisions(log: &SimulationLog, with_walkers: bool) -> Vec<(i32, u16, u16)> {
     let size: BTreeMap<u16, ([f64; 2], bool)> =
         log.actors.iter().map(|a| (a.id, ([a.length_m, a.width_m], a.kind == "walker"))).collect();
     let mut found = Vec::new();
@@ -520,7 +520,7 @@ pub(crate) fn collisions(log: &SceneLog, with_walkers: bool) -> Vec<(i32, u16, u
 }
 
 /// Vehicles whose front passed a stop line while the light behind it was red: (frame, id).
-pub(crate) fn red_runs(map: &Map, log: &SceneLog, lights: &[ActorRow]) -> Vec<(i32, u16)> {
+pub(crate) fn red_runs(map: &Map, log: &SimulationLog, lights: &[ActorRow]) -> Vec<(i32, u16)> {
     let mut runs = Vec::new();
     let tracks = tracks(log);
     for (index, signal) in map.signals().iter().enumerate().filter(|(_, s)| s.dynamic) {

@@ -5,10 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::Point3;
 use opendrive::{LaneId, LaneInfo, Map, VEHICLE_LANE_WIDTH_M};
 
-use crate::driver::envelope;
-use crate::links::{links, mend};
-use crate::sides::{Beside, Side, beside};
-use crate::ways::{Way, heading};
+use crate::car_following::envelope;
+use crate::road::centreline::{Centreline, heading};
+use crate::road::links::{join_ends, links};
+use crate::road::sides::{Beside, Side, beside};
 
 /// Speed limit where the map states none, m/s.
 const DEFAULT_LIMIT_MPS: f64 = 50.0 / 3.6;
@@ -54,7 +54,7 @@ pub(crate) struct Zone {
 
 /// A lane of the same junction that must not be driven at the same time, at least not by long vehicles.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Conflict {
+pub(crate) struct ConflictArea {
     pub(crate) other: usize,
     /// Smallest distance between the two centre lines, metres.
     apart_m: f64,
@@ -64,7 +64,7 @@ pub(crate) struct Conflict {
     pub(crate) merges: bool,
 }
 
-impl Conflict {
+impl ConflictArea {
     /// Where two vehicles that need so much room together, in half widths, cannot be at the same time.
     pub(crate) fn zone(&self, together_m: f64) -> Option<Zone> {
         let wide = NEAR_M.iter().position(|near| together_m <= *near).unwrap_or(NEAR_M.len() - 1);
@@ -75,7 +75,8 @@ impl Conflict {
 /// A driving lane.
 #[derive(Clone, Debug)]
 pub(crate) struct Lane {
-    pub(crate) way: Way,
+    /// Its middle.
+    pub(crate) centre: Centreline,
     /// Metres of it that are wide enough for a vehicle: less than its length where it tapers off into nothing.
     pub(crate) usable_m: f64,
     pub(crate) limit_mps: f64,
@@ -91,7 +92,7 @@ pub(crate) struct Lane {
     pub(crate) diverging: Vec<(usize, f64)>,
     /// Lanes outside junctions that end where this one does, with how far before the end the two overlap, metres.
     pub(crate) merging: Vec<(usize, f64)>,
-    pub(crate) conflicts: Vec<Conflict>,
+    pub(crate) conflicts: Vec<ConflictArea>,
     /// Smallest radius, metres.
     pub(crate) radius_m: f64,
     /// Smallest radius over so much way that long vehicles swing out fully, metres.
@@ -119,11 +120,11 @@ pub(crate) struct Net {
 impl Net {
     pub(crate) fn new(map: &Map) -> Self {
         let drivable = map.lanes().iter().filter(|l| l.lane_type.is_drivable());
-        let (mut ways, facts): (Vec<Way>, Vec<&LaneInfo>) =
-            drivable.filter_map(|l| Some((Way::new(map, l)?, l))).unzip();
+        let (mut ways, facts): (Vec<Centreline>, Vec<&LaneInfo>) =
+            drivable.filter_map(|l| Some((Centreline::new(map, l)?, l))).unzip();
         let index: BTreeMap<LaneId, usize> = ways.iter().enumerate().map(|(i, w)| (w.lane, i)).collect();
         let mut next = links(map, &ways, &index);
-        mend(&mut ways, &mut next);
+        join_ends(&mut ways, &mut next);
         let mut previous = vec![Vec::new(); ways.len()];
         for (i, onward) in next.iter().enumerate() {
             onward.iter().for_each(|&j| previous[j].push(i));
@@ -156,7 +157,7 @@ impl Net {
             let usable_m = usable.map_or(0.0, |s| s.along_m);
             let beside = [Side::Left, Side::Right].map(|side| beside(map, &way, &index, side));
             lanes.push(Lane {
-                way,
+                centre: way,
                 usable_m,
                 limit_mps,
                 junction: info
@@ -188,7 +189,7 @@ impl Net {
 
     /// The longer side of the box around all lanes, metres.
     pub(crate) fn extent_m(&self) -> f64 {
-        let points = || self.lanes.iter().flat_map(|l| &l.way.samples).map(|sample| sample.point);
+        let points = || self.lanes.iter().flat_map(|l| &l.centre.samples).map(|sample| sample.point);
         let side = |of: fn(Point3<f64>) -> f64| {
             let (low, high) = points()
                 .map(of)
@@ -217,7 +218,7 @@ impl Net {
             pairs(&lane.previous, &mut merging);
         }
         for &(a, b) in &diverging {
-            let zone = overlap(&self.lanes[a].way, &self.lanes[b].way).ranges[0].map_or(0.0, |z| z[1]);
+            let zone = overlap(&self.lanes[a].centre, &self.lanes[b].centre).ranges[0].map_or(0.0, |z| z[1]);
             self.lanes[a].diverging.push((b, zone));
         }
         for &(a, b) in &merging {
@@ -225,19 +226,19 @@ impl Net {
             if la.junction.is_some() && la.junction == lb.junction {
                 continue;
             }
-            let start = overlap(&la.way, &lb.way).ranges[0].map_or(lb.way.length_m, |z| z[0]);
-            let zone = lb.way.length_m - start;
+            let start = overlap(&la.centre, &lb.centre).ranges[0].map_or(lb.centre.length_m, |z| z[0]);
+            let zone = lb.centre.length_m - start;
             self.lanes[a].merging.push((b, zone));
         }
         for members in by_junction.values() {
             let turns: Vec<usize> =
                 members.iter().copied().filter(|&m| self.lanes[m].radius_m < TIGHT_BEND_M).collect();
             for &a in members {
-                let line = self.lanes[a].way.samples[0].point;
+                let line = self.lanes[a].centre.samples[0].point;
                 let beside = |&t: &usize| {
                     t != a
                         && self.lanes[t]
-                            .way
+                            .centre
                             .samples
                             .last()
                             .is_some_and(|s| (s.point - line).norm() < BESIDE_LINE_M)
@@ -261,8 +262,8 @@ impl Net {
             .lanes
             .iter()
             .map(|lane| {
-                let aside = |c: &Conflict| c.merges || c.apart_m >= CONFLICT_M;
-                let gives_way = |c: &Conflict| aside(c) && signed(&self.lanes[c.other]);
+                let aside = |c: &ConflictArea| c.merges || c.apart_m >= CONFLICT_M;
+                let gives_way = |c: &ConflictArea| aside(c) && signed(&self.lanes[c.other]);
                 let bare = lane.signals.is_empty() && !signed(lane);
                 lane.junction.is_some() && bare && lane.conflicts.iter().all(gives_way)
             })
@@ -280,7 +281,7 @@ impl Net {
                 if on == next {
                     return true;
                 }
-                let rest_m = rest_m - self.lanes[on].way.length_m;
+                let rest_m = rest_m - self.lanes[on].centre.length_m;
                 if rest_m > 0.0 {
                     open.push((on, rest_m));
                 }
@@ -291,7 +292,7 @@ impl Net {
 
     /// Enters that two lanes of a junction meet, if they do, for both.
     fn add_conflict(&mut self, a: usize, b: usize) {
-        let (way_a, way_b) = (&self.lanes[a].way, &self.lanes[b].way);
+        let (way_a, way_b) = (&self.lanes[a].centre, &self.lanes[b].centre);
         let (on_a, on_b) = (overlap(way_b, way_a), overlap(way_a, way_b));
         let apart_m = on_a.apart_m.min(on_b.apart_m);
         if apart_m >= NEAR_M[NEAR_M.len() - 1] {
@@ -299,17 +300,17 @@ impl Net {
         }
         let merges = (way_a.end() - way_b.end()).norm() < MERGE_M;
         // Samples of one may miss what those of the other see: then all of it counts.
-        let all = |way: &Way, range: Option<[f64; 2]>| range.unwrap_or([0.0, way.length_m]);
+        let all = |way: &Centreline, range: Option<[f64; 2]>| range.unwrap_or([0.0, way.length_m]);
         let zones = [0, 1, 2].map(|k| [all(way_a, on_a.ranges[k]), all(way_b, on_b.ranges[k])]);
         for (own, other, from) in [(a, b, 0), (b, a, 1)] {
             let zones = zones.map(|z| Zone { own_m: z[from], other_m: z[1 - from] });
-            self.lanes[own].conflicts.push(Conflict { other, apart_m, zones, merges });
+            self.lanes[own].conflicts.push(ConflictArea { other, apart_m, zones, merges });
         }
     }
 
     fn fill_grid(&mut self) {
         for (i, lane) in self.lanes.iter().enumerate() {
-            for (k, sample) in lane.way.samples.iter().enumerate() {
+            for (k, sample) in lane.centre.samples.iter().enumerate() {
                 self.grid.entry(cell(&sample.point)).or_default().push((i as u32, k as u32));
             }
         }
@@ -321,7 +322,7 @@ impl Net {
         let (x, y) = cell(point);
         for (dx, dy) in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy))) {
             for &(lane, k) in self.grid.get(&(x + dx, y + dy)).into_iter().flatten() {
-                let sample = &self.lanes[lane as usize].way.samples[k as usize];
+                let sample = &self.lanes[lane as usize].centre.samples[k as usize];
                 let away = point - sample.point;
                 let ahead = away.dot(&sample.tangent);
                 let left = sample.tangent.x * away.y - sample.tangent.y * away.x;
@@ -341,8 +342,8 @@ impl Net {
     /// Highest speed at a place from which the curves of its lane are taken comfortably, m/s.
     pub(crate) fn curve_speed(&self, lane: usize, along_m: f64) -> f64 {
         let lane = &self.lanes[lane];
-        let i = lane.way.index(along_m.clamp(0.0, lane.way.length_m));
-        let after = lane.way.samples[i + 1].along_m - along_m;
+        let i = lane.centre.index(along_m.clamp(0.0, lane.centre.length_m));
+        let after = lane.centre.samples[i + 1].along_m - along_m;
         // The envelope of the next sample, carried back; the sample before holds where it is lower.
         lane.curve_mps[i].max(lane.curve_mps[i + 1]).min(envelope(
             lane.curve_mps[i + 1],
@@ -372,7 +373,7 @@ struct Overlap {
 }
 
 /// Where `b` is near `a`, metres along `b`.
-fn overlap(a: &Way, b: &Way) -> Overlap {
+fn overlap(a: &Centreline, b: &Centreline) -> Overlap {
     let mut found = Overlap { apart_m: f64::INFINITY, ranges: [None; 3] };
     let mut before: Option<(f64, f64)> = None;
     for sample in &b.samples {
@@ -411,7 +412,7 @@ fn overlap(a: &Way, b: &Way) -> Overlap {
 }
 
 /// Speed envelope of a way's curves, per sample.
-fn curve_speeds(way: &Way) -> Vec<f64> {
+fn curve_speeds(way: &Centreline) -> Vec<f64> {
     let samples = &way.samples;
     let mut speeds: Vec<f64> = (0..samples.len())
         .map(|i| {
@@ -429,8 +430,8 @@ fn curve_speeds(way: &Way) -> Vec<f64> {
 }
 
 /// The smallest radius over any two steps of a way, metres.
-fn tightest_radius(way: &Way) -> f64 {
-    let radius = |w: &[crate::ways::Sample]| {
+fn tightest_radius(way: &Centreline) -> f64 {
+    let radius = |w: &[crate::road::centreline::Sample]| {
         let turn = frames::wrap_pi(heading(&w[2].tangent) - heading(&w[0].tangent)).abs();
         (w[2].along_m - w[0].along_m) / turn.max(1e-9)
     };
@@ -438,8 +439,8 @@ fn tightest_radius(way: &Way) -> f64 {
 }
 
 /// The smallest radius over [`SWING_M`] of a way, metres.
-fn swing_radius(way: &Way) -> f64 {
-    let turn = |(i, from): (usize, &crate::ways::Sample)| {
+fn swing_radius(way: &Centreline) -> f64 {
+    let turn = |(i, from): (usize, &crate::road::centreline::Sample)| {
         let to = way.samples[i..].iter().find(|s| s.along_m >= from.along_m + SWING_M).or(way.samples.last());
         let turn = to.map_or(0.0, |to| frames::wrap_pi(heading(&to.tangent) - heading(&from.tangent)).abs());
         turn / to.map_or(SWING_M, |to| (to.along_m - from.along_m).max(SWING_M))
@@ -447,7 +448,7 @@ fn swing_radius(way: &Way) -> f64 {
     1.0 / way.samples.iter().enumerate().map(turn).fold(1e-9, f64::max)
 }
 
-fn way_turn(way: &Way) -> i8 {
+fn way_turn(way: &Centreline) -> i8 {
     let turn: f64 = way
         .samples
         .windows(2)

@@ -5,15 +5,13 @@
 //! into a gap that makes another brake hard. Who must change and cannot, asks: the next one behind in the other lane
 //! lets it in, so that two full lanes zip into one.
 
-use std::collections::VecDeque;
-
-use crate::attention::Class;
-use crate::moving::Glide;
-use crate::net::Net;
-use crate::occupancy::{Occupancy, Sense, Spot, is_stranded};
-use crate::sides::{CHANGE_WIDTH_M, Side};
-use crate::sleep::Wake;
-use crate::vehicles::Vehicle;
+use crate::occupancy::{Occupancy, Occupant, Sense, is_stranded};
+use crate::road::net::Net;
+use crate::road::sides::{CHANGE_WIDTH_M, Side};
+use crate::vehicle::Vehicle;
+use crate::vehicle::attention::Class;
+use crate::vehicle::lateral::{LaneChange, LateralTransition, OUT};
+use crate::vehicle::wake::Wake;
 
 /// Slower than this is standing, m/s.
 const STANDING_MPS: f64 = 0.1;
@@ -26,12 +24,10 @@ const GAINS_MPS: f64 = 2.0;
 /// Shortest way over, metres; long vehicles need more, in their lengths.
 const SHORTEST_M: f64 = 11.0;
 const SHORTEST_LENGTHS: f64 = 2.2;
-/// After this share of the way over, a vehicle has left its old lane.
-const OUT: f64 = 0.62;
 /// Space left then to the rear of the one ahead, metres.
 const PAST_M: f64 = 1.5;
 /// Drivers who see late what stands ahead come nearer than they mean to, metres.
-const SPARE_M: f64 = 2.5;
+const LATE_M: f64 = 2.5;
 /// Gain in acceleration that a change has to bring, m/s2.
 const GAIN: f64 = 0.4;
 /// Weight of the loss of the one behind.
@@ -50,26 +46,6 @@ const APART_M: [f64; 2] = [2.0, 5.0];
 /// The place on the new lane lies this exactly beside the vehicle, metres.
 const SQUARE_M: f64 = 1e-3;
 
-/// A lane change under way.
-#[derive(Clone, Debug)]
-pub(crate) struct Shift {
-    pub(crate) glide: Glide,
-    /// The vehicle that was ahead.
-    pub(crate) passed: Option<usize>,
-}
-
-impl Shift {
-    /// Whether it has left its old lane.
-    pub(crate) fn is_out(&self) -> bool {
-        self.glide.gone_m > OUT * self.glide.span_m
-    }
-
-    /// The side it goes to.
-    pub(crate) fn side(&self) -> Side {
-        if self.glide.from_m > 0.0 { Side::Right } else { Side::Left }
-    }
-}
-
 /// The shortest way over of a vehicle of a length, metres.
 fn shortest_m(length_m: f64) -> f64 {
     SHORTEST_M.max(SHORTEST_LENGTHS * length_m)
@@ -77,7 +53,7 @@ fn shortest_m(length_m: f64) -> f64 {
 
 /// Gap to what stands ahead from which a vehicle of a length gets past it, metres.
 pub(crate) fn room_to_pull_out_m(length_m: f64) -> f64 {
-    OUT * shortest_m(length_m) + PAST_M + SPARE_M
+    OUT * shortest_m(length_m) + PAST_M + LATE_M
 }
 
 /// Why a driver wants to change.
@@ -85,8 +61,8 @@ pub(crate) fn room_to_pull_out_m(length_m: f64) -> f64 {
 enum Wish {
     /// The lane ends, metres ahead.
     LaneEnds(f64),
-    /// The turn's own lane.
-    Pocket(usize),
+    /// The turn has a lane of its own.
+    TurnLane(usize),
     /// A wreck or a hazard blocks the lane.
     Around,
     /// To go faster.
@@ -98,12 +74,12 @@ struct Change {
     lane: usize,
     along_m: f64,
     gain: f64,
-    shift: Shift,
+    change: LaneChange,
 }
 
 /// What a driver finds beside it.
 enum Found {
-    Way(Change),
+    Gap(Change),
     /// There is a lane, but no gap.
     Full(usize),
     /// There is a lane, but what stands ahead is too near to get out of this one.
@@ -118,25 +94,25 @@ pub(crate) fn change_lanes(net: &Net, occupancy: &mut Occupancy, vehicles: &mut 
         if !(step + me as u32).is_multiple_of(EVERY_STEPS) {
             continue;
         }
-        (vehicles[me].asks, vehicles[me].stuck) = (None, false);
+        vehicles[me].lane_choice_mut().settle();
         let Some(wish) = wish(net, occupancy, vehicles, me) else { continue };
         let mut best: Option<Change> = None;
         let (mut full, mut blocked) = (None, false);
         for side in Side::BOTH {
             match look(net, occupancy, vehicles, me, side, wish) {
-                Found::Way(change) if best.as_ref().is_none_or(|b| change.gain > b.gain) => {
+                Found::Gap(change) if best.as_ref().is_none_or(|b| change.gain > b.gain) => {
                     best = Some(change)
                 }
                 Found::Full(lane) => full = full.or(Some(lane)),
                 Found::Blocked => blocked = true,
-                Found::Way(_) | Found::Nothing => {}
+                Found::Gap(_) | Found::Nothing => {}
             }
         }
         match best {
             Some(change) => begin(net, occupancy, &mut vehicles[me], me, change),
             None if wish != Wish::Pass => {
-                vehicles[me].stuck = blocked && full.is_none() && vehicles[me].speed_mps < STANDING_MPS;
-                vehicles[me].asks = full;
+                let boxed_in = blocked && full.is_none() && vehicles[me].speed_mps() < STANDING_MPS;
+                vehicles[me].lane_choice_mut().ask(full, boxed_in);
             }
             None => {}
         }
@@ -144,18 +120,11 @@ pub(crate) fn change_lanes(net: &Net, occupancy: &mut Occupancy, vehicles: &mut 
 }
 
 fn begin(net: &Net, occupancy: &mut Occupancy, vehicle: &mut Vehicle, me: usize, change: Change) {
-    vehicle.route = VecDeque::from([change.lane]);
-    vehicle.along_m = change.along_m;
-    vehicle.shift = Some(change.shift);
-    vehicle.slack = None;
-    vehicle.changed_m = vehicle.odometer_m;
-    vehicle.waiting_since = None;
-    vehicle.arrive(net);
-    vehicle.extend_route(net);
-    let spot = Spot {
+    vehicle.change_lane(net, (change.lane, change.along_m), change.change);
+    let spot = Occupant {
         along_m: change.along_m,
         half_length_m: vehicle.half_length_m(),
-        speed_mps: vehicle.speed_mps,
+        speed_mps: vehicle.speed_mps(),
         vehicle: me,
     };
     occupancy.add_vehicle(change.lane, spot);
@@ -164,18 +133,18 @@ fn begin(net: &Net, occupancy: &mut Occupancy, vehicle: &mut Vehicle, me: usize,
 /// Whether and why a driver wants to change.
 fn wish(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize) -> Option<Wish> {
     let vehicle = &vehicles[me];
-    let lane = &net.lanes[vehicle.route[0]];
-    let settled = vehicle.shift.is_none() && !vehicle.crashed && vehicle.held.is_empty();
+    let lane = &net.lanes[vehicle.route().lane()];
+    let settled = vehicle.lateral().change().is_none() && !vehicle.is_crashed() && vehicle.claim().is_empty();
     if !settled
-        || vehicle.attention.is_away(Class::Vehicles)
-        || vehicle.wake != Wake::Awake
+        || vehicle.driver().is_away(Class::Vehicles)
+        || vehicle.wake() != Wake::Awake
         || lane.junction.is_some()
         || lane.beside.iter().all(Option::is_none)
     {
         return None;
     }
-    if let Some(pocket) = vehicle.pocket {
-        return Some(Wish::Pocket(pocket));
+    if let Some(lane) = vehicle.route().turn_lane() {
+        return Some(Wish::TurnLane(lane));
     }
     if let Some(end_m) = vehicle.end_of_road_m(net).filter(|end_m| *end_m < END_M) {
         return Some(Wish::LaneEnds(end_m));
@@ -184,8 +153,8 @@ fn wish(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize) -> Op
     if is_stranded(vehicles, leader.vehicle) {
         return Some(Wish::Around);
     }
-    let speed = vehicle.speed_mps;
-    let settled = vehicle.odometer_m - vehicle.changed_m >= (10.0 * speed).max(10.0);
+    let speed = vehicle.speed_mps();
+    let settled = vehicle.route().since_change_m() >= (10.0 * speed).max(10.0);
     let slow = leader.speed_mps < SLOW * vehicle.wished_speed(net);
     let calm = vehicle.junction_gap_m(net) > CALM_M + speed * CHANGE_S;
     (settled && slow && calm).then_some(Wish::Pass)
@@ -194,27 +163,27 @@ fn wish(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize) -> Op
 /// What a driver finds on one side.
 fn look(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize, side: Side, wish: Wish) -> Found {
     let vehicle = &vehicles[me];
-    let own = &net.lanes[vehicle.route[0]];
+    let own = &net.lanes[vehicle.route().lane()];
     let Some(beside) = &own.beside[side as usize] else { return Found::Nothing };
-    if matches!(wish, Wish::Pocket(lane) if lane != beside.lane) {
+    if matches!(wish, Wish::TurnLane(lane) if lane != beside.lane) {
         return Found::Nothing;
     }
-    let [length, width, _] = vehicle.model.size_m;
-    let (speed, half) = (vehicle.speed_mps, 0.5 * length);
+    let [length, width, _] = vehicle.model().size_m;
+    let (speed, half) = (vehicle.speed_mps(), 0.5 * length);
     let target = &net.lanes[beside.lane];
-    let near_m = target.way.project(vehicle.place.point).0;
-    let (along_m, from_m) = target.way.cross(vehicle.place.point, near_m);
+    let near_m = target.centre.project(vehicle.motion().position()).0;
+    let (along_m, from_m) = target.centre.cross(vehicle.motion().position(), near_m);
     let span_m = (CHANGE_S * (speed + GAINS_MPS)).max(shortest_m(length));
     // On the lane all the way, between marks that may be crossed, wide enough, and done before the next junction.
-    let [first, last] =
-        [0.0, OUT * span_m].map(|on| own.way.index((vehicle.along_m + on).min(own.way.length_m)));
-    let opposite = target.way.place(along_m);
-    let level = (opposite.point.z - vehicle.place.point.z).abs() < 1.0;
+    let [first, last] = [0.0, OUT * span_m]
+        .map(|on| own.centre.index((vehicle.route().along_m() + on).min(own.centre.length_m)));
+    let opposite = target.centre.place(along_m);
+    let level = (opposite.point.z - vehicle.motion().position().z).abs() < 1.0;
     // Not before its beginning.
-    let square = opposite.local(&vehicle.place.point)[0].abs() < SQUARE_M;
+    let square = opposite.local(&vehicle.motion().position())[0].abs() < SQUARE_M;
     let wide = [0.4, 1.0]
         .iter()
-        .all(|part| target.way.place(along_m + part * span_m).width_m >= CHANGE_WIDTH_M.max(width + 0.4));
+        .all(|part| target.centre.place(along_m + part * span_m).width_m >= CHANGE_WIDTH_M.max(width + 0.4));
     let (room_m, ends) = room(net, beside.lane, along_m, span_m + 200.0);
     let better = match wish {
         Wish::LaneEnds(end_m) => !ends || room_m > end_m + 20.0,
@@ -222,7 +191,7 @@ fn look(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize, side:
     };
     let reachable = (APART_M[0]..APART_M[1]).contains(&from_m.abs())
         && (from_m > 0.0) == (side == Side::Right)
-        && (0.0..target.way.length_m).contains(&along_m)
+        && (0.0..target.centre.length_m).contains(&along_m)
         && level
         && square
         && better
@@ -244,11 +213,11 @@ fn look(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize, side:
         return if is_stuck { Found::Blocked } else { Found::Full(beside.lane) };
     }
     match gap(net, occupancy, vehicles, me, (beside.lane, along_m), wish) {
-        Some((gain, passed)) => Found::Way(Change {
+        Some((gain, passed)) => Found::Gap(Change {
             lane: beside.lane,
             along_m,
             gain,
-            shift: Shift { glide: Glide { from_m, span_m, gone_m: 0.0 }, passed },
+            change: LaneChange::new(LateralTransition::new(from_m, span_m), passed),
         }),
         None => Found::Full(beside.lane),
     }
@@ -264,8 +233,8 @@ fn gap(
     wish: Wish,
 ) -> Option<(f64, Option<usize>)> {
     let vehicle = &vehicles[me];
-    let (speed, half) = (vehicle.speed_mps, vehicle.half_length_m());
-    let (wished, idm) = (vehicle.wished_speed(net), vehicle.driver.idm);
+    let (speed, half) = (vehicle.speed_mps(), vehicle.half_length_m());
+    let (wished, idm) = (vehicle.wished_speed(net), vehicle.driver().idm());
     let must = wish != Wish::Pass;
     let leader = occupancy.leader(net, vehicles, me);
     let now = leader.map_or(idm.free(speed, wished), |l| idm.following(speed, wished, l.gap_m, l.speed_mps));
@@ -288,17 +257,17 @@ fn gap(
     }
     let mut loss = 0.0;
     if let Some((to_m, spot)) = occupancy.first(net, Sense::Behind, (lane, along_m), me, 80.0)
-        && let Some(other) = vehicles.get(spot.vehicle).filter(|v| !v.crashed)
+        && let Some(other) = vehicles.get(spot.vehicle).filter(|v| !v.is_crashed())
     {
         let gap_m = to_m - half - spot.half_length_m;
         if gap_m < 1.0 + 0.3 * spot.speed_mps {
             return None;
         }
-        let wished = other.driver_speed(net);
-        let after = other.driver.idm.following(spot.speed_mps, wished, gap_m, speed);
-        let before = ahead.map_or(other.driver.idm.free(spot.speed_mps, wished), |(on_m, front)| {
+        let wished = other.speed_here(net);
+        let after = other.driver().idm().following(spot.speed_mps, wished, gap_m, speed);
+        let before = ahead.map_or(other.driver().idm().free(spot.speed_mps, wished), |(on_m, front)| {
             let gap_m = to_m + on_m - spot.half_length_m - front.half_length_m;
-            other.driver.idm.following(spot.speed_mps, wished, gap_m, front.speed_mps)
+            other.driver().idm().following(spot.speed_mps, wished, gap_m, front.speed_mps)
         });
         // One who stands anyway is not made to brake.
         if after < -braking && spot.speed_mps > 0.5 {
@@ -318,7 +287,7 @@ fn room(net: &Net, lane: usize, along_m: f64, limit_m: f64) -> (f64, bool) {
             None => return (room_m, true),
             Some(&next) if net.lanes[next].junction.is_some() => return (room_m, false),
             Some(&next) => {
-                room_m += net.lanes[next].way.length_m;
+                room_m += net.lanes[next].centre.length_m;
                 lane = next;
             }
         }

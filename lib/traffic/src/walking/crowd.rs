@@ -8,8 +8,8 @@
 use nalgebra::{Point3, Vector2};
 use schema::FRAME_PERIOD_S;
 
-use crate::fixtures::{Fixture, Fixtures};
 use crate::grid::Grid;
+use crate::walking::fixtures::{Fixture, Fixtures};
 
 /// Side of a cell, and how far around a walker looks, metres.
 const CELL_M: f64 = 5.0;

@@ -6,8 +6,8 @@ use nalgebra::{Point3, Vector3};
 use opendrive::{LaneType, Map};
 use random::Stream;
 
-use crate::net::Net;
-use crate::ways::Way;
+use crate::road::centreline::Centreline;
+use crate::road::net::Net;
 
 /// Ends of sidewalks nearer than this are joined, metres.
 const JOIN_M: f64 = 2.5;
@@ -41,7 +41,7 @@ pub(crate) struct Crossing {
 /// Where walkers walk.
 #[derive(Debug)]
 pub(crate) struct Paths {
-    pub(crate) ways: Vec<Way>,
+    pub(crate) ways: Vec<Centreline>,
     raised_m: Vec<f64>,
     /// Ends of ways (way, whether its last end) at each end.
     pub(crate) joined: BTreeMap<(usize, bool), Vec<(usize, bool)>>,
@@ -57,7 +57,11 @@ impl Paths {
                     if shoulders { l.lane_type == LaneType::Shoulder } else { l.lane_type.is_walkable() };
                 wanted && l.width_range_m[1] >= 1.0
             };
-            map.lanes().iter().filter(fits).filter_map(|l| Some((Way::new(map, l)?, l))).collect::<Vec<_>>()
+            map.lanes()
+                .iter()
+                .filter(fits)
+                .filter_map(|l| Some((Centreline::new(map, l)?, l)))
+                .collect::<Vec<_>>()
         };
         let mut found = lanes_of(false);
         if found.is_empty() {
@@ -69,7 +73,7 @@ impl Paths {
                 map.lane_height(l.id, 0.5 * (l.s_start + l.s_end)).map_or(0.0, |[a, b]| 0.5 * (a + b))
             })
             .collect();
-        let ways: Vec<Way> = found.into_iter().map(|(way, _)| way).collect();
+        let ways: Vec<Centreline> = found.into_iter().map(|(way, _)| way).collect();
         let mut paths = Self { ways, raised_m, joined: BTreeMap::new(), crossings: Vec::new() };
         paths.join();
         paths.add_crosswalks(map, net);
@@ -191,7 +195,7 @@ impl Paths {
     /// The sidewalk on the other side of the road.
     pub(crate) fn opposite(&self, way: usize) -> Option<usize> {
         let lane = self.ways[way].lane;
-        let over = |w: &Way| {
+        let over = |w: &Centreline| {
             w.lane.road == lane.road && w.lane.section == lane.section && (w.lane.lane > 0) != (lane.lane > 0)
         };
         self.ways.iter().position(over)
@@ -261,7 +265,7 @@ fn signals_of(net: &Net, places: &[(usize, f64, f64)]) -> Vec<usize> {
         if along_m < AT_LIGHT_M {
             found.extend(&facts.signals);
         }
-        if facts.way.length_m - along_m < AT_LIGHT_M {
+        if facts.centre.length_m - along_m < AT_LIGHT_M {
             found.extend(facts.next.iter().flat_map(|&n| &net.lanes[n].signals));
         }
     }

@@ -1,15 +1,16 @@
 //! Queues before and in junctions: whoever has leave and is behind somebody can only go on with that one.
 
-use crate::net::Net;
 use crate::occupancy::Occupancy;
-use crate::reservations::Held;
-use crate::vehicles::Vehicle;
+use crate::road::net::Net;
+use crate::vehicle::Vehicle;
+use crate::vehicle::claim::Reservation;
 
 /// The one that a vehicle with leave has ahead of it on the way that it has leave for, by its index.
 fn ahead(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize) -> Option<usize> {
     let vehicle = &vehicles[me];
-    let end_m = |h: &Held| h.start_m + net.lanes[h.lane].way.length_m - vehicle.odometer_m;
-    let last_m = vehicle.held.iter().map(end_m).fold(f64::NEG_INFINITY, f64::max);
+    let end_m =
+        |r: &Reservation| r.start_m + net.lanes[r.lane].centre.length_m - vehicle.route().odometer_m();
+    let last_m = vehicle.claim().reservations().iter().map(end_m).fold(f64::NEG_INFINITY, f64::max);
     let leader = occupancy.leader(net, vehicles, me)?;
     (leader.gap_m + vehicle.half_length_m() < last_m && leader.vehicle < vehicles.len())
         .then_some(leader.vehicle)
@@ -18,7 +19,8 @@ fn ahead(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize) -> O
 /// For each vehicle whether somebody right behind it has leave: it must not ask again after that.
 pub(crate) fn followed(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle]) -> Vec<bool> {
     let mut followed = vec![false; vehicles.len()];
-    for me in (0..vehicles.len()).filter(|&me| !vehicles[me].held.is_empty() && !vehicles[me].crashed) {
+    for me in (0..vehicles.len()).filter(|&me| !vehicles[me].claim().is_empty() && !vehicles[me].is_crashed())
+    {
         if let Some(leader) = ahead(net, occupancy, vehicles, me) {
             followed[leader] = true;
         }
@@ -32,20 +34,20 @@ pub(crate) fn followed(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle]) -
 pub(crate) fn pass_on_ages(net: &Net, occupancy: &Occupancy, vehicles: &mut [Vehicle]) -> Vec<Option<usize>> {
     let mut heads = vec![None; vehicles.len()];
     for me in 0..vehicles.len() {
-        let mut oldest = vehicles[me].oldest_leave();
+        let mut oldest = vehicles[me].claim().oldest();
         let mut at = me;
         // From one to the next ahead, to the head of the queue.
         for _ in 0..vehicles.len() {
             let Some(order) = oldest.filter(|_| vehicles[at].stands()) else { break };
             if at != me {
                 heads[me] = Some(at);
-                let rivals = &vehicles[at].stands_for;
+                let rivals = vehicles[at].claim().yields_to();
                 if !rivals.is_empty() && rivals.iter().all(|&rival| vehicles[rival].stands()) {
-                    vehicles[at].age_leave(order);
+                    vehicles[at].claim_mut().age(order);
                 }
             }
             let Some(next) = ahead(net, occupancy, vehicles, at).filter(|&next| next != me) else { break };
-            oldest = vehicles[next].oldest_leave().map(|own| own.min(order));
+            oldest = vehicles[next].claim().oldest().map(|own| own.min(order));
             at = next;
         }
     }

@@ -1,25 +1,15 @@
-//! Rows of the scene log.
+//! What rows of the log have in common.
 
 use frames::{Object, Pose, World};
 use nalgebra::Vector3;
-use schema::lights;
-use schema::models::Model;
-use schema::tables::{ActorRow, PlanAgentRow, StateRow, Weather};
+use schema::models::{BaseType, Model};
+use schema::tables::{ActorRow, StateRow};
 use schema::{FRAME_PERIOD_S, ObjectId};
 
-use crate::change::Shift;
-use crate::net::Net;
-use crate::sides::Side;
-use crate::spawn::{Start, tags};
-use crate::vehicles::Vehicle;
-use crate::walkers::Walker;
-
-/// Braking above this lights the brake lamps, m/s2.
-const BRAKE_LAMP_MPS2: f64 = 1.0;
-/// Blinkers go on this far before a junction, metres.
-const BLINK_M: f64 = 15.0;
-/// Size of an RSU's body, metres.
-const RSU_SIZE_M: [f64; 3] = [0.3, 0.3, 3.4];
+/// Tags of a model's parts.
+pub(crate) fn tags(base: BaseType) -> Vec<u8> {
+    base.tags().iter().map(|&t| t as u8).collect()
+}
 
 /// A JSON object of strings; keys and values are plain words.
 pub(crate) fn attributes(pairs: &[(&str, &str)]) -> String {
@@ -27,7 +17,8 @@ pub(crate) fn attributes(pairs: &[(&str, &str)]) -> String {
     format!("{{{}}}", members.join(","))
 }
 
-fn moving(
+/// The row of a vehicle or a walker of the catalogue.
+pub(crate) fn moving(
     id: ObjectId,
     kind: &str,
     role: &str,
@@ -52,96 +43,6 @@ fn moving(
         parent: None,
         opendrive_id: None,
         attributes: String::new(),
-    }
-}
-
-pub(crate) fn vehicle_actor(id: ObjectId, start: &Start) -> ActorRow {
-    let pose = Pose::from_xyz_rpy(start.point.coords.into(), [0.0, 0.0, start.yaw_rad]);
-    let word = |b: bool| if b { "true" } else { "false" };
-    let facts = attributes(&[
-        ("base_type", start.model.base.name()),
-        ("special_type", start.model.special),
-        ("reckless", word(start.driver.reckless)),
-        ("distracted", word(start.driver.distracted)),
-    ]);
-    ActorRow { attributes: facts, ..moving(id, "vehicle", &start.role, start.model, &start.color, &pose) }
-}
-
-pub(crate) fn walker_actor(id: ObjectId, walker: &Walker, crosses_anywhere: bool) -> ActorRow {
-    let pose = Pose::from_xyz_rpy(walker.point.coords.into(), [0.0, 0.0, walker.yaw_rad]);
-    let word = |b: bool| if b { "true" } else { "false" };
-    let facts = attributes(&[
-        ("crosses_anywhere", word(crosses_anywhere)),
-        ("use_wheelchair", word(walker.model.special == "wheelchair")),
-    ]);
-    ActorRow { attributes: facts, ..moving(id, "walker", "walker", walker.model, &walker.color, &pose) }
-}
-
-pub(crate) fn rsu_actor(id: ObjectId, agent: &PlanAgentRow) -> ActorRow {
-    let pose = Pose::<World, Object>::from_xyz_rpy(agent.xyz_m, agent.rpy_rad);
-    ActorRow {
-        id,
-        kind: "rsu".into(),
-        model: agent.model.clone(),
-        role: agent.agent.clone(),
-        semantic_tags: vec![schema::Tag::Pole as u8],
-        length_m: RSU_SIZE_M[0],
-        width_m: RSU_SIZE_M[1],
-        height_m: RSU_SIZE_M[2],
-        color: agent.color.clone(),
-        fixed: true,
-        xyz_m: pose.xyz(),
-        quaternion: pose.wxyz(),
-        variant: 0,
-        parent: None,
-        opendrive_id: agent.signal.clone(),
-        attributes: attributes(&[]),
-    }
-}
-
-/// Lamps that the weather and the time of day ask for.
-pub(crate) fn weather_lamps(weather: &Weather) -> u32 {
-    let mut lamps = 0;
-    if weather.sun_altitude_deg < 35.0 {
-        lamps |= lights::POSITION;
-    }
-    if weather.sun_altitude_deg < 15.0 || weather.precipitation > 80.0 {
-        lamps |= lights::POSITION | lights::LOW_BEAM;
-    }
-    if weather.fog_density > 20.0 {
-        lamps |= lights::POSITION | lights::LOW_BEAM | lights::FOG;
-    }
-    lamps
-}
-
-/// Lamps of a vehicle: those of the weather, brake lamps, blinkers before and in junctions, flashing lights.
-pub(crate) fn vehicle_lamps(net: &Net, vehicle: &Vehicle, weather: u32, emergency: bool) -> u32 {
-    let mut lamps = weather;
-    if vehicle.acceleration_mps2 < -BRAKE_LAMP_MPS2 || vehicle.speed_mps < 0.05 {
-        lamps |= lights::BRAKE;
-    }
-    if emergency {
-        lamps |= lights::EMERGENCY;
-    }
-    let side = |side: Side| if side == Side::Left { lights::BLINK_LEFT } else { lights::BLINK_RIGHT };
-    let meant = vehicle.shift.as_ref().map(Shift::side).or_else(|| vehicle.means_side(net));
-    if let Some(meant) = meant {
-        return lamps | side(meant);
-    }
-    let mut turn = 0;
-    for (lane, start) in vehicle.lanes_ahead(net) {
-        if start - vehicle.half_length_m() > BLINK_M {
-            break;
-        }
-        turn = net.lanes[lane].turn;
-        if net.lanes[lane].junction.is_some() {
-            break;
-        }
-    }
-    match turn {
-        1 => lamps | lights::BLINK_LEFT,
-        -1 => lamps | lights::BLINK_RIGHT,
-        _ => lamps,
     }
 }
 

@@ -1,4 +1,4 @@
-//! What drivers overlook: in every step each of them draws anew whether it heeds lights, signs, vehicles and walkers.
+//! What drivers overlook: in every step each of them draws anew whether it notices lights, signs, vehicles and walkers.
 //!
 //! Who overlooks something for the blink of an eye drives on for that step as if it were not there; but it sees what asks
 //! for harder braking than is comfortable, and passes no line without leave. So a blink costs a speed of 0.3 m/s at most.

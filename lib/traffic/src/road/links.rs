@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use nalgebra::Point3;
 use opendrive::{LaneId, Map};
 
-use crate::ways::Way;
+use crate::road::centreline::Centreline;
 
 /// Ends nearer than this make one line, metres.
 const JOINT_M: f64 = 0.1;
@@ -21,8 +21,8 @@ const MAX_EMPTY: u8 = 3;
 
 /// For each way the ways that it leads on to, in the order of the map's links; a link to a lane without extent leads on
 /// to the lanes behind it.
-pub(crate) fn links(map: &Map, ways: &[Way], index: &BTreeMap<LaneId, usize>) -> Vec<Vec<usize>> {
-    let onward = |way: &Way| {
+pub(crate) fn links(map: &Map, ways: &[Centreline], index: &BTreeMap<LaneId, usize>) -> Vec<Vec<usize>> {
+    let onward = |way: &Centreline| {
         let mut next = Vec::new();
         let mut open: Vec<(LaneId, u8)> = map.successors(way.lane).iter().rev().map(|l| (*l, 0)).collect();
         while let Some((id, depth)) = open.pop() {
@@ -41,10 +41,10 @@ pub(crate) fn links(map: &Map, ways: &[Way], index: &BTreeMap<LaneId, usize>) ->
 
 /// Bends ways whose ends lie apart from where they lead on. Of branches that begin apart from one another those at the
 /// nearest beginning are kept; a way too short to be bent loses its links.
-pub(crate) fn mend(ways: &mut [Way], next: &mut [Vec<usize>]) {
+pub(crate) fn join_ends(ways: &mut [Centreline], next: &mut [Vec<usize>]) {
     for (i, onward) in next.iter_mut().enumerate() {
         let end = ways[i].end();
-        let apart = |ways: &[Way], j: usize, from: Point3<f64>| (ways[j].start() - from).norm();
+        let apart = |ways: &[Centreline], j: usize, from: Point3<f64>| (ways[j].start() - from).norm();
         let nearest =
             onward.iter().copied().min_by(|&a, &b| apart(ways, a, end).total_cmp(&apart(ways, b, end)));
         let Some(start) = nearest.map(|j| ways[j].start()) else { continue };
@@ -68,14 +68,14 @@ mod tests {
     use std::io::Read;
     use std::path::Path;
 
-    /// The ways of a map and their links, before and after mending.
-    fn mended(map: &Map) -> (Vec<Way>, Vec<Vec<usize>>, Vec<Vec<usize>>) {
+    /// The ways of a map and their links, before and after joining.
+    fn joined(map: &Map) -> (Vec<Centreline>, Vec<Vec<usize>>, Vec<Vec<usize>>) {
         let drivable = map.lanes().iter().filter(|l| l.lane_type.is_drivable());
-        let mut ways: Vec<Way> = drivable.filter_map(|l| Way::new(map, l)).collect();
+        let mut ways: Vec<Centreline> = drivable.filter_map(|l| Centreline::new(map, l)).collect();
         let index = ways.iter().enumerate().map(|(i, w)| (w.lane, i)).collect();
         let before = links(map, &ways, &index);
         let mut after = before.clone();
-        mend(&mut ways, &mut after);
+        join_ends(&mut ways, &mut after);
         (ways, before, after)
     }
 
@@ -108,7 +108,7 @@ mod tests {
         let mut maps = carla();
         maps.push(("convoy/demo".into(), Map::new(town)));
         for (name, map) in &maps {
-            let (ways, before, after) = mended(map);
+            let (ways, before, after) = joined(map);
             assert_eq!(before, after, "{name}: a link is lost");
             for (i, way) in ways.iter().enumerate() {
                 for &j in &after[i] {

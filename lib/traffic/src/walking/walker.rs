@@ -1,21 +1,22 @@
 //! Walkers on their routes: over sidewalks, crosswalks and, some of them, straight over roads.
 
+use frames::{Object, Pose, World};
 use nalgebra::{Point3, Vector2};
 use random::Stream;
 use schema::FRAME_PERIOD_S;
 use schema::models::Model;
 
-use crate::attention::Class;
-use crate::bodies::Body;
-use crate::crowd::{Crowd, Wish, radius_m};
-use crate::fixtures::Fixtures;
-use crate::net::Net;
-use crate::occupancy::{Crosser, Occupancy};
-use crate::paths::{Crossing, Paths};
-use crate::routes::{Leg, Route, Routes, Turn};
-use crate::signals::{Light, Signals};
-use crate::sweep::Sweeps;
-use crate::vehicles::Vehicle;
+use crate::bodies::{Body, BodyMotion};
+use crate::occupancy::{CrossingWalker, Occupancy};
+use crate::road::net::Net;
+use crate::road::signals::{Light, Signals};
+use crate::swept_path::SweptPaths;
+use crate::vehicle::Vehicle;
+use crate::vehicle::attention::Class;
+use crate::walking::crowd::{Crowd, Wish, radius_m};
+use crate::walking::fixtures::Fixtures;
+use crate::walking::paths::{Crossing, Paths};
+use crate::walking::routes::{Leg, Route, Routes, Turn};
 
 /// A stride's length, metres.
 const STRIDE_M: f64 = 1.4;
@@ -81,14 +82,14 @@ enum Mode {
 }
 
 /// Where walkers walk, what stands there and what goes on there.
-pub(crate) struct Place<'a> {
+pub(crate) struct Surroundings<'a> {
     pub(crate) paths: &'a Paths,
     pub(crate) routes: &'a Routes,
     pub(crate) fixtures: &'a Fixtures,
     pub(crate) net: &'a Net,
     pub(crate) occupancy: &'a Occupancy,
     pub(crate) vehicles: &'a [Vehicle],
-    pub(crate) sweeps: &'a Sweeps,
+    pub(crate) sweeps: &'a SweptPaths,
     pub(crate) signals: &'a Signals,
     pub(crate) time_s: f64,
 }
@@ -96,15 +97,15 @@ pub(crate) struct Place<'a> {
 /// A walker.
 #[derive(Debug)]
 pub(crate) struct Walker {
-    pub(crate) model: &'static Model,
-    pub(crate) color: [u8; 3],
-    pub(crate) body: Body,
-    pub(crate) point: Point3<f64>,
-    pub(crate) yaw_rad: f64,
-    pub(crate) walked_m: f64,
-    pub(crate) velocity_mps: Vector2<f64>,
+    model: &'static Model,
+    color: [u8; 3],
+    body: Body,
+    point: Point3<f64>,
+    yaw_rad: f64,
+    walked_m: f64,
+    velocity_mps: Vector2<f64>,
     /// Far from all agents: it stands where it is.
-    pub(crate) asleep: bool,
+    asleep: bool,
     stream: Stream,
     speed_mps: f64,
     anywhere: bool,
@@ -159,6 +160,52 @@ impl Walker {
         }
     }
 
+    pub(crate) fn model(&self) -> &'static Model {
+        self.model
+    }
+
+    pub(crate) fn color(&self) -> [u8; 3] {
+        self.color
+    }
+
+    pub(crate) fn body(&self) -> Body {
+        self.body
+    }
+
+    /// On the ground.
+    pub(crate) fn position(&self) -> Point3<f64> {
+        self.point
+    }
+
+    pub(crate) fn yaw_rad(&self) -> f64 {
+        self.yaw_rad
+    }
+
+    pub(crate) fn world_from_object(&self) -> Pose<World, Object> {
+        Pose::from_xyz_rpy(self.point.into(), [0.0, 0.0, self.yaw_rad])
+    }
+
+    pub(crate) fn velocity_mps(&self) -> Vector2<f64> {
+        self.velocity_mps
+    }
+
+    pub(crate) fn is_asleep(&self) -> bool {
+        self.asleep
+    }
+
+    /// Falls asleep where it stands, or wakes.
+    pub(crate) fn set_asleep(&mut self, asleep: bool) {
+        if asleep && !self.asleep {
+            self.velocity_mps = Vector2::zeros();
+        }
+        self.asleep = asleep;
+    }
+
+    /// Takes over where the body of a struck walker has skidded to.
+    pub(crate) fn skid_to(&mut self, body: &BodyMotion) {
+        (self.point.x, self.point.y, self.yaw_rad) = (body.x_m, body.y_m, body.yaw_rad);
+    }
+
     /// The leg that is walked.
     fn leg(&self) -> Leg {
         let here = Leg { way: self.way, to_m: self.along_m, then: Turn::Arrive };
@@ -171,7 +218,7 @@ impl Walker {
     }
 
     /// Goes along the sidewalk to a new destination, if possible this way at first.
-    fn set_out(&mut self, place: &Place<'_>, forward: Option<bool>) {
+    fn set_out(&mut self, place: &Surroundings<'_>, forward: Option<bool>) {
         let from = (self.way, self.along_m);
         self.route = place.routes.draw(place.paths, from, self.anywhere, forward, &mut self.stream);
         (self.stuck_s, self.mode) = (0.0, Mode::Along);
@@ -220,12 +267,12 @@ impl Walker {
                 let at = if *side == 0 { from_first } else { length - from_first };
                 if at > done_m - 1.0 {
                     let in_s = (at - LANE_SIDE_M - done_m).max(0.0) / self.speed_mps;
-                    occupancy.add_walker(lane, Crosser { along_m: along, in_s });
+                    occupancy.add_walker(lane, CrossingWalker { along_m: along, in_s });
                 }
             }
         } else if self.is_struck() {
             for (lane, along_m) in net.lanes_at(&self.point, 0.3) {
-                occupancy.add_walker(lane, Crosser { along_m, in_s: 0.0 });
+                occupancy.add_walker(lane, CrossingWalker { along_m, in_s: 0.0 });
             }
         }
     }
@@ -235,8 +282,8 @@ impl Walker {
     }
 
     /// One step of walker `me` of the crowd.
-    pub(crate) fn step(&mut self, place: &Place<'_>, crowd: &mut Crowd, me: usize) {
-        let &Place { paths, fixtures, time_s, .. } = place;
+    pub(crate) fn step(&mut self, place: &Surroundings<'_>, crowd: &mut Crowd, me: usize) {
+        let &Surroundings { paths, fixtures, time_s, .. } = place;
         let wish = match self.mode.clone() {
             Mode::Struck => None,
             Mode::Along => {
@@ -290,7 +337,11 @@ impl Walker {
             Some((wish, height_m)) => {
                 let most = if self.model.wheel_radius_m > 0.0 { WHEELCHAIR_MPS } else { f64::INFINITY };
                 let minded = place.sweeps.is_minded(me);
-                let wish = if self.is_on_road() || !minded { wish } else { self.heed(place.sweeps, wish) };
+                let wish = if self.is_on_road() || !minded {
+                    wish
+                } else {
+                    self.avoid_swept_path(place.sweeps, wish)
+                };
                 let velocity = crowd.velocity(me, &wish, fixtures).cap_magnitude(most);
                 let moved = crowd.step(me, velocity * FRAME_PERIOD_S, fixtures);
                 let blocked = minded && place.sweeps.blocks(&before, moved, self.radius_m());
@@ -315,7 +366,7 @@ impl Walker {
     }
 
     /// The wish of one beside the road whom a long vehicle's corner may come to: out of its way, or not into it.
-    fn heed(&self, sweeps: &Sweeps, wish: Wish) -> Wish {
+    fn avoid_swept_path(&self, sweeps: &SweptPaths, wish: Wish) -> Wish {
         let left = Vector2::new(-wish.ahead.y, wish.ahead.x);
         let after =
             |step: Vector2<f64>| Point3::new(self.point.x + step.x, self.point.y + step.y, self.point.z);
@@ -416,7 +467,7 @@ impl Walker {
     }
 
     /// Finds the place on the sidewalk after a step, and turns off at the end of a leg.
-    fn follow(&mut self, place: &Place<'_>) {
+    fn follow(&mut self, place: &Surroundings<'_>) {
         let paths = place.paths;
         let (leg, forward) = (self.leg(), self.is_forward());
         self.along_m = paths.ways[self.way].cross(self.point, self.along_m).0;
@@ -455,7 +506,7 @@ impl Walker {
     }
 
     /// Whether the lights hold the traffic until the walker is over. Those who cross anywhere do not look at them.
-    fn is_held(&self, place: &Place<'_>, crossing: &Crossing, needed_s: f64) -> bool {
+    fn is_held(&self, place: &Surroundings<'_>, crossing: &Crossing, needed_s: f64) -> bool {
         let red = |after_s: f64| {
             let lights = crossing.signals.iter().map(|&s| place.signals.state(s, place.time_s + after_s));
             lights.filter(|l| *l != Light::Off).all(|l| l == Light::Red)
@@ -465,8 +516,8 @@ impl Walker {
 
     /// Whether the road is clear long enough; an impatient walker only asks that everyone can stop. At lights also whether
     /// they hold the traffic.
-    fn may_go(&self, place: &Place<'_>, crossing: &Crossing, impatient: bool) -> bool {
-        let &Place { net, occupancy, vehicles, .. } = place;
+    fn may_go(&self, place: &Surroundings<'_>, crossing: &Crossing, impatient: bool) -> bool {
+        let &Surroundings { net, occupancy, vehicles, .. } = place;
         let length = (crossing.ends[1] - crossing.ends[0]).norm();
         let needed_s = length / self.speed_mps + 1.0;
         let lights = !crossing.signals.is_empty();
@@ -478,13 +529,13 @@ impl Walker {
             // Upstream, depth first: lane and the metres from its beginning to the crossing point.
             let mut open = vec![(lane, along)];
             while let Some((at, to)) = open.pop() {
-                for spot in &occupancy.vehicles[at] {
+                for spot in occupancy.on_lane(at) {
                     let gap = to - spot.along_m - spot.half_length_m;
                     let speed = spot.speed_mps;
                     let gone = gap < -2.0 * spot.half_length_m - 0.8;
                     let standing = speed < 0.3;
                     let stops = gap > 4.0 + 0.7 * speed + speed * speed / 4.0
-                        && vehicles.get(spot.vehicle).is_none_or(|v| !v.attention.is_away(Class::Walkers));
+                        && vehicles.get(spot.vehicle).is_none_or(|v| !v.driver().is_away(Class::Walkers));
                     let far = gap > speed * needed_s + 3.0;
                     let clear = gone || far || (standing && gap > 1.5) || ((impatient || held) && stops);
                     if !clear {
@@ -492,7 +543,9 @@ impl Walker {
                     }
                 }
                 if to < LOOK_M && open.len() < 64 {
-                    open.extend(net.lanes[at].previous.iter().map(|&p| (p, to + net.lanes[p].way.length_m)));
+                    open.extend(
+                        net.lanes[at].previous.iter().map(|&p| (p, to + net.lanes[p].centre.length_m)),
+                    );
                 }
             }
             true

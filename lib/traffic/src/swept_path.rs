@@ -4,9 +4,9 @@
 use nalgebra::{Point3, Vector2, Vector3};
 
 use crate::grid::Grid;
-use crate::moving::after_rod;
-use crate::net::Net;
-use crate::vehicles::Vehicle;
+use crate::road::net::Net;
+use crate::vehicle::Vehicle;
+use crate::vehicle::motion::after_rod;
 
 /// Distances between the places on the way that are looked at, within the second one and beyond, metres.
 const STEPS_M: [f64; 2] = [0.25, 1.0];
@@ -46,7 +46,7 @@ struct Print {
 impl Print {
     fn new(at: Point3<f64>, yaw_rad: f64, vehicle: &Vehicle) -> Self {
         let (sin, cos) = frames::math::sin_cos(yaw_rad);
-        let [length, width, _] = vehicle.model.size_m;
+        let [length, width, _] = vehicle.model().size_m;
         Self { at, ahead: Vector2::new(cos, sin), half_m: [0.5 * length, 0.5 * width] }
     }
 
@@ -69,7 +69,7 @@ impl Print {
 
 /// Who is about and what is swept soon, in one step of time.
 #[derive(Debug)]
-pub(crate) struct Sweeps {
+pub(crate) struct SweptPaths {
     walkers: Vec<(Point3<f64>, f64)>,
     grid: Grid,
     /// For each walker whether a vehicle may come to where it is or steps to.
@@ -83,7 +83,7 @@ pub(crate) struct Sweeps {
     thing_grid: Grid,
 }
 
-impl Sweeps {
+impl SweptPaths {
     /// For a scene with things in hazards: middle, yaw and size of each.
     pub(crate) fn new(hazards: impl Iterator<Item = (Point3<f64>, f64, [f64; 3])>) -> Self {
         let things: Vec<Point3<f64>> =
@@ -127,15 +127,15 @@ impl Sweeps {
     /// Metres that a vehicle can go on until it would touch a walker or something of a hazard, if there is one in its way;
     /// notes what it sweeps soon.
     pub(crate) fn gap_m(&mut self, net: &Net, vehicle: &Vehicle) -> Option<f64> {
-        let speed = vehicle.speed_mps;
+        let speed = vehicle.speed_mps();
         let reach_m = (speed * speed / (2.0 * BRAKING) + REACH_M[0]).min(REACH_M[1]);
-        let here = Print::new(vehicle.place.point, vehicle.yaw_rad, vehicle);
+        let here = Print::new(vehicle.motion().position(), vehicle.motion().yaw_rad(), vehicle);
         // The tightest bend within reach bounds what is swept aside.
         let lanes = vehicle.lanes_ahead(net).take_while(|(_, start)| *start < reach_m);
         let radius_m = lanes.map(|(lane, _)| net.lanes[lane].radius_m).fold(f64::INFINITY, f64::min);
-        let glides = if vehicle.shift.is_some() { 1.0 } else { 0.0 };
+        let lateral_m = if vehicle.lateral().change().is_some() { 1.0 } else { 0.0 };
         // Whatever the vehicle sweeps lies within the way it looks ahead and half its diagonal.
-        let at = vehicle.place.point;
+        let at = vehicle.motion().position();
         let half_m = here.half_m[0] + here.half_m[1];
         let soon_m = SOON_S * speed + SOON_M;
         let mut around = Vec::new();
@@ -155,7 +155,7 @@ impl Sweeps {
                 && here.is_level(point)
         });
         // Who sees no signs sees no cones.
-        if !vehicle.driver.distracted {
+        if !vehicle.driver().profile().distracted {
             let things = self.thing_grid.around(at.x, at.y).map(|thing| (self.things[thing], 0.0));
             around.extend(things.filter(|(point, _)| (point - at).xy().norm() < half_m + reach_m));
         }
@@ -167,7 +167,7 @@ impl Sweeps {
                 let aside = left.abs() - here.half_m[1] - radius - WALKERS_M;
                 ahead > -here.half_m[0]
                     && to < here.half_m[0] + reach_m
-                    && aside < glides + to.abs() * to.abs() / radius_m
+                    && aside < lateral_m + to.abs() * to.abs() / radius_m
                     && here.is_level(point)
             })
             .collect();
@@ -180,7 +180,7 @@ impl Sweeps {
         }
         let mut gap_m = None;
         let mut on_m = 0.0;
-        let (mut at, mut yaw_rad) = (vehicle.place.point, vehicle.yaw_rad);
+        let (mut at, mut yaw_rad) = (vehicle.motion().position(), vehicle.motion().yaw_rad());
         while on_m < reach_m {
             let step_m = if on_m < STEPS_M[1] { STEPS_M[0] } else { STEPS_M[1] };
             on_m += step_m;
@@ -248,16 +248,4 @@ fn outline(at: Point3<f64>, yaw_rad: f64, [length, width, _]: [f64; 3]) -> Vec<P
         }
     }
     points
-}
-
-impl Vehicle {
-    /// The followed point after some more metres of way; none beyond the end of the route.
-    fn point_ahead(&self, net: &Net, on_m: f64) -> Option<Point3<f64>> {
-        let length = |lane: usize| net.lanes[lane].way.length_m;
-        let (lane, start) = self.lanes_ahead(net).find(|(lane, start)| on_m <= start + length(*lane))?;
-        let place = net.lanes[lane].way.place(on_m - start);
-        let left = self.offset_after(on_m)[0];
-        let (sin, cos) = frames::math::sin_cos(place.heading_rad);
-        Some(place.point + Vector3::new(-sin, cos, 0.0) * left)
-    }
 }

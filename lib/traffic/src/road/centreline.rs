@@ -27,7 +27,7 @@ pub(crate) struct Sample {
 
 /// A place on a way, between its samples.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
+pub(crate) struct CentrelinePoint {
     pub(crate) point: Point3<f64>,
     /// Direction of travel, radians from east.
     pub(crate) heading_rad: f64,
@@ -37,7 +37,7 @@ pub(crate) struct Place {
     pub(crate) width_m: f64,
 }
 
-impl Place {
+impl CentrelinePoint {
     /// Metres ahead of and to the left of it.
     pub(crate) fn local(&self, point: &Point3<f64>) -> [f64; 2] {
         let (sin, cos) = frames::math::sin_cos(self.heading_rad);
@@ -48,13 +48,13 @@ impl Place {
 
 /// A lane's centre line in the direction of travel.
 #[derive(Clone, Debug)]
-pub(crate) struct Way {
+pub(crate) struct Centreline {
     pub(crate) lane: LaneId,
     pub(crate) length_m: f64,
     pub(crate) samples: Vec<Sample>,
 }
 
-impl Way {
+impl Centreline {
     /// Samples a lane; None where it has no extent.
     pub(crate) fn new(map: &Map, lane: &LaneInfo) -> Option<Self> {
         let length = lane.s_length();
@@ -130,7 +130,7 @@ impl Way {
     }
 
     /// The place at a distance (clamped to the way): a cubic through the two samples with their tangents.
-    pub(crate) fn place(&self, along_m: f64) -> Place {
+    pub(crate) fn place(&self, along_m: f64) -> CentrelinePoint {
         let along_m = along_m.clamp(0.0, self.length_m);
         let i = self.index(along_m);
         let (a, b) = (&self.samples[i], &self.samples[i + 1]);
@@ -145,7 +145,7 @@ impl Way {
             + (a.tangent * (v * (1.0 - 3.0 * u)) + b.tangent * (u * (3.0 * u - 2.0))) * span;
         let flat = (slope.x * slope.x + slope.y * slope.y).sqrt();
         let mix = |x: f64, y: f64| x + (y - x) * u;
-        Place {
+        CentrelinePoint {
             point,
             heading_rad: heading(&slope),
             pitch_rad: -frames::math::atan2(slope.z, flat),
@@ -155,7 +155,7 @@ impl Way {
     }
 
     /// The place at a distance, before the beginning and beyond the end on the straight line that goes on there.
-    pub(crate) fn place_beyond(&self, along_m: f64) -> Place {
+    pub(crate) fn place_beyond(&self, along_m: f64) -> CentrelinePoint {
         let mut place = self.place(along_m);
         let over_m = along_m - along_m.clamp(0.0, self.length_m);
         if over_m != 0.0 {
@@ -184,7 +184,7 @@ impl Way {
     }
 }
 
-impl Way {
+impl Centreline {
     /// The distance along the way whose cross-section holds a point, and the point's offset to the left there, on the curve
     /// itself. `near_m` is about right.
     pub(crate) fn cross(&self, point: Point3<f64>, near_m: f64) -> (f64, f64) {

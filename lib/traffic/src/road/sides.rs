@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use opendrive::{LaneId, Map};
 
-use crate::ways::{Sample, Way};
+use crate::road::centreline::{Centreline, Sample};
 
 /// Lanes narrower than this are not changed to, metres.
 pub(crate) const CHANGE_WIDTH_M: f64 = 2.6;
@@ -29,7 +29,12 @@ pub(crate) struct Beside {
 }
 
 /// The neighbour of a way on one side; none in junctions, where nobody changes lanes.
-pub(crate) fn beside(map: &Map, way: &Way, index: &BTreeMap<LaneId, usize>, side: Side) -> Option<Beside> {
+pub(crate) fn beside(
+    map: &Map,
+    way: &Centreline,
+    index: &BTreeMap<LaneId, usize>,
+    side: Side,
+) -> Option<Beside> {
     let own = map.lane(way.lane)?;
     let id = match side {
         Side::Left => map.left_of(way.lane)?,

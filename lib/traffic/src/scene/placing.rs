@@ -1,7 +1,5 @@
 //! Who and what a scene begins with: vehicles, walkers, parked vehicles, lamps.
 
-use std::collections::VecDeque;
-
 use frames::{Object, Pose, World};
 use nalgebra::Point3;
 use opendrive::Map;
@@ -9,20 +7,24 @@ use random::Stream;
 use schema::ObjectId;
 use schema::models;
 
-use crate::SceneInput;
-use crate::attention::Attention;
 use crate::bodies::Bodies;
-use crate::crowd::Crowd;
-use crate::fixtures::Fixtures;
-use crate::net::Net;
-use crate::paths::Paths;
-use crate::reservations::Reservations;
-use crate::routes::Routes;
-use crate::sleep::Wake;
-use crate::spawn::Start;
-use crate::sway::Sway;
-use crate::vehicles::Vehicle;
-use crate::walkers::{WHEELCHAIR_MPS, Walker};
+use crate::error::TrafficError;
+use crate::hazards::Thing;
+use crate::input::SceneInput;
+use crate::junction::right_of_way::RightOfWay;
+use crate::occupancy::Occupancy;
+use crate::road::net::Net;
+use crate::scene::spawn::Start;
+use crate::vehicle::Vehicle;
+use crate::vehicle::doors::Doors;
+use crate::vehicle::driver::Driver;
+use crate::vehicle::motion::Motion;
+use crate::vehicle::route::Route;
+use crate::walking::crowd::Crowd;
+use crate::walking::fixtures::Fixtures;
+use crate::walking::paths::Paths;
+use crate::walking::routes::Routes;
+use crate::walking::walker::{WHEELCHAIR_MPS, Walker};
 
 /// Owner numbers of bodies: vehicles from 0, walkers from here, fixed things from twice this, those of hazards
 /// from three times this.
@@ -45,56 +47,21 @@ pub(crate) fn place_vehicles(
     starts: &[Start],
     input: &SceneInput<'_>,
     bodies: &mut Bodies,
-    reservations: &mut Reservations,
+    right_of_way: &mut RightOfWay,
 ) -> Vec<Vehicle> {
-    let scene = input.scene;
+    let (scene, traffic) = (input.scene, &input.settings.traffic);
     let mut vehicles = Vec::with_capacity(starts.len());
     for (i, start) in starts.iter().enumerate() {
-        let mut vehicle = Vehicle {
-            model: start.model,
-            driver: start.driver,
-            stream: Stream::new(scene.seed, u64::from(scene.scene), "traffic/route", i as u64),
-            route: VecDeque::from([start.lane]),
-            along_m: start.along_m,
-            odometer_m: 0.0,
-            rolled_m: 0.0,
-            speed_mps: 0.0,
-            acceleration_mps2: 0.0,
-            yaw_rad: start.yaw_rad,
-            place: net.lanes[start.lane].way.place(start.along_m),
-            steer_rad: 0.0,
-            sway: Sway::default(),
-            shift: None,
-            slack: None,
-            pocket: None,
-            asks: None,
-            changed_m: 0.0,
-            stuck: false,
-            crashed: false,
-            held: Vec::new(),
-            waiting_since: None,
-            stood_steps: 0,
-            refused_steps: 0,
-            stands_for: Vec::new(),
-            attention: Attention::new(
-                &input.settings.traffic,
-                start.driver.reckless,
-                start.driver.distracted,
-                Stream::new(scene.seed, u64::from(scene.scene), "traffic/slip", i as u64),
-            ),
-            wake: Wake::Awake,
-            body: bodies.vehicle(&start.point, start.yaw_rad, start.model.size_m, i as u32),
-        };
-        vehicle.arrive(net);
-        vehicle.extend_route(net);
-        // Where the rear hangs back into a junction, the lanes under it are taken.
-        if start.along_m < vehicle.half_length_m() {
-            for &before in net.lanes[start.lane].previous.iter().filter(|&&l| net.lanes[l].junction.is_some())
-            {
-                reservations.hold(&mut vehicle, i, before, -start.along_m - net.lanes[before].way.length_m);
-            }
-        }
-        reservations.intrude(net, &mut vehicle, i);
+        let stream = |topic| Stream::new(scene.seed, u64::from(scene.scene), topic, i as u64);
+        let driver = Driver::new(start.driver, traffic, stream("traffic/slip"));
+        let route = Route::new(start.lane, start.along_m, stream("traffic/route"));
+        let body = bodies.vehicle(&start.point, start.yaw_rad, start.model.size_m, i as u32);
+        let at = net.lanes[start.lane].centre.place(start.along_m);
+        let motion = Motion::at_rest(at, start.yaw_rad, body);
+        let door_open = if start.role == "background" { traffic.door_open } else { 0.0 };
+        let doors = Doors::new(start.model, door_open, stream("traffic/doors"));
+        let mut vehicle = Vehicle::new(net, start.model, driver, route, motion, doors, start.emergency);
+        right_of_way.start(net, &mut vehicle, i);
         vehicles.push(vehicle);
     }
     vehicles
@@ -130,7 +97,7 @@ pub(crate) fn place_walkers(
         let mut walker =
             Walker::new(model, color, draw, paths, routes, (way, along), speed, anywhere, make_body);
         walker.find_room(paths, fixtures, &crowd);
-        crowd.add(walker.point, walker.velocity_mps, walker.radius_m());
+        crowd.add(walker.position(), walker.velocity_mps(), walker.radius_m());
         walkers.push((walker, anywhere));
     }
     walkers
@@ -148,6 +115,18 @@ pub(crate) fn add_fixed(input: &SceneInput<'_>, net: &Net, bodies: &mut Bodies) 
     }
 }
 
+/// What stands in hazards, as obstacles on the lanes and, if it stops a car, as bodies.
+pub(crate) fn place_hazards(net: &Net, things: &[Thing], occupancy: &mut Occupancy, bodies: &mut Bodies) {
+    for (i, thing) in things.iter().enumerate() {
+        if thing.is_on_lane() {
+            occupancy.stand(net, &thing.point, thing.yaw_rad(), thing.size_m);
+        }
+        if thing.solid {
+            bodies.fixed(&thing.point, thing.yaw_rad(), thing.size_m, 3 * WALKERS + i as u32);
+        }
+    }
+}
+
 /// The scene's traffic lights with the signals of the map that they show, by object id.
 pub(crate) fn lamps(map: &Map, input: &SceneInput<'_>) -> Vec<(ObjectId, usize)> {
     let lights = input.fixed.iter().filter(|a| a.kind == "traffic_light");
@@ -160,4 +139,28 @@ pub(crate) fn lamps(map: &Map, input: &SceneInput<'_>) -> Vec<(ObjectId, usize)>
         .collect();
     found.sort_unstable();
     found
+}
+
+/// Object ids of a scene's actors, in the order of the log.
+pub(crate) struct ActorIds {
+    pub(crate) agents: Vec<ObjectId>,
+    pub(crate) rsus: Vec<ObjectId>,
+    pub(crate) background: Vec<ObjectId>,
+    pub(crate) walkers: Vec<ObjectId>,
+    pub(crate) hazards: Vec<ObjectId>,
+}
+
+impl ActorIds {
+    /// Numbers so many of each: agents, RSUs, background vehicles, walkers, things of hazards.
+    pub(crate) fn new(input: &SceneInput<'_>, counts: [usize; 5]) -> Result<Self, TrafficError> {
+        let (first, wanted) = (input.first_id, counts.iter().sum());
+        let last = usize::from(first) + wanted;
+        if first == 0 || last > usize::from(ObjectId::MAX) + 1 {
+            return Err(TrafficError::TooManyObjects { scene: input.scene.scene, wanted, first });
+        }
+        let mut all = (usize::from(first)..last).map(|id| id as ObjectId);
+        let [agents, rsus, background, walkers, hazards] =
+            counts.map(|count| all.by_ref().take(count).collect());
+        Ok(Self { agents, rsus, background, walkers, hazards })
+    }
 }

@@ -1,29 +1,20 @@
 //! Who starts where.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 
-use frames::math::sin_cos;
-use frames::{Object, Pose, World};
 use nalgebra::Point3;
 use opendrive::{LanePos, Map};
 use random::Stream;
-use schema::ObjectId;
 use schema::fleet;
-use schema::models::{self, BaseType, Model};
-use schema::tables::ActorRow;
+use schema::models::{self, Model};
 
+use crate::error::TrafficError;
 use crate::hazards::Hazards;
-use crate::net::Net;
-use crate::vehicles::Driver;
-use crate::ways::Place;
-use crate::{SceneInput, TrafficError};
-
-/// Free space around a vehicle at the start, metres.
-const CLEARANCE_M: f64 = 0.8;
-/// Free space to parked vehicles, metres: their lanes are beside.
-const PARKED_CLEARANCE_M: f64 = 0.1;
-/// Vehicles farther above each other than this are on different decks, metres.
-const DECK_M: f64 = 3.0;
+use crate::input::SceneInput;
+use crate::road::centreline::CentrelinePoint;
+use crate::road::net::Net;
+use crate::scene::free_space::Taken;
+use crate::vehicle::driver::DriverProfile;
 
 /// A vehicle about to be placed.
 #[derive(Debug)]
@@ -32,68 +23,13 @@ pub(crate) struct Start {
     pub(crate) color: Vec<u8>,
     /// `vehicle_0` or `background`.
     pub(crate) role: String,
-    pub(crate) driver: Driver,
+    pub(crate) driver: DriverProfile,
+    /// Its emergency lights flash.
     pub(crate) emergency: bool,
     pub(crate) lane: usize,
     pub(crate) along_m: f64,
     pub(crate) point: Point3<f64>,
     pub(crate) yaw_rad: f64,
-}
-
-/// Rectangles that are taken, in square cells, each with the space that is to be left around it, metres.
-#[derive(Default)]
-pub(crate) struct Taken(BTreeMap<(i32, i32), Vec<(Footprint, f64)>>);
-
-/// Middle, yaw and size.
-pub(crate) type Footprint = (Point3<f64>, f64, [f64; 3]);
-
-impl Taken {
-    const CELL_M: f64 = 16.0;
-
-    fn cell(point: &Point3<f64>) -> (i32, i32) {
-        ((point.x / Self::CELL_M).floor() as i32, (point.y / Self::CELL_M).floor() as i32)
-    }
-
-    /// Whether a body has the space around it that it needs.
-    pub(crate) fn is_free(&self, at: &Point3<f64>, yaw: f64, size: [f64; 3]) -> bool {
-        let (x, y) = Self::cell(at);
-        let near = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (x + dx, y + dy)));
-        near.filter_map(|c| self.0.get(&c))
-            .flatten()
-            .all(|(other, clearance_m)| apart(&(*at, yaw, size), other, *clearance_m))
-    }
-
-    /// The parked vehicles of a scene.
-    fn parked(fixed: &[ActorRow]) -> Self {
-        let mut taken = Self::default();
-        for actor in fixed.iter().filter(|a| a.kind == "parked") {
-            let pose = Pose::<World, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
-            let size = [actor.length_m, actor.width_m, actor.height_m];
-            taken.add((Point3::from(actor.xyz_m), pose.yaw(), size), PARKED_CLEARANCE_M);
-        }
-        taken
-    }
-
-    pub(crate) fn insert(&mut self, at: Point3<f64>, yaw: f64, size: [f64; 3]) {
-        self.add((at, yaw, size), CLEARANCE_M);
-    }
-
-    fn add(&mut self, print: Footprint, clearance_m: f64) {
-        self.0.entry(Self::cell(&print.0)).or_default().push((print, clearance_m));
-    }
-}
-
-/// Whether two footprints are at least so far apart along or across the first one, or on different decks.
-pub(crate) fn apart(one: &Footprint, other: &Footprint, clearance_m: f64) -> bool {
-    let ((at, yaw, size), (other, other_yaw, other_size)) = (one, other);
-    let away = other - at;
-    let (sin, cos) = sin_cos(*yaw);
-    let (ahead, left) = (away.x * cos + away.y * sin, away.y * cos - away.x * sin);
-    let (sin_d, cos_d) = sin_cos(other_yaw - yaw);
-    let half = |own: f64, along: f64, across: f64| 0.5 * (own + along + across) + clearance_m;
-    away.z.abs() > DECK_M
-        || ahead.abs() > half(size[0], other_size[0] * cos_d.abs(), other_size[1] * sin_d.abs())
-        || left.abs() > half(size[1], other_size[0] * sin_d.abs(), other_size[1] * cos_d.abs())
 }
 
 /// All vehicles of a scene, agents in order, then background vehicles, and what stands in its hazards.
@@ -116,11 +52,12 @@ pub(crate) fn vehicle_starts(
             .ok_or_else(|| TrafficError::NoDrivingLanes { scene: scene.scene, map: scene.map.clone() })?;
         // Where the room clear of junctions is taken by another agent, the planned place is free.
         let places = [clear_of_junctions(net, lane, along_m, model.size_m[0]), along_m]
-            .map(|along_m| (along_m, net.lanes[lane].way.place(along_m)));
-        let is_free = |(_, at): &&(f64, Place)| taken.is_free(&at.point, at.heading_rad, model.size_m);
+            .map(|along_m| (along_m, net.lanes[lane].centre.place(along_m)));
+        let is_free =
+            |(_, at): &&(f64, CentrelinePoint)| taken.is_free(&at.point, at.heading_rad, model.size_m);
         let (along_m, place) = *places.iter().find(is_free).unwrap_or(&places[1]);
         taken.insert(place.point, place.heading_rad, model.size_m);
-        let driver = Driver::new(
+        let driver = DriverProfile::new(
             model,
             agent.reckless,
             agent.distracted,
@@ -157,9 +94,9 @@ fn background(
     let agents: Vec<Point3<f64>> = starts.iter().map(|s| s.point).collect();
     let mut points = spawn_points(input.map, net, scene.spawn_separation_m);
     points.retain(|&(lane, along)| {
-        let at = net.lanes[lane].way.place(along).point;
+        let at = net.lanes[lane].centre.place(along).point;
         agents.iter().any(|a| (a - at).norm() < scene.spawn_radius_m)
-            && !hazards.is_near_end(net.lanes[lane].way.lane, &at, 0.5 * scene.spawn_separation_m)
+            && !hazards.is_near_end(net.lanes[lane].centre.lane, &at, 0.5 * scene.spawn_separation_m)
     });
     let drawn = stream("traffic/count", 0).int_inclusive(0, (points.len() as i64 - 3).max(0));
     let wanted = scene.background_vehicles.map_or(drawn, i64::from).max(0) as usize;
@@ -174,7 +111,7 @@ fn background(
         let difference = draw.uniform(-0.4, 0.2);
         let gap = draw.normal(4.2, 1.0).max(0.0);
         let emergency = draw.chance(traffic.emergency_lights) && fleet::is_emergency(model);
-        let driver = Driver::new(
+        let driver = DriverProfile::new(
             model,
             reckless,
             distracted,
@@ -182,7 +119,7 @@ fn background(
             traffic.standstill_gap_m.unwrap_or(gap),
         );
         let along_m = clear_of_junctions(net, lane, along, model.size_m[0]);
-        let place = net.lanes[lane].way.place(along_m);
+        let place = net.lanes[lane].centre.place(along_m);
         let fits = clear_of_junctions(net, lane, along_m, model.size_m[0]) == along_m
             && !overhangs(net, lane, along_m, model.size_m[0]);
         if !fits || !taken.is_free(&place.point, place.heading_rad, model.size_m) {
@@ -207,7 +144,7 @@ fn background(
 fn spawn_points(map: &Map, net: &Net, separation_m: f64) -> Vec<(usize, f64)> {
     let place = |pos: LanePos| {
         let lane = net.find(pos.lane).filter(|&l| net.lanes[l].junction.is_none())?;
-        Some((lane, net.lanes[lane].way.project(map.point_at(pos)?.position).0))
+        Some((lane, net.lanes[lane].centre.project(map.point_at(pos)?.position).0))
     };
     map.spawn_points(separation_m).into_iter().filter_map(place).collect()
 }
@@ -219,14 +156,14 @@ fn clear_of_junctions(net: &Net, lane: usize, along_m: f64, length_m: f64) -> f6
     let facts = &net.lanes[lane];
     let in_junction = |&i: &usize| net.lanes[i].junction.is_some();
     let low = if facts.previous.iter().any(in_junction) { half } else { 0.0 };
-    let high = facts.way.length_m - if facts.next.iter().any(in_junction) { half } else { 0.0 };
+    let high = facts.centre.length_m - if facts.next.iter().any(in_junction) { half } else { 0.0 };
     along_m.max(low).min(high.max(0.0))
 }
 
 /// Whether a vehicle there would reach into a junction, over lanes of any length.
 fn overhangs(net: &Net, lane: usize, along_m: f64, length_m: f64) -> bool {
     let reach = |forward: bool| {
-        let from = if forward { net.lanes[lane].way.length_m - along_m } else { along_m };
+        let from = if forward { net.lanes[lane].centre.length_m - along_m } else { along_m };
         let mut open = VecDeque::from([(lane, 0.5 * length_m - from)]);
         while let Some((at, left)) = open.pop_front() {
             let onward = if forward { &net.lanes[at].next } else { &net.lanes[at].previous };
@@ -234,8 +171,8 @@ fn overhangs(net: &Net, lane: usize, along_m: f64, length_m: f64) -> bool {
                 if left > 0.0 && net.lanes[i].junction.is_some() {
                     return true;
                 }
-                if left > net.lanes[i].way.length_m && open.len() < 64 {
-                    open.push_back((i, left - net.lanes[i].way.length_m));
+                if left > net.lanes[i].centre.length_m && open.len() < 64 {
+                    open.push_back((i, left - net.lanes[i].centre.length_m));
                 }
             }
         }
@@ -249,7 +186,7 @@ fn nearest_place(map: &Map, net: &Net, at: Point3<f64>, yaw_rad: f64) -> Option<
     let usable = |lane: &opendrive::LaneInfo| lane.junction.is_none() && net.find(lane.id).is_some();
     let hits = map.lanes_within(at, 2.0, usable);
     let runs_along = |hit: &&opendrive::LaneHit| {
-        let way = net.find(hit.lane).map(|i| &net.lanes[i].way);
+        let way = net.find(hit.lane).map(|i| &net.lanes[i].centre);
         way.is_some_and(|w| frames::wrap_pi(w.place(w.project(at).0).heading_rad - yaw_rad).abs() < 1.0)
     };
     let lane = match hits.iter().find(runs_along) {
@@ -259,19 +196,5 @@ fn nearest_place(map: &Map, net: &Net, at: Point3<f64>, yaw_rad: f64) -> Option<
         }
     };
     let index = net.find(lane)?;
-    Some((index, net.lanes[index].way.project(at).0))
-}
-
-/// Ids for a number of actors.
-pub(crate) fn ids(scene: u32, first: ObjectId, wanted: usize) -> Result<Vec<ObjectId>, TrafficError> {
-    let last = usize::from(first) + wanted;
-    if first == 0 || last > usize::from(ObjectId::MAX) + 1 {
-        return Err(TrafficError::TooManyObjects { scene, wanted, first });
-    }
-    Ok((usize::from(first)..last).map(|id| id as ObjectId).collect())
-}
-
-/// Tags of a model's parts.
-pub(crate) fn tags(base: BaseType) -> Vec<u8> {
-    base.tags().iter().map(|&t| t as u8).collect()
+    Some((index, net.lanes[index].centre.project(at).0))
 }

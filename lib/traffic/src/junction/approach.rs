@@ -1,11 +1,11 @@
 //! Coming to a junction: the line before it, what the light forbids, and how fast to come.
 
-use crate::attention::Class;
-use crate::driver::{braking_to_stop, envelope};
-use crate::meeting::LetIn;
-use crate::net::{Lane, Net, PLANNED_BRAKING};
-use crate::signals::Light;
-use crate::vehicles::Vehicle;
+use crate::car_following::{braking_to_stop, envelope};
+use crate::junction::conflict::MergeLeader;
+use crate::road::net::{Lane, Net, PLANNED_BRAKING};
+use crate::road::signals::Light;
+use crate::vehicle::Vehicle;
+use crate::vehicle::attention::Class;
 
 /// Drivers stop at yellow if this braking is enough, m/s2.
 const YELLOW_BRAKING: f64 = 3.5;
@@ -31,12 +31,12 @@ pub(crate) struct Line {
 /// What a driver makes of the line ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Approach {
-    /// Gap to the place to stop before the line, if it must not be passed, metres, and what is to be heeded there.
+    /// Gap to the place to stop before the line, if it must not be passed, metres, and what the driver has to see there.
     pub(crate) line: Option<(f64, Class)>,
     /// Gap to the place to stop inside, metres.
     pub(crate) stop_gap_m: Option<f64>,
     /// The one that goes first where ways merge.
-    pub(crate) merging: Option<LetIn>,
+    pub(crate) merging: Option<MergeLeader>,
     /// Highest speed here for the line's sake, m/s.
     pub(crate) cap_mps: f64,
 }
@@ -45,7 +45,7 @@ pub(crate) struct Approach {
 pub(crate) const OPEN: Approach =
     Approach { line: None, stop_gap_m: None, merging: None, cap_mps: f64::INFINITY };
 
-/// What a driver has to heed at a line.
+/// What a driver has to see at a line.
 pub(crate) fn class_of(entry: &Lane) -> Class {
     if entry.signals.is_empty() { Class::Signs } else { Class::Lights }
 }
@@ -77,7 +77,7 @@ impl Vehicle {
             }
             let enters = net.lanes[lane].junction.is_some() && position > 0;
             let same = before.is_some_and(|b| net.lanes[b].junction == net.lanes[lane].junction);
-            if enters && !same && !self.held.iter().any(|h| h.lane == lane) {
+            if enters && !same && self.claim().of_lane(lane).is_none() {
                 return Some(Line { gap_m: start - self.half_length_m(), entry: lane, position });
             }
             before = Some(lane);

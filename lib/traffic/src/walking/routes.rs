@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BinaryHeap, VecDeque};
 use nalgebra::Point3;
 use random::Stream;
 
-use crate::paths::Paths;
+use crate::walking::paths::Paths;
 
 /// What a metre of road costs those who may cross anywhere.
 const ROAD_COST: f64 = 10.0;
@@ -332,7 +332,7 @@ impl PartialOrd for Cost {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::net::Net;
+    use crate::road::net::Net;
     use opendrive::Map;
 
     fn town(name: &str) -> (Paths, Routes) {
