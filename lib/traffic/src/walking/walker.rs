@@ -218,9 +218,9 @@ impl Walker {
     }
 
     /// Goes along the sidewalk to a new destination, if possible this way at first.
-    fn set_out(&mut self, place: &Surroundings<'_>, forward: Option<bool>) {
+    fn set_out(&mut self, around: &Surroundings<'_>, forward: Option<bool>) {
         let from = (self.way, self.along_m);
-        self.route = place.routes.draw(place.paths, from, self.anywhere, forward, &mut self.stream);
+        self.route = around.routes.draw(around.paths, from, self.anywhere, forward, &mut self.stream);
         (self.stuck_s, self.mode) = (0.0, Mode::Along);
     }
 
@@ -281,14 +281,14 @@ impl Walker {
         radius_m(self.model.size_m)
     }
 
-    /// One step of walker `me` of the crowd.
-    pub(crate) fn step(&mut self, place: &Surroundings<'_>, crowd: &mut Crowd, me: usize) {
-        let &Surroundings { paths, fixtures, time_s, .. } = place;
-        let wish = match self.mode.clone() {
+    /// What it wishes for now, and the height of the surface there; nothing once it is struck.
+    fn wish(&mut self, around: &Surroundings<'_>) -> Option<(Wish, f64)> {
+        let &Surroundings { paths, time_s, .. } = around;
+        match self.mode.clone() {
             Mode::Struck => None,
             Mode::Along => {
                 if self.stuck_s > STUCK_S {
-                    self.set_out(place, Some(!self.is_forward()));
+                    self.set_out(around, Some(!self.is_forward()));
                 }
                 Some(self.along_wish(paths))
             }
@@ -303,7 +303,7 @@ impl Walker {
             Mode::Waiting { crossing, side, since_s } => {
                 let waited_s = time_s - since_s;
                 let most_s = if crossing.signals.is_empty() { GIVE_UP_S } else { GIVE_UP_AT_LIGHT_S };
-                if self.may_go(place, &crossing, waited_s > PATIENCE_S) {
+                if self.may_go(around, &crossing, waited_s > PATIENCE_S) {
                     self.stuck_s = 0.0;
                     self.mode = Mode::Over { crossing: crossing.clone(), side, done_m: 0.0 };
                 } else if waited_s > most_s {
@@ -326,25 +326,31 @@ impl Walker {
                     (self.along_m, self.stuck_s) = (along, 0.0);
                     self.mode = Mode::Along;
                     if self.route.front().is_none_or(|leg| leg.way != self.way) {
-                        self.set_out(place, None);
+                        self.set_out(around, None);
                     }
                 }
                 Some(self.straight_wish(&to, [-0.6, 0.6]))
             }
-        };
+        }
+    }
+
+    /// One step of walker `me` of the crowd.
+    pub(crate) fn step(&mut self, around: &Surroundings<'_>, crowd: &mut Crowd, me: usize) {
+        let fixtures = around.fixtures;
+        let wish = self.wish(around);
         let before = self.point;
         match wish {
             Some((wish, height_m)) => {
                 let most = if self.model.wheel_radius_m > 0.0 { WHEELCHAIR_MPS } else { f64::INFINITY };
-                let minded = place.sweeps.is_minded(me);
+                let minded = around.sweeps.is_minded(me);
                 let wish = if self.is_on_road() || !minded {
                     wish
                 } else {
-                    self.avoid_swept_path(place.sweeps, wish)
+                    self.avoid_swept_path(around.sweeps, wish)
                 };
                 let velocity = crowd.velocity(me, &wish, fixtures).cap_magnitude(most);
                 let moved = crowd.step(me, velocity * FRAME_PERIOD_S, fixtures);
-                let blocked = minded && place.sweeps.blocks(&before, moved, self.radius_m());
+                let blocked = minded && around.sweeps.blocks(&before, moved, self.radius_m());
                 let moved = if blocked { Vector2::zeros() } else { moved };
                 self.velocity_mps = moved / FRAME_PERIOD_S;
                 (self.point.x, self.point.y) = (before.x + moved.x, before.y + moved.y);
@@ -361,7 +367,7 @@ impl Walker {
         }
         crowd.moved(me, self.point, self.velocity_mps);
         if matches!(self.mode, Mode::Along) {
-            self.follow(place);
+            self.follow(around);
         }
     }
 
@@ -467,8 +473,8 @@ impl Walker {
     }
 
     /// Finds the place on the sidewalk after a step, and turns off at the end of a leg.
-    fn follow(&mut self, place: &Surroundings<'_>) {
-        let paths = place.paths;
+    fn follow(&mut self, around: &Surroundings<'_>) {
+        let paths = around.paths;
         let (leg, forward) = (self.leg(), self.is_forward());
         self.along_m = paths.ways[self.way].cross(self.point, self.along_m).0;
         let rest = if forward { leg.to_m - self.along_m } else { self.along_m - leg.to_m };
@@ -478,7 +484,7 @@ impl Walker {
         }
         self.route.pop_front();
         match leg.then {
-            Turn::Arrive => self.set_out(place, None),
+            Turn::Arrive => self.set_out(around, None),
             Turn::Join { way, last } => {
                 self.way = way;
                 self.along_m = if last { paths.ways[way].length_m } else { 0.0 };
@@ -487,9 +493,9 @@ impl Walker {
                 self.mode = Mode::ToKerb { crossing: paths.crossings[crossing].clone(), side };
             }
             Turn::Over => {
-                let clear = |c: &Crossing| place.fixtures.is_way_free(c.ends[0], c.ends[1], self.radius_m());
+                let clear = |c: &Crossing| around.fixtures.is_way_free(c.ends[0], c.ends[1], self.radius_m());
                 let length = paths.ways[self.way].length_m;
-                match paths.straight_over(place.net, self.way, self.point).filter(clear) {
+                match paths.straight_over(around.net, self.way, self.point).filter(clear) {
                     Some(crossing) => self.mode = Mode::ToKerb { crossing, side: 0 },
                     // A parked car or a pole: a little farther on.
                     None => {
@@ -497,7 +503,7 @@ impl Walker {
                         if (0.0..length).contains(&to_m) {
                             self.route.push_front(Leg { to_m, ..leg });
                         } else {
-                            self.set_out(place, None);
+                            self.set_out(around, None);
                         }
                     }
                 }
@@ -506,9 +512,9 @@ impl Walker {
     }
 
     /// Whether the lights hold the traffic until the walker is over. Those who cross anywhere do not look at them.
-    fn is_held(&self, place: &Surroundings<'_>, crossing: &Crossing, needed_s: f64) -> bool {
+    fn is_held(&self, around: &Surroundings<'_>, crossing: &Crossing, needed_s: f64) -> bool {
         let red = |after_s: f64| {
-            let lights = crossing.signals.iter().map(|&s| place.signals.state(s, place.time_s + after_s));
+            let lights = crossing.signals.iter().map(|&s| around.signals.state(s, around.time_s + after_s));
             lights.filter(|l| *l != Light::Off).all(|l| l == Light::Red)
         };
         red(0.0) && (!red(-JUST_RED_S) || red(needed_s))
@@ -516,12 +522,12 @@ impl Walker {
 
     /// Whether the road is clear long enough; an impatient walker only asks that everyone can stop. At lights also whether
     /// they hold the traffic.
-    fn may_go(&self, place: &Surroundings<'_>, crossing: &Crossing, impatient: bool) -> bool {
-        let &Surroundings { net, occupancy, vehicles, .. } = place;
+    fn may_go(&self, around: &Surroundings<'_>, crossing: &Crossing, impatient: bool) -> bool {
+        let &Surroundings { net, occupancy, vehicles, .. } = around;
         let length = (crossing.ends[1] - crossing.ends[0]).norm();
         let needed_s = length / self.speed_mps + 1.0;
         let lights = !crossing.signals.is_empty();
-        let held = lights && self.is_held(place, crossing, needed_s);
+        let held = lights && self.is_held(around, crossing, needed_s);
         if lights && !held && !self.anywhere {
             return false;
         }
