@@ -3,8 +3,8 @@
 mod common;
 
 use common::{
-    agent, agents_on, carla, collisions, crest, crossing, ending_lane, red_runs, run, scene, settings,
-    straight, tracks, two_lanes,
+    agent, agents_on, collisions, crest, crossing, ending_lane, red_runs, run, scene, settings, straight,
+    tracks, two_lanes,
 };
 use nalgebra::Point3;
 use opendrive::{LaneId, LaneInfo, LanePos, Map, MarkType};
@@ -297,7 +297,7 @@ fn walkers_stay_on_sidewalks_or_cross() {
     let tracks = tracks(&log);
     let mut crossed = 0;
     for actor in log.actors.iter().filter(|a| a.kind == "walker") {
-        let anywhere = actor.attributes.contains("\"true\"");
+        let anywhere = actor.attributes.contains("\"crosses_anywhere\":\"true\"");
         let track = &tracks[&actor.id];
         let on_road = track.iter().filter(|s| s.xyz_m[1].abs() < 3.5).count();
         crossed += usize::from(on_road > 0);
@@ -312,10 +312,8 @@ fn walkers_stay_on_sidewalks_or_cross() {
 
 #[test]
 fn towns_run_without_collisions_or_red_light_running() {
-    for (name, vehicles, walkers) in
-        [("Town10HD.xodr", 60, 80), ("Town03.xodr", 120, 80), ("Town02.xodr", 50, 40)]
-    {
-        let Some(map) = carla(name) else { continue };
+    for (name, vehicles, walkers) in [("Town10HD", 60, 80), ("Town03", 120, 80), ("Town02", 50, 40)] {
+        let Some(map) = testkit::real_map(name) else { continue };
         for seed in 0..3 {
             let mut scene = scene(16.0);
             scene.seed = 100 + seed;

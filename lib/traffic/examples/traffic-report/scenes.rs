@@ -8,8 +8,7 @@ use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow};
 use traffic::{SceneInput, SimulationLog, simulate};
 
 use crate::common::{
-    agent, agents_on, as_planned, carla, crossing, hazard, lights, queues_at_roundabout, roundabout, scene,
-    settings,
+    agent, agents_on, as_planned, crossing, hazard, lights, queues_at_roundabout, roundabout, scene, settings,
 };
 
 /// Seconds that are watched.
@@ -55,7 +54,7 @@ fn load(name: &str) -> Option<Map> {
     }
     match town::named(name) {
         Some(parameters) => town::generate(&parameters).ok().map(Map::new),
-        None => carla(&format!("{name}.xodr")),
+        None => testkit::real_map(name),
     }
 }
 

@@ -65,8 +65,6 @@ pub(crate) fn join_ends(ways: &mut [Centreline], next: &mut [Vec<usize>]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::Read;
-    use std::path::Path;
 
     /// The ways of a map and their links, before and after joining.
     fn joined(map: &Map) -> (Vec<Centreline>, Vec<Vec<usize>>, Vec<Vec<usize>>) {
@@ -79,33 +77,15 @@ mod tests {
         (ways, before, after)
     }
 
-    /// Real maps, plain or gzipped; none (with a line that says so) where they are not at hand.
-    #[allow(clippy::print_stdout)] // Says why a test passes without testing.
-    fn carla() -> Vec<(String, Map)> {
-        let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/maps/carla"));
-        let Ok(entries) = std::fs::read_dir(folder) else {
-            println!("skipped: {} is absent", folder.display());
-            return Vec::new();
-        };
-        let mut paths: Vec<_> = entries.filter_map(|e| Some(e.ok()?.path())).collect();
-        paths.sort();
-        let read = |path: &std::path::PathBuf| {
-            let bytes = std::fs::read(path).expect("a readable file");
-            let mut text = Vec::new();
-            if bytes.starts_with(&[0x1f, 0x8b]) {
-                flate2::read::GzDecoder::new(bytes.as_slice()).read_to_end(&mut text).expect("a whole file");
-            } else {
-                text = bytes;
-            }
-            (path.display().to_string(), Map::new(opendrive::read_bytes(&text).expect("a readable map")))
-        };
-        paths.iter().map(read).collect()
-    }
-
     #[test]
     fn nobody_jumps_on_any_map() {
         let town = town::generate(&town::named("convoy/demo").expect("our town")).expect("a town");
-        let mut maps = carla();
+        let read = |path: std::path::PathBuf| {
+            let bytes = std::fs::read(&path).expect("a readable file");
+            (path.display().to_string(), Map::new(opendrive::read_bytes(&bytes).expect("a readable map")))
+        };
+        let carla = |path: &std::path::PathBuf| path.parent().is_some_and(|folder| folder.ends_with("carla"));
+        let mut maps: Vec<(String, Map)> = testkit::map_files().into_iter().filter(carla).map(read).collect();
         maps.push(("convoy/demo".into(), Map::new(town)));
         for (name, map) in &maps {
             let (ways, before, after) = joined(map);

@@ -3,13 +3,12 @@
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::path::Path;
 
 use frames::math::sin_cos;
 use opendrive::{
     Connection, ContactPoint, Controller, Cubic, Curve, Geometry, Junction, JunctionController, Lane,
     LaneLink, LaneSection, LaneType, LaneValidity, Map, MarkType, Network, Road, RoadLink, RoadMark,
-    RoadType, Signal, Speed, SpeedUnit, read_bytes,
+    RoadType, Signal, Speed, SpeedUnit,
 };
 use schema::settings::TrafficSettings;
 use schema::settings::stages::SimulationSettings;
@@ -376,19 +375,6 @@ pub(crate) fn as_planned(agent: PlanAgentRow, seed: u64, index: usize) -> PlanAg
     let mut draw = random::Stream::new(seed, 0, "traffic-report/driver", index as u64);
     let speed_difference = draw.uniform(-0.4, 0.2);
     PlanAgentRow { speed_difference, standstill_gap_m: draw.normal(4.2, 1.0).max(0.0), ..agent }
-}
-
-/// A real map, or None (with a line that says so) where the maps are not at hand.
-#[allow(clippy::print_stdout)] // Says why a test passes without testing.
-pub(crate) fn carla(name: &str) -> Option<Map> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/maps/carla")).join(name);
-    match std::fs::read(&path) {
-        Ok(bytes) => Some(Map::new(read_bytes(&bytes).expect("a readable map"))),
-        Err(_) => {
-            println!("skipped: {} is absent", path.display());
-            None
-        }
-    }
 }
 
 /// A traffic light of the scenery for every dynamic signal, ids from 1.
