@@ -36,7 +36,8 @@ use crate::walking::crowd::Crowd;
 use crate::walking::fixtures::Fixtures;
 use crate::walking::paths::Paths;
 use crate::walking::routes::Routes;
-use crate::walking::walker::{Surroundings, Walker};
+use crate::walking::surroundings::Surroundings;
+use crate::walking::walker::Walker;
 
 /// Walkers' destinations are at most this many times as far from an agent's start as walkers' starts, and on large maps at
 /// most so many metres for each second that is simulated.

@@ -4,4 +4,5 @@ pub(crate) mod crowd;
 pub(crate) mod fixtures;
 pub(crate) mod paths;
 pub(crate) mod routes;
+pub(crate) mod surroundings;
 pub(crate) mod walker;

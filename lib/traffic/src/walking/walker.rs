@@ -9,14 +9,12 @@ use schema::models::Model;
 use crate::bodies::{Body, BodyMotion};
 use crate::occupancy::{CrossingWalker, Occupancy};
 use crate::road::net::Net;
-use crate::road::signals::{Light, Signals};
 use crate::swept_path::SweptPaths;
-use crate::vehicle::Vehicle;
-use crate::vehicle::attention::Class;
 use crate::walking::crowd::{Crowd, Wish, radius_m};
 use crate::walking::fixtures::Fixtures;
 use crate::walking::paths::{Crossing, Paths};
 use crate::walking::routes::{Leg, Route, Routes, Turn};
+use crate::walking::surroundings::Surroundings;
 
 /// A stride's length, metres.
 const STRIDE_M: f64 = 1.4;
@@ -28,14 +26,10 @@ const PATIENCE_S: f64 = 5.0;
 const GIVE_UP_S: f64 = 25.0;
 /// The same at a light, whose turn comes some time, seconds.
 const GIVE_UP_AT_LIGHT_S: f64 = 90.0;
-/// A light that turned red for the traffic this short a time ago is as good as one that stays red long enough, seconds.
-const JUST_RED_S: f64 = 2.0;
 /// Who may cross anywhere and finds no way through where it meant to tries again after this way, metres.
 const NEXT_TRY_M: f64 = 2.0;
 /// Users of wheelchairs are not faster than this, m/s.
 pub(crate) const WHEELCHAIR_MPS: f64 = 2.0;
-/// Vehicles are looked for this far upstream, metres.
-const LOOK_M: f64 = 60.0;
 /// A place is reached within this distance, metres.
 const REACH_M: f64 = 0.3;
 /// Who cannot get on waits behind those who stand at the kerb, within this distance of it, metres.
@@ -79,19 +73,6 @@ enum Mode {
     ToWalk,
     /// Hit by a vehicle.
     Struck,
-}
-
-/// Where walkers walk, what stands there and what goes on there.
-pub(crate) struct Surroundings<'a> {
-    pub(crate) paths: &'a Paths,
-    pub(crate) routes: &'a Routes,
-    pub(crate) fixtures: &'a Fixtures,
-    pub(crate) net: &'a Net,
-    pub(crate) occupancy: &'a Occupancy,
-    pub(crate) vehicles: &'a [Vehicle],
-    pub(crate) sweeps: &'a SweptPaths,
-    pub(crate) signals: &'a Signals,
-    pub(crate) time_s: f64,
 }
 
 /// A walker.
@@ -511,51 +492,14 @@ impl Walker {
         }
     }
 
-    /// Whether the lights hold the traffic until the walker is over. Those who cross anywhere do not look at them.
-    fn is_held(&self, around: &Surroundings<'_>, crossing: &Crossing, needed_s: f64) -> bool {
-        let red = |after_s: f64| {
-            let lights = crossing.signals.iter().map(|&s| around.signals.state(s, around.time_s + after_s));
-            lights.filter(|l| *l != Light::Off).all(|l| l == Light::Red)
-        };
-        red(0.0) && (!red(-JUST_RED_S) || red(needed_s))
-    }
-
     /// Whether the road is clear long enough; an impatient walker only asks that everyone can stop. At lights also whether
-    /// they hold the traffic.
+    /// they hold the traffic, but for those who cross anywhere.
     fn may_go(&self, around: &Surroundings<'_>, crossing: &Crossing, impatient: bool) -> bool {
-        let &Surroundings { net, occupancy, vehicles, .. } = around;
         let length = (crossing.ends[1] - crossing.ends[0]).norm();
         let needed_s = length / self.speed_mps + 1.0;
         let lights = !crossing.signals.is_empty();
-        let held = lights && self.is_held(around, crossing, needed_s);
-        if lights && !held && !self.anywhere {
-            return false;
-        }
-        crossing.lanes.iter().all(|&(lane, along, _)| {
-            // Upstream, depth first: lane and the metres from its beginning to the crossing point.
-            let mut open = vec![(lane, along)];
-            while let Some((at, to)) = open.pop() {
-                for spot in occupancy.on_lane(at) {
-                    let gap = to - spot.along_m - spot.half_length_m;
-                    let speed = spot.speed_mps;
-                    let gone = gap < -2.0 * spot.half_length_m - 0.8;
-                    let standing = speed < 0.3;
-                    let stops = gap > 4.0 + 0.7 * speed + speed * speed / 4.0
-                        && vehicles.get(spot.vehicle).is_none_or(|v| !v.driver().is_away(Class::Walkers));
-                    let far = gap > speed * needed_s + 3.0;
-                    let clear = gone || far || (standing && gap > 1.5) || ((impatient || held) && stops);
-                    if !clear {
-                        return false;
-                    }
-                }
-                if to < LOOK_M && open.len() < 64 {
-                    open.extend(
-                        net.lanes[at].previous.iter().map(|&p| (p, to + net.lanes[p].centre.length_m)),
-                    );
-                }
-            }
-            true
-        })
+        let held = lights && around.is_held(crossing, needed_s);
+        (!lights || held || self.anywhere) && around.is_clear(crossing, needed_s, impatient || held)
     }
 }
 
