@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Dependencies point one way: each crate may depend only on the crates named after it here.
+# Dependencies point one way: each crate may depend only on the crates named after it here, and no files of a crate need one
+# another in a circle (tests/layers).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -54,4 +55,5 @@ for manifest in lib/*/Cargo.toml; do
         fi
     done
 done
+"${CARGO:-cargo}" run --quiet --locked --package convoy-layers || bad=1
 exit $bad

@@ -25,7 +25,7 @@ use schema::settings::{DatasetSettings, LidarSpec};
 use schema::tables::{ActorRow, BoxRow};
 use schema::{AgentId, BevClass, DetectionClass};
 use sensors::{CameraView, CpuPainter, FrameWeather, Image, Lidar, Painter, RadarMotion, Shot, Sight};
-use traffic::{SceneInput, SceneLog};
+use traffic::{SceneInput, SimulationLog};
 use validity::{Evidence, PointCloud};
 use visibility::{CpuRenderer, Renderer, Scene};
 use voxelgrid::VoxelGrid;
@@ -87,7 +87,7 @@ fn main() {
 }
 
 /// Steps per second against real time, with all the traffic that fits.
-fn simulation(input: &SceneInput<'_>, rows: &mut Vec<Row>) -> SceneLog {
+fn simulation(input: &SceneInput<'_>, rows: &mut Vec<Row>) -> SimulationLog {
     let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
     let start = Instant::now();
     let mut first_step = None;
@@ -116,7 +116,7 @@ struct Agentframe<'a> {
     settings: &'a DatasetSettings,
     map: &'a Map,
     actors: &'a [ActorRow],
-    log: &'a SceneLog,
+    log: &'a SimulationLog,
     world: &'a SceneWorld,
     renderer: CpuRenderer,
     pose: Pose<World, Agent>,
@@ -130,7 +130,7 @@ impl<'a> Agentframe<'a> {
         settings: &'a DatasetSettings,
         map: &'a Map,
         actors: &'a [ActorRow],
-        log: &'a SceneLog,
+        log: &'a SimulationLog,
         world: &'a SceneWorld,
     ) -> Self {
         let own = log.actors.iter().find(|a| a.role == "vehicle_0").expect("is simulated").id;

@@ -179,7 +179,7 @@ mod tests {
     use plan::PlanMap;
     use schema::settings::stages::{PlanSettings, SimulationSettings};
     use schema::tables::FrameRow;
-    use traffic::{SceneInput, SceneLog};
+    use traffic::{SceneInput, SimulationLog};
     use world::{Moment, SceneWorld};
 
     #[test]
@@ -207,7 +207,7 @@ mod tests {
     }
 
     /// A scene of walkers around two agents: world, actors and log, walkers on the ground.
-    fn walked(name: &str, map: Map) -> (SceneWorld, Vec<ActorRow>, SceneLog) {
+    fn walked(name: &str, map: Map) -> (SceneWorld, Vec<ActorRow>, SimulationLog) {
         let text = format!(
             "name = \"test\"\n[scenes.train]\n\"{name}\" = 1\n[agents]\nmin_vehicles = 2\nmax_vehicles = 2\n\
              max_rsus = 0\n[timing]\nmin_duration_s = 20\nmax_duration_s = 20\n[traffic]\nvehicles = 10\n\

@@ -7,7 +7,7 @@ use pipeline::{At, Place, StageError};
 use schema::scene_info::{AgentInfo, SceneInfo};
 use schema::settings::stages::SimulationSettings;
 use schema::tables::{PlanAgentRow, PlanSceneRow, Weather};
-use traffic::SceneLog;
+use traffic::SimulationLog;
 
 use crate::error::LogError;
 
@@ -18,7 +18,7 @@ use crate::error::LogError;
 pub(crate) fn scene_info(
     plan: &PlanSceneRow,
     agents: &[PlanAgentRow],
-    log: &SceneLog,
+    log: &SimulationLog,
     map: &Map,
     settings: &SimulationSettings,
 ) -> Result<SceneInfo, StageError> {

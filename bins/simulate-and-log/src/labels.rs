@@ -11,7 +11,7 @@ use pipeline::{At, Place, StageError};
 use schema::scene_info::SceneInfo;
 use schema::tables::{ActorRow, AgentRow, BoxRow, HdMapRow, PartialRow, StateRow};
 use schema::{AgentId, FRAME_PERIOD_S, ObjectId, measures};
-use traffic::SceneLog;
+use traffic::SimulationLog;
 
 use crate::error::LogError;
 
@@ -31,7 +31,7 @@ impl Labels {
     pub(crate) fn collect(
         map: &Map,
         actors: &[ActorRow],
-        log: &SceneLog,
+        log: &SimulationLog,
         info: &SceneInfo,
         box_radius_m: f64,
     ) -> Result<Self, StageError> {

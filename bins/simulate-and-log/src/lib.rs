@@ -14,7 +14,7 @@ use schema::ObjectId;
 use schema::settings::stages::SimulationSettings;
 use schema::tables::PlanSceneRow;
 use store::keys;
-use traffic::{SceneInput, SceneLog};
+use traffic::{SceneInput, SimulationLog};
 
 use crate::error::LogError;
 use crate::labels::Labels;
@@ -79,7 +79,7 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
 }
 
 /// Warns where fewer background actors found room than were asked for.
-fn say_what_lacks(plan: &PlanSceneRow, log: &SceneLog) {
+fn say_what_lacks(plan: &PlanSceneRow, log: &SimulationLog) {
     let vehicles = plan.background_vehicles.and_then(|wanted| u32::try_from(wanted).ok());
     for (wanted, placed, what) in
         [(vehicles, log.n_vehicles, "background vehicles"), (Some(plan.walkers), log.n_walkers, "walkers")]
@@ -94,7 +94,7 @@ fn say_what_lacks(plan: &PlanSceneRow, log: &SceneLog) {
     }
 }
 
-fn simulate(input: &SceneInput<'_>, progress: &Progress) -> Result<SceneLog, StageError> {
+fn simulate(input: &SceneInput<'_>, progress: &Progress) -> Result<SimulationLog, StageError> {
     let mut stopped = None;
     let mut told = 0;
     let outcome = traffic::simulate(input, &mut |done, total| {

@@ -1,11 +1,11 @@
 //! Ground that the longest vehicles need in bends: nothing is put there.
 //!
-//! A bus whose middle follows its lane has its rear axle on a smaller circle and its outer front corner on a larger one: with
-//! a half wheelbase h, the rear axle's radius is sqrt(R^2 - h^2), and the corner's follows from the side and the front.
+//! A bus whose middle follows its lane has its rear axle on a smaller circle and its outer front corner on a larger one.
 
 use frames::wrap_pi;
 use nalgebra::Point3;
 use opendrive::{LaneHit, Map};
+use schema::models::swept_m;
 
 /// The longest vehicle: length, width and half its wheelbase, metres.
 const LENGTH_M: f64 = 12.0;
@@ -27,9 +27,7 @@ const TIGHTEST_M: f64 = 8.0;
 
 /// How far a long vehicle reaches inwards and outwards from a circle that its middle follows, metres.
 fn reaches(radius_m: f64) -> [f64; 2] {
-    let rear = (radius_m * radius_m - HALF_BASE_M * HALF_BASE_M).max(0.0).sqrt();
-    let (side, front) = (rear + 0.5 * WIDTH_M, HALF_BASE_M + 0.5 * LENGTH_M);
-    [radius_m - rear + 0.5 * WIDTH_M, (side * side + front * front).sqrt() - radius_m]
+    swept_m([LENGTH_M, WIDTH_M], HALF_BASE_M, radius_m)
 }
 
 /// A lane's curvature at a place, positive to the left, 1/m.

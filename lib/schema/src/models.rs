@@ -162,6 +162,16 @@ pub fn find(name: &str) -> Option<&'static Model> {
     MODELS.iter().find(|m| m.name == name)
 }
 
+/// How far a vehicle of a length and width reaches inwards and outwards from a circle that its middle goes round on, metres:
+/// with a half wheelbase h, its rear axle goes round on a circle of radius sqrt(R^2 - h^2), and its outer front corner's
+/// circle follows from the side and the front.
+#[must_use]
+pub fn swept_m([length_m, width_m]: [f64; 2], half_base_m: f64, radius_m: f64) -> [f64; 2] {
+    let rear = (radius_m * radius_m - half_base_m * half_base_m).max(0.0).sqrt();
+    let (side, front) = (rear + 0.5 * width_m, half_base_m + 0.5 * length_m);
+    [radius_m - rear + 0.5 * width_m, (side * side + front * front).sqrt() - radius_m]
+}
+
 /// Models that drive in background traffic.
 pub fn vehicles() -> impl Iterator<Item = &'static Model> {
     MODELS.iter().filter(|m| m.wheelbase_m > 0.0)

@@ -54,7 +54,7 @@ fn simulated(bencher: divan::Bencher<'_, '_>, map: &Map, share: u32, taken: u32,
 
 #[divan::bench(args = [0, 100, 200], sample_count = 3, sample_size = 1)]
 fn town03_400_vehicles_480_walkers(bencher: divan::Bencher<'_, '_>, steps: u32) {
-    let Some(map) = common::carla("Town03.xodr") else { return };
+    let Some(map) = testkit::real_map("Town03") else { return };
     simulated(bencher, &map, 100, 18, steps);
 }
 

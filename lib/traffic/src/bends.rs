@@ -5,11 +5,11 @@
 //! beside one another hold it together, so that cars never wait for cars. Who has waited for long goes before those who
 //! would come towards it after.
 
-use crate::attention::Class;
-use crate::driver::braking_to_stop;
-use crate::net::Net;
-use crate::sleep::Wake;
-use crate::vehicles::Vehicle;
+use crate::car_following::braking_to_stop;
+use crate::road::net::Net;
+use crate::vehicle::Vehicle;
+use crate::vehicle::attention::Class;
+use crate::vehicle::wake::Wake;
 
 /// Bends are looked at where the inner lane's radius is smaller than this, metres.
 const TIGHT_M: f64 = 45.0;
@@ -104,7 +104,7 @@ impl Bends {
         for bend in &mut self.bends {
             bend.holders.retain(|h| {
                 let vehicle = &vehicles[h.vehicle];
-                !vehicle.crashed && vehicle.odometer_m < h.until_m
+                !vehicle.is_crashed() && vehicle.route().odometer_m() < h.until_m
             });
             bend.claims.retain(|(v, _)| self.waited[*v] > PATIENCE_STEPS);
         }
@@ -118,8 +118,8 @@ impl Bends {
 
     fn ask(&mut self, net: &Net, vehicles: &[Vehicle], me: usize) -> Option<f64> {
         let vehicle = &vehicles[me];
-        let speed = vehicle.speed_mps;
-        let stays = vehicle.crashed || vehicle.wake == Wake::Asleep;
+        let speed = vehicle.speed_mps();
+        let stays = vehicle.is_crashed() || vehicle.wake() == Wake::Asleep;
         let ahead = if stays { Vec::new() } else { self.ahead(net, vehicle, me) };
         let near_m = speed * speed / (2.0 * BRAKING) + BEFORE_M;
         let Some(first) = ahead.first().filter(|a| a.gap_m < near_m) else {
@@ -128,9 +128,9 @@ impl Bends {
         };
         let free = ahead.iter().all(|a| self.is_free(vehicles, me, a));
         let goes = braking_to_stop(speed, first.gap_m) > HARD_BRAKING && speed > 1.0;
-        if free || goes || first.gap_m < 0.0 || vehicle.attention.is_away(Class::Vehicles) {
+        if free || goes || first.gap_m < 0.0 || vehicle.driver().is_away(Class::Vehicles) {
             for a in &ahead {
-                let until_m = vehicle.odometer_m + a.end_m + vehicle.half_length_m();
+                let until_m = vehicle.route().odometer_m() + a.end_m + vehicle.half_length_m();
                 self.bends[a.bend].holders.push(Holder { vehicle: me, part: a.part, until_m });
             }
             self.waited[me] = 0;
@@ -158,7 +158,7 @@ impl Bends {
             }
         }
         found.sort_by(|a, b| a.gap_m.total_cmp(&b.gap_m));
-        let room_m = vehicle.model.size_m[0] + BETWEEN_M;
+        let room_m = vehicle.length_m() + BETWEEN_M;
         let mut end_m = f64::INFINITY;
         let joined = found.iter().take_while(|a| {
             let near = end_m == f64::INFINITY || a.gap_m + half - end_m < room_m;
@@ -192,7 +192,7 @@ impl Bend {
 
 /// The stretches of a lane with a small radius: metres along it, and whether it turns left.
 fn runs(net: &Net, lane: usize) -> Vec<(f64, f64, bool)> {
-    let way = &net.lanes[lane].way;
+    let way = &net.lanes[lane].centre;
     let mut found: Vec<(f64, f64, bool)> = Vec::new();
     for w in way.samples.windows(2) {
         let curvature = way.curvature(0.5 * (w[0].along_m + w[1].along_m));
@@ -212,10 +212,10 @@ fn runs(net: &Net, lane: usize) -> Vec<(f64, f64, bool)> {
 fn opposite(net: &Net, lane: usize, run: &(f64, f64, bool)) -> Vec<Bend> {
     let &(from_m, to_m, turns_left) = run;
     let mut found: Vec<Bend> = Vec::new();
-    let way = &net.lanes[lane].way;
+    let way = &net.lanes[lane].centre;
     for sample in way.samples.iter().filter(|s| (from_m..=to_m).contains(&s.along_m)) {
         for (other, along_m) in net.lanes_at(&sample.point, BESIDE_M) {
-            let facing = net.lanes[other].way.place(along_m);
+            let facing = net.lanes[other].centre.place(along_m);
             let away = facing.point - sample.point;
             let left_m = sample.tangent.x * away.y - sample.tangent.y * away.x;
             let (sin, cos) = frames::math::sin_cos(facing.heading_rad);

@@ -25,7 +25,7 @@ pub(crate) struct Body(RigidBodyHandle, ColliderHandle);
 
 /// Where a body is and how it moves, in the plane.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion {
+pub(crate) struct BodyMotion {
     pub(crate) x_m: f64,
     pub(crate) y_m: f64,
     pub(crate) yaw_rad: f64,
@@ -171,11 +171,11 @@ impl Bodies {
         hits
     }
 
-    pub(crate) fn motion(&self, body: Body) -> Option<Motion> {
+    pub(crate) fn motion(&self, body: Body) -> Option<BodyMotion> {
         let body = self.world.bodies.get(body.0)?;
         let at = self.origin.world_from_local(body.translation());
         let velocity = body.linvel();
-        Some(Motion {
+        Some(BodyMotion {
             x_m: at[0],
             y_m: at[1],
             yaw_rad: f64::from(yaw_of(body.rotation())),

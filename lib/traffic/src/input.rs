@@ -7,6 +7,48 @@ use schema::settings::stages::SimulationSettings;
 use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, SignalRow, StateRow};
 
 /// A scene to simulate.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use opendrive::Map;
+/// use schema::settings::stages::SimulationSettings;
+/// use schema::tables::{PlanAgentRow, PlanSceneRow};
+/// use traffic::{SceneInput, simulate};
+///
+/// let town = town::generate(&town::named("convoy/demo").expect("a town of ours")).expect("roads");
+/// let map = Map::new(town);
+/// let start = map.point_at(map.spawn_points(24.0)[0]).expect("a place on a lane");
+/// let agent = PlanAgentRow {
+///     agent: "vehicle_0".into(),
+///     model: "car.sedan".into(),
+///     xyz_m: start.position.into(),
+///     rpy_rad: [0.0, 0.0, start.heading_rad],
+///     ..PlanAgentRow::default()
+/// };
+/// let scene = PlanSceneRow {
+///     frames: 20,
+///     duration_s: 1.0,
+///     background_vehicles: Some(12),
+///     spawn_radius_m: 300.0,
+///     spawn_separation_m: 24.0,
+///     ..PlanSceneRow::default()
+/// };
+/// let input = SceneInput {
+///     map: &map,
+///     scene: &scene,
+///     agents: &[agent],
+///     hazards: &[],
+///     settings: &SimulationSettings::default(),
+///     fixed: &[],
+///     first_id: 1,
+/// };
+/// let log = simulate(&input, &mut |_, _| ControlFlow::Continue(()))?;
+/// assert_eq!(log.frames.len(), 20);
+/// // States begin a frame earlier, so that frame 0 has one before it.
+/// assert_eq!(log.states.len(), 21 * log.actors.len());
+/// # Ok::<(), traffic::TrafficError>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct SceneInput<'a> {
     /// The scene's map.
@@ -28,7 +70,7 @@ pub struct SceneInput<'a> {
 
 /// What happened in a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct SceneLog {
+pub struct SimulationLog {
     /// Agent vehicles, RSUs, background vehicles, walkers, what stands in hazards; ids ascend from the first one.
     pub actors: Vec<ActorRow>,
     /// Moving actors at frames -1 to the last, by frame, then id.

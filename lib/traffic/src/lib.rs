@@ -7,44 +7,26 @@
 //! The rigid-body engine moves the bodies: as drivers wish while nothing touches, and by its contact solver when a
 //! driver who looks at nothing hits something.
 
-mod approach;
-mod attention;
+mod acceleration;
 mod bends;
 mod bodies;
-mod change;
-mod crowd;
-mod doors;
-mod driver;
+mod car_following;
 mod error;
-mod exits;
-mod fixtures;
 mod grid;
 mod hazards;
 mod input;
 mod junction;
-mod links;
-mod log;
-mod meeting;
-mod moving;
-mod net;
+mod lane_change;
 mod occupancy;
-mod paths;
-mod placing;
-mod queues;
-mod reservations;
-mod routes;
-mod sides;
-mod signals;
+mod road;
+mod scene;
 mod simulation;
 mod sleep;
-mod spawn;
-mod sway;
-mod sweep;
-mod vehicles;
-mod walkers;
-mod ways;
+mod swept_path;
+mod vehicle;
+mod walking;
 
-pub use driver::{Idm, equilibrium_gap_m};
+pub use car_following::{Idm, equilibrium_gap_m};
 pub use error::TrafficError;
-pub use input::{SceneInput, SceneLog};
+pub use input::{SceneInput, SimulationLog};
 pub use simulation::simulate;

@@ -2,10 +2,10 @@
 
 use nalgebra::Point3;
 
-use crate::driver::time_s;
-use crate::net::Net;
-use crate::sleep::Wake;
-use crate::vehicles::Vehicle;
+use crate::car_following::time_s;
+use crate::road::net::Net;
+use crate::vehicle::Vehicle;
+use crate::vehicle::wake::Wake;
 
 /// Other lanes' traffic is looked at this far before a merge, metres.
 const MERGE_VIEW_M: f64 = 40.0;
@@ -33,7 +33,7 @@ const SHORT_M: f64 = 1.0;
 
 /// Whether what is on a lane is a wreck or another thing that nobody drives away, or somebody who cannot get past one.
 pub(crate) fn is_stranded(vehicles: &[Vehicle], who: usize) -> bool {
-    vehicles.get(who).is_none_or(|v| v.crashed || v.stuck)
+    vehicles.get(who).is_none_or(|v| v.is_crashed() || v.lane_choice().is_boxed_in())
 }
 
 /// Onwards or backwards along lanes.
@@ -45,7 +45,7 @@ pub(crate) enum Sense {
 
 /// A walker who crosses a lane.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Crosser {
+pub(crate) struct CrossingWalker {
     /// Metres along the lane to where it does.
     pub(crate) along_m: f64,
     /// Seconds until it is there.
@@ -54,7 +54,7 @@ pub(crate) struct Crosser {
 
 /// Something on a lane.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Spot {
+pub(crate) struct Occupant {
     pub(crate) along_m: f64,
     pub(crate) half_length_m: f64,
     pub(crate) speed_mps: f64,
@@ -68,20 +68,20 @@ pub(crate) struct Leader {
     /// Between bumpers, metres.
     pub(crate) gap_m: f64,
     pub(crate) speed_mps: f64,
-    /// Index of the vehicle, as in [`Spot`].
+    /// Index of the vehicle, as in [`Occupant`].
     pub(crate) vehicle: usize,
 }
 
 /// What is on each lane in this step.
 #[derive(Debug, Default)]
 pub(crate) struct Occupancy {
-    pub(crate) vehicles: Vec<Vec<Spot>>,
+    vehicles: Vec<Vec<Occupant>>,
     /// Where walkers are about to cross the lane.
-    pub(crate) walkers: Vec<Vec<Crosser>>,
+    walkers: Vec<Vec<CrossingWalker>>,
     /// Vehicles on lanes beside that must change to this one and find no gap.
-    asking: Vec<Vec<Spot>>,
+    asking: Vec<Vec<Occupant>>,
     /// Things that stand for the whole scene, with their lanes.
-    standing: Vec<(usize, Spot)>,
+    standing: Vec<(usize, Occupant)>,
     touched: Vec<usize>,
 }
 
@@ -92,7 +92,7 @@ fn footprint(
     yaw_rad: f64,
     size_m: [f64; 3],
     vehicle: usize,
-) -> Vec<(usize, Spot)> {
+) -> Vec<(usize, Occupant)> {
     let (sin, cos) = frames::math::sin_cos(yaw_rad);
     let (half_length, half_width) = (0.5 * size_m[0], 0.5 * size_m[1]);
     let parts: &[f64] = if size_m[0] < SHORT_M { &[0.0] } else { &[-1.0, -0.5, 0.0, 0.5, 1.0] };
@@ -102,7 +102,7 @@ fn footprint(
         let point = at + nalgebra::Vector3::new(cos * off, sin * off, 0.0);
         for (lane, along_m) in net.lanes_at(&point, half_width - 0.4) {
             let half_length_m = half_width.max(0.25 * half_length);
-            spots.push((lane, Spot { along_m, half_length_m, speed_mps: 0.0, vehicle }));
+            spots.push((lane, Occupant { along_m, half_length_m, speed_mps: 0.0, vehicle }));
         }
     }
     spots
@@ -119,7 +119,12 @@ impl Occupancy {
         }
     }
 
-    pub(crate) fn clear(&mut self) {
+    /// The vehicles and things on a lane.
+    pub(crate) fn on_lane(&self, lane: usize) -> &[Occupant] {
+        &self.vehicles[lane]
+    }
+
+    fn clear(&mut self) {
         for lane in self.touched.drain(..) {
             self.vehicles[lane].clear();
             self.walkers[lane].clear();
@@ -127,14 +132,14 @@ impl Occupancy {
         }
     }
 
-    pub(crate) fn add_vehicle(&mut self, lane: usize, spot: Spot) {
+    pub(crate) fn add_vehicle(&mut self, lane: usize, spot: Occupant) {
         self.touched.push(lane);
         self.vehicles[lane].push(spot);
     }
 
-    pub(crate) fn add_walker(&mut self, lane: usize, crosser: Crosser) {
+    pub(crate) fn add_walker(&mut self, lane: usize, walker: CrossingWalker) {
         self.touched.push(lane);
-        self.walkers[lane].push(crosser);
+        self.walkers[lane].push(walker);
     }
 
     /// Puts a thing on the lanes under it for good.
@@ -151,38 +156,45 @@ impl Occupancy {
         }
         for (i, vehicle) in vehicles.iter().enumerate() {
             let half_length_m = vehicle.half_length_m();
-            if !vehicle.crashed {
-                let spot = Spot {
-                    along_m: vehicle.along_m,
+            if !vehicle.is_crashed() {
+                let spot = Occupant {
+                    along_m: vehicle.route().along_m(),
                     half_length_m,
-                    speed_mps: vehicle.speed_mps,
+                    speed_mps: vehicle.speed_mps(),
                     vehicle: i,
                 };
-                self.add_vehicle(vehicle.route[0], spot);
-                if vehicle.shift.is_some() {
-                    let margin_m = 0.5 * vehicle.model.size_m[1] - REACHES_M;
-                    let (sin, cos) = frames::math::sin_cos(vehicle.yaw_rad);
+                self.add_vehicle(vehicle.route().lane(), spot);
+                if vehicle.lateral().change().is_some() {
+                    let margin_m = 0.5 * vehicle.model().size_m[1] - REACHES_M;
+                    let (sin, cos) = frames::math::sin_cos(vehicle.motion().yaw_rad());
                     // Its middle, and its ends: it stands askew.
                     for (part, half_length_m) in [(0.0, half_length_m), (-1.0, END_M), (1.0, END_M)] {
                         let off = part * (vehicle.half_length_m() - END_M).max(0.0);
-                        let point = vehicle.place.point + nalgebra::Vector3::new(cos * off, sin * off, 0.0);
+                        let point =
+                            vehicle.motion().position() + nalgebra::Vector3::new(cos * off, sin * off, 0.0);
                         for (lane, along_m) in net.lanes_at(&point, margin_m) {
-                            if lane != vehicle.route[0] && net.lanes[lane].beside.iter().any(Option::is_some)
+                            if lane != vehicle.route().lane()
+                                && net.lanes[lane].beside.iter().any(Option::is_some)
                             {
-                                self.add_vehicle(lane, Spot { along_m, half_length_m, ..spot });
+                                self.add_vehicle(lane, Occupant { along_m, half_length_m, ..spot });
                             }
                         }
                     }
                 }
-                if let Some(lane) = vehicle.asks {
-                    let along_m = net.lanes[lane].way.project(vehicle.place.point).0;
+                if let Some(lane) = vehicle.lane_choice().wanted() {
+                    let along_m = net.lanes[lane].centre.project(vehicle.motion().position()).0;
                     self.touched.push(lane);
-                    self.asking[lane].push(Spot { along_m, ..spot });
+                    self.asking[lane].push(Occupant { along_m, ..spot });
                 }
                 continue;
             }
-            for (lane, spot) in footprint(net, &vehicle.place.point, vehicle.yaw_rad, vehicle.model.size_m, i)
-            {
+            for (lane, spot) in footprint(
+                net,
+                &vehicle.motion().position(),
+                vehicle.motion().yaw_rad(),
+                vehicle.model().size_m,
+                i,
+            ) {
                 self.add_vehicle(lane, spot);
             }
         }
@@ -193,7 +205,7 @@ impl Occupancy {
         let vehicle = &vehicles[me];
         let (own_half, view) = (vehicle.half_length_m(), vehicle.view_m());
         let mut best: Option<Leader> = None;
-        let mut consider = |to_m: f64, spot: &Spot| {
+        let mut consider = |to_m: f64, spot: &Occupant| {
             let gap_m = to_m - own_half - spot.half_length_m;
             if spot.vehicle != me && to_m > 0.0 && best.is_none_or(|b| gap_m < b.gap_m) {
                 best = Some(Leader { gap_m, speed_mps: spot.speed_mps, vehicle: spot.vehicle });
@@ -218,7 +230,7 @@ impl Occupancy {
                     }
                 }
                 // Those who have branched off but for their rear.
-                let length = net.lanes[sibling].way.length_m;
+                let length = net.lanes[sibling].centre.length_m;
                 if length < zone + LONGEST_HALF_M {
                     for spot in net.lanes[sibling].next.iter().flat_map(|&on| &self.vehicles[on]) {
                         if length + spot.along_m - spot.half_length_m < zone {
@@ -227,18 +239,18 @@ impl Occupancy {
                     }
                 }
             }
-            let length = net.lanes[lane].way.length_m;
+            let length = net.lanes[lane].centre.length_m;
             let own_to_end = start + length;
             if own_to_end > MERGE_VIEW_M + 20.0 {
                 continue;
             }
             for &(sibling, zone) in &net.lanes[lane].merging {
-                let sibling_length = net.lanes[sibling].way.length_m;
+                let sibling_length = net.lanes[sibling].centre.length_m;
                 for spot in &self.vehicles[sibling] {
                     let to_end = sibling_length - spot.along_m;
                     let first = to_end < own_to_end || (to_end == own_to_end && spot.vehicle < me);
                     // A sleeper is not going to merge.
-                    let sleeps = vehicles.get(spot.vehicle).is_some_and(|v| v.wake == Wake::Asleep);
+                    let sleeps = vehicles.get(spot.vehicle).is_some_and(|v| v.wake() == Wake::Asleep);
                     let view_m = if sleeps { spot.half_length_m } else { MERGE_VIEW_M };
                     let near = to_end < zone + view_m && k < 2;
                     if first && near {
@@ -263,10 +275,10 @@ impl Occupancy {
                 if gap <= -0.3 || best.is_some_and(|b| gap >= b) {
                     continue;
                 }
-                let past_m = gap + vehicle.model.size_m[0] + 2.0 * WALKER_HALF_M;
-                let ease = EASE * vehicle.driver.idm.acceleration;
+                let past_m = gap + vehicle.length_m() + 2.0 * WALKER_HALF_M;
+                let ease = EASE * vehicle.driver().idm().acceleration;
                 if crosser.in_s
-                    < time_s(past_m, vehicle.speed_mps, ease, vehicle.driver_speed(net)) + PASSED_S
+                    < time_s(past_m, vehicle.speed_mps(), ease, vehicle.speed_here(net)) + PASSED_S
                 {
                     best = Some(gap);
                 }
@@ -284,9 +296,9 @@ impl Occupancy {
         (lane, along_m): (usize, f64),
         me: usize,
         reach_m: f64,
-    ) -> Option<(f64, Spot)> {
-        let length = |lane: usize| net.lanes[lane].way.length_m;
-        let mut best: Option<(f64, Spot)> = None;
+    ) -> Option<(f64, Occupant)> {
+        let length = |lane: usize| net.lanes[lane].centre.length_m;
+        let mut best: Option<(f64, Occupant)> = None;
         // Lanes with the place as metres along each of them, as if it went straight on.
         let mut open = vec![(lane, along_m)];
         let mut seen = 0;
@@ -318,7 +330,7 @@ impl Occupancy {
     /// The nearest vehicle ahead that asks to be let in on the way of `me`.
     pub(crate) fn asking(&self, net: &Net, vehicles: &[Vehicle], me: usize) -> Option<Leader> {
         let vehicle = &vehicles[me];
-        if net.lanes[vehicle.route[0]].junction.is_some() {
+        if net.lanes[vehicle.route().lane()].junction.is_some() {
             return None;
         }
         let mut best: Option<Leader> = None;

@@ -3,35 +3,41 @@
 use std::ops::ControlFlow;
 
 use frames::{LocalOrigin, Object, Pose, World};
+use nalgebra::Point3;
 use random::Stream;
 use schema::footprint::footprint;
-use schema::scene_info::DriverInfo;
-use schema::tables::{FrameRow, PlanSceneRow, SignalRow, StateRow, Weather};
+use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanSceneRow, SignalRow, StateRow, Weather};
 use schema::{FRAME_PERIOD_S, ObjectId};
 
-use crate::attention::Class;
+use crate::acceleration::wished_acceleration;
 use crate::bends::Bends;
 use crate::bodies::Bodies;
-use crate::change::change_lanes;
-use crate::crowd::Crowd;
-use crate::doors::Doors;
-use crate::driver::{COMFORT_BRAKING, MAX_ACCELERATION, MAX_BRAKING};
-use crate::fixtures::Fixtures;
-use crate::hazards::Thing;
-use crate::log::{Snapshot, rsu_actor, vehicle_actor, vehicle_lamps, walker_actor, weather_lamps};
-use crate::net::Net;
+use crate::car_following::{COMFORT_BRAKING, MAX_ACCELERATION, MAX_BRAKING};
+use crate::error::TrafficError;
+use crate::hazards::{Hazards, Thing};
+use crate::input::{SceneInput, SimulationLog};
+use crate::junction::right_of_way::{Junctions, RightOfWay};
+use crate::lane_change::change_lanes;
 use crate::occupancy::Occupancy;
-use crate::paths::Paths;
-use crate::placing::{WALKERS, add_fixed, lamps, place_vehicles, place_walkers};
-use crate::reservations::Reservations;
-use crate::routes::Routes;
-use crate::signals::Signals;
-use crate::sleep::{Wake, Watch};
-use crate::spawn::{Start, ids, vehicle_starts};
-use crate::sweep::Sweeps;
-use crate::vehicles::{Vehicle, wished_acceleration};
-use crate::walkers::{Place, Walker};
-use crate::{SceneInput, SceneLog, TrafficError};
+use crate::road::net::Net;
+use crate::road::signals::Signals;
+use crate::scene::log::{log_vehicles, log_walkers, vehicle_lamps, weather_lamps};
+use crate::scene::placing::{
+    ActorIds, WALKERS, add_fixed, lamps, place_hazards, place_vehicles, place_walkers,
+};
+use crate::scene::rows::Snapshot;
+use crate::scene::spawn::{Start, vehicle_starts};
+use crate::sleep::Watch;
+use crate::swept_path::SweptPaths;
+use crate::vehicle::Vehicle;
+use crate::vehicle::attention::Class;
+use crate::vehicle::wake::Wake;
+use crate::walking::crowd::Crowd;
+use crate::walking::fixtures::Fixtures;
+use crate::walking::paths::Paths;
+use crate::walking::routes::Routes;
+use crate::walking::surroundings::Surroundings;
+use crate::walking::walker::Walker;
 
 /// Walkers' destinations are at most this many times as far from an agent's start as walkers' starts, and on large maps at
 /// most so many metres for each second that is simulated.
@@ -55,7 +61,7 @@ fn destination_radius_m(scene: &PlanSceneRow, extent_m: f64) -> f64 {
 pub fn simulate(
     input: &SceneInput<'_>,
     on_step: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
-) -> Result<SceneLog, TrafficError> {
+) -> Result<SimulationLog, TrafficError> {
     let scene = input.scene;
     let warmup = scene.warmup_s;
     if !(0.0..=MAX_WARMUP_S).contains(&warmup) {
@@ -91,116 +97,95 @@ struct Simulation<'a> {
     routes: Routes,
     fixtures: Fixtures,
     vehicles: Vec<Vehicle>,
-    starts: Vec<Start>,
     walkers: Vec<Walker>,
     vehicle_ids: Vec<ObjectId>,
     walker_ids: Vec<ObjectId>,
-    /// Doors of each vehicle.
-    doors: Vec<Doors>,
     /// Vehicles that stand in hazards.
     standing: Vec<(ObjectId, Thing)>,
     /// Traffic lights of the scene: object id, signal of the map.
     lamps: Vec<(ObjectId, usize)>,
     occupancy: Occupancy,
-    reservations: Reservations,
+    right_of_way: RightOfWay,
     bodies: Bodies,
-    sweeps: Sweeps,
+    sweeps: SweptPaths,
     bends: Bends,
     watch: Watch,
     /// Poses one step ago, for velocities: vehicles, then walkers.
     before: Vec<Pose<World, Object>>,
-    log: SceneLog,
+    log: SimulationLog,
+}
+
+/// Who takes part in a scene, before anybody has a body.
+struct Cast<'a> {
+    starts: Vec<Start>,
+    rsus: Vec<&'a PlanAgentRow>,
+    hazards: Hazards,
+    /// Where agents start.
+    agents: Vec<Point3<f64>>,
+    /// Number, sidewalk and place on it of each walker.
+    walkers: Vec<(usize, usize, f64)>,
+    ids: ActorIds,
+}
+
+impl<'a> Cast<'a> {
+    fn draw(input: &'a SceneInput<'a>, net: &Net, paths: &Paths) -> Result<Self, TrafficError> {
+        let scene = input.scene;
+        let (starts, hazards) = vehicle_starts(input, net)?;
+        let agents = starts.iter().filter(|s| s.role != "background").map(|s| s.point).collect::<Vec<_>>();
+        let rsus: Vec<_> = input.agents.iter().filter(|a| a.agent.starts_with("rsu")).collect();
+        let walkers = paths.draw_starts(scene.walkers, &agents, scene.spawn_radius_m, &|i| {
+            Stream::new(scene.seed, u64::from(scene.scene), "traffic/walker/place", i)
+        });
+        let background = starts.len() - agents.len();
+        let counts = [agents.len(), rsus.len(), background, walkers.len(), hazards.things.len()];
+        let ids = ActorIds::new(input, counts)?;
+        Ok(Self { starts, rsus, hazards, agents, walkers, ids })
+    }
+
+    /// Rows of what stands in hazards.
+    fn hazard_actors(&self) -> Vec<ActorRow> {
+        let things = self.ids.hazards.iter().zip(&self.hazards.things);
+        things.map(|(id, thing)| thing.actor(*id)).collect()
+    }
 }
 
 impl<'a> Simulation<'a> {
     fn new(input: &'a SceneInput<'a>) -> Result<Self, TrafficError> {
         let (map, scene) = (input.map, input.scene);
-        let number = u64::from(scene.scene);
         let net = Net::new(map);
         if net.lanes.is_empty() {
             return Err(TrafficError::NoDrivingLanes { scene: scene.scene, map: scene.map.clone() });
         }
-        let signals = Signals::new(map, &input.settings.traffic, scene.seed, number);
+        let signals = Signals::new(map, &input.settings.traffic, scene.seed, u64::from(scene.scene));
         let paths = Paths::new(map, &net);
-        let (starts, hazards) = vehicle_starts(input, &net)?;
-        let agents = starts.iter().filter(|s| s.role != "background").map(|s| s.point).collect::<Vec<_>>();
-        let routes = Routes::new(&paths, &agents, destination_radius_m(scene, net.extent_m()));
-        let middle = agents.first().map_or([0.0; 3], |p| (*p).into());
+        let cast = Cast::draw(input, &net, &paths)?;
+        let routes = Routes::new(&paths, &cast.agents, destination_radius_m(scene, net.extent_m()));
+        let mut log = SimulationLog { signal_groups: signals.groups(map), ..SimulationLog::default() };
+        log_vehicles(&mut log, &cast.ids, &cast.starts, &cast.rsus);
+
+        // Bodies are made in this order: vehicles, walkers, what is parked, what stands in hazards.
+        let middle = cast.agents.first().map_or([0.0; 3], |p| (*p).into());
         let mut bodies = Bodies::new(LocalOrigin::near(middle));
-
-        let rsus: Vec<_> = input.agents.iter().filter(|a| a.agent.starts_with("rsu")).collect();
-        let places = paths.draw_starts(scene.walkers, &agents, scene.spawn_radius_m, &|i| {
-            Stream::new(scene.seed, number, "traffic/walker/place", i)
-        });
-        let all = ids(
-            scene.scene,
-            input.first_id,
-            starts.len() + rsus.len() + places.len() + hazards.things.len(),
-        )?;
-        let (agent_ids, rest) = all.split_at(agents.len());
-        let (rsu_ids, rest) = rest.split_at(rsus.len());
-        let (background_ids, rest) = rest.split_at(starts.len() - agents.len());
-        let (walker_ids, hazard_ids) = rest.split_at(places.len());
-
-        let mut log = SceneLog::default();
-        let vehicle_ids = [agent_ids, background_ids].concat();
-        for (id, start) in agent_ids.iter().zip(&starts) {
-            log.actors.push(vehicle_actor(*id, start));
-        }
-        for (id, agent) in rsu_ids.iter().zip(&rsus) {
-            log.actors.push(rsu_actor(*id, agent));
-        }
-        for (id, start) in background_ids.iter().zip(&starts[agents.len()..]) {
-            log.actors.push(vehicle_actor(*id, start));
-            log.n_vehicles += 1;
-            log.n_reckless += u32::from(start.driver.reckless);
-            log.n_distracted += u32::from(start.driver.distracted);
-            log.drivers.push(DriverInfo {
-                id: *id,
-                speed_difference: start.driver.speed_difference,
-                standstill_gap_m: start.driver.idm.standstill_gap_m,
-                reckless: start.driver.reckless,
-                distracted: start.driver.distracted,
-            });
-        }
-        let mut reservations = Reservations::new(net.lanes.len());
-        let vehicles = place_vehicles(&net, &starts, input, &mut bodies, &mut reservations);
-        let standing: Vec<_> =
-            hazard_ids.iter().zip(&hazards.things).map(|(id, thing)| thing.actor(*id)).collect();
+        let mut right_of_way = RightOfWay::new(net.lanes.len());
+        let vehicles = place_vehicles(&net, &cast.starts, input, &mut bodies, &mut right_of_way);
+        let standing = cast.hazard_actors();
         let fixed = input.fixed.iter().chain(log.actors.iter().filter(|a| a.fixed)).chain(&standing);
         let fixtures = Fixtures::new(fixed.filter_map(footprint));
-        let walkers = place_walkers(input, &paths, &routes, &fixtures, &places, &mut bodies);
-        for ((walker, anywhere), id) in walkers.iter().zip(walker_ids) {
-            log.actors.push(walker_actor(*id, walker, *anywhere));
-            log.n_walkers += 1;
-        }
+        let walkers = place_walkers(input, &paths, &routes, &fixtures, &cast.walkers, &mut bodies);
+        log_walkers(&mut log, &cast.ids, &walkers);
         log.actors.extend(standing);
         add_fixed(input, &net, &mut bodies);
         let mut occupancy = Occupancy::new(net.lanes.len());
-        for (i, thing) in hazards.things.iter().enumerate() {
-            if thing.is_on_lane() {
-                occupancy.stand(&net, &thing.point, thing.yaw_rad(), thing.size_m);
-            }
-            if thing.solid {
-                bodies.fixed(&thing.point, thing.yaw_rad(), thing.size_m, 3 * WALKERS + i as u32);
-            }
-        }
-        let sweeps = Sweeps::new(hazards.things.iter().map(|t| (t.point, t.yaw_rad(), t.size_m)));
-        log.hazards = hazards.placed;
-        log.signal_groups = signals.groups(map);
-        let standing =
-            hazard_ids.iter().copied().zip(hazards.things).filter(|(_, t)| t.has_states()).collect();
-        let doors = starts.iter().enumerate().map(|(i, start)| {
-            let chance = if start.role == "background" { input.settings.traffic.door_open } else { 0.0 };
-            Doors::new(start.model, chance, Stream::new(scene.seed, number, "traffic/doors", i as u64))
-        });
-        let doors = doors.collect();
-        let bends = Bends::new(&net, vehicles.len());
-        let watch = Watch { distance_m: input.settings.traffic.active_distance_m, agents: agents.len() };
+        let things = cast.hazards.things;
+        place_hazards(&net, &things, &mut occupancy, &mut bodies);
+        log.hazards = cast.hazards.placed;
+        let ids = cast.ids;
         let mut simulation = Self {
             lamps: lamps(map, input),
-            doors,
-            standing,
+            bends: Bends::new(&net, vehicles.len()),
+            watch: Watch { distance_m: input.settings.traffic.active_distance_m, agents: cast.agents.len() },
+            sweeps: SweptPaths::new(things.iter().map(|t| (t.point, t.yaw_rad(), t.size_m))),
+            standing: ids.hazards.into_iter().zip(things).filter(|(_, t)| t.has_states()).collect(),
             occupancy,
             before: Vec::new(),
             input,
@@ -210,15 +195,11 @@ impl<'a> Simulation<'a> {
             routes,
             fixtures,
             vehicles,
-            starts,
             walkers: walkers.into_iter().map(|(walker, _)| walker).collect(),
-            vehicle_ids,
-            walker_ids: walker_ids.to_vec(),
-            reservations,
+            vehicle_ids: [ids.agents, ids.background].concat(),
+            walker_ids: ids.walkers,
+            right_of_way,
             bodies,
-            sweeps,
-            bends,
-            watch,
             log,
         };
         simulation.remember();
@@ -229,41 +210,53 @@ impl<'a> Simulation<'a> {
     fn step(&mut self, step: u32) {
         self.remember();
         let time_s = f64::from(step) * FRAME_PERIOD_S;
+        self.look(step);
+        let wishes = self.wishes(step, time_s);
+        self.drive(&wishes);
+        self.walk(time_s);
+        self.bodies.step();
+        self.take_hits();
+        for vehicle in self.vehicles.iter_mut().filter(|v| v.wake() != Wake::Asleep) {
+            vehicle.move_doors();
+        }
+    }
+
+    /// Everybody looks about: who is awake, what drivers overlook, who is on the lanes and about to be.
+    fn look(&mut self, step: u32) {
         if Watch::is_due(step) {
-            self.watch.look(&self.net, &self.reservations, &self.bends, &mut self.vehicles, &mut self.bodies);
+            let reservations = self.right_of_way.reservations();
+            self.watch.look(&self.net, reservations, &self.bends, &mut self.vehicles, &mut self.bodies);
             self.watch.look_at_walkers(&self.vehicles, &mut self.walkers, &mut self.bodies);
         }
-        for vehicle in self.vehicles.iter_mut().filter(|v| !v.crashed) {
-            vehicle.attention.look(step);
+        for vehicle in self.vehicles.iter_mut().filter(|v| !v.is_crashed()) {
+            vehicle.look(step);
         }
         self.occupancy.fill(&self.net, &self.vehicles);
         change_lanes(&self.net, &mut self.occupancy, &mut self.vehicles, step);
         self.sweeps.clear();
         for walker in &self.walkers {
             walker.mark(&self.net, &mut self.occupancy);
-            self.sweeps.add_walker(walker.point, walker.radius_m());
+            self.sweeps.add_walker(walker.position(), walker.radius_m());
         }
-        let approaches = self.reservations.serve(
-            &self.net,
-            &self.signals,
-            &self.occupancy,
-            &mut self.vehicles,
-            step,
-            time_s,
-        );
-        let bends = self.bends.serve(&self.net, &self.vehicles);
+    }
+
+    /// The accelerations that drivers wish for, as vehicles can, m/s2.
+    fn wishes(&mut self, step: u32, time_s: f64) -> Vec<f64> {
+        let (net, signals, occupancy) = (&self.net, &self.signals, &self.occupancy);
+        let now = Junctions { net, signals, occupancy, step, time_s };
+        let approaches = self.right_of_way.serve(&now, &mut self.vehicles);
+        let bends = self.bends.serve(net, &self.vehicles);
         let mut wishes = Vec::with_capacity(self.vehicles.len());
-        for (me, approach) in approaches.iter().enumerate() {
-            let wish = if self.vehicles[me].crashed {
+        for ((me, approach), bend_m) in approaches.iter().enumerate().zip(bends) {
+            let vehicle = &self.vehicles[me];
+            let wish = if vehicle.is_crashed() {
                 0.0
             } else {
-                let vehicle = &self.vehicles[me];
-                let sees = !vehicle.attention.is_away(Class::Walkers);
-                let touching_m = sees.then(|| self.sweeps.gap_m(&self.net, vehicle)).flatten();
-                let gaps = [bends[me], touching_m];
-                let wish =
-                    || wished_acceleration(&self.net, &self.occupancy, &self.vehicles, me, approach, gaps);
-                match vehicle.wake {
+                let sees = !vehicle.driver().is_away(Class::Walkers);
+                let touching_m = sees.then(|| self.sweeps.gap_m(net, vehicle)).flatten();
+                let gaps = [bend_m, touching_m];
+                let wish = || wished_acceleration(net, occupancy, &self.vehicles, me, approach, gaps);
+                match vehicle.wake() {
                     Wake::Asleep => 0.0,
                     Wake::Halting => wish().min(-COMFORT_BRAKING),
                     Wake::Awake | Wake::Drowsy => wish(),
@@ -271,25 +264,30 @@ impl<'a> Simulation<'a> {
             };
             wishes.push(wish.clamp(-MAX_BRAKING, MAX_ACCELERATION));
         }
-        for (vehicle, wish) in self.vehicles.iter_mut().zip(&wishes) {
-            if vehicle.crashed {
-                self.bodies.skid(vehicle.body);
-            } else if vehicle.wake != Wake::Asleep {
-                vehicle.advance(&self.net, *wish);
-                self.bodies.drive(
-                    vehicle.body,
-                    &vehicle.place.point,
-                    vehicle.yaw_rad,
-                    0.5 * vehicle.model.size_m[2],
-                );
+        wishes
+    }
+
+    /// Moves the vehicles, and tells their bodies where to be after the step.
+    fn drive(&mut self, wishes: &[f64]) {
+        for (vehicle, wish) in self.vehicles.iter_mut().zip(wishes) {
+            if vehicle.is_crashed() {
+                self.bodies.skid(vehicle.motion().body());
+            } else if vehicle.wake() != Wake::Asleep {
+                vehicle.drive(&self.net, *wish);
+                let (motion, height_m) = (vehicle.motion(), vehicle.model().size_m[2]);
+                self.bodies.drive(motion.body(), &motion.position(), motion.yaw_rad(), 0.5 * height_m);
             }
         }
+    }
+
+    /// Moves the walkers, and tells their bodies where to be after the step.
+    fn walk(&mut self, time_s: f64) {
         let mut crowd = Crowd::default();
         for walker in &self.walkers {
-            crowd.add(walker.point, walker.velocity_mps, walker.radius_m());
+            crowd.add(walker.position(), walker.velocity_mps(), walker.radius_m());
         }
         self.sweeps.settle();
-        let place = Place {
+        let surroundings = Surroundings {
             paths: &self.paths,
             routes: &self.routes,
             fixtures: &self.fixtures,
@@ -300,23 +298,19 @@ impl<'a> Simulation<'a> {
             signals: &self.signals,
             time_s,
         };
-        for (me, walker) in self.walkers.iter_mut().enumerate().filter(|(_, w)| !w.asleep) {
+        for (me, walker) in self.walkers.iter_mut().enumerate().filter(|(_, w)| !w.is_asleep()) {
             let was_on_road = walker.is_on_road();
-            walker.step(&place, &mut crowd, me);
+            walker.step(&surroundings, &mut crowd, me);
+            let body = walker.body();
             if walker.is_on_road() != was_on_road {
-                self.bodies.set_on_road(walker.body, walker.is_on_road());
+                self.bodies.set_on_road(body, walker.is_on_road());
             }
             if walker.is_struck() {
-                self.bodies.skid(walker.body);
+                self.bodies.skid(body);
             } else {
-                self.bodies.drive(walker.body, &walker.point, walker.yaw_rad, 0.5 * walker.model.size_m[2]);
+                let height_m = walker.model().size_m[2];
+                self.bodies.drive(body, &walker.position(), walker.yaw_rad(), 0.5 * height_m);
             }
-        }
-        self.bodies.step();
-        self.take_hits();
-        let vehicles = self.doors.iter_mut().zip(&self.vehicles);
-        for (doors, vehicle) in vehicles.filter(|(_, v)| v.wake != Wake::Asleep) {
-            doors.step(vehicle.speed_mps);
         }
     }
 
@@ -325,7 +319,7 @@ impl<'a> Simulation<'a> {
         for (a, b) in self.bodies.hits() {
             for owner in [a, b] {
                 if let Some(vehicle) = self.vehicles.get_mut(owner as usize) {
-                    vehicle.crashed = true;
+                    vehicle.crash();
                 } else if let Some(walker) =
                     owner.checked_sub(WALKERS).and_then(|w| self.walkers.get_mut(w as usize))
                 {
@@ -333,25 +327,23 @@ impl<'a> Simulation<'a> {
                 }
             }
         }
-        for vehicle in self.vehicles.iter_mut().filter(|v| v.crashed) {
-            let Some(motion) = self.bodies.motion(vehicle.body) else { continue };
-            vehicle.slide_to(motion.x_m, motion.y_m);
-            vehicle.yaw_rad = motion.yaw_rad;
-            let [x, y] = motion.velocity_mps;
-            vehicle.speed_mps = (x * x + y * y).sqrt();
-            vehicle.acceleration_mps2 = -COMFORT_BRAKING;
+        for vehicle in self.vehicles.iter_mut().filter(|v| v.is_crashed()) {
+            if let Some(body) = self.bodies.motion(vehicle.motion().body()) {
+                vehicle.skid_to(&body);
+            }
         }
         for walker in self.walkers.iter_mut().filter(|w| w.is_struck()) {
-            let Some(motion) = self.bodies.motion(walker.body) else { continue };
-            (walker.point.x, walker.point.y, walker.yaw_rad) = (motion.x_m, motion.y_m, motion.yaw_rad);
+            if let Some(body) = self.bodies.motion(walker.body()) {
+                walker.skid_to(&body);
+            }
         }
     }
 
     /// Keeps the poses of this moment for the next one's velocities.
     fn remember(&mut self) {
         self.before.clear();
-        self.before.extend(self.vehicles.iter().map(vehicle_pose));
-        self.before.extend(self.walkers.iter().map(walker_pose));
+        self.before.extend(self.vehicles.iter().map(|v| v.motion().world_from_object()));
+        self.before.extend(self.walkers.iter().map(Walker::world_from_object));
     }
 
     fn record(&mut self, frame: i32, step: usize) {
@@ -372,34 +364,7 @@ impl<'a> Simulation<'a> {
             );
             self.log.frames.push(row);
         }
-        let lamps = weather_lamps(&weather);
-        let mut rows: Vec<StateRow> = Vec::with_capacity(self.before.len());
-        for (i, vehicle) in self.vehicles.iter().enumerate() {
-            let emergency = self.starts[i].emergency;
-            let snapshot = Snapshot {
-                id: self.vehicle_ids[i],
-                world_from_object: vehicle_pose(vehicle),
-                world_from_object_before: self.before[i],
-                steer_rad: vehicle.steer_rad,
-                phase_rad: vehicle.rolled_m / vehicle.model.wheel_radius_m.max(0.05),
-                lights: vehicle_lamps(&self.net, vehicle, lamps, emergency),
-                door_rad: self.doors[i].angles_rad(),
-            };
-            rows.push(snapshot.row(frame));
-        }
-        for (i, walker) in self.walkers.iter().enumerate() {
-            let snapshot = Snapshot {
-                id: self.walker_ids[i],
-                world_from_object: walker_pose(walker),
-                world_from_object_before: self.before[self.vehicles.len() + i],
-                steer_rad: 0.0,
-                phase_rad: walker.gait_phase_rad(),
-                lights: 0,
-                door_rad: [0.0; 4],
-            };
-            rows.push(snapshot.row(frame));
-        }
-        rows.extend(self.standing.iter().map(|(id, thing)| thing.snapshot(*id, lamps).row(frame)));
+        let rows = self.states(frame, weather_lamps(&weather));
         if frame == 0 {
             // Actor rows give the pose at frame 0.
             for actor in self.log.actors.iter_mut().filter(|a| !a.fixed) {
@@ -418,21 +383,38 @@ impl<'a> Simulation<'a> {
             opendrive_id: map_signals[signal].id.clone(),
         }));
     }
-}
 
-/// Pose of a vehicle on the slope under it, leaning on its springs: the slope is given along the road, the body may be
-/// askew.
-fn vehicle_pose(vehicle: &Vehicle) -> Pose<World, Object> {
-    let place = &vehicle.place;
-    let (sin, cos) = frames::math::sin_cos(vehicle.yaw_rad - place.heading_rad);
-    let pitch = place.pitch_rad * cos - place.roll_rad * sin;
-    let roll = place.roll_rad * cos + place.pitch_rad * sin;
-    let sway = &vehicle.sway;
-    Pose::from_xyz_rpy(place.point.into(), [roll + sway.roll_rad, pitch + sway.pitch_rad, vehicle.yaw_rad])
-}
-
-fn walker_pose(walker: &Walker) -> Pose<World, Object> {
-    Pose::from_xyz_rpy(walker.point.into(), [0.0, 0.0, walker.yaw_rad])
+    /// The states of all that moves or has lamps, given the lamps that the weather asks for.
+    fn states(&self, frame: i32, lamps: u32) -> Vec<StateRow> {
+        let mut rows: Vec<StateRow> = Vec::with_capacity(self.before.len());
+        for (i, vehicle) in self.vehicles.iter().enumerate() {
+            let motion = vehicle.motion();
+            let snapshot = Snapshot {
+                id: self.vehicle_ids[i],
+                world_from_object: motion.world_from_object(),
+                world_from_object_before: self.before[i],
+                steer_rad: motion.steer_rad(),
+                phase_rad: motion.rolled_m() / vehicle.model().wheel_radius_m.max(0.05),
+                lights: vehicle_lamps(&self.net, vehicle, lamps),
+                door_rad: vehicle.doors().angles_rad(),
+            };
+            rows.push(snapshot.row(frame));
+        }
+        for (i, walker) in self.walkers.iter().enumerate() {
+            let snapshot = Snapshot {
+                id: self.walker_ids[i],
+                world_from_object: walker.world_from_object(),
+                world_from_object_before: self.before[self.vehicles.len() + i],
+                steer_rad: 0.0,
+                phase_rad: walker.gait_phase_rad(),
+                lights: 0,
+                door_rad: [0.0; 4],
+            };
+            rows.push(snapshot.row(frame));
+        }
+        rows.extend(self.standing.iter().map(|(id, thing)| thing.snapshot(*id, lamps).row(frame)));
+        rows
+    }
 }
 
 #[cfg(test)]

@@ -11,26 +11,15 @@ use nalgebra::Point3;
 
 use crate::bends::Bends;
 use crate::bodies::Bodies;
-use crate::exits::is_counted_on;
-use crate::net::Net;
-use crate::reservations::Reservations;
-use crate::vehicles::Vehicle;
-use crate::walkers::Walker;
+use crate::junction::exits::is_counted_on;
+use crate::junction::reservations::ReservationTable;
+use crate::road::net::Net;
+use crate::vehicle::Vehicle;
+use crate::vehicle::wake::Wake;
+use crate::walking::walker::Walker;
 
 /// Distances are looked at every so many steps (1 s).
 const EVERY_STEPS: u32 = 20;
-
-/// How awake a vehicle is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Wake {
-    #[default]
-    Awake,
-    /// Far from all agents: it drives on to where it may sleep.
-    Drowsy,
-    /// It brakes to sleep.
-    Halting,
-    Asleep,
-}
 
 /// Where the agents are that the others sleep far from.
 #[derive(Debug)]
@@ -47,7 +36,7 @@ impl Watch {
     }
 
     fn agents(&self, vehicles: &[Vehicle]) -> Vec<Point3<f64>> {
-        vehicles.iter().take(self.agents).map(|v| v.place.point).collect()
+        vehicles.iter().take(self.agents).map(|v| v.motion().position()).collect()
     }
 
     /// Whether a place is far from all agents; nobody is where there are none.
@@ -60,34 +49,32 @@ impl Watch {
     pub(crate) fn look(
         &self,
         net: &Net,
-        reservations: &Reservations,
+        reservations: &ReservationTable,
         bends: &Bends,
         vehicles: &mut [Vehicle],
         bodies: &mut Bodies,
     ) {
         let agents = self.agents(vehicles);
         for (me, vehicle) in vehicles.iter_mut().enumerate().skip(self.agents) {
-            let was_asleep = vehicle.wake == Wake::Asleep;
-            vehicle.wake = if vehicle.crashed || !self.is_far(&agents, &vehicle.place.point) {
+            let was_asleep = vehicle.wake() == Wake::Asleep;
+            let wake = if vehicle.is_crashed() || !self.is_far(&agents, &vehicle.motion().position()) {
                 Wake::Awake
             } else if was_asleep {
                 Wake::Asleep
-            } else if !vehicle.held.is_empty()
-                || vehicle.shift.is_some()
+            } else if !vehicle.claim().is_empty()
+                || vehicle.lateral().change().is_some()
                 || bends.is_held_by(me)
                 || is_counted_on(reservations, net, vehicle)
             {
                 Wake::Drowsy
-            } else if vehicle.speed_mps > 0.0 {
+            } else if vehicle.speed_mps() > 0.0 {
                 Wake::Halting
             } else {
                 Wake::Asleep
             };
-            if vehicle.wake == Wake::Asleep && !was_asleep {
-                vehicle.acceleration_mps2 = 0.0;
-                (vehicle.waiting_since, vehicle.stood_steps, vehicle.refused_steps) = (None, 0, 0);
-                vehicle.stands_for.clear();
-                bodies.rest(vehicle.body);
+            vehicle.set_wake(wake);
+            if wake == Wake::Asleep && !was_asleep {
+                bodies.rest(vehicle.motion().body());
             }
         }
     }
@@ -96,12 +83,12 @@ impl Watch {
     pub(crate) fn look_at_walkers(&self, vehicles: &[Vehicle], walkers: &mut [Walker], bodies: &mut Bodies) {
         let agents = self.agents(vehicles);
         for walker in walkers {
-            let sleeps = !walker.is_on_road() && !walker.is_struck() && self.is_far(&agents, &walker.point);
-            if sleeps && !walker.asleep {
-                walker.velocity_mps = nalgebra::Vector2::zeros();
-                bodies.rest(walker.body);
+            let far = self.is_far(&agents, &walker.position());
+            let sleeps = far && !walker.is_on_road() && !walker.is_struck();
+            if sleeps && !walker.is_asleep() {
+                bodies.rest(walker.body());
             }
-            walker.asleep = sleeps;
+            walker.set_asleep(sleeps);
         }
     }
 }

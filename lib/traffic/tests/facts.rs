@@ -4,9 +4,9 @@ mod common;
 
 use common::{agents_on, crossing, run, scene, settings};
 use opendrive::Map;
-use traffic::SceneLog;
+use traffic::SimulationLog;
 
-fn logged(map: &Map, seconds: f64) -> SceneLog {
+fn logged(map: &Map, seconds: f64) -> SimulationLog {
     let mut scene = scene(seconds);
     scene.background_vehicles = Some(30);
     let mut settings = settings();

@@ -6,7 +6,7 @@ use common::{agent, collisions, hazard, run_with, scene, settings, straight, tou
 use opendrive::MarkType;
 use schema::lights;
 use schema::tables::{ActorRow, PlanHazardRow, PlanSceneRow, StateRow};
-use traffic::SceneLog;
+use traffic::SimulationLog;
 
 /// Road works of so many things on a lane of road "1", which runs to the east.
 fn works(lane: i32, items: u32, between_m: [f64; 2]) -> PlanHazardRow {
@@ -19,18 +19,18 @@ fn accident(lane: i32, from_m: f64, models: &[&str], length_m: f64) -> PlanHazar
 }
 
 /// The log of a second with a hazard on a road of 600 m, an agent far behind it.
-fn placed(row: &PlanHazardRow, seed: u64) -> SceneLog {
+fn placed(row: &PlanHazardRow, seed: u64) -> SimulationLog {
     let scene = PlanSceneRow { seed, ..scene(1.0) };
     let agents = [agent(0, [20.0, -1.75, 0.0], 0.0)];
     run_with(&straight(600.0), &scene, &agents, std::slice::from_ref(row), &settings())
 }
 
-fn things(log: &SceneLog) -> Vec<&ActorRow> {
+fn things(log: &SimulationLog) -> Vec<&ActorRow> {
     log.actors.iter().filter(|a| a.role == "hazard").collect()
 }
 
 /// Whether a moving thing overlaps something solid of a hazard.
-fn hits(log: &SceneLog) -> bool {
+fn hits(log: &SimulationLog) -> bool {
     let size = |a: &ActorRow| [a.length_m, a.width_m];
     log.states.iter().any(|s| {
         let mover = log.actors.iter().find(|a| a.id == s.id).filter(|a| a.role != "hazard");

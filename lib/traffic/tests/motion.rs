@@ -3,13 +3,13 @@
 mod common;
 
 use common::{
-    agent, agents_on, bent_seam, carla, circle, collisions, right_bend, run, scene, settings, tracks, yaw,
+    agent, agents_on, bent_seam, circle, collisions, right_bend, run, scene, settings, tracks, yaw,
 };
 use frames::math::{atan, sin_cos};
 use opendrive::Map;
 use schema::models;
 use schema::tables::{PlanAgentRow, StateRow};
-use traffic::SceneLog;
+use traffic::SimulationLog;
 
 /// Speed in space over the step before a state, m/s.
 fn speed(state: &StateRow) -> f64 {
@@ -17,7 +17,7 @@ fn speed(state: &StateRow) -> f64 {
 }
 
 /// Strongest braking and acceleration of speeds in space, m/s2, of all vehicles of a log that nothing hits.
-fn extremes(log: &SceneLog) -> [f64; 2] {
+fn extremes(log: &SimulationLog) -> [f64; 2] {
     let tracks = tracks(log);
     let vehicles = log.actors.iter().filter(|a| a.kind == "vehicle");
     let pairs = vehicles.flat_map(|a| tracks[&a.id].windows(2));
@@ -51,23 +51,58 @@ fn no_seam_makes_a_vehicle_faster_or_slower() {
     assert!(straddled >= 2, "{straddled} crossed over the seam");
 }
 
+/// The speed that a driver wishes for on a free road at a place, m/s: its share of the highest limit of the lanes there,
+/// 50 km/h where the map states none; bicycles go no faster than 8 m/s.
+fn wish_mps(map: &Map, state: &StateRow, driver: f64, model: &str) -> f64 {
+    let lanes = map.lanes_within(state.xyz_m.into(), 2.0, |l| l.lane_type.is_drivable());
+    let limits = lanes.iter().filter_map(|hit| map.lane(hit.lane)).map(|l| l.speed_limit_mps);
+    let limit = limits.map(|limit| limit.unwrap_or(50.0 / 3.6)).fold(0.0, f64::max);
+    let most = if model.starts_with("bicycle.") { 8.0 } else { f64::INFINITY };
+    (limit * (1.0 - driver)).min(most)
+}
+
+/// Speeds of all vehicles of a log over what their drivers wish for: of all states, and of those who go evenly for a second.
+fn speeds_over_wishes(map: &Map, log: &SimulationLog) -> [Vec<f64>; 2] {
+    let tracks = tracks(log);
+    let mut found = [Vec::new(), Vec::new()];
+    for actor in log.actors.iter().filter(|a| a.kind == "vehicle") {
+        // Agents are planned to go at the limit.
+        let driver = log.drivers.iter().find(|d| d.id == actor.id).map_or(0.0, |d| d.speed_difference);
+        for second in tracks[&actor.id].windows(21).step_by(5) {
+            let ratio = speed(second[20]) / wish_mps(map, second[20], driver, &actor.model);
+            found[0].push(ratio);
+            let [least, most] = second
+                .iter()
+                .map(|s| speed(s))
+                .fold([f64::INFINITY, 0.0], |[least, most], v| [v.min(least), v.max(most)]);
+            if least > 3.0 && most - least < 0.1 {
+                found[1].push(ratio);
+            }
+        }
+    }
+    found.iter_mut().for_each(|ratios| ratios.sort_by(f64::total_cmp));
+    found
+}
+
 #[test]
 fn vehicles_go_as_fast_as_their_drivers_wish_on_any_map() {
-    let town = |name: &str| Some(Map::new(town::generate(&town::named(name)?).ok()?));
-    let maps = [
-        ("convoy/demo", town("convoy/demo")),
-        ("Town10HD", carla("Town10HD.xodr")),
-        ("Town04", carla("Town04.xodr")),
-        ("Town05", carla("Town05.xodr")),
-    ];
-    for (name, map) in maps {
-        let Some(map) = map else { continue };
+    let town = town::generate(&town::named("convoy/demo").expect("our town")).expect("a town");
+    let real = testkit::real_maps(&["Town10HD", "Town04", "Town06"]);
+    for (name, map) in std::iter::once(("convoy/demo", Map::new(town))).chain(real) {
         let mut scene = scene(40.0);
         scene.background_vehicles = Some(80);
         let log = run(&map, &scene, &agents_on(&map, 4, 7), &settings());
         assert_eq!(collisions(&log, false), [], "{name}");
         let [braking, acceleration] = extremes(&log);
         assert!(braking > -8.05 && acceleration < 3.05, "{name}: {braking} {acceleration}");
+        let [all, even] = speeds_over_wishes(&map, &log);
+        let below = |ratios: &[f64], share: f64| ratios[(share * (ratios.len() - 1) as f64) as usize];
+        // Nobody goes faster, but for a moment where a lower limit begins.
+        let fastest = [0.999, 1.0].map(|share| below(&all, share));
+        assert!(fastest[0] < 1.02 && fastest[1] < 1.15, "{name}: {fastest:?}");
+        // Bends, lights and leaders hold up many of those who go evenly; whom nothing does goes as wished.
+        let [some, most] = [0.75, 0.9].map(|share| below(&even, share));
+        assert!(even.len() > 100 && some > 0.95 && most > 0.98, "{name}: {some} {most} of {}", even.len());
     }
 }
 

@@ -24,24 +24,24 @@ use frames::{Object, Pose, World};
 use opendrive::{Map, MarkType};
 use schema::models;
 use schema::tables::{ActorRow, SignalRow, StateRow};
-use traffic::SceneLog;
+use traffic::SimulationLog;
 
 /// Middle, yaw and speed along it.
-type Place = (f64, f64, f64, f64);
+type PlanarState = (f64, f64, f64, f64);
 
 /// A film in the making; state `i` is at `i` times 0.05 s.
 struct Shot {
-    log: SceneLog,
+    log: SimulationLog,
     states: usize,
 }
 
 impl Shot {
     fn new(seconds: f64) -> Self {
-        Self { log: SceneLog::default(), states: (20.0 * seconds).round() as usize }
+        Self { log: SimulationLog::default(), states: (20.0 * seconds).round() as usize }
     }
 
     /// Adds somebody of a model who is driven as told; returns the id.
-    fn add(&mut self, model: &str, driver: &str, place: impl Fn(f64) -> Place) -> u16 {
+    fn add(&mut self, model: &str, driver: &str, place: impl Fn(f64) -> PlanarState) -> u16 {
         let id = self.log.actors.len() as u16 + 1;
         let known = models::find(model).expect("a model");
         self.log.actors.push(ActorRow {
@@ -69,7 +69,7 @@ impl Shot {
         id
     }
 
-    fn car(&mut self, place: impl Fn(f64) -> Place) -> u16 {
+    fn car(&mut self, place: impl Fn(f64) -> PlanarState) -> u16 {
         self.add("car.sedan", "ordinary", place)
     }
 
@@ -92,11 +92,11 @@ impl Shot {
     }
 }
 
-fn still(x: f64, y: f64, yaw: f64) -> impl Fn(f64) -> Place {
+fn still(x: f64, y: f64, yaw: f64) -> impl Fn(f64) -> PlanarState {
     move |_| (x, y, yaw, 0.0)
 }
 
-fn east(x: f64, y: f64, speed: f64) -> impl Fn(f64) -> Place {
+fn east(x: f64, y: f64, speed: f64) -> impl Fn(f64) -> PlanarState {
     move |t| (x + speed * t, y, 0.0, speed)
 }
 
@@ -156,7 +156,7 @@ fn walkers_are_told_from_vehicles_and_wrecks_from_innocents() {
 }
 
 /// West along the arm in the east of the crossing, whose line is at 10 m.
-fn towards_line(from: f64, speed: f64, start_s: f64) -> impl Fn(f64) -> Place {
+fn towards_line(from: f64, speed: f64, start_s: f64) -> impl Fn(f64) -> PlanarState {
     move |t| {
         let gone = speed * (t - start_s).max(0.0);
         (from - gone, 1.75, PI, if t > start_s { speed } else { 0.0 })

@@ -3,16 +3,16 @@
 mod common;
 
 use common::{
-    agent, agents_on, carla, collisions, crest, crossing, ending_lane, red_runs, run, scene, settings,
-    straight, tracks, two_lanes,
+    agent, agents_on, collisions, crest, crossing, ending_lane, red_runs, run, scene, settings, straight,
+    tracks, two_lanes,
 };
 use nalgebra::Point3;
 use opendrive::{LaneId, LaneInfo, LanePos, Map, MarkType};
 use schema::lights;
 use schema::tables::{PlanAgentRow, Weather};
-use traffic::{Idm, SceneLog, equilibrium_gap_m};
+use traffic::{Idm, SimulationLog, equilibrium_gap_m};
 
-fn assert_sound(log: &SceneLog, frames: u32) {
+fn assert_sound(log: &SimulationLog, frames: u32) {
     let moving = log.actors.iter().filter(|a| !a.fixed).count();
     assert_eq!(log.states.len(), moving * (frames as usize + 1));
     assert!(log.states.windows(2).all(|p| (p[0].frame, p[0].id) < (p[1].frame, p[1].id)));
@@ -45,7 +45,7 @@ fn apart(map: &Map) -> Vec<Point3<f64>> {
 
 /// Largest distance of a vehicle from the middle of a driving lane, but for the 30 m before lane ends that lie apart, and
 /// for lane changes (blinking outside junctions).
-fn worst_offset(map: &Map, log: &SceneLog) -> f64 {
+fn worst_offset(map: &Map, log: &SimulationLog) -> f64 {
     let apart = apart(map);
     let vehicles: Vec<u16> = log.actors.iter().filter(|a| a.kind == "vehicle").map(|a| a.id).collect();
     let sampled = log.states.iter().filter(|s| {
@@ -297,7 +297,7 @@ fn walkers_stay_on_sidewalks_or_cross() {
     let tracks = tracks(&log);
     let mut crossed = 0;
     for actor in log.actors.iter().filter(|a| a.kind == "walker") {
-        let anywhere = actor.attributes.contains("\"true\"");
+        let anywhere = actor.attributes.contains("\"crosses_anywhere\":\"true\"");
         let track = &tracks[&actor.id];
         let on_road = track.iter().filter(|s| s.xyz_m[1].abs() < 3.5).count();
         crossed += usize::from(on_road > 0);
@@ -312,10 +312,8 @@ fn walkers_stay_on_sidewalks_or_cross() {
 
 #[test]
 fn towns_run_without_collisions_or_red_light_running() {
-    for (name, vehicles, walkers) in
-        [("Town10HD.xodr", 60, 80), ("Town03.xodr", 120, 80), ("Town02.xodr", 50, 40)]
-    {
-        let Some(map) = carla(name) else { continue };
+    for (name, vehicles, walkers) in [("Town10HD", 60, 80), ("Town03", 120, 80), ("Town02", 50, 40)] {
+        let Some(map) = testkit::real_map(name) else { continue };
         for seed in 0..3 {
             let mut scene = scene(16.0);
             scene.seed = 100 + seed;

@@ -7,7 +7,7 @@ use nalgebra::Point3;
 use opendrive::Map;
 use schema::settings::stages::SimulationSettings;
 use schema::tables::{PlanSceneRow, StateRow};
-use traffic::SceneLog;
+use traffic::SimulationLog;
 
 fn awake_within(distance_m: f64) -> SimulationSettings {
     let mut settings = settings();
@@ -21,7 +21,7 @@ fn long_road() -> PlanSceneRow {
 }
 
 /// Positions of the agents, frame by frame.
-fn agents_of(log: &SceneLog) -> Vec<Vec<Point3<f64>>> {
+fn agents_of(log: &SimulationLog) -> Vec<Vec<Point3<f64>>> {
     let tracks = tracks(log);
     let agents = log.actors.iter().filter(|a| a.role.starts_with("vehicle_"));
     agents.map(|a| tracks[&a.id].iter().map(|s| Point3::from(s.xyz_m)).collect()).collect()

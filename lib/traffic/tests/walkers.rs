@@ -7,10 +7,10 @@ use std::collections::BTreeMap;
 use common::{agent, crossing, run, scene, settings, straight, tracks};
 use opendrive::{Cubic, Lane, LaneType, Map, Object};
 use schema::tables::StateRow;
-use traffic::SceneLog;
+use traffic::SimulationLog;
 
 /// Pairs of walkers whose boxes overlap in any frame.
-fn overlaps(log: &SceneLog) -> Vec<(i32, u16, u16)> {
+fn overlaps(log: &SimulationLog) -> Vec<(i32, u16, u16)> {
     let size: BTreeMap<u16, [f64; 2]> =
         log.actors.iter().filter(|a| a.kind == "walker").map(|a| (a.id, [a.length_m, a.width_m])).collect();
     let mut found = Vec::new();

@@ -6,7 +6,7 @@ use frames::math::sin_cos;
 use nalgebra::Point3;
 use opendrive::{LaneHit, LanePos, Map};
 use schema::models;
-use traffic::SceneLog;
+use traffic::SimulationLog;
 
 use crate::common::yaw;
 
@@ -137,7 +137,7 @@ pub(crate) struct Film<'a> {
 }
 
 impl<'a> Film<'a> {
-    pub(crate) fn new(map: &'a Map, log: &SceneLog) -> Self {
+    pub(crate) fn new(map: &'a Map, log: &SimulationLog) -> Self {
         let mut tracks: BTreeMap<u16, Vec<Snap>> = BTreeMap::new();
         for state in &log.states {
             let yaw_rad = yaw(state.quaternion);
@@ -216,8 +216,8 @@ impl<'a> Film<'a> {
                 let [ahead, left] = snap.local(&line.at);
                 let along = frames::wrap_pi(line.yaw_rad - snap.yaw_rad).abs() < ASKEW_RAD;
                 // Farther ahead the lane may bend a little.
-                let beside = left.abs() > 1.7 + 0.06 * ahead.max(0.0);
-                if along && !beside && ahead - front < reach_m {
+                let off_it = left.abs() > 1.7 + 0.06 * ahead.max(0.0);
+                if along && !off_it && ahead - front < reach_m {
                     found.push((ahead - front, hold));
                 }
             }
@@ -277,7 +277,7 @@ fn leaps(map: &Map) -> Vec<(Point3<f64>, f64)> {
 }
 
 /// Lights, and stop and yield signs, with where they hold traffic.
-fn holds(map: &Map, log: &SceneLog) -> Vec<Hold> {
+fn holds(map: &Map, log: &SimulationLog) -> Vec<Hold> {
     let mut states: BTreeMap<&str, Vec<u8>> = BTreeMap::new();
     for row in &log.signals {
         states.entry(&row.opendrive_id).or_default().push(row.state.as_bytes()[0]);

@@ -137,6 +137,16 @@ fn mean(values: &[f64]) -> f64 {
 }
 
 fn print(reports: &[Report], faults: bool) {
+    print_scenes(reports);
+    print_counts(reports);
+    print_motion(reports);
+    print_standing(reports);
+    if faults {
+        reports.iter().for_each(print_faults);
+    }
+}
+
+fn print_scenes(reports: &[Report]) {
     println!(
         "| scene | vehicles | walkers | collisions | with unruly | red runs | braking | offset | longest stand | gridlock | no reason |"
     );
@@ -158,7 +168,10 @@ fn print(reports: &[Report], faults: bool) {
             r.standing.faults.len(),
         );
     }
-    let all = |of: fn(&Report) -> &Vec<f64>| -> Vec<f64> { reports.iter().flat_map(of).copied().collect() };
+}
+
+/// What must not happen, how often it did in all scenes.
+fn print_counts(reports: &[Report]) {
     let sum = |of: fn(&Report) -> usize| reports.iter().map(of).sum::<usize>();
     println!("\n| what | value |\n|---|---|");
     println!("| scenes | {} |", reports.len());
@@ -178,6 +191,11 @@ fn print(reports: &[Report], faults: bool) {
         sum(|r| r.lights.red_runs.len())
     );
     println!("| red-light runs of others | {} |", sum(|r| r.lights.unruly_runs));
+}
+
+/// How vehicles moved in all scenes.
+fn print_motion(reports: &[Report]) {
+    let all = |of: fn(&Report) -> &Vec<f64>| -> Vec<f64> { reports.iter().flat_map(of).copied().collect() };
     let mut a = all(|r| &r.motion.acceleration);
     let shares = [0.0, 0.001, 0.01, 0.99, 1.0].map(|s| format!("{:.2}", quantile(&mut a, s)));
     println!("| acceleration: least, 0.1 %, 1 %, 99 %, most, m/s2 | {} |", shares.join(", "));
@@ -215,7 +233,11 @@ fn print(reports: &[Report], faults: bool) {
         quantile(&mut s, 0.999),
         quantile(&mut s, 1.0)
     );
-    println!("| lane changes | {} |", sum(|r| r.motion.lane_changes));
+    println!("| lane changes | {} |", reports.iter().map(|r| r.motion.lane_changes).sum::<usize>());
+}
+
+/// Why vehicles stood in all scenes.
+fn print_standing(reports: &[Report]) {
     let mut reasons = std::collections::BTreeMap::new();
     for (name, count) in reports.iter().flat_map(|r| &r.standing.reasons) {
         *reasons.entry(*name).or_insert(0) += count;
@@ -224,26 +246,26 @@ fn print(reports: &[Report], faults: bool) {
     for (name, count) in &reasons {
         println!("| standing: {name} | {:.1} % |", 100.0 * *count as f64 / total.max(1) as f64);
     }
-    if faults {
-        for r in reports {
-            println!(
-                "{}: collisions {:?}, walkers {:?}, hazards {:?}, red {:?}",
-                r.name, r.touching.ordinary, r.touching.vehicle_walker, r.touching.hazards, r.lights.red_runs
-            );
-            println!("  walkers in things {:?}, drivers {:?}", r.inside.walkers, r.inside.vehicles);
-            println!("  braking {:?}, offset {:?}", r.motion.worst_braking, r.motion.worst_offset);
-            println!("  longest {:?}, gridlock {:?}", r.standing.longest, r.standing.gridlock);
-            let mut ids: Vec<(u16, usize)> = r.standing.faults.iter().map(|(i, id)| (*id, *i)).collect();
-            ids.sort_unstable();
-            for chunk in ids.chunk_by(|a, b| a.0 == b.0) {
-                println!(
-                    "  no reason: {} from {} to {} ({})",
-                    chunk[0].0,
-                    chunk[0].1,
-                    chunk[chunk.len() - 1].1,
-                    chunk.len()
-                );
-            }
-        }
+}
+
+/// The single faults of a scene.
+fn print_faults(r: &Report) {
+    println!(
+        "{}: collisions {:?}, walkers {:?}, hazards {:?}, red {:?}",
+        r.name, r.touching.ordinary, r.touching.vehicle_walker, r.touching.hazards, r.lights.red_runs
+    );
+    println!("  walkers in things {:?}, drivers {:?}", r.inside.walkers, r.inside.vehicles);
+    println!("  braking {:?}, offset {:?}", r.motion.worst_braking, r.motion.worst_offset);
+    println!("  longest {:?}, gridlock {:?}", r.standing.longest, r.standing.gridlock);
+    let mut ids: Vec<(u16, usize)> = r.standing.faults.iter().map(|(i, id)| (*id, *i)).collect();
+    ids.sort_unstable();
+    for chunk in ids.chunk_by(|a, b| a.0 == b.0) {
+        println!(
+            "  no reason: {} from {} to {} ({})",
+            chunk[0].0,
+            chunk[0].1,
+            chunk[chunk.len() - 1].1,
+            chunk.len()
+        );
     }
 }

@@ -5,11 +5,10 @@ use std::ops::{ControlFlow, RangeInclusive};
 use opendrive::{LaneInfo, LanePos, Map};
 use schema::settings::WorldSettings;
 use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow};
-use traffic::{SceneInput, SceneLog, simulate};
+use traffic::{SceneInput, SimulationLog, simulate};
 
 use crate::common::{
-    agent, agents_on, as_planned, carla, crossing, hazard, lights, queues_at_roundabout, roundabout, scene,
-    settings,
+    agent, agents_on, as_planned, crossing, hazard, lights, queues_at_roundabout, roundabout, scene, settings,
 };
 
 /// Seconds that are watched.
@@ -55,7 +54,7 @@ fn load(name: &str) -> Option<Map> {
     }
     match town::named(name) {
         Some(parameters) => town::generate(&parameters).ok().map(Map::new),
-        None => carla(&format!("{name}.xodr")),
+        None => testkit::real_map(name),
     }
 }
 
@@ -126,7 +125,7 @@ impl Plan {
     }
 
     /// The map, what stands on it, and what happens.
-    pub(crate) fn simulate(&self) -> (Map, Vec<ActorRow>, SceneLog) {
+    pub(crate) fn simulate(&self) -> (Map, Vec<ActorRow>, SimulationLog) {
         let map = load(&self.map).unwrap_or_else(|| crossing(true));
         let mut scene = scene(DURATION_S);
         scene.seed = 1000 + self.seed;

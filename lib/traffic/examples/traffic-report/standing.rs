@@ -173,62 +173,17 @@ fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
     if film.is_asleep(body, i) {
         return Reason::Asleep;
     }
-    let later = (i + SETTING_OFF).min(film.states - 1);
     let near = |other: &Body| (other.track[i].at - body.track[i].at).norm() < 30.0;
     let others: Vec<usize> =
         (0..film.vehicles.len()).filter(|&m| m != n && near(&film.vehicles[m])).collect();
-    let mut junction = None;
-    let mut reached = 0.0;
-    for (to, point) in body.ahead(i, WRECK_M) {
-        reached = to;
-        // A wreck that is askew blocks the way with a corner, too.
-        let beside_m = 0.5 * body.size_m[1] + 0.1;
-        let blocks =
-            |m: &&usize| film.vehicles[**m].is_wrecked(i) && film.vehicles[**m].covers(i, point, beside_m);
-        if others.iter().any(|m| blocks(&m)) {
-            return Reason::Wreck;
-        }
-        if let Some(&m) = others.iter().find(|&&m| film.vehicles[m].covers(i, point, 0.3))
-            && to < LEADER_M
-        {
-            return Reason::Leader(m);
-        }
-        // Who waits for a gap to pass a hazard goes round it later: it lies ahead all the same.
-        if hazard_ahead(film, body, i, point) {
-            return Reason::Hazard;
-        }
-        if junction.is_none() && to < JUNCTION_M {
-            let at = film.map.nearest_driving_lane(*point);
-            junction = at.and_then(|hit| film.map.lane(hit.lane)?.junction);
-        }
+    let Way { reached_m, junction, reason } = way_ahead(film, body, &others, i);
+    let reason = reason
+        .or_else(|| reason_ahead(film, body, &others, i))
+        .or_else(|| reason_at_line(film, body, junction, i));
+    if let Some(reason) = reason {
+        return reason;
     }
-    if let Some(&m) = others.iter().find(|&&m| is_straight_ahead(body, &film.vehicles[m], i)) {
-        return if film.vehicles[m].is_wrecked(i) { Reason::Wreck } else { Reason::Leader(m) };
-    }
-    if let Some(walker) = walker_ahead(film, body, i) {
-        return if walker.is_wrecked(i) { Reason::Wreck } else { Reason::Walker };
-    }
-    let lines = film.lines_ahead(body, i, LINE_M);
-    let held = |light: bool| {
-        lines.iter().any(|(to, hold)| *to > -3.0 && hold.light.is_some() == light && hold.stops(i))
-    };
-    if held(true) {
-        return Reason::Light;
-    }
-    if body.track[later].speed_mps > STANDING_MPS {
-        return Reason::SettingOff;
-    }
-    // Whoever stops at a sign, too, waits for room behind the junction.
-    if junction.is_some()
-        && let Some(m) = exit_blocked(film, body, i)
-    {
-        return if film.vehicles[m].is_wrecked(i) { Reason::Wreck } else { Reason::Exit(m) };
-    }
-    if held(false) {
-        let wreck = junction.is_some_and(|j| wreck_in(film, j, i));
-        return if wreck { Reason::Wreck } else { Reason::Priority };
-    }
-    if reached < JUNCTION_M - 1.0 && junction.is_none() {
+    if reached_m < JUNCTION_M - 1.0 && junction.is_none() {
         return Reason::DeadEnd;
     }
     if let Some(junction) = junction {
@@ -246,6 +201,83 @@ fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
         return Reason::Meeting;
     }
     Reason::None
+}
+
+/// What is found on the way that a vehicle goes later.
+struct Way {
+    /// How far it is known, metres.
+    reached_m: f64,
+    /// The first junction on it.
+    junction: Option<usize>,
+    /// What blocks it.
+    reason: Option<Reason>,
+}
+
+/// Looks along the way ahead for wrecks, leaders and hazards on it.
+fn way_ahead(film: &Film<'_>, body: &Body, others: &[usize], i: usize) -> Way {
+    let mut way = Way { reached_m: 0.0, junction: None, reason: None };
+    for (to, point) in body.ahead(i, WRECK_M) {
+        way.reached_m = to;
+        // A wreck that is askew blocks the way with a corner, too.
+        let beside_m = 0.5 * body.size_m[1] + 0.1;
+        let blocks =
+            |m: &&usize| film.vehicles[**m].is_wrecked(i) && film.vehicles[**m].covers(i, point, beside_m);
+        let leader = || others.iter().find(|&&m| film.vehicles[m].covers(i, point, 0.3));
+        way.reason = if others.iter().any(|m| blocks(&m)) {
+            Some(Reason::Wreck)
+        } else if let Some(&m) = leader().filter(|_| to < LEADER_M) {
+            Some(Reason::Leader(m))
+        } else if hazard_ahead(film, body, i, point) {
+            // Who waits for a gap to pass a hazard goes round it later: it lies ahead all the same.
+            Some(Reason::Hazard)
+        } else {
+            None
+        };
+        if way.reason.is_some() {
+            break;
+        }
+        if way.junction.is_none() && to < JUNCTION_M {
+            let at = film.map.nearest_driving_lane(*point);
+            way.junction = at.and_then(|hit| film.map.lane(hit.lane)?.junction);
+        }
+    }
+    way
+}
+
+/// Somebody straight ahead, or a walker on the way.
+fn reason_ahead(film: &Film<'_>, body: &Body, others: &[usize], i: usize) -> Option<Reason> {
+    if let Some(&m) = others.iter().find(|&&m| is_straight_ahead(body, &film.vehicles[m], i)) {
+        let wrecked = film.vehicles[m].is_wrecked(i);
+        return Some(if wrecked { Reason::Wreck } else { Reason::Leader(m) });
+    }
+    let walker = walker_ahead(film, body, i)?;
+    Some(if walker.is_wrecked(i) { Reason::Wreck } else { Reason::Walker })
+}
+
+/// What holds a vehicle at a line: its light, its sign, or no room behind the junction; or that it is about to set off.
+fn reason_at_line(film: &Film<'_>, body: &Body, junction: Option<usize>, i: usize) -> Option<Reason> {
+    let lines = film.lines_ahead(body, i, LINE_M);
+    let held = |light: bool| {
+        lines.iter().any(|(to, hold)| *to > -3.0 && hold.light.is_some() == light && hold.stops(i))
+    };
+    if held(true) {
+        return Some(Reason::Light);
+    }
+    let later = (i + SETTING_OFF).min(film.states - 1);
+    if body.track[later].speed_mps > STANDING_MPS {
+        return Some(Reason::SettingOff);
+    }
+    // Whoever stops at a sign, too, waits for room behind the junction.
+    if junction.is_some()
+        && let Some(m) = exit_blocked(film, body, i)
+    {
+        let wrecked = film.vehicles[m].is_wrecked(i);
+        return Some(if wrecked { Reason::Wreck } else { Reason::Exit(m) });
+    }
+    held(false).then(|| {
+        let wreck = junction.is_some_and(|j| wreck_in(film, j, i));
+        if wreck { Reason::Wreck } else { Reason::Priority }
+    })
 }
 
 /// Whether another vehicle that goes the same way, or a wreck, is right ahead of a vehicle's front.

@@ -16,8 +16,8 @@ use schema::scene_info::HazardInfo;
 use self::site::Site;
 use self::stretch::Stretch;
 pub(crate) use self::thing::Thing;
-use crate::SceneInput;
-use crate::spawn::Taken;
+use crate::input::SceneInput;
+use crate::scene::free_space::Taken;
 
 /// What stands in the hazards of a scene.
 #[derive(Debug, Default)]

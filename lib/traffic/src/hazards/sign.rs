@@ -8,9 +8,9 @@ use schema::tables::ActorRow;
 use schema::works::Item;
 
 use super::thing::{Spot, Thing};
-use crate::spawn::{Footprint, Taken, apart};
+use crate::scene::free_space::{Footprint, Taken, apart};
 
-/// Way from the sign to the hazard, metres.
+/// Centreline from the sign to the hazard, metres.
 const BEFORE_M: [f64; 2] = [40.0, 160.0];
 /// The face is turned by up to so much, degrees.
 const TURN_DEG: f64 = 10.0;

@@ -8,8 +8,8 @@ use schema::works::{self, Item};
 
 use super::stretch::Stretch;
 use super::thing::{Spot, Thing};
-use crate::doors;
-use crate::spawn::{Taken, apart};
+use crate::scene::free_space::{Taken, apart};
+use crate::vehicle::doors;
 
 /// Cones stand this share of the lane's width to either side of its middle, and are off by up to so much, metres.
 const CONE_ASIDE: f64 = 0.42;
@@ -24,7 +24,7 @@ const WALKER_JITTER_M: f64 = 0.6;
 const ITEM_JITTER_M: f64 = 0.4;
 /// From the first barrier of road works to the first item, metres.
 const FIRST_ITEM_M: f64 = 2.0;
-/// Way to the next item after a small one, and after a large one or a worker, metres, before they are fitted to the length.
+/// Centreline to the next item after a small one, and after a large one or a worker, metres, before they are fitted to the length.
 const SMALL_STEP_M: [f64; 2] = [0.4, 1.6];
 const LARGE_STEP_M: [f64; 2] = [1.6, 3.2];
 /// What comes next in road works, all equally likely: small things, large things, a worker.
@@ -42,7 +42,7 @@ const RED: [u8; 3] = [190, 40, 25];
 const CONCRETE: [u8; 3] = [170, 168, 164];
 const CLOTHES: [[u8; 3]; 4] = [[40, 44, 52], [120, 30, 34], [66, 92, 60], [170, 160, 140]];
 
-/// Way on the stretch from which the distance of a sign counts, the sign, its meaning.
+/// Centreline on the stretch from which the distance of a sign counts, the sign, its meaning.
 pub(super) type Warning = (f64, (Item, &'static str));
 
 /// A hazard that is being set up.

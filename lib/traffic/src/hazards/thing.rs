@@ -9,8 +9,8 @@ use schema::tables::ActorRow;
 use schema::works::Item;
 use schema::{ObjectId, Tag, lights};
 
-use crate::log::{Snapshot, attributes};
-use crate::spawn::{Footprint, tags};
+use crate::scene::free_space::Footprint;
+use crate::scene::rows::{Snapshot, attributes, tags};
 
 /// Colour of what has no colour of its own (sRGB).
 const PLAIN: [u8; 3] = [150, 135, 110];

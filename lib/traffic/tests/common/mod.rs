@@ -3,18 +3,17 @@
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::path::Path;
 
 use frames::math::sin_cos;
 use opendrive::{
     Connection, ContactPoint, Controller, Cubic, Curve, Geometry, Junction, JunctionController, Lane,
     LaneLink, LaneSection, LaneType, LaneValidity, Map, MarkType, Network, Road, RoadLink, RoadMark,
-    RoadType, Signal, Speed, SpeedUnit, read_bytes,
+    RoadType, Signal, Speed, SpeedUnit,
 };
 use schema::settings::TrafficSettings;
 use schema::settings::stages::SimulationSettings;
 use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, StateRow, Weather};
-use traffic::{SceneInput, SceneLog, simulate};
+use traffic::{SceneInput, SimulationLog, simulate};
 
 pub(crate) fn settings() -> SimulationSettings {
     SimulationSettings {
@@ -378,19 +377,6 @@ pub(crate) fn as_planned(agent: PlanAgentRow, seed: u64, index: usize) -> PlanAg
     PlanAgentRow { speed_difference, standstill_gap_m: draw.normal(4.2, 1.0).max(0.0), ..agent }
 }
 
-/// A real map, or None (with a line that says so) where the maps are not at hand.
-#[allow(clippy::print_stdout)] // Says why a test passes without testing.
-pub(crate) fn carla(name: &str) -> Option<Map> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/maps/carla")).join(name);
-    match std::fs::read(&path) {
-        Ok(bytes) => Some(Map::new(read_bytes(&bytes).expect("a readable map"))),
-        Err(_) => {
-            println!("skipped: {} is absent", path.display());
-            None
-        }
-    }
-}
-
 /// A traffic light of the scenery for every dynamic signal, ids from 1.
 pub(crate) fn lights(map: &Map) -> Vec<ActorRow> {
     let dynamic = map.signals().iter().filter(|s| s.dynamic);
@@ -422,7 +408,7 @@ pub(crate) fn run(
     scene: &PlanSceneRow,
     agents: &[PlanAgentRow],
     settings: &SimulationSettings,
-) -> SceneLog {
+) -> SimulationLog {
     run_with(map, scene, agents, &[], settings)
 }
 
@@ -433,7 +419,7 @@ pub(crate) fn run_with(
     agents: &[PlanAgentRow],
     hazards: &[PlanHazardRow],
     settings: &SimulationSettings,
-) -> SceneLog {
+) -> SimulationLog {
     let fixed = lights(map);
     let first_id = fixed.len() as u16 + 1;
     let input = SceneInput { map, scene, agents, hazards, settings, fixed: &fixed, first_id };
@@ -469,7 +455,7 @@ pub(crate) fn agents_on(map: &Map, count: usize, stride: usize) -> Vec<PlanAgent
 }
 
 /// States of each object, in frame order.
-pub(crate) fn tracks(log: &SceneLog) -> BTreeMap<u16, Vec<&StateRow>> {
+pub(crate) fn tracks(log: &SimulationLog) -> BTreeMap<u16, Vec<&StateRow>> {
     let mut tracks: BTreeMap<u16, Vec<&StateRow>> = BTreeMap::new();
     for state in &log.states {
         tracks.entry(state.id).or_default().push(state);
@@ -500,7 +486,7 @@ pub(crate) fn touch(a: &StateRow, a_size: [f64; 2], b: &StateRow, b_size: [f64; 
 }
 
 /// Pairs of a kind of actors that overlap in any frame.
-pub(crate) fn collisions(log: &SceneLog, with_walkers: bool) -> Vec<(i32, u16, u16)> {
+pub(crate) fn collisions(log: &SimulationLog, with_walkers: bool) -> Vec<(i32, u16, u16)> {
     let size: BTreeMap<u16, ([f64; 2], bool)> =
         log.actors.iter().map(|a| (a.id, ([a.length_m, a.width_m], a.kind == "walker"))).collect();
     let mut found = Vec::new();
@@ -520,7 +506,7 @@ pub(crate) fn collisions(log: &SceneLog, with_walkers: bool) -> Vec<(i32, u16, u
 }
 
 /// Vehicles whose front passed a stop line while the light behind it was red: (frame, id).
-pub(crate) fn red_runs(map: &Map, log: &SceneLog, lights: &[ActorRow]) -> Vec<(i32, u16)> {
+pub(crate) fn red_runs(map: &Map, log: &SimulationLog, lights: &[ActorRow]) -> Vec<(i32, u16)> {
     let mut runs = Vec::new();
     let tracks = tracks(log);
     for (index, signal) in map.signals().iter().enumerate().filter(|(_, s)| s.dynamic) {

@@ -1,0 +1,147 @@
+//! Rows of the scene log.
+
+use frames::{Object, Pose, World};
+use schema::ObjectId;
+use schema::lights;
+use schema::scene_info::DriverInfo;
+use schema::tables::{ActorRow, PlanAgentRow, Weather};
+
+use crate::input::SimulationLog;
+use crate::road::net::Net;
+use crate::road::sides::Side;
+use crate::scene::placing::ActorIds;
+use crate::scene::rows::{attributes, moving};
+use crate::scene::spawn::Start;
+use crate::vehicle::Vehicle;
+use crate::vehicle::lateral::LaneChange;
+use crate::walking::walker::Walker;
+
+/// Braking above this lights the brake lamps, m/s2.
+const BRAKE_LAMP_MPS2: f64 = 1.0;
+/// Blinkers go on this far before a junction, metres.
+const BLINK_M: f64 = 15.0;
+/// Size of an RSU's body, metres.
+const RSU_SIZE_M: [f64; 3] = [0.3, 0.3, 3.4];
+
+fn vehicle_actor(id: ObjectId, start: &Start) -> ActorRow {
+    let pose = Pose::from_xyz_rpy(start.point.coords.into(), [0.0, 0.0, start.yaw_rad]);
+    let word = |b: bool| if b { "true" } else { "false" };
+    let facts = attributes(&[
+        ("base_type", start.model.base.name()),
+        ("special_type", start.model.special),
+        ("reckless", word(start.driver.reckless)),
+        ("distracted", word(start.driver.distracted)),
+    ]);
+    ActorRow { attributes: facts, ..moving(id, "vehicle", &start.role, start.model, &start.color, &pose) }
+}
+
+fn walker_actor(id: ObjectId, walker: &Walker, crosses_anywhere: bool) -> ActorRow {
+    let pose = walker.world_from_object();
+    let word = |b: bool| if b { "true" } else { "false" };
+    let facts = attributes(&[
+        ("crosses_anywhere", word(crosses_anywhere)),
+        ("use_wheelchair", word(walker.model().special == "wheelchair")),
+    ]);
+    ActorRow { attributes: facts, ..moving(id, "walker", "walker", walker.model(), &walker.color(), &pose) }
+}
+
+fn rsu_actor(id: ObjectId, agent: &PlanAgentRow) -> ActorRow {
+    let pose = Pose::<World, Object>::from_xyz_rpy(agent.xyz_m, agent.rpy_rad);
+    ActorRow {
+        id,
+        kind: "rsu".into(),
+        model: agent.model.clone(),
+        role: agent.agent.clone(),
+        semantic_tags: vec![schema::Tag::Pole as u8],
+        length_m: RSU_SIZE_M[0],
+        width_m: RSU_SIZE_M[1],
+        height_m: RSU_SIZE_M[2],
+        color: agent.color.clone(),
+        fixed: true,
+        xyz_m: pose.xyz(),
+        quaternion: pose.wxyz(),
+        variant: 0,
+        parent: None,
+        opendrive_id: agent.signal.clone(),
+        attributes: attributes(&[]),
+    }
+}
+
+/// Adds agents, RSUs and background vehicles to the log, and who drives the last ones.
+pub(crate) fn log_vehicles(
+    log: &mut SimulationLog,
+    ids: &ActorIds,
+    starts: &[Start],
+    rsus: &[&PlanAgentRow],
+) {
+    let (agents, background) = starts.split_at(ids.agents.len());
+    log.actors.extend(ids.agents.iter().zip(agents).map(|(id, start)| vehicle_actor(*id, start)));
+    log.actors.extend(ids.rsus.iter().zip(rsus).map(|(id, agent)| rsu_actor(*id, agent)));
+    for (id, start) in ids.background.iter().zip(background) {
+        log.actors.push(vehicle_actor(*id, start));
+        log.n_vehicles += 1;
+        log.n_reckless += u32::from(start.driver.reckless);
+        log.n_distracted += u32::from(start.driver.distracted);
+        log.drivers.push(DriverInfo {
+            id: *id,
+            speed_difference: start.driver.speed_difference,
+            standstill_gap_m: start.driver.idm.standstill_gap_m,
+            reckless: start.driver.reckless,
+            distracted: start.driver.distracted,
+        });
+    }
+}
+
+/// Adds walkers, each given with whether it crosses roads anywhere, to the log.
+pub(crate) fn log_walkers(log: &mut SimulationLog, ids: &ActorIds, walkers: &[(Walker, bool)]) {
+    for ((walker, anywhere), id) in walkers.iter().zip(&ids.walkers) {
+        log.actors.push(walker_actor(*id, walker, *anywhere));
+        log.n_walkers += 1;
+    }
+}
+
+/// Lamps that the weather and the time of day ask for.
+pub(crate) fn weather_lamps(weather: &Weather) -> u32 {
+    let mut lamps = 0;
+    if weather.sun_altitude_deg < 35.0 {
+        lamps |= lights::POSITION;
+    }
+    if weather.sun_altitude_deg < 15.0 || weather.precipitation > 80.0 {
+        lamps |= lights::POSITION | lights::LOW_BEAM;
+    }
+    if weather.fog_density > 20.0 {
+        lamps |= lights::POSITION | lights::LOW_BEAM | lights::FOG;
+    }
+    lamps
+}
+
+/// Lamps of a vehicle: those of the weather, brake lamps, blinkers before and in junctions, flashing lights.
+pub(crate) fn vehicle_lamps(net: &Net, vehicle: &Vehicle, weather: u32) -> u32 {
+    let mut lamps = weather;
+    if vehicle.motion().acceleration_mps2() < -BRAKE_LAMP_MPS2 || vehicle.speed_mps() < 0.05 {
+        lamps |= lights::BRAKE;
+    }
+    if vehicle.flashes() {
+        lamps |= lights::EMERGENCY;
+    }
+    let side = |side: Side| if side == Side::Left { lights::BLINK_LEFT } else { lights::BLINK_RIGHT };
+    let meant = vehicle.lateral().change().map(LaneChange::side).or_else(|| vehicle.asked_side(net));
+    if let Some(meant) = meant {
+        return lamps | side(meant);
+    }
+    let mut turn = 0;
+    for (lane, start) in vehicle.lanes_ahead(net) {
+        if start - vehicle.half_length_m() > BLINK_M {
+            break;
+        }
+        turn = net.lanes[lane].turn;
+        if net.lanes[lane].junction.is_some() {
+            break;
+        }
+    }
+    match turn {
+        1 => lamps | lights::BLINK_LEFT,
+        -1 => lamps | lights::BLINK_RIGHT,
+        _ => lamps,
+    }
+}

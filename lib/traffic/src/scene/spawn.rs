@@ -1,0 +1,200 @@
+//! Who starts where.
+
+use std::collections::VecDeque;
+
+use nalgebra::Point3;
+use opendrive::{LanePos, Map};
+use random::Stream;
+use schema::fleet;
+use schema::models::{self, Model};
+
+use crate::error::TrafficError;
+use crate::hazards::Hazards;
+use crate::input::SceneInput;
+use crate::road::centreline::CentrelinePoint;
+use crate::road::net::Net;
+use crate::scene::free_space::Taken;
+use crate::vehicle::driver::DriverProfile;
+
+/// A vehicle about to be placed.
+#[derive(Debug)]
+pub(crate) struct Start {
+    pub(crate) model: &'static Model,
+    pub(crate) color: Vec<u8>,
+    /// `vehicle_0` or `background`.
+    pub(crate) role: String,
+    pub(crate) driver: DriverProfile,
+    /// Its emergency lights flash.
+    pub(crate) emergency: bool,
+    pub(crate) lane: usize,
+    pub(crate) along_m: f64,
+    pub(crate) point: Point3<f64>,
+    pub(crate) yaw_rad: f64,
+}
+
+/// All vehicles of a scene, agents in order, then background vehicles, and what stands in its hazards.
+pub(crate) fn vehicle_starts(
+    input: &SceneInput<'_>,
+    net: &Net,
+) -> Result<(Vec<Start>, Hazards), TrafficError> {
+    let scene = input.scene;
+    let mut taken = Taken::parked(input.fixed);
+    let mut starts = Vec::new();
+    for agent in input.agents.iter().filter(|a| a.signal.is_none() && a.agent.starts_with("vehicle")) {
+        let model = models::find(&agent.model).filter(|m| m.wheelbase_m > 0.0).ok_or_else(|| {
+            TrafficError::UnknownModel {
+                scene: scene.scene,
+                agent: agent.agent.clone(),
+                model: agent.model.clone(),
+            }
+        })?;
+        let (lane, along_m) = nearest_place(input.map, net, agent.xyz_m.into(), agent.rpy_rad[2])
+            .ok_or_else(|| TrafficError::NoDrivingLanes { scene: scene.scene, map: scene.map.clone() })?;
+        // Where the room clear of junctions is taken by another agent, the planned place is free.
+        let places = [clear_of_junctions(net, lane, along_m, model.size_m[0]), along_m]
+            .map(|along_m| (along_m, net.lanes[lane].centre.place(along_m)));
+        let is_free =
+            |(_, at): &&(f64, CentrelinePoint)| taken.is_free(&at.point, at.heading_rad, model.size_m);
+        let (along_m, place) = *places.iter().find(is_free).unwrap_or(&places[1]);
+        taken.insert(place.point, place.heading_rad, model.size_m);
+        let driver = DriverProfile::new(
+            model,
+            agent.reckless,
+            agent.distracted,
+            agent.speed_difference,
+            agent.standstill_gap_m,
+        );
+        starts.push(Start {
+            model,
+            color: agent.color.clone(),
+            role: agent.agent.clone(),
+            driver,
+            emergency: false,
+            lane,
+            along_m,
+            point: place.point,
+            yaw_rad: place.heading_rad,
+        });
+    }
+    let hazards = Hazards::place(input, &mut taken);
+    background(input, net, &hazards, &mut taken, &mut starts);
+    Ok((starts, hazards))
+}
+
+/// Background vehicles on free spawn points near the agents.
+fn background(
+    input: &SceneInput<'_>,
+    net: &Net,
+    hazards: &Hazards,
+    taken: &mut Taken,
+    starts: &mut Vec<Start>,
+) {
+    let (scene, traffic) = (input.scene, &input.settings.traffic);
+    let stream = |topic, entity| Stream::new(scene.seed, u64::from(scene.scene), topic, entity);
+    let agents: Vec<Point3<f64>> = starts.iter().map(|s| s.point).collect();
+    let mut points = spawn_points(input.map, net, scene.spawn_separation_m);
+    points.retain(|&(lane, along)| {
+        let at = net.lanes[lane].centre.place(along).point;
+        agents.iter().any(|a| (a - at).norm() < scene.spawn_radius_m)
+            && !hazards.is_near_end(net.lanes[lane].centre.lane, &at, 0.5 * scene.spawn_separation_m)
+    });
+    let drawn = stream("traffic/count", 0).int_inclusive(0, (points.len() as i64 - 3).max(0));
+    let wanted = scene.background_vehicles.map_or(drawn, i64::from).max(0) as usize;
+    let catalogue: Vec<&'static Model> = models::vehicles().collect();
+    let order = stream("traffic/order", 0).sample_indices(points.len(), wanted);
+    for (i, &(lane, along)) in order.into_iter().map(|k| &points[k]).enumerate() {
+        let mut draw = stream("traffic/vehicle", i as u64);
+        let Some(&model) = draw.choose_weighted(&catalogue, |m| fleet::weight(m)) else { return };
+        let Some(paint) = draw.choose(fleet::paints(model)) else { return };
+        let reckless = draw.chance(traffic.reckless_background);
+        let distracted = draw.chance(traffic.distracted_background) && !reckless;
+        let difference = draw.uniform(-0.4, 0.2);
+        let gap = draw.normal(4.2, 1.0).max(0.0);
+        let emergency = draw.chance(traffic.emergency_lights) && fleet::is_emergency(model);
+        let driver = DriverProfile::new(
+            model,
+            reckless,
+            distracted,
+            traffic.speed_difference.unwrap_or(difference),
+            traffic.standstill_gap_m.unwrap_or(gap),
+        );
+        let along_m = clear_of_junctions(net, lane, along, model.size_m[0]);
+        let place = net.lanes[lane].centre.place(along_m);
+        let fits = clear_of_junctions(net, lane, along_m, model.size_m[0]) == along_m
+            && !overhangs(net, lane, along_m, model.size_m[0]);
+        if !fits || !taken.is_free(&place.point, place.heading_rad, model.size_m) {
+            continue;
+        }
+        taken.insert(place.point, place.heading_rad, model.size_m);
+        starts.push(Start {
+            model,
+            color: paint.to_vec(),
+            role: "background".into(),
+            driver,
+            emergency,
+            lane,
+            along_m,
+            point: place.point,
+            yaw_rad: place.heading_rad,
+        });
+    }
+}
+
+/// The map's spawn points, but for those in tight bends, which are shared like junctions: lane and metres along it.
+fn spawn_points(map: &Map, net: &Net, separation_m: f64) -> Vec<(usize, f64)> {
+    let place = |pos: LanePos| {
+        let lane = net.find(pos.lane).filter(|&l| net.lanes[l].junction.is_none())?;
+        Some((lane, net.lanes[lane].centre.project(map.point_at(pos)?.position).0))
+    };
+    map.spawn_points(separation_m).into_iter().filter_map(place).collect()
+}
+
+/// Moves a start along its lane so that the vehicle neither hangs back into a junction nor stands in the next one,
+/// as far as the lane is long enough.
+fn clear_of_junctions(net: &Net, lane: usize, along_m: f64, length_m: f64) -> f64 {
+    let half = 0.5 * length_m + 0.6;
+    let facts = &net.lanes[lane];
+    let in_junction = |&i: &usize| net.lanes[i].junction.is_some();
+    let low = if facts.previous.iter().any(in_junction) { half } else { 0.0 };
+    let high = facts.centre.length_m - if facts.next.iter().any(in_junction) { half } else { 0.0 };
+    along_m.max(low).min(high.max(0.0))
+}
+
+/// Whether a vehicle there would reach into a junction, over lanes of any length.
+fn overhangs(net: &Net, lane: usize, along_m: f64, length_m: f64) -> bool {
+    let reach = |forward: bool| {
+        let from = if forward { net.lanes[lane].centre.length_m - along_m } else { along_m };
+        let mut open = VecDeque::from([(lane, 0.5 * length_m - from)]);
+        while let Some((at, left)) = open.pop_front() {
+            let onward = if forward { &net.lanes[at].next } else { &net.lanes[at].previous };
+            for &i in onward {
+                if left > 0.0 && net.lanes[i].junction.is_some() {
+                    return true;
+                }
+                if left > net.lanes[i].centre.length_m && open.len() < 64 {
+                    open.push_back((i, left - net.lanes[i].centre.length_m));
+                }
+            }
+        }
+        false
+    };
+    reach(true) || reach(false)
+}
+
+/// The place of a planned pose: on the nearest lane outside junctions that runs its way.
+fn nearest_place(map: &Map, net: &Net, at: Point3<f64>, yaw_rad: f64) -> Option<(usize, f64)> {
+    let usable = |lane: &opendrive::LaneInfo| lane.junction.is_none() && net.find(lane.id).is_some();
+    let hits = map.lanes_within(at, 2.0, usable);
+    let runs_along = |hit: &&opendrive::LaneHit| {
+        let way = net.find(hit.lane).map(|i| &net.lanes[i].centre);
+        way.is_some_and(|w| frames::wrap_pi(w.place(w.project(at).0).heading_rad - yaw_rad).abs() < 1.0)
+    };
+    let lane = match hits.iter().find(runs_along) {
+        Some(hit) => hit.lane,
+        None => {
+            map.nearest_lane(at, usable).or_else(|| map.nearest_lane(at, |l| net.find(l.id).is_some()))?.lane
+        }
+    };
+    let index = net.find(lane)?;
+    Some((index, net.lanes[index].centre.project(at).0))
+}

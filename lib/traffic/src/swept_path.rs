@@ -1,0 +1,251 @@
+//! The ground that vehicles are about to sweep, corners and all: drivers stop for whoever is on it, be it beside their lane,
+//! and for what stands there in accidents and road works; walkers who are not crossing step back from it.
+
+use nalgebra::{Point3, Vector2, Vector3};
+
+use crate::grid::Grid;
+use crate::road::net::Net;
+use crate::vehicle::Vehicle;
+use crate::vehicle::motion::after_rod;
+
+/// Distances between the places on the way that are looked at, within the second one and beyond, metres.
+const STEPS_M: [f64; 2] = [0.25, 1.0];
+/// Drivers look as far ahead as they need to stop at this braking, m/s2, and so much farther, but never farther than that,
+/// metres.
+const BRAKING: f64 = 2.0;
+const REACH_M: [f64; 2] = [5.0, 25.0];
+/// Walkers look at what is swept within this time, seconds, and this way, metres.
+const SOON_S: f64 = 1.5;
+const SOON_M: f64 = 1.5;
+/// Walkers as near to a vehicle as this do not walk into it, metres.
+const BESIDE_M: f64 = 1.5;
+/// Room left around vehicles, metres: by drivers and by walkers.
+const DRIVERS_M: f64 = 0.1;
+/// Points on the outline of a thing are this far apart, metres.
+const OUTLINE_M: f64 = 0.4;
+/// Nearer means by more than this, metres.
+const NEARER_M: f64 = 0.02;
+const WALKERS_M: f64 = 0.25;
+/// Walkers look at places so much farther than a vehicle sweeps soon, metres: half a second of the fastest, and a step.
+const MINDED_M: f64 = 6.0;
+/// Side of a cell, metres: drivers look no farther, half of the longest vehicle included.
+const CELL_M: f64 = 36.0;
+/// The same for what is swept, metres: half the diagonal of the longest vehicle and a walker.
+const PRINT_CELL_M: f64 = 8.0;
+/// Bodies on other levels do not meet, metres.
+const LEVEL_M: f64 = 2.5;
+
+/// The ground under a vehicle at some place on its way.
+#[derive(Clone, Copy, Debug)]
+struct Print {
+    at: Point3<f64>,
+    ahead: Vector2<f64>,
+    half_m: [f64; 2],
+}
+
+impl Print {
+    fn new(at: Point3<f64>, yaw_rad: f64, vehicle: &Vehicle) -> Self {
+        let (sin, cos) = frames::math::sin_cos(yaw_rad);
+        let [length, width, _] = vehicle.model().size_m;
+        Self { at, ahead: Vector2::new(cos, sin), half_m: [0.5 * length, 0.5 * width] }
+    }
+
+    /// Metres ahead of and to the left of its middle.
+    fn local(&self, point: &Point3<f64>) -> [f64; 2] {
+        let away = (point - self.at).xy();
+        [away.dot(&self.ahead), self.ahead.perp(&away)]
+    }
+
+    /// How far outside a point on this level is, metres; negative inside.
+    fn outside_m(&self, point: &Point3<f64>) -> f64 {
+        let [ahead, left] = self.local(point);
+        (ahead.abs() - self.half_m[0]).max(left.abs() - self.half_m[1])
+    }
+
+    fn is_level(&self, point: &Point3<f64>) -> bool {
+        (point.z - self.at.z).abs() < LEVEL_M
+    }
+}
+
+/// Who is about and what is swept soon, in one step of time.
+#[derive(Debug)]
+pub(crate) struct SweptPaths {
+    walkers: Vec<(Point3<f64>, f64)>,
+    grid: Grid,
+    /// For each walker whether a vehicle may come to where it is or steps to.
+    minded: Vec<bool>,
+    /// Vehicles with walkers beside them, where they are now.
+    here: Vec<Print>,
+    soon: Vec<Print>,
+    soon_grid: Grid,
+    /// Points on the outlines of what stands in hazards.
+    things: Vec<Point3<f64>>,
+    thing_grid: Grid,
+}
+
+impl SweptPaths {
+    /// For a scene with things in hazards: middle, yaw and size of each.
+    pub(crate) fn new(hazards: impl Iterator<Item = (Point3<f64>, f64, [f64; 3])>) -> Self {
+        let things: Vec<Point3<f64>> =
+            hazards.flat_map(|(at, yaw_rad, size_m)| outline(at, yaw_rad, size_m)).collect();
+        let mut thing_grid = Grid::new(CELL_M);
+        thing_grid.fill(things.iter().enumerate().map(|(i, point)| ([point.x, point.y], i)));
+        Self {
+            things,
+            thing_grid,
+            walkers: Vec::new(),
+            grid: Grid::new(CELL_M),
+            minded: Vec::new(),
+            here: Vec::new(),
+            soon: Vec::new(),
+            soon_grid: Grid::new(PRINT_CELL_M),
+        }
+    }
+
+    /// Forgets the step before.
+    pub(crate) fn clear(&mut self) {
+        self.walkers.clear();
+        self.grid.clear();
+        self.minded.clear();
+        self.here.clear();
+        self.soon.clear();
+        self.soon_grid.clear();
+    }
+
+    /// A walker, as a disc; they are numbered as they come.
+    pub(crate) fn add_walker(&mut self, point: Point3<f64>, radius_m: f64) {
+        self.grid.insert(point.x, point.y, self.walkers.len());
+        self.walkers.push((point, radius_m));
+        self.minded.push(false);
+    }
+
+    /// Whether a walker has to look out for vehicles off the road.
+    pub(crate) fn is_minded(&self, walker: usize) -> bool {
+        self.minded.get(walker).copied().unwrap_or(false)
+    }
+
+    /// Metres that a vehicle can go on until it would touch a walker or something of a hazard, if there is one in its way;
+    /// notes what it sweeps soon.
+    pub(crate) fn gap_m(&mut self, net: &Net, vehicle: &Vehicle) -> Option<f64> {
+        let speed = vehicle.speed_mps();
+        let reach_m = (speed * speed / (2.0 * BRAKING) + REACH_M[0]).min(REACH_M[1]);
+        let here = Print::new(vehicle.motion().position(), vehicle.motion().yaw_rad(), vehicle);
+        // The tightest bend within reach bounds what is swept aside.
+        let lanes = vehicle.lanes_ahead(net).take_while(|(_, start)| *start < reach_m);
+        let radius_m = lanes.map(|(lane, _)| net.lanes[lane].radius_m).fold(f64::INFINITY, f64::min);
+        let lateral_m = if vehicle.lateral().change().is_some() { 1.0 } else { 0.0 };
+        // Whatever the vehicle sweeps lies within the way it looks ahead and half its diagonal.
+        let at = vehicle.motion().position();
+        let half_m = here.half_m[0] + here.half_m[1];
+        let soon_m = SOON_S * speed + SOON_M;
+        let mut around = Vec::new();
+        for walker in self.grid.around(at.x, at.y) {
+            let away_m = (self.walkers[walker].0 - at).xy().norm();
+            if away_m < half_m + soon_m + MINDED_M {
+                self.minded[walker] = true;
+            }
+            if away_m < half_m + reach_m + BESIDE_M {
+                around.push(self.walkers[walker]);
+            }
+        }
+        let beside = around.iter().any(|(point, radius)| {
+            let [ahead, left] = here.local(point);
+            ahead.abs() < here.half_m[0] + BESIDE_M
+                && left.abs() < here.half_m[1] + radius + BESIDE_M
+                && here.is_level(point)
+        });
+        // Who sees no signs sees no cones.
+        if !vehicle.driver().profile().distracted {
+            let things = self.thing_grid.around(at.x, at.y).map(|thing| (self.things[thing], 0.0));
+            around.extend(things.filter(|(point, _)| (point - at).xy().norm() < half_m + reach_m));
+        }
+        let near: Vec<&(Point3<f64>, f64)> = around
+            .iter()
+            .filter(|(point, radius)| {
+                let [ahead, left] = here.local(point);
+                let to = ahead - radius;
+                let aside = left.abs() - here.half_m[1] - radius - WALKERS_M;
+                ahead > -here.half_m[0]
+                    && to < here.half_m[0] + reach_m
+                    && aside < lateral_m + to.abs() * to.abs() / radius_m
+                    && here.is_level(point)
+            })
+            .collect();
+        if beside {
+            self.here.push(here);
+            self.soon.push(here);
+        }
+        if near.is_empty() {
+            return None;
+        }
+        let mut gap_m = None;
+        let mut on_m = 0.0;
+        let (mut at, mut yaw_rad) = (vehicle.motion().position(), vehicle.motion().yaw_rad());
+        while on_m < reach_m {
+            let step_m = if on_m < STEPS_M[1] { STEPS_M[0] } else { STEPS_M[1] };
+            on_m += step_m;
+            let Some(next) = vehicle.point_ahead(net, on_m) else { break };
+            yaw_rad = after_rod(yaw_rad, &(next - at), vehicle.half_base_m());
+            at = next;
+            let print = Print::new(at, yaw_rad, vehicle);
+            if on_m <= soon_m {
+                self.soon.push(print);
+            }
+            // Who is beside it and comes no nearer is passed.
+            let hit = |(point, radius): &&(Point3<f64>, f64)| {
+                let outside_m = print.outside_m(point);
+                outside_m < radius + DRIVERS_M && outside_m < here.outside_m(point) - NEARER_M
+            };
+            if near.iter().any(hit) {
+                gap_m = Some(on_m - step_m);
+                break;
+            }
+        }
+        gap_m
+    }
+
+    /// Whether a step leads a walker into a vehicle or farther into it.
+    pub(crate) fn blocks(&self, from: &Point3<f64>, step: Vector2<f64>, radius_m: f64) -> bool {
+        let to = Point3::new(from.x + step.x, from.y + step.y, from.z);
+        self.here.iter().any(|print| {
+            let outside_m = print.outside_m(&to);
+            outside_m < radius_m && outside_m < print.outside_m(from) && print.is_level(from)
+        })
+    }
+
+    /// All vehicles have looked: walkers may look, too.
+    pub(crate) fn settle(&mut self) {
+        let prints = self.soon.iter().enumerate();
+        self.soon_grid.fill(prints.map(|(i, print)| ([print.at.x, print.at.y], i)));
+    }
+
+    /// How far outside the ground that is swept soon a walker would be at a place, metres, at most [`WALKERS_M`] beyond.
+    pub(crate) fn clear_m(&self, at: &Point3<f64>, radius_m: f64) -> f64 {
+        let around = self.soon_grid.around(at.x, at.y).map(|print| &self.soon[print]);
+        let on_level = around.filter(|print| print.is_level(at));
+        on_level.map(|print| print.outside_m(at) - radius_m).fold(WALKERS_M, f64::min)
+    }
+
+    /// Whether a walker at a place is in the way of what is swept soon.
+    pub(crate) fn is_swept(&self, at: &Point3<f64>, radius_m: f64) -> bool {
+        self.clear_m(at, radius_m) < WALKERS_M
+    }
+}
+
+/// Points around a box, at most [`OUTLINE_M`] apart.
+fn outline(at: Point3<f64>, yaw_rad: f64, [length, width, _]: [f64; 3]) -> Vec<Point3<f64>> {
+    let (sin, cos) = frames::math::sin_cos(yaw_rad);
+    let corners = [[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]].map(|[u, v]| [u * length, v * width]);
+    let mut points = Vec::new();
+    for (k, from) in corners.iter().enumerate() {
+        let to = corners[(k + 1) % 4];
+        let side_m = if k % 2 == 0 { length } else { width };
+        let pieces = (side_m / OUTLINE_M).ceil().max(1.0);
+        for i in 0..pieces as u32 {
+            let share = f64::from(i) / pieces;
+            let [u, v] = [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
+            points.push(at + Vector3::new(u * cos - v * sin, u * sin + v * cos, 0.0));
+        }
+    }
+    points
+}

@@ -1,0 +1,131 @@
+//! Where a vehicle is across its lane: on the way over from another one, or off a seam of the map.
+
+use crate::road::sides::Side;
+
+/// After this share of the way over, a vehicle has left its old lane.
+pub(crate) const OUT: f64 = 0.62;
+
+/// A way from beside a lane's middle to the middle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LateralTransition {
+    /// Place to the left of the middle at the beginning, metres.
+    from_m: f64,
+    /// Way over and way gone, metres.
+    span_m: f64,
+    gone_m: f64,
+}
+
+impl LateralTransition {
+    /// Begins so far to the left of the middle, to be over after some metres of way.
+    pub(crate) fn new(from_m: f64, span_m: f64) -> Self {
+        Self { from_m, span_m, gone_m: 0.0 }
+    }
+
+    /// Goes on; whether the middle is not reached yet.
+    fn advance(&mut self, step_m: f64) -> bool {
+        self.gone_m += step_m;
+        self.gone_m < self.span_m
+    }
+
+    /// Place to the left of the lane's middle after some more metres of way, and its change per metre of way: a quintic
+    /// whose slope and curvature are zero at both ends.
+    fn offset_after(&self, on_m: f64) -> [f64; 2] {
+        let u = ((self.gone_m + on_m) / self.span_m).clamp(0.0, 1.0);
+        let share = u * u * u * (10.0 - u * (15.0 - 6.0 * u));
+        let slope = 30.0 * u * u * (1.0 - u) * (1.0 - u);
+        [self.from_m * (1.0 - share), -self.from_m * slope / self.span_m]
+    }
+}
+
+/// A lane change under way.
+#[derive(Clone, Debug)]
+pub(crate) struct LaneChange {
+    transition: LateralTransition,
+    passed: Option<usize>,
+}
+
+impl LaneChange {
+    /// `passed`: the vehicle that was ahead.
+    pub(crate) fn new(transition: LateralTransition, passed: Option<usize>) -> Self {
+        Self { transition, passed }
+    }
+
+    /// Whether it has left its old lane.
+    fn is_out(&self) -> bool {
+        self.transition.gone_m > OUT * self.transition.span_m
+    }
+
+    /// The side it goes to.
+    pub(crate) fn side(&self) -> Side {
+        if self.transition.from_m > 0.0 { Side::Right } else { Side::Left }
+    }
+
+    /// The vehicle that was ahead on the old lane, as long as that is not left.
+    pub(crate) fn passing(&self) -> Option<usize> {
+        self.passed.filter(|_| !self.is_out())
+    }
+}
+
+/// What a vehicle is off the middle of its lane.
+#[derive(Debug, Default)]
+pub(crate) struct Lateral {
+    change: Option<LaneChange>,
+    /// What it is off its way since a seam where two ways do not quite meet.
+    seam: Option<LateralTransition>,
+}
+
+impl Lateral {
+    /// The lane change under way.
+    pub(crate) fn change(&self) -> Option<&LaneChange> {
+        self.change.as_ref()
+    }
+
+    /// Place to the left of the lane's middle after some more metres of way, metres, and its change per metre of way.
+    pub(crate) fn offset_after(&self, on_m: f64) -> [f64; 2] {
+        let transitions = self.change.iter().map(|c| c.transition).chain(self.seam);
+        let after = transitions.map(|t| t.offset_after(on_m));
+        after.fold([0.0; 2], |sum, o| [sum[0] + o[0], sum[1] + o[1]])
+    }
+
+    /// Begins a lane change: places are to the left of the new lane's middle from now on.
+    pub(crate) fn begin(&mut self, change: LaneChange) {
+        self.change = Some(change);
+        self.seam = None;
+    }
+
+    /// The lane goes on beside where the vehicle is, which is `left_m` left of its middle: what no lane change explains of
+    /// that wears off.
+    pub(crate) fn cross_seam(&mut self, left_m: f64, span_m: f64) {
+        self.seam = None;
+        self.seam = Some(LateralTransition::new(left_m - self.offset_after(0.0)[0], span_m));
+    }
+
+    /// Goes on by some metres of way.
+    pub(crate) fn advance(&mut self, step_m: f64) {
+        if self.change.as_mut().is_some_and(|change| !change.transition.advance(step_m)) {
+            self.change = None;
+        }
+        if self.seam.as_mut().is_some_and(|seam| !seam.advance(step_m)) {
+            self.seam = None;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_way_over_begins_and_ends_along_the_lanes() {
+        let at = |gone_m: f64| LateralTransition::new(-3.5, 40.0).offset_after(gone_m);
+        assert_eq!(at(0.0), [-3.5, 0.0]);
+        assert_eq!(at(40.0)[0].abs(), 0.0);
+        assert!((at(20.0)[0] + 1.75).abs() < 1e-12);
+        for k in 1..400 {
+            let gone = 0.1 * f64::from(k);
+            let slope = (at(gone + 1e-5)[0] - at(gone - 1e-5)[0]) / 2e-5;
+            assert!((at(gone)[1] - slope).abs() < 1e-8, "at {gone}: {} instead of {slope}", at(gone)[1]);
+            assert!((0.0..=1.875 * 3.5 / 40.0 + 1e-12).contains(&at(gone)[1]));
+        }
+    }
+}

@@ -1,0 +1,300 @@
+//! A vehicle, in parts that each own what they change: others read them, and change them by what is meant to happen.
+//!
+//! [`Route`]: where it goes. [`Motion`]: where it is. [`Lateral`]: what it is off its lane's middle. [`Driver`]: who drives.
+//! [`LaneChoice`]: which lane it asks for. [`Claim`]: what is reserved for it in junctions. [`Doors`]: which are open.
+
+pub(crate) mod attention;
+pub(crate) mod claim;
+pub(crate) mod doors;
+pub(crate) mod driver;
+pub(crate) mod lane_choice;
+pub(crate) mod lateral;
+pub(crate) mod motion;
+pub(crate) mod route;
+pub(crate) mod sway;
+pub(crate) mod wake;
+
+use nalgebra::{Point3, Vector3};
+use schema::models::{BaseType, Model, swept_m};
+
+use self::claim::Claim;
+use self::doors::Doors;
+use self::driver::Driver;
+use self::lane_choice::LaneChoice;
+use self::lateral::{LaneChange, Lateral};
+use self::motion::{Course, Motion, half_base_m};
+use self::route::Route;
+use self::wake::Wake;
+use crate::bodies::BodyMotion;
+use crate::car_following::envelope;
+use crate::road::net::{Net, PLANNED_BRAKING};
+use crate::road::sides::Side;
+
+/// Bicycles go no faster, m/s.
+const BICYCLE_MPS: f64 = 8.0;
+/// Slower than this is standing, m/s.
+const STANDING_MPS: f64 = 0.3;
+/// Lookahead at rest, metres.
+const NEAR_M: f64 = 40.0;
+/// Routes are drawn so much farther than drivers look, metres.
+const BEYOND_VIEW_M: f64 = 60.0;
+/// Drivers stop this far before the end of a road, metres.
+const ROAD_END_M: f64 = 1.0;
+
+/// A vehicle. The followed point is the middle of its footprint, which moves along the route.
+#[derive(Debug)]
+pub(crate) struct Vehicle {
+    model: &'static Model,
+    /// Its emergency lights flash.
+    flashes: bool,
+    driver: Driver,
+    route: Route,
+    lateral: Lateral,
+    lane_choice: LaneChoice,
+    motion: Motion,
+    claim: Claim,
+    doors: Doors,
+    wake: Wake,
+}
+
+impl Vehicle {
+    /// Awake where its route and its motion begin, with nothing reserved.
+    pub(crate) fn new(
+        net: &Net,
+        model: &'static Model,
+        driver: Driver,
+        route: Route,
+        motion: Motion,
+        doors: Doors,
+        flashes: bool,
+    ) -> Self {
+        let mut vehicle = Self {
+            model,
+            flashes,
+            driver,
+            route,
+            lateral: Lateral::default(),
+            lane_choice: LaneChoice::default(),
+            motion,
+            claim: Claim::default(),
+            doors,
+            wake: Wake::Awake,
+        };
+        vehicle.route.choose_turn_lane(net);
+        vehicle.draw_route(net);
+        vehicle
+    }
+
+    pub(crate) fn model(&self) -> &'static Model {
+        self.model
+    }
+
+    /// Whether its emergency lights flash.
+    pub(crate) fn flashes(&self) -> bool {
+        self.flashes
+    }
+
+    pub(crate) fn driver(&self) -> &Driver {
+        &self.driver
+    }
+
+    pub(crate) fn route(&self) -> &Route {
+        &self.route
+    }
+
+    pub(crate) fn lateral(&self) -> &Lateral {
+        &self.lateral
+    }
+
+    pub(crate) fn lane_choice(&self) -> &LaneChoice {
+        &self.lane_choice
+    }
+
+    pub(crate) fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
+    pub(crate) fn claim(&self) -> &Claim {
+        &self.claim
+    }
+
+    pub(crate) fn doors(&self) -> &Doors {
+        &self.doors
+    }
+
+    pub(crate) fn wake(&self) -> Wake {
+        self.wake
+    }
+
+    pub(crate) fn speed_mps(&self) -> f64 {
+        self.motion.speed_mps()
+    }
+
+    /// Whether it stands, or hardly moves.
+    pub(crate) fn stands(&self) -> bool {
+        self.speed_mps() < STANDING_MPS
+    }
+
+    pub(crate) fn is_crashed(&self) -> bool {
+        self.motion.is_crashed()
+    }
+
+    pub(crate) fn length_m(&self) -> f64 {
+        self.model.size_m[0]
+    }
+
+    pub(crate) fn half_length_m(&self) -> f64 {
+        0.5 * self.model.size_m[0]
+    }
+
+    /// From the middle between the axles back to the rear one, metres.
+    pub(crate) fn half_base_m(&self) -> f64 {
+        half_base_m(self.model)
+    }
+
+    /// How far it reaches inwards and outwards from a circle that its middle goes round on, metres.
+    pub(crate) fn reaches_m(&self, radius_m: f64) -> [f64; 2] {
+        let [length, width, _] = self.model.size_m;
+        swept_m([length, width], self.half_base_m(), radius_m)
+    }
+
+    /// How far ahead it looks, metres.
+    pub(crate) fn view_m(&self) -> f64 {
+        let speed = self.speed_mps();
+        NEAR_M + 2.0 * speed + speed * speed / (2.0 * PLANNED_BRAKING)
+    }
+
+    /// The lanes of the route with the way from the vehicle's middle to their beginnings (negative for the first).
+    pub(crate) fn lanes_ahead<'a>(&'a self, net: &'a Net) -> impl Iterator<Item = (usize, f64)> + 'a {
+        self.route.lanes_ahead(net)
+    }
+
+    /// The followed point after some more metres of way; none beyond the end of the route.
+    pub(crate) fn point_ahead(&self, net: &Net, on_m: f64) -> Option<Point3<f64>> {
+        let length = |lane: usize| net.lanes[lane].centre.length_m;
+        let (lane, start) = self.lanes_ahead(net).find(|(lane, start)| on_m <= start + length(*lane))?;
+        let place = net.lanes[lane].centre.place(on_m - start);
+        let left = self.lateral.offset_after(on_m)[0];
+        let (sin, cos) = frames::math::sin_cos(place.heading_rad);
+        Some(place.point + Vector3::new(-sin, cos, 0.0) * left)
+    }
+
+    /// The side that it asks to be let in to.
+    pub(crate) fn asked_side(&self, net: &Net) -> Option<Side> {
+        let wanted = self.lane_choice.wanted()?;
+        let beside = &net.lanes[self.route.lane()].beside;
+        Side::BOTH.into_iter().find(|s| beside[*s as usize].as_ref().is_some_and(|b| b.lane == wanted))
+    }
+
+    /// From the front to the next junction on the route, metres; far where none is in view.
+    pub(crate) fn junction_gap_m(&self, net: &Net) -> f64 {
+        let mut ahead = self.lanes_ahead(net);
+        let next = ahead.find(|(lane, _)| net.lanes[*lane].junction.is_some());
+        next.map_or(f64::INFINITY, |(_, start)| start - self.half_length_m())
+    }
+
+    /// From the front to the place to stop at the end of a road that leads nowhere, metres, where one is in view.
+    pub(crate) fn end_of_road_m(&self, net: &Net) -> Option<f64> {
+        let leads_on = self.route.last().is_some_and(|l| !net.lanes[l].next.is_empty());
+        let end = self.lanes_ahead(net).last().map_or(0.0, |(lane, start)| start + net.lanes[lane].usable_m);
+        (!leads_on).then_some(end - self.half_length_m() - ROAD_END_M)
+    }
+
+    /// The wished speed on a lane without traffic and curves, m/s.
+    fn lane_speed(&self, net: &Net, lane: usize) -> f64 {
+        let speed = net.lanes[lane].limit_mps * (1.0 - self.driver.profile().speed_difference);
+        if self.model.base == BaseType::Bicycle { speed.min(BICYCLE_MPS) } else { speed }
+    }
+
+    /// The wished speed here without traffic, m/s.
+    pub(crate) fn speed_here(&self, net: &Net) -> f64 {
+        let (lane, along_m) = (self.route.lane(), self.route.along_m());
+        self.lane_speed(net, lane).min(net.curve_speed(lane, along_m)).max(0.1)
+    }
+
+    /// The wished speed here: limits and curves, ahead too.
+    pub(crate) fn wished_speed(&self, net: &Net) -> f64 {
+        let mut wished = f64::INFINITY;
+        let view = self.view_m();
+        for (lane, start) in self.lanes_ahead(net) {
+            if start > view {
+                break;
+            }
+            let (limit, curve) = if start <= 0.0 {
+                (self.lane_speed(net, lane), net.curve_speed(lane, self.route.along_m()))
+            } else {
+                let before = start - self.half_length_m();
+                (
+                    envelope(self.lane_speed(net, lane), before, PLANNED_BRAKING),
+                    envelope(net.lanes[lane].curve_mps[0], before, PLANNED_BRAKING),
+                )
+            };
+            wished = wished.min(limit).min(curve);
+        }
+        wished.max(0.1)
+    }
+}
+
+/// What happens to a vehicle.
+impl Vehicle {
+    pub(crate) fn claim_mut(&mut self) -> &mut Claim {
+        &mut self.claim
+    }
+
+    pub(crate) fn lane_choice_mut(&mut self) -> &mut LaneChoice {
+        &mut self.lane_choice
+    }
+
+    /// Draws branches until the route reaches beyond the view.
+    fn draw_route(&mut self, net: &Net) {
+        let reach_m = self.view_m() + BEYOND_VIEW_M;
+        self.route.extend(net, reach_m);
+    }
+
+    /// The driver looks about: draws what it overlooks in a step.
+    pub(crate) fn look(&mut self, step: u32) {
+        self.driver.look(step);
+    }
+
+    /// Begins a lane change to a place beside.
+    pub(crate) fn change_lane(&mut self, net: &Net, (lane, along_m): (usize, f64), change: LaneChange) {
+        self.route.change_to(lane, along_m);
+        self.lateral.begin(change);
+        self.claim.leave_line();
+        self.route.choose_turn_lane(net);
+        self.draw_route(net);
+    }
+
+    /// Drives for a step at an acceleration.
+    pub(crate) fn drive(&mut self, net: &Net, acceleration_mps2: f64) {
+        let mut course = Course { net, route: &mut self.route, lateral: &mut self.lateral };
+        if self.motion.advance(&mut course, self.model, acceleration_mps2) {
+            self.draw_route(net);
+        }
+    }
+
+    /// It touched something: nobody drives it from now on.
+    pub(crate) fn crash(&mut self) {
+        self.motion.crash();
+    }
+
+    /// Takes over where the body of a crashed vehicle has skidded to.
+    pub(crate) fn skid_to(&mut self, body: &BodyMotion) {
+        self.motion.skid_to(body);
+    }
+
+    /// Those inside may open doors while it stands, or shut them.
+    pub(crate) fn move_doors(&mut self) {
+        self.doors.step(self.motion.speed_mps());
+    }
+
+    /// Becomes as awake as told; who falls asleep waits for nobody.
+    pub(crate) fn set_wake(&mut self, wake: Wake) {
+        if wake == Wake::Asleep && self.wake != Wake::Asleep {
+            self.motion.rest();
+            self.claim.stop_waiting();
+            self.claim.yield_to(Vec::new());
+        }
+        self.wake = wake;
+    }
+}

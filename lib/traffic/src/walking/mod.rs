@@ -1,0 +1,8 @@
+//! Walkers: where they can walk, where they go, and how they keep out of the way.
+
+pub(crate) mod crowd;
+pub(crate) mod fixtures;
+pub(crate) mod paths;
+pub(crate) mod routes;
+pub(crate) mod surroundings;
+pub(crate) mod walker;

@@ -1,0 +1,508 @@
+//! Walkers on their routes: over sidewalks, crosswalks and, some of them, straight over roads.
+
+use frames::{Object, Pose, World};
+use nalgebra::{Point3, Vector2};
+use random::Stream;
+use schema::FRAME_PERIOD_S;
+use schema::models::Model;
+
+use crate::bodies::{Body, BodyMotion};
+use crate::occupancy::{CrossingWalker, Occupancy};
+use crate::road::net::Net;
+use crate::swept_path::SweptPaths;
+use crate::walking::crowd::{Crowd, Wish, radius_m};
+use crate::walking::fixtures::Fixtures;
+use crate::walking::paths::{Crossing, Paths};
+use crate::walking::routes::{Leg, Route, Routes, Turn};
+use crate::walking::surroundings::Surroundings;
+
+/// A stride's length, metres.
+const STRIDE_M: f64 = 1.4;
+/// Fastest turn, radians per second.
+const TURN_RADPS: f64 = 5.0;
+/// After waiting this long, a walker goes as soon as everyone can stop, seconds.
+const PATIENCE_S: f64 = 5.0;
+/// After waiting this long, a walker stays on its side, seconds.
+const GIVE_UP_S: f64 = 25.0;
+/// The same at a light, whose turn comes some time, seconds.
+const GIVE_UP_AT_LIGHT_S: f64 = 90.0;
+/// Who may cross anywhere and finds no way through where it meant to tries again after this way, metres.
+const NEXT_TRY_M: f64 = 2.0;
+/// Users of wheelchairs are not faster than this, m/s.
+pub(crate) const WHEELCHAIR_MPS: f64 = 2.0;
+/// A place is reached within this distance, metres.
+const REACH_M: f64 = 0.3;
+/// Who cannot get on waits behind those who stand at the kerb, within this distance of it, metres.
+const QUEUE_M: f64 = 3.0;
+/// Who gets on less than a fifth as fast as wished for this long goes somewhere else, seconds.
+const STUCK_S: f64 = 4.0;
+/// Braking at a destination, m/s2, down to a speed at which one turns round, m/s.
+const HALT_MPS2: f64 = 2.5;
+const TURN_MPS: f64 = 0.4;
+
+/// Whoever is as near to a lane's middle is on it for drivers, metres.
+const LANE_SIDE_M: f64 = 2.5;
+
+/// Who is in the way of a vehicle's corner steps back as fast as this, m/s, and looks this far ahead, seconds.
+const STEPS_BACK_MPS: f64 = 1.4;
+const STEPS_BACK_S: f64 = 0.5;
+/// It looks for room this far around, metres.
+const STEP_M: f64 = 0.8;
+
+#[derive(Clone, Debug)]
+enum Mode {
+    /// Along a sidewalk, on the first leg of the route.
+    Along,
+    /// To the kerb.
+    ToKerb {
+        crossing: Crossing,
+        side: usize,
+    },
+    Waiting {
+        crossing: Crossing,
+        side: usize,
+        since_s: f64,
+    },
+    /// On the road, so far from the first end walked.
+    Over {
+        crossing: Crossing,
+        side: usize,
+        done_m: f64,
+    },
+    /// From the kerb back onto the sidewalk.
+    ToWalk,
+    /// Hit by a vehicle.
+    Struck,
+}
+
+/// A walker.
+#[derive(Debug)]
+pub(crate) struct Walker {
+    model: &'static Model,
+    color: [u8; 3],
+    body: Body,
+    point: Point3<f64>,
+    yaw_rad: f64,
+    walked_m: f64,
+    velocity_mps: Vector2<f64>,
+    /// Far from all agents: it stands where it is.
+    asleep: bool,
+    stream: Stream,
+    speed_mps: f64,
+    anywhere: bool,
+    /// Where across the way it likes to walk, in its own direction: -1 (right) to 1.
+    offset: f64,
+    /// How long it has hardly got on, seconds.
+    stuck_s: f64,
+    way: usize,
+    along_m: f64,
+    /// What is left of the way to its destination; never empty.
+    route: Route,
+    mode: Mode,
+}
+
+impl Walker {
+    #[allow(clippy::too_many_arguments)] // All of it is drawn by the caller, from one stream.
+    pub(crate) fn new(
+        model: &'static Model,
+        color: [u8; 3],
+        mut stream: Stream,
+        paths: &Paths,
+        routes: &Routes,
+        place: (usize, f64),
+        speed_mps: f64,
+        anywhere: bool,
+        make_body: impl FnOnce(&Point3<f64>) -> Body,
+    ) -> Self {
+        // To the right, where nobody comes the other way.
+        let offset = stream.uniform(-1.0, 0.1);
+        let route = routes.draw(paths, place, anywhere, None, &mut stream);
+        let forward = route.front().is_none_or(|leg| leg.to_m >= place.1);
+        let (point, way_heading) = paths.point(place.0, place.1, if forward { offset } else { -offset });
+        let yaw_rad = if forward { way_heading } else { frames::wrap_pi(way_heading + std::f64::consts::PI) };
+        Self {
+            model,
+            color,
+            body: make_body(&point),
+            point,
+            yaw_rad,
+            walked_m: 0.0,
+            velocity_mps: Vector2::zeros(),
+            asleep: false,
+            stream,
+            speed_mps,
+            anywhere,
+            offset,
+            stuck_s: 0.0,
+            way: place.0,
+            along_m: place.1,
+            route,
+            mode: Mode::Along,
+        }
+    }
+
+    pub(crate) fn model(&self) -> &'static Model {
+        self.model
+    }
+
+    pub(crate) fn color(&self) -> [u8; 3] {
+        self.color
+    }
+
+    pub(crate) fn body(&self) -> Body {
+        self.body
+    }
+
+    /// On the ground.
+    pub(crate) fn position(&self) -> Point3<f64> {
+        self.point
+    }
+
+    pub(crate) fn yaw_rad(&self) -> f64 {
+        self.yaw_rad
+    }
+
+    pub(crate) fn world_from_object(&self) -> Pose<World, Object> {
+        Pose::from_xyz_rpy(self.point.into(), [0.0, 0.0, self.yaw_rad])
+    }
+
+    pub(crate) fn velocity_mps(&self) -> Vector2<f64> {
+        self.velocity_mps
+    }
+
+    pub(crate) fn is_asleep(&self) -> bool {
+        self.asleep
+    }
+
+    /// Falls asleep where it stands, or wakes.
+    pub(crate) fn set_asleep(&mut self, asleep: bool) {
+        if asleep && !self.asleep {
+            self.velocity_mps = Vector2::zeros();
+        }
+        self.asleep = asleep;
+    }
+
+    /// Takes over where the body of a struck walker has skidded to.
+    pub(crate) fn skid_to(&mut self, body: &BodyMotion) {
+        (self.point.x, self.point.y, self.yaw_rad) = (body.x_m, body.y_m, body.yaw_rad);
+    }
+
+    /// The leg that is walked.
+    fn leg(&self) -> Leg {
+        let here = Leg { way: self.way, to_m: self.along_m, then: Turn::Arrive };
+        self.route.front().copied().filter(|leg| leg.way == self.way).unwrap_or(here)
+    }
+
+    /// Whether the leg that is walked leads in the sidewalk's direction.
+    fn is_forward(&self) -> bool {
+        self.leg().to_m >= self.along_m
+    }
+
+    /// Goes along the sidewalk to a new destination, if possible this way at first.
+    fn set_out(&mut self, around: &Surroundings<'_>, forward: Option<bool>) {
+        let from = (self.way, self.along_m);
+        self.route = around.routes.draw(around.paths, from, self.anywhere, forward, &mut self.stream);
+        (self.stuck_s, self.mode) = (0.0, Mode::Along);
+    }
+
+    /// Moves a walker who would start in another one along its sidewalk to the nearest place where it does not.
+    pub(crate) fn find_room(&mut self, paths: &Paths, fixtures: &Fixtures, crowd: &Crowd) {
+        let length = paths.ways[self.way].length_m;
+        let share = if self.is_forward() { self.offset } else { -self.offset };
+        let shifts = (0..100).map(|i| 0.5 * f64::from((i + 1) / 2) * if i % 2 == 0 { 1.0 } else { -1.0 });
+        let free = shifts
+            .map(|shift| self.along_m + shift)
+            .filter(|along| (0.0..=length).contains(along))
+            .find_map(|along| {
+                let point = paths.point(self.way, along, share).0;
+                crowd.is_free(point, self.radius_m(), fixtures).then_some((along, point))
+            });
+        if let Some((along, point)) = free {
+            (self.along_m, self.point) = (along, point);
+        }
+    }
+
+    /// Phase of the stride; of a wheelchair the angle of its wheels.
+    pub(crate) fn gait_phase_rad(&self) -> f64 {
+        let radius = self.model.wheel_radius_m;
+        if radius > 0.0 { self.walked_m / radius } else { std::f64::consts::TAU * self.walked_m / STRIDE_M }
+    }
+
+    pub(crate) fn is_on_road(&self) -> bool {
+        matches!(self.mode, Mode::Over { .. })
+    }
+
+    pub(crate) fn is_struck(&self) -> bool {
+        matches!(self.mode, Mode::Struck)
+    }
+
+    pub(crate) fn strike(&mut self) {
+        self.mode = Mode::Struck;
+    }
+
+    /// Marks the lanes that the walker is still going to cross, with the time until then.
+    pub(crate) fn mark(&self, net: &Net, occupancy: &mut Occupancy) {
+        if let Mode::Over { crossing, side, done_m } = &self.mode {
+            let length = (crossing.ends[1] - crossing.ends[0]).norm();
+            for &(lane, along, from_first) in &crossing.lanes {
+                let at = if *side == 0 { from_first } else { length - from_first };
+                if at > done_m - 1.0 {
+                    let in_s = (at - LANE_SIDE_M - done_m).max(0.0) / self.speed_mps;
+                    occupancy.add_walker(lane, CrossingWalker { along_m: along, in_s });
+                }
+            }
+        } else if self.is_struck() {
+            for (lane, along_m) in net.lanes_at(&self.point, 0.3) {
+                occupancy.add_walker(lane, CrossingWalker { along_m, in_s: 0.0 });
+            }
+        }
+    }
+
+    pub(crate) fn radius_m(&self) -> f64 {
+        radius_m(self.model.size_m)
+    }
+
+    /// What it wishes for now, and the height of the surface there; nothing once it is struck.
+    fn wish(&mut self, around: &Surroundings<'_>) -> Option<(Wish, f64)> {
+        let &Surroundings { paths, time_s, .. } = around;
+        match self.mode.clone() {
+            Mode::Struck => None,
+            Mode::Along => {
+                if self.stuck_s > STUCK_S {
+                    self.set_out(around, Some(!self.is_forward()));
+                }
+                Some(self.along_wish(paths))
+            }
+            Mode::ToKerb { crossing, side } => {
+                let to = self.kerb(&crossing, side, side);
+                let gap = flat(&self.point, &to).norm();
+                if gap < REACH_M || (gap < QUEUE_M && self.stuck_s > 0.5) || self.stuck_s > STUCK_S {
+                    self.mode = Mode::Waiting { crossing, side, since_s: time_s };
+                }
+                Some(self.straight_wish(&to, [-0.6, 0.6]))
+            }
+            Mode::Waiting { crossing, side, since_s } => {
+                let waited_s = time_s - since_s;
+                let most_s = if crossing.signals.is_empty() { GIVE_UP_S } else { GIVE_UP_AT_LIGHT_S };
+                if self.may_go(around, &crossing, waited_s > PATIENCE_S) {
+                    self.stuck_s = 0.0;
+                    self.mode = Mode::Over { crossing: crossing.clone(), side, done_m: 0.0 };
+                } else if waited_s > most_s {
+                    // Back to where it left the sidewalk, and somewhere else.
+                    self.stuck_s = 0.0;
+                    self.route.clear();
+                    self.mode = Mode::ToWalk;
+                }
+                let to = crossing.ends[1 - side];
+                Some((Wish { speed_mps: 0.0, ..self.straight_wish(&to, [0.0; 2]).0 }, self.point.z))
+            }
+            Mode::Over { crossing, side, .. } => Some(self.over_wish(crossing, side)),
+            Mode::ToWalk => {
+                let to = paths.point(self.way, self.along_m, 0.0).0;
+                let (along, left) = paths.ways[self.way].cross(self.point, self.along_m);
+                if flat(&self.point, &to).norm() < REACH_M
+                    || left.abs() <= paths.room_m(self.way, along)
+                    || self.stuck_s > STUCK_S
+                {
+                    (self.along_m, self.stuck_s) = (along, 0.0);
+                    self.mode = Mode::Along;
+                    if self.route.front().is_none_or(|leg| leg.way != self.way) {
+                        self.set_out(around, None);
+                    }
+                }
+                Some(self.straight_wish(&to, [-0.6, 0.6]))
+            }
+        }
+    }
+
+    /// One step of walker `me` of the crowd.
+    pub(crate) fn step(&mut self, around: &Surroundings<'_>, crowd: &mut Crowd, me: usize) {
+        let fixtures = around.fixtures;
+        let wish = self.wish(around);
+        let before = self.point;
+        match wish {
+            Some((wish, height_m)) => {
+                let most = if self.model.wheel_radius_m > 0.0 { WHEELCHAIR_MPS } else { f64::INFINITY };
+                let minded = around.sweeps.is_minded(me);
+                let wish = if self.is_on_road() || !minded {
+                    wish
+                } else {
+                    self.avoid_swept_path(around.sweeps, wish)
+                };
+                let velocity = crowd.velocity(me, &wish, fixtures).cap_magnitude(most);
+                let moved = crowd.step(me, velocity * FRAME_PERIOD_S, fixtures);
+                let blocked = minded && around.sweeps.blocks(&before, moved, self.radius_m());
+                let moved = if blocked { Vector2::zeros() } else { moved };
+                self.velocity_mps = moved / FRAME_PERIOD_S;
+                (self.point.x, self.point.y) = (before.x + moved.x, before.y + moved.y);
+                let rise = moved.norm();
+                self.point.z += (height_m - before.z).clamp(-rise, rise);
+                let on = moved.dot(&wish.ahead) / FRAME_PERIOD_S > 0.2 * wish.speed_mps;
+                self.stuck_s = if on { 0.0 } else { self.stuck_s + FRAME_PERIOD_S };
+                self.walked_m += rise;
+                // Who shuffles looks where it wants to go.
+                let look = if self.velocity_mps.norm() > 0.3 { self.velocity_mps } else { wish.ahead };
+                self.turn_to(frames::math::atan2(look.y, look.x));
+            }
+            None => self.velocity_mps = Vector2::zeros(),
+        }
+        crowd.moved(me, self.point, self.velocity_mps);
+        if matches!(self.mode, Mode::Along) {
+            self.follow(around);
+        }
+    }
+
+    /// The wish of one beside the road whom a long vehicle's corner may come to: out of its way, or not into it.
+    fn avoid_swept_path(&self, sweeps: &SweptPaths, wish: Wish) -> Wish {
+        let left = Vector2::new(-wish.ahead.y, wish.ahead.x);
+        let after =
+            |step: Vector2<f64>| Point3::new(self.point.x + step.x, self.point.y + step.y, self.point.z);
+        let next = after(wish.ahead * (wish.speed_mps * STEPS_BACK_S));
+        if !sweeps.is_swept(&self.point, self.radius_m()) {
+            let into = sweeps.is_swept(&next, self.radius_m());
+            return if into { Wish { speed_mps: 0.0, ..wish } } else { wish };
+        }
+        // On the sidewalk, to wherever there is most room.
+        let asides = [wish.room_m[0].clamp(-STEP_M, -0.3), 0.0, wish.room_m[1].clamp(0.3, STEP_M)];
+        let steps = [0.0, -STEP_M, STEP_M]
+            .into_iter()
+            .flat_map(|on| asides.map(|aside| wish.ahead * on + left * aside));
+        let mut best = (f64::NEG_INFINITY, Vector2::zeros());
+        for step in steps {
+            let clear_m = sweeps.clear_m(&after(step), self.radius_m());
+            if clear_m > best.0 + 1e-6 {
+                best = (clear_m, step);
+            }
+        }
+        let ahead = best.1.try_normalize(1e-6).unwrap_or(wish.ahead);
+        let speed_mps = if best.1.norm() > 0.0 { STEPS_BACK_MPS } else { 0.0 };
+        Wish { ahead, speed_mps, aside_m: 0.0, room_m: [-0.3, 0.3] }
+    }
+
+    fn turn_to(&mut self, yaw_rad: f64) {
+        let turn = frames::wrap_pi(yaw_rad - self.yaw_rad);
+        let most = TURN_RADPS * FRAME_PERIOD_S;
+        self.yaw_rad = frames::wrap_pi(self.yaw_rad + turn.clamp(-most, most));
+    }
+
+    /// Along the sidewalk, on the liked line. The second value of wishes is the surface's height.
+    fn along_wish(&self, paths: &Paths) -> (Wish, f64) {
+        let leg = self.leg();
+        let sense = if self.is_forward() { 1.0 } else { -1.0 };
+        let way = &paths.ways[self.way];
+        let left = way.cross(self.point, self.along_m).1;
+        let room = paths.room_m(self.way, self.along_m);
+        let (sin, cos) = frames::math::sin_cos(way.place(self.along_m).heading_rad);
+        let aside = sense * left;
+        let halt = TURN_MPS + (2.0 * HALT_MPS2 * (leg.to_m - self.along_m).abs()).sqrt();
+        let wish = Wish {
+            ahead: Vector2::new(cos, sin) * sense,
+            speed_mps: if leg.then == Turn::Arrive { self.speed_mps.min(halt) } else { self.speed_mps },
+            aside_m: self.offset * room - aside,
+            room_m: [-room - aside, room - aside],
+        };
+        let share = if room > 1e-6 { (left / room).clamp(-1.0, 1.0) } else { 0.0 };
+        (wish, paths.point(self.way, self.along_m, share).0.z)
+    }
+
+    /// Straight to a place.
+    fn straight_wish(&self, to: &Point3<f64>, room_m: [f64; 2]) -> (Wish, f64) {
+        let way = flat(&self.point, to);
+        let gap = way.norm();
+        let ahead = if gap > 1e-6 { way / gap } else { Vector2::x() };
+        // Runners brake, so that they do not run past it.
+        let speed_mps = self.speed_mps.min(0.5 + gap / 0.5).min(gap / FRAME_PERIOD_S);
+        // Heights change evenly on the way.
+        let height = self.point.z
+            + (to.z - self.point.z) * (self.velocity_mps.norm() * FRAME_PERIOD_S / gap.max(1e-6)).min(1.0);
+        (Wish { ahead, speed_mps, aside_m: 0.0, room_m }, height)
+    }
+
+    /// Where on a kerb the walker goes who comes from `side`: on its right half of the crossing.
+    fn kerb(&self, crossing: &Crossing, side: usize, at: usize) -> Point3<f64> {
+        let way = flat(&crossing.ends[side], &crossing.ends[1 - side]);
+        let left = Vector2::new(-way.y, way.x) * (self.offset * crossing.half_width_m / way.norm().max(1e-6));
+        let end = crossing.ends[at];
+        Point3::new(end.x + left.x, end.y + left.y, end.z)
+    }
+
+    fn over_wish(&mut self, crossing: Crossing, side: usize) -> (Wish, f64) {
+        let to = self.kerb(&crossing, side, 1 - side);
+        let way = flat(&crossing.ends[side], &crossing.ends[1 - side]);
+        let length = way.norm().max(1e-6);
+        let ahead = way / length;
+        let left = Vector2::new(-ahead.y, ahead.x);
+        let from = flat(&crossing.ends[side], &self.point);
+        let (done, aside) = (from.dot(&ahead), from.dot(&left));
+        let rest = length - done;
+        let height = self.straight_wish(&to, [0.0; 2]).1;
+        if rest < REACH_M || (rest < 1.5 && self.stuck_s > 1.0) {
+            self.stuck_s = 0.0;
+            (self.way, self.along_m) = crossing.doors[1 - side];
+            self.mode = Mode::ToWalk;
+        } else {
+            self.mode = Mode::Over { crossing: crossing.clone(), side, done_m: done };
+        }
+        let half = crossing.half_width_m;
+        let wish = Wish {
+            ahead,
+            speed_mps: self.speed_mps,
+            aside_m: self.offset * half - aside,
+            room_m: [-half - aside, half - aside],
+        };
+        (wish, height)
+    }
+
+    /// Finds the place on the sidewalk after a step, and turns off at the end of a leg.
+    fn follow(&mut self, around: &Surroundings<'_>) {
+        let paths = around.paths;
+        let (leg, forward) = (self.leg(), self.is_forward());
+        self.along_m = paths.ways[self.way].cross(self.point, self.along_m).0;
+        let rest = if forward { leg.to_m - self.along_m } else { self.along_m - leg.to_m };
+        let near = if leg.then == Turn::Arrive { REACH_M } else { 1e-6 };
+        if rest > near {
+            return;
+        }
+        self.route.pop_front();
+        match leg.then {
+            Turn::Arrive => self.set_out(around, None),
+            Turn::Join { way, last } => {
+                self.way = way;
+                self.along_m = if last { paths.ways[way].length_m } else { 0.0 };
+            }
+            Turn::Crosswalk { crossing, side } => {
+                self.mode = Mode::ToKerb { crossing: paths.crossings[crossing].clone(), side };
+            }
+            Turn::Over => {
+                let clear = |c: &Crossing| around.fixtures.is_way_free(c.ends[0], c.ends[1], self.radius_m());
+                let length = paths.ways[self.way].length_m;
+                match paths.straight_over(around.net, self.way, self.point).filter(clear) {
+                    Some(crossing) => self.mode = Mode::ToKerb { crossing, side: 0 },
+                    // A parked car or a pole: a little farther on.
+                    None => {
+                        let to_m = leg.to_m + if forward { NEXT_TRY_M } else { -NEXT_TRY_M };
+                        if (0.0..length).contains(&to_m) {
+                            self.route.push_front(Leg { to_m, ..leg });
+                        } else {
+                            self.set_out(around, None);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether the road is clear long enough; an impatient walker only asks that everyone can stop. At lights also whether
+    /// they hold the traffic, but for those who cross anywhere.
+    fn may_go(&self, around: &Surroundings<'_>, crossing: &Crossing, impatient: bool) -> bool {
+        let length = (crossing.ends[1] - crossing.ends[0]).norm();
+        let needed_s = length / self.speed_mps + 1.0;
+        let lights = !crossing.signals.is_empty();
+        let held = lights && around.is_held(crossing, needed_s);
+        (!lights || held || self.anywhere) && around.is_clear(crossing, needed_s, impatient || held)
+    }
+}
+
+fn flat(from: &Point3<f64>, to: &Point3<f64>) -> Vector2<f64> {
+    (to - from).xy()
+}
