@@ -29,7 +29,7 @@ pub use model::{
     PlatformSegment, Priority, Repeat, Road, RoadLink, RoadMark, RoadSide, RoadType, SegmentEnd, Shape,
     Signal, SignalDependency, SignalPosition, SignalReference, SkeletonLine, SkeletonVertex, Speed,
     SpeedUnit, Station, Switch, SwitchPosition, SwitchTrack, TrackDirection, TrafficRule, TravelDirection,
-    Tunnel, TunnelType, UnknownElement, VirtualStretch,
+    Tunnel, TunnelType, UnknownElement, VirtualStretch, Warning,
 };
-pub use read::{ReadError, Warning, read_bytes};
+pub use read::{ReadError, read_bytes};
 pub use write::write;
