@@ -49,6 +49,7 @@ const SEDAN: Style = Style {
     roof_z: 1.0,
 };
 
+/// The proportions of each model; long, as it is read as a table.
 fn style(name: &str) -> Style {
     match name {
         "car.coupe" => Style {
@@ -536,6 +537,13 @@ fn details(b: &mut MeshBuilder, style: &Style, tag: Tag, size: Vec3, model: &Mod
             Vec3::new(half_l - 0.006, 0.4 * half_w, 0.86 * nose),
         );
     }
+    on_the_roof(b, style, tag, size, model);
+}
+
+/// What stands on the roof, or else the third brake lamp.
+fn on_the_roof(b: &mut MeshBuilder, style: &Style, tag: Tag, size: Vec3, model: &Model) {
+    let (half_l, half_w, height) = (0.5 * size.x, 0.5 * size.y, size.z);
+    let lamp = |bits: u32, rgb: [f32; 3]| Part::new(tag, Surface::Lamp(bits), rgb);
     let roof_middle = half_l - 0.5 * (style.roof.0 + style.roof.1) * size.x;
     let roof_low = (style.roof_z - 0.03) * height;
     match model.special {

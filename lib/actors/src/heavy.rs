@@ -120,29 +120,7 @@ pub(crate) fn truck(model: &Model, size: Vec3) -> ActorMesh {
     let cab_top = if fire { height - 0.25 } else { 0.86 * height };
     let floor = 1.05 * radius + 0.12;
     let mut b = MeshBuilder::new();
-    let metal = Part::new(tag, Surface::Metal, [0.10, 0.10, 0.11]);
-    // Chassis beams and the tank between the axles.
-    for y in [-0.4, 0.4] {
-        b.cuboid(
-            metal,
-            Vec3::new(-half_l + 0.05, y - 0.08, floor - 0.25),
-            Vec3::new(cab_back, y + 0.08, floor),
-        );
-    }
-    for axle in &axles {
-        b.bar(
-            metal,
-            Vec3::new(*axle, -half_w + 0.1, radius),
-            Vec3::new(*axle, half_w - 0.1, radius),
-            [0.09; 2],
-            6,
-        );
-    }
-    b.cuboid(
-        metal,
-        Vec3::new(0.5 * (front + rear) - 0.5, 0.5, 0.45),
-        Vec3::new(0.5 * (front + rear) + 0.5, half_w - 0.12, floor),
-    );
+    chassis(&mut b, size, &axles, radius, [0.5 * (front + rear), cab_back], floor);
     // The cab stands over the front axle; wings beside the wheel are left away by raising its floor.
     let cab_floor = 2.0 * radius + 0.10;
     shell(
@@ -194,52 +172,104 @@ pub(crate) fn truck(model: &Model, size: Vec3) -> ActorMesh {
         Vec3::new(body_front, half_w - 0.03, body_floor),
     );
     if fire {
-        let ladder = Part::new(tag, Surface::Metal, [0.6, 0.6, 0.62]);
-        for y in [-0.35, 0.35] {
-            b.cuboid(
-                ladder,
-                Vec3::new(-half_l + 0.1, y - 0.05, height - 0.3),
-                Vec3::new(body_front, y + 0.05, height - 0.12),
-            );
-        }
-        let mut x = -half_l + 0.3;
-        while x < body_front - 0.1 {
-            b.cuboid(ladder, Vec3::new(x, -0.30, height - 0.24), Vec3::new(x + 0.05, 0.30, height - 0.18));
-            x += 0.45;
-        }
-        for (y0, y1, bits) in [(0.0, 0.7, lights::EMERGENCY), (-0.7, 0.0, lights::EMERGENCY_OTHER)] {
-            b.cuboid(
-                Part::new(tag, Surface::Lamp(bits), [0.05, 0.1, 0.8]),
-                Vec3::new(half_l - 0.9, y0 * half_w, cab_top - 0.02),
-                Vec3::new(half_l - 0.6, y1 * half_w, height),
-            );
-        }
-        let stripe = Part::new(tag, Surface::Plain, [0.85, 0.85, 0.3]);
-        b.cuboid(
-            stripe,
-            Vec3::new(-half_l + 0.05, -half_w, body_floor + 0.5),
-            Vec3::new(body_front - 0.05, half_w, body_floor + 0.65),
-        );
+        fire_engine(&mut b, size, [body_front, body_floor], cab_top);
     } else {
-        // Side guards, and an air deflector on the cab.
         let guard = [rear + radius + 0.2, body_front];
-        for y in [-half_w + 0.04, half_w - 0.08] {
-            b.cuboid(frame, Vec3::new(guard[0], y, 0.45), Vec3::new(guard[1], y + 0.04, body_floor - 0.12));
-        }
-        let paint = Part::new(tag, Surface::Paint, [0.5; 3]);
-        b.tapered(
-            paint,
-            Vec3::new(cab_back, -0.8 * half_w, cab_top - 0.02),
-            Vec3::new(half_l - 0.6, 0.8 * half_w, height - 0.06),
-            0.55,
-            0.85,
-        );
+        side_guards(&mut b, size, guard, body_floor, [cab_back, cab_top]);
     }
     lamps(&mut b, tag, half_l, half_w, 0.62, 0.75);
     b.fit(Vec3::new(-half_l, -half_w, 0.33), Vec3::new(half_l, half_w, height));
     let mut pieces = vec![Piece { mesh: Arc::new(b.finish()), joint: Joint::Fixed }];
     pieces.extend(wheel::wheels(tag, &axles, radius, 0.34, half_w - 0.03));
     ActorMesh { pieces }
+}
+
+/// The beams and axles of a truck, and the tank in its middle.
+fn chassis(
+    b: &mut MeshBuilder,
+    size: Vec3,
+    axles: &[f32],
+    radius: f32,
+    [middle, cab_back]: [f32; 2],
+    floor: f32,
+) {
+    let tag = Tag::Truck;
+    let (half_l, half_w) = (0.5 * size.x, 0.5 * size.y);
+    let metal = Part::new(tag, Surface::Metal, [0.10, 0.10, 0.11]);
+    // Chassis beams and the tank between the axles.
+    for y in [-0.4, 0.4] {
+        b.cuboid(
+            metal,
+            Vec3::new(-half_l + 0.05, y - 0.08, floor - 0.25),
+            Vec3::new(cab_back, y + 0.08, floor),
+        );
+    }
+    for axle in axles {
+        b.bar(
+            metal,
+            Vec3::new(*axle, -half_w + 0.1, radius),
+            Vec3::new(*axle, half_w - 0.1, radius),
+            [0.09; 2],
+            6,
+        );
+    }
+    b.cuboid(metal, Vec3::new(middle - 0.5, 0.5, 0.45), Vec3::new(middle + 0.5, half_w - 0.12, floor));
+}
+
+/// The ladder, lights and stripe of a fire engine's body.
+fn fire_engine(b: &mut MeshBuilder, size: Vec3, [body_front, body_floor]: [f32; 2], cab_top: f32) {
+    let tag = Tag::Truck;
+    let (half_l, half_w, height) = (0.5 * size.x, 0.5 * size.y, size.z);
+    let ladder = Part::new(tag, Surface::Metal, [0.6, 0.6, 0.62]);
+    for y in [-0.35, 0.35] {
+        b.cuboid(
+            ladder,
+            Vec3::new(-half_l + 0.1, y - 0.05, height - 0.3),
+            Vec3::new(body_front, y + 0.05, height - 0.12),
+        );
+    }
+    let mut x = -half_l + 0.3;
+    while x < body_front - 0.1 {
+        b.cuboid(ladder, Vec3::new(x, -0.30, height - 0.24), Vec3::new(x + 0.05, 0.30, height - 0.18));
+        x += 0.45;
+    }
+    for (y0, y1, bits) in [(0.0, 0.7, lights::EMERGENCY), (-0.7, 0.0, lights::EMERGENCY_OTHER)] {
+        b.cuboid(
+            Part::new(tag, Surface::Lamp(bits), [0.05, 0.1, 0.8]),
+            Vec3::new(half_l - 0.9, y0 * half_w, cab_top - 0.02),
+            Vec3::new(half_l - 0.6, y1 * half_w, height),
+        );
+    }
+    let stripe = Part::new(tag, Surface::Plain, [0.85, 0.85, 0.3]);
+    b.cuboid(
+        stripe,
+        Vec3::new(-half_l + 0.05, -half_w, body_floor + 0.5),
+        Vec3::new(body_front - 0.05, half_w, body_floor + 0.65),
+    );
+}
+
+/// Guards between the axles, and an air deflector on the cab.
+fn side_guards(
+    b: &mut MeshBuilder,
+    size: Vec3,
+    guard: [f32; 2],
+    body_floor: f32,
+    [cab_back, cab_top]: [f32; 2],
+) {
+    let tag = Tag::Truck;
+    let (half_l, half_w, height) = (0.5 * size.x, 0.5 * size.y, size.z);
+    let frame = Part::new(tag, Surface::Metal, [0.35, 0.35, 0.36]);
+    for y in [-half_w + 0.04, half_w - 0.08] {
+        b.cuboid(frame, Vec3::new(guard[0], y, 0.45), Vec3::new(guard[1], y + 0.04, body_floor - 0.12));
+    }
+    let paint = Part::new(tag, Surface::Paint, [0.5; 3]);
+    b.tapered(
+        paint,
+        Vec3::new(cab_back, -0.8 * half_w, cab_top - 0.02),
+        Vec3::new(half_l - 0.6, 0.8 * half_w, height - 0.06),
+        0.55,
+        0.85,
+    );
 }
 
 /// A city bus: low floor, a band of windows, doors on the right.

@@ -57,32 +57,7 @@ pub(crate) fn two_wheeler(model: &Model, size: Vec3, variant: u32) -> ActorMesh 
         Vec3::new(tail_x + 0.06, 0.05, tail_z + 0.06),
     );
     if !bicycle {
-        for (bits, y) in [(lights::BLINK_LEFT, 0.13), (lights::BLINK_RIGHT, -0.13)] {
-            let amber = lamp(bits, [0.75, 0.35, 0.05]);
-            b.cuboid(
-                amber,
-                Vec3::new(tail_x - 0.02, y - 0.03, tail_z),
-                Vec3::new(tail_x + 0.03, y + 0.03, tail_z + 0.05),
-            );
-            b.cuboid(
-                amber,
-                Vec3::new(front - 0.1, y - 0.03, head_z),
-                Vec3::new(front - 0.02, y + 0.03, head_z + 0.05),
-            );
-        }
-        let guard = Part::new(tag, Surface::Plain, [0.05; 3]);
-        b.tapered(
-            guard,
-            Vec3::new(-half_l, -0.07, radius + 0.02),
-            Vec3::new(rear, 0.07, seat - 0.1),
-            0.4,
-            0.9,
-        );
-        b.cuboid(
-            guard,
-            Vec3::new(front - 0.16, -0.06, 2.0 * radius + 0.01),
-            Vec3::new(front + 0.2, 0.06, 2.0 * radius + 0.05),
-        );
+        blinkers_and_guards(&mut b, tag, half_l, [front, rear], radius, [tail_x, tail_z, head_z, seat]);
     }
     let bounds_low = b_low(bicycle, radius);
     let bounds = Vec3::new(-half_l, -half_w, bounds_low);
@@ -97,6 +72,37 @@ pub(crate) fn two_wheeler(model: &Model, size: Vec3, variant: u32) -> ActorMesh 
         pieces.push(Piece { mesh: Arc::clone(&mesh), joint });
     }
     ActorMesh { pieces }
+}
+
+/// What a motorcycle has at its ends besides: blinkers and mudguards.
+fn blinkers_and_guards(
+    b: &mut MeshBuilder,
+    tag: Tag,
+    half_l: f32,
+    [front, rear]: [f32; 2],
+    radius: f32,
+    [tail_x, tail_z, head_z, seat]: [f32; 4],
+) {
+    for (bits, y) in [(lights::BLINK_LEFT, 0.13), (lights::BLINK_RIGHT, -0.13)] {
+        let amber = Part::new(tag, Surface::Lamp(bits), [0.75, 0.35, 0.05]);
+        b.cuboid(
+            amber,
+            Vec3::new(tail_x - 0.02, y - 0.03, tail_z),
+            Vec3::new(tail_x + 0.03, y + 0.03, tail_z + 0.05),
+        );
+        b.cuboid(
+            amber,
+            Vec3::new(front - 0.1, y - 0.03, head_z),
+            Vec3::new(front - 0.02, y + 0.03, head_z + 0.05),
+        );
+    }
+    let guard = Part::new(tag, Surface::Plain, [0.05; 3]);
+    b.tapered(guard, Vec3::new(-half_l, -0.07, radius + 0.02), Vec3::new(rear, 0.07, seat - 0.1), 0.4, 0.9);
+    b.cuboid(
+        guard,
+        Vec3::new(front - 0.16, -0.06, 2.0 * radius + 0.01),
+        Vec3::new(front + 0.2, 0.06, 2.0 * radius + 0.05),
+    );
 }
 
 /// Lowest point of the body without its wheels.
@@ -153,50 +159,11 @@ fn motorcycle_frame(
         b.bar(metal, Vec3::new(front, y, radius), head + side * 0.8, [0.025; 2], 5);
         b.bar(metal, Vec3::new(rear, y, radius), at(0.38, radius + 0.05) + side, [0.03; 2], 5);
     }
+    let at: &dyn Fn(f32, f32) -> Vec3 = &at;
     if model.name == "motorcycle.scooter" {
-        b.cuboid(
-            paint,
-            at(0.22, radius) + Vec3::new(-0.25, -0.16, 0.12),
-            at(0.45, seat - 0.05) + Vec3::new(0.0, 0.16, 0.0),
-        );
-        b.cuboid(
-            paint,
-            at(0.45, radius - 0.03) + Vec3::new(-0.02, -0.17, 0.0),
-            at(0.74, radius + 0.05) + Vec3::new(0.0, 0.17, 0.0),
-        );
-        b.tapered(
-            paint,
-            at(0.74, radius) + Vec3::new(-0.02, -0.2, 0.0),
-            Vec3::new(grip.x + 0.05, 0.2, grip.z - 0.05),
-            0.5,
-            0.8,
-        );
+        scooter_body(b, paint, at, radius, seat, grip);
     } else {
-        b.tapered(
-            metal,
-            at(0.36, 0.6 * radius) - Vec3::Y * 0.15,
-            at(0.66, seat - 0.24) + Vec3::Y * 0.15,
-            0.9,
-            0.9,
-        );
-        let tank = [at(0.45, seat - 0.22) - Vec3::Y * 0.15, Vec3::new(grip.x - 0.06, 0.15, seat + 0.14)];
-        b.tapered(paint, tank[0], tank[1], 0.75, 0.6);
-        if model.name == "motorcycle.sport" {
-            b.tapered(
-                paint,
-                Vec3::new(grip.x - 0.02, -0.2, radius + 0.08),
-                Vec3::new(front + 0.05, 0.2, grip.z + 0.12),
-                0.45,
-                0.7,
-            );
-        }
-        b.bar(
-            metal,
-            at(0.55, 0.6 * radius) - Vec3::Y * 0.17,
-            at(-0.05, 0.9 * radius) - Vec3::Y * 0.17,
-            [0.04, 0.055],
-            6,
-        );
+        engine_and_tank(b, [paint, metal], model, at, front, radius, seat, grip);
     }
     b.tapered(
         dark,
@@ -212,6 +179,73 @@ fn motorcycle_frame(
         metal,
         Vec3::new(rear + 0.48 * wheelbase - 0.05, -0.2, 0.45 * radius),
         Vec3::new(rear + 0.48 * wheelbase + 0.05, 0.2, 0.52 * radius),
+    );
+}
+
+/// The foot board of a scooter, its seat's box and its shield.
+fn scooter_body(
+    b: &mut MeshBuilder,
+    paint: Part,
+    at: &dyn Fn(f32, f32) -> Vec3,
+    radius: f32,
+    seat: f32,
+    grip: Vec3,
+) {
+    b.cuboid(
+        paint,
+        at(0.22, radius) + Vec3::new(-0.25, -0.16, 0.12),
+        at(0.45, seat - 0.05) + Vec3::new(0.0, 0.16, 0.0),
+    );
+    b.cuboid(
+        paint,
+        at(0.45, radius - 0.03) + Vec3::new(-0.02, -0.17, 0.0),
+        at(0.74, radius + 0.05) + Vec3::new(0.0, 0.17, 0.0),
+    );
+    b.tapered(
+        paint,
+        at(0.74, radius) + Vec3::new(-0.02, -0.2, 0.0),
+        Vec3::new(grip.x + 0.05, 0.2, grip.z - 0.05),
+        0.5,
+        0.8,
+    );
+}
+
+/// Engine, tank, fairing and exhaust of a motorcycle.
+#[allow(clippy::too_many_arguments)] // One frame's facts, used once.
+fn engine_and_tank(
+    b: &mut MeshBuilder,
+    [paint, metal]: [Part; 2],
+    model: &Model,
+    at: &dyn Fn(f32, f32) -> Vec3,
+    front: f32,
+    radius: f32,
+    seat: f32,
+    grip: Vec3,
+) {
+    b.tapered(
+        metal,
+        at(0.36, 0.6 * radius) - Vec3::Y * 0.15,
+        at(0.66, seat - 0.24) + Vec3::Y * 0.15,
+        0.9,
+        0.9,
+    );
+    let tank = [at(0.45, seat - 0.22) - Vec3::Y * 0.15, Vec3::new(grip.x - 0.06, 0.15, seat + 0.14)];
+    b.tapered(paint, tank[0], tank[1], 0.75, 0.6);
+    if model.name == "motorcycle.sport" {
+        b.tapered(
+            paint,
+            Vec3::new(grip.x - 0.02, -0.2, radius + 0.08),
+            Vec3::new(front + 0.05, 0.2, grip.z + 0.12),
+            0.45,
+            0.7,
+        );
+    }
+    b.bar(
+        metal,
+        at(0.55, 0.6 * radius) - Vec3::Y * 0.17,
+        at(-0.05, 0.9 * radius) - Vec3::Y * 0.17,
+        [0.04, 0.055],
+        6,
     );
 }
 

@@ -99,31 +99,7 @@ pub(crate) fn walker(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
     let head = Vec3::Z * (height - head_half.z - 0.004 * height);
     b.ellipsoid(skin, head, head_half, 7, 10);
     if worker || police {
-        // Bands around chest and belly; the police wear a vest under theirs.
-        let bands: &[[f32; 2]] = if worker { &[[0.575, 0.605], [0.69, 0.72]] } else { &[[0.58, 0.64]] };
-        for [low, high] in bands {
-            let wide = |share: f32| (at(share), 1.03 * depth, 1.02 * chest);
-            b.stack(cloth(if worker { BAND } else { VESTS[1] }), &[wide(*low), wide(*high)], 10);
-        }
-        // A helmet or a cap: a shell over the upper half of the head, its brim longer in front.
-        let shell = Part::new(
-            Tag::Pedestrian,
-            Surface::Plain,
-            if worker { pick(&HELMETS, variant / 5) } else { UNIFORM },
-        );
-        let crown =
-            if worker { Vec3::new(0.064, 0.054, 0.046) } else { Vec3::new(0.066, 0.062, 0.026) } * height;
-        let middle = head + Vec3::Z * if worker { 0.034 } else { 0.052 } * height;
-        b.ellipsoid(shell, middle, crown, 6, 12);
-        let brim = head + Vec3::new(0.014, 0.0, 0.026) * height;
-        b.stack(
-            shell,
-            &[
-                (brim, 0.066 * height, 0.055 * height),
-                (brim + Vec3::Z * 0.005 * height, 0.062 * height, 0.052 * height),
-            ],
-            12,
-        );
+        uniform(&mut b, worker, variant, [depth, chest, height], head);
     }
     // Hair is a cap on the back and top of the head; its crown is the top of the box.
     let back = if woman { 0.020 } else { 0.010 };
@@ -138,15 +114,7 @@ pub(crate) fn walker(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
         b.ellipsoid(hair, at(0.86) - Vec3::X * 0.035 * height, Vec3::new(0.028, 0.042, 0.055) * height, 5, 8);
     }
     if variant % 5 == 2 && !elder && !worker && !police {
-        let bag = Part::new(Tag::Pedestrian, Surface::Cloth, pick(&TOPS, variant / 2 + 3));
-        let back_x = -0.5 * length;
-        b.tapered(
-            bag,
-            Vec3::new(back_x, -0.75 * chest, 0.58 * height),
-            Vec3::new(-0.6 * depth, 0.75 * chest, 0.79 * height),
-            0.9,
-            0.8,
-        );
+        backpack(&mut b, size, chest, depth, variant);
     }
     let bounds = b.clone().finish().aabb();
     b.fit(
@@ -155,29 +123,83 @@ pub(crate) fn walker(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
     );
     let body = Piece { mesh: Arc::new(b.finish()), joint: Joint::Fixed };
 
+    let mut pieces = vec![body];
+    let cloths = [if skirt { skin } else { trousers }, top, skin];
+    pieces.extend(limbs(size, cloths, [hip_z, shoulder_z], [arm, 0.46 * chest]));
+    ActorMesh { pieces }
+}
+
+/// A bag on the back.
+fn backpack(b: &mut MeshBuilder, size: Vec3, chest: f32, depth: f32, variant: u32) {
+    let bag = Part::new(Tag::Pedestrian, Surface::Cloth, pick(&TOPS, variant / 2 + 3));
+    let back_x = -0.5 * size.x;
+    b.tapered(
+        bag,
+        Vec3::new(back_x, -0.75 * chest, 0.58 * size.z),
+        Vec3::new(-0.6 * depth, 0.75 * chest, 0.79 * size.z),
+        0.9,
+        0.8,
+    );
+}
+
+/// Bands and a helmet or a cap. `[depth, chest, height]`: half the trunk's depth and width, and the walker's height.
+fn uniform(b: &mut MeshBuilder, worker: bool, variant: u32, [depth, chest, height]: [f32; 3], head: Vec3) {
+    let cloth = |rgb: [f32; 3]| Part::new(Tag::Pedestrian, Surface::Cloth, rgb);
+    let at = |share: f32| Vec3::Z * share * height;
+    // Bands around chest and belly; the police wear a vest under theirs.
+    let bands: &[[f32; 2]] = if worker { &[[0.575, 0.605], [0.69, 0.72]] } else { &[[0.58, 0.64]] };
+    for [low, high] in bands {
+        let wide = |share: f32| (at(share), 1.03 * depth, 1.02 * chest);
+        b.stack(cloth(if worker { BAND } else { VESTS[1] }), &[wide(*low), wide(*high)], 10);
+    }
+    // A helmet or a cap: a shell over the upper half of the head, its brim longer in front.
+    let shell = Part::new(
+        Tag::Pedestrian,
+        Surface::Plain,
+        if worker { pick(&HELMETS, variant / 5) } else { UNIFORM },
+    );
+    let crown = if worker { Vec3::new(0.064, 0.054, 0.046) } else { Vec3::new(0.066, 0.062, 0.026) } * height;
+    let middle = head + Vec3::Z * if worker { 0.034 } else { 0.052 } * height;
+    b.ellipsoid(shell, middle, crown, 6, 12);
+    let brim = head + Vec3::new(0.014, 0.0, 0.026) * height;
+    b.stack(
+        shell,
+        &[
+            (brim, 0.066 * height, 0.055 * height),
+            (brim + Vec3::Z * 0.005 * height, 0.062 * height, 0.052 * height),
+        ],
+        12,
+    );
+}
+
+/// Legs and arms on their hinges. Cloth of legs and sleeves, and skin; heights of hips and shoulders; half the width of
+/// an arm, and how far the legs stand from the middle.
+fn limbs(
+    size: Vec3,
+    [legs, sleeves, skin]: [Part; 3],
+    [hip_z, shoulder_z]: [f32; 2],
+    [arm, stance]: [f32; 2],
+) -> [Piece; 4] {
+    let (length, width, height) = (size.x, size.y, size.z);
     let shoe = Part::new(Tag::Pedestrian, Surface::Rubber, [0.04; 3]);
     let foot = 0.29 * length;
-    let leg = Arc::new(leg(if skirt { skin } else { trousers }, shoe, hip_z, 0.5 * height / 1.75, foot));
-    let arm_mesh = Arc::new(arm_mesh(top, skin, shoulder_z, arm));
+    let leg = Arc::new(leg(legs, shoe, hip_z, 0.5 * height / 1.75, foot));
+    let arm_mesh = Arc::new(arm_mesh(sleeves, skin, shoulder_z, arm));
     // The foot stays inside the box at the end of its swing: hip_z * sin(a) + foot <= length / 2.
     let reach = (0.5 * length - foot).max(0.0);
     let leg_swing = frames::math::f32::asin((reach / hip_z).min(0.6));
     let arm_swing = frames::math::f32::asin(((0.5 * length - 0.07).max(0.0) / (0.40 * height)).min(0.6));
-    let stance = 0.46 * chest;
     let limb = |mesh: &Arc<TriMesh>, y: f32, z: f32, swing_rad: f32| Piece {
         mesh: Arc::clone(mesh),
         joint: Joint::Limb { at: Vec3::new(0.0, y, z), swing_rad },
     };
     let arm_y = 0.5 * width - arm;
-    ActorMesh {
-        pieces: vec![
-            body,
-            limb(&leg, stance, hip_z, leg_swing),
-            limb(&leg, -stance, hip_z, -leg_swing),
-            limb(&arm_mesh, arm_y, shoulder_z, -arm_swing),
-            limb(&arm_mesh, -arm_y, shoulder_z, arm_swing),
-        ],
-    }
+    [
+        limb(&leg, stance, hip_z, leg_swing),
+        limb(&leg, -stance, hip_z, -leg_swing),
+        limb(&arm_mesh, arm_y, shoulder_z, -arm_swing),
+        limb(&arm_mesh, -arm_y, shoulder_z, arm_swing),
+    ]
 }
 
 /// A leg that hangs from its hinge down to the ground.

@@ -63,6 +63,37 @@ pub(crate) fn wheelchair(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
     let hip = Vec3::new(back_x + 0.13, 0.0, seat.z + 0.08);
     let shoulder_z = seat.z + 0.54;
     let chest = 0.30 * size.y;
+    sitter(&mut b, size, [top, trousers, skin, hair, rubber], hip, shoulder_z, [seat, foot]);
+    b.fit(Vec3::new(-half.x, -half.y, 0.0), Vec3::new(half.x, half.y, size.z));
+
+    let mut pieces = vec![Piece { mesh: Arc::new(b.finish()), joint: Joint::Fixed }];
+    let large = Arc::new(wheel::spoked(Tag::Pedestrian, radius, TYRE_M, 7));
+    for (y, right) in [(wheel_y, false), (-wheel_y, true)] {
+        let joint = Joint::Wheel { at: Vec3::new(axle.x, y, radius), steered: false, right };
+        pieces.push(Piece { mesh: Arc::clone(&large), joint });
+    }
+    // Hands on the rims' tops.
+    let shoulder = Vec3::new(hip.x, chest + 0.03, shoulder_z);
+    let hand = Vec3::new(axle.x + 0.05, side - 0.02, 2.0 * radius + 0.05);
+    for mirror in [1.0, -1.0] {
+        let turned = Vec3::new(1.0, mirror, 1.0);
+        let mesh = Arc::new(arm(top, skin, (hand - shoulder) * turned));
+        pieces.push(Piece { mesh, joint: Joint::Limb { at: shoulder * turned, swing_rad: PUSH_RAD } });
+    }
+    ActorMesh { pieces }
+}
+
+/// Who sits in a wheelchair, without arms. `[seat, foot]`: the seat's middle, and where the feet stand.
+fn sitter(
+    b: &mut MeshBuilder,
+    size: Vec3,
+    [top, trousers, skin, hair, shoes]: [Part; 5],
+    hip: Vec3,
+    shoulder_z: f32,
+    [seat, foot]: [Vec3; 2],
+) {
+    let half = 0.5 * size;
+    let chest = 0.30 * size.y;
     b.stack(
         top,
         &[
@@ -81,7 +112,7 @@ pub(crate) fn wheelchair(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
         b.ellipsoid(trousers, knee, Vec3::splat(0.07), 4, 6);
         b.bar(trousers, knee, ankle, [0.065, 0.045], 8);
         b.tapered(
-            rubber,
+            shoes,
             Vec3::new(foot.x - 0.10, y - 0.045, foot.z),
             Vec3::new(half.x, y + 0.045, foot.z + 0.09),
             0.75,
@@ -93,23 +124,6 @@ pub(crate) fn wheelchair(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
     b.bar(skin, Vec3::new(hip.x + 0.02, 0.0, shoulder_z + 0.02), head, [0.05; 2], 6);
     b.ellipsoid(skin, head, head_half, 6, 9);
     b.ellipsoid(hair, head + Vec3::new(-0.018, 0.0, 0.024), Vec3::new(0.094, 0.086, 0.10), 5, 9);
-    b.fit(Vec3::new(-half.x, -half.y, 0.0), Vec3::new(half.x, half.y, size.z));
-
-    let mut pieces = vec![Piece { mesh: Arc::new(b.finish()), joint: Joint::Fixed }];
-    let large = Arc::new(wheel::spoked(Tag::Pedestrian, radius, TYRE_M, 7));
-    for (y, right) in [(wheel_y, false), (-wheel_y, true)] {
-        let joint = Joint::Wheel { at: Vec3::new(axle.x, y, radius), steered: false, right };
-        pieces.push(Piece { mesh: Arc::clone(&large), joint });
-    }
-    // Hands on the rims' tops.
-    let shoulder = Vec3::new(hip.x, chest + 0.03, shoulder_z);
-    let hand = Vec3::new(axle.x + 0.05, side - 0.02, 2.0 * radius + 0.05);
-    for mirror in [1.0, -1.0] {
-        let turned = Vec3::new(1.0, mirror, 1.0);
-        let mesh = Arc::new(arm(top, skin, (hand - shoulder) * turned));
-        pieces.push(Piece { mesh, joint: Joint::Limb { at: shoulder * turned, swing_rad: PUSH_RAD } });
-    }
-    ActorMesh { pieces }
 }
 
 /// An arm from its hinge to a hand.

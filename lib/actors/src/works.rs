@@ -27,137 +27,169 @@ pub(crate) fn item(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> {
     match kind {
         "barrel" => drum(&mut b, size),
         "sandbag_closed" => b.blob(SACKING, Vec3::Z * 0.4 * size.z, half, 5, 10, |_, _| 1.0),
-        "sandbag_open" => {
-            b.blob(
-                SACKING,
-                Vec3::Z * 0.42 * size.z,
-                Vec3::new(half.x, half.y, 0.42 * size.z),
-                6,
-                10,
-                |_, _| 1.0,
-            );
-            b.stack(
-                SACKING,
-                &[
-                    (Vec3::Z * 0.66 * size.z, 0.72 * half.x, 0.72 * half.y),
-                    (Vec3::Z * 0.88 * size.z, 0.86 * half.x, 0.86 * half.y),
-                ],
-                10,
-            );
-            b.ellipsoid(
-                SAND,
-                Vec3::Z * 0.86 * size.z,
-                Vec3::new(0.74 * half.x, 0.74 * half.y, 0.14 * size.z),
-                4,
-                10,
-            );
-        }
+        "sandbag_open" => open_sandbag(&mut b, size),
         "concrete_piece_1" => broken(&mut b, size, [0.72, 1.0, 0.80, 0.62], variant),
         "concrete_piece_2" => broken(&mut b, size, [0.95, 0.6, 0.7, 1.0], variant.wrapping_add(1)),
         "concrete_slab_1" => b.tapered(STONE, low, high, 0.985, 0.975),
-        "concrete_slab_2" => {
-            // Two slabs, one askew on the other.
-            b.cuboid(STONE, low, Vec3::new(high.x, high.y, 0.5 * size.z));
-            b.tapered(
-                STONE,
-                Vec3::new(-0.9 * half.x, -0.94 * half.y, 0.5 * size.z),
-                Vec3::new(0.8 * half.x, 0.96 * half.y, size.z),
-                0.98,
-                0.98,
-            );
-        }
-        "cylinder" => b.stack(
-            of(Surface::Metal, [0.10, 0.22, 0.30]),
-            &[
-                (Vec3::ZERO, half.x, half.y),
-                (Vec3::Z * 0.80 * size.z, half.x, half.y),
-                (Vec3::Z * 0.89 * size.z, 0.6 * half.x, 0.6 * half.y),
-                (Vec3::Z * 0.90 * size.z, 0.25 * half.x, 0.25 * half.y),
-                (Vec3::Z * size.z, 0.25 * half.x, 0.25 * half.y),
-            ],
-            12,
-        ),
+        "concrete_slab_2" => two_slabs(&mut b, size),
+        "cylinder" => gas_cylinder(&mut b, size),
         "electrical_box" => cabinet(&mut b, size),
         "floor_grill" => grill(&mut b, size),
         "gutter" => gutter(&mut b, size),
         "hand_truck" => hand_truck(&mut b, size),
         "pallet" => pallet(&mut b, size),
         "shovel" => shovel(&mut b, size),
-        "stone_ring" => b.lathe(
-            STONE,
-            Vec3::ZERO,
-            &[(0.74 * half.x, 0.0), (half.x, 0.0), (half.x, size.z), (0.74 * half.x, size.z)],
-            20,
-        ),
-        "toolbox" => {
-            b.cuboid(of(Surface::Metal, [0.55, 0.03, 0.02]), low, Vec3::new(high.x, high.y, 0.75 * size.z));
-            b.cuboid(
-                RUBBER,
-                Vec3::new(-0.5 * half.x, -0.12 * half.y, 0.75 * size.z),
-                Vec3::new(0.5 * half.x, 0.12 * half.y, size.z),
-            );
-        }
+        "stone_ring" => ring(&mut b, size),
+        "toolbox" => toolbox(&mut b, size),
         "wheelbarrow" => wheelbarrow(&mut b, size),
         "wooden_wheel" => reel(&mut b, size),
-        "bucket" => b.lathe(
-            of(Surface::Plain, [0.04, 0.04, 0.05]),
-            Vec3::ZERO,
-            &[
-                (0.0, 0.0),
-                (0.75 * half.x, 0.0),
-                (half.x, size.z),
-                (0.92 * half.x, size.z),
-                (0.68 * half.x, 0.06 * size.z),
-                (0.0, 0.06 * size.z),
-            ],
-            14,
-        ),
-        "iron_plank" => {
-            // An H-beam on its side.
-            let flange = 0.16 * half.y;
-            for y in [-half.y, half.y - flange] {
-                b.cuboid(RUST, Vec3::new(-half.x, y, 0.0), Vec3::new(half.x, y + flange, size.z));
-            }
-            b.cuboid(
-                RUST,
-                Vec3::new(-half.x, -half.y + flange, 0.42 * size.z),
-                Vec3::new(half.x, half.y - flange, 0.58 * size.z),
-            );
-        }
-        "pipe" => {
-            let outer = half.y.min(half.z);
-            b.lathe(
-                STONE,
-                Vec3::ZERO,
-                &[(0.78 * outer, -half.x), (outer, -half.x), (outer, half.x), (0.78 * outer, half.x)],
-                18,
-            );
-            b.lay_down();
-        }
+        "bucket" => bucket(&mut b, size),
+        "iron_plank" => beam(&mut b, size),
+        "pipe" => pipe(&mut b, size),
         "construction_light" => light(&mut b, size),
-        "pile" => {
-            let earth = of(Surface::Concrete, [0.20, 0.14, 0.09]);
-            let bump = |ring: usize, side: usize| {
-                0.85 + 0.04 * ((ring * 3 + side * 7 + variant as usize % 4) % 4) as f32
-            };
-            b.blob(earth, Vec3::Z * 0.05 * size.z, half, 6, 12, bump);
-        }
-        "floorboard" => {
-            for i in 0..4 {
-                let width = size.y / 4.0;
-                let y = -half.y + width * i as f32;
-                let back = 0.04 * ((i * 2 + variant as usize % 3) % 3) as f32 * size.x;
-                b.cuboid(
-                    TIMBER,
-                    Vec3::new(-half.x + back, y + 0.006, 0.0),
-                    Vec3::new(half.x, y + width - 0.006, size.z),
-                );
-            }
-        }
+        "pile" => pile(&mut b, size, variant),
+        "floorboard" => floorboards(&mut b, size, variant),
         _ => return None,
     }
     b.fit(low, high);
     Some(b.finish())
+}
+
+/// A sack with sand in its mouth.
+fn open_sandbag(b: &mut MeshBuilder, size: Vec3) {
+    let half = 0.5 * size;
+    b.blob(SACKING, Vec3::Z * 0.42 * size.z, Vec3::new(half.x, half.y, 0.42 * size.z), 6, 10, |_, _| 1.0);
+    b.stack(
+        SACKING,
+        &[
+            (Vec3::Z * 0.66 * size.z, 0.72 * half.x, 0.72 * half.y),
+            (Vec3::Z * 0.88 * size.z, 0.86 * half.x, 0.86 * half.y),
+        ],
+        10,
+    );
+    b.ellipsoid(SAND, Vec3::Z * 0.86 * size.z, Vec3::new(0.74 * half.x, 0.74 * half.y, 0.14 * size.z), 4, 10);
+}
+
+/// Two slabs, one askew on the other.
+fn two_slabs(b: &mut MeshBuilder, size: Vec3) {
+    let half = 0.5 * size;
+    let (low, high) = (Vec3::new(-half.x, -half.y, 0.0), Vec3::new(half.x, half.y, size.z));
+    b.cuboid(STONE, low, Vec3::new(high.x, high.y, 0.5 * size.z));
+    b.tapered(
+        STONE,
+        Vec3::new(-0.9 * half.x, -0.94 * half.y, 0.5 * size.z),
+        Vec3::new(0.8 * half.x, 0.96 * half.y, size.z),
+        0.98,
+        0.98,
+    );
+}
+
+/// A box with a handle.
+fn toolbox(b: &mut MeshBuilder, size: Vec3) {
+    let half = 0.5 * size;
+    let (low, high) = (Vec3::new(-half.x, -half.y, 0.0), Vec3::new(half.x, half.y, size.z));
+    b.cuboid(of(Surface::Metal, [0.55, 0.03, 0.02]), low, Vec3::new(high.x, high.y, 0.75 * size.z));
+    b.cuboid(
+        RUBBER,
+        Vec3::new(-0.5 * half.x, -0.12 * half.y, 0.75 * size.z),
+        Vec3::new(0.5 * half.x, 0.12 * half.y, size.z),
+    );
+}
+
+/// An H-beam on its side.
+fn beam(b: &mut MeshBuilder, size: Vec3) {
+    let half = 0.5 * size;
+    let flange = 0.16 * half.y;
+    for y in [-half.y, half.y - flange] {
+        b.cuboid(RUST, Vec3::new(-half.x, y, 0.0), Vec3::new(half.x, y + flange, size.z));
+    }
+    b.cuboid(
+        RUST,
+        Vec3::new(-half.x, -half.y + flange, 0.42 * size.z),
+        Vec3::new(half.x, half.y - flange, 0.58 * size.z),
+    );
+}
+
+/// A pipe that lies along x.
+fn pipe(b: &mut MeshBuilder, size: Vec3) {
+    let half = 0.5 * size;
+    let outer = half.y.min(half.z);
+    b.lathe(
+        STONE,
+        Vec3::ZERO,
+        &[(0.78 * outer, -half.x), (outer, -half.x), (outer, half.x), (0.78 * outer, half.x)],
+        18,
+    );
+    b.lay_down();
+}
+
+/// A heap of earth.
+fn pile(b: &mut MeshBuilder, size: Vec3, variant: u32) {
+    let half = 0.5 * size;
+    let earth = of(Surface::Concrete, [0.20, 0.14, 0.09]);
+    let bump =
+        |ring: usize, side: usize| 0.85 + 0.04 * ((ring * 3 + side * 7 + variant as usize % 4) % 4) as f32;
+    b.blob(earth, Vec3::Z * 0.05 * size.z, half, 6, 12, bump);
+}
+
+/// Four boards, not quite in line.
+fn floorboards(b: &mut MeshBuilder, size: Vec3, variant: u32) {
+    let half = 0.5 * size;
+    for i in 0..4 {
+        let width = size.y / 4.0;
+        let y = -half.y + width * i as f32;
+        let back = 0.04 * ((i * 2 + variant as usize % 3) % 3) as f32 * size.x;
+        b.cuboid(
+            TIMBER,
+            Vec3::new(-half.x + back, y + 0.006, 0.0),
+            Vec3::new(half.x, y + width - 0.006, size.z),
+        );
+    }
+}
+
+/// A gas cylinder with its valve.
+fn gas_cylinder(b: &mut MeshBuilder, size: Vec3) {
+    let half = 0.5 * size;
+    b.stack(
+        of(Surface::Metal, [0.10, 0.22, 0.30]),
+        &[
+            (Vec3::ZERO, half.x, half.y),
+            (Vec3::Z * 0.80 * size.z, half.x, half.y),
+            (Vec3::Z * 0.89 * size.z, 0.6 * half.x, 0.6 * half.y),
+            (Vec3::Z * 0.90 * size.z, 0.25 * half.x, 0.25 * half.y),
+            (Vec3::Z * size.z, 0.25 * half.x, 0.25 * half.y),
+        ],
+        12,
+    );
+}
+
+/// A bucket.
+fn bucket(b: &mut MeshBuilder, size: Vec3) {
+    let half = 0.5 * size;
+    b.lathe(
+        of(Surface::Plain, [0.04, 0.04, 0.05]),
+        Vec3::ZERO,
+        &[
+            (0.0, 0.0),
+            (0.75 * half.x, 0.0),
+            (half.x, size.z),
+            (0.92 * half.x, size.z),
+            (0.68 * half.x, 0.06 * size.z),
+            (0.0, 0.06 * size.z),
+        ],
+        14,
+    );
+}
+
+/// A ring of a shaft.
+fn ring(b: &mut MeshBuilder, size: Vec3) {
+    let half = 0.5 * size;
+    b.lathe(
+        STONE,
+        Vec3::ZERO,
+        &[(0.74 * half.x, 0.0), (half.x, 0.0), (half.x, size.z), (0.74 * half.x, size.z)],
+        20,
+    );
 }
 
 /// A steel drum with two ribs.

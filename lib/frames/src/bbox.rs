@@ -21,6 +21,16 @@ pub const CORNER_SIGNS: [[f64; 3]; 8] = [
 pub const FOOTPRINT_LOOP: [usize; 4] = [0, 2, 6, 4];
 
 /// A box with any orientation, in the world.
+///
+/// ```
+/// use frames::{OrientedBox, Pose};
+/// use nalgebra::Point3;
+///
+/// // A car at the origin that looks north.
+/// let at = Pose::from_xyz_rpy([0.0; 3], [0.0, 0.0, frames::deg(90.0)]);
+/// let car = OrientedBox::standing(at, 4.6, 1.8, 1.4);
+/// assert!(car.contains(Point3::new(0.5, 2.0, 0.7)) && !car.contains(Point3::new(2.0, 0.5, 0.7)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrientedBox {
     /// Takes box coordinates (origin at the box's centre, FLU) to the world.

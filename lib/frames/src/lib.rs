@@ -26,11 +26,13 @@ mod bbox;
 mod local;
 pub mod math;
 mod pose;
+mod rect;
 
 pub use aabb::Aabb;
 pub use bbox::{CORNER_SIGNS, FOOTPRINT_LOOP, OrientedBox};
 pub use local::LocalOrigin;
 pub use pose::{Agent, Frame, Object, Optical, Pose, Sensor, World, flu_from_optical};
+pub use rect::OrientedRect;
 
 /// Degrees to radians.
 #[must_use]

@@ -9,6 +9,14 @@ use crate::{Frame, Pose, World};
 ///
 /// Maps reach 20 km; `f32` there resolves 2 mm. Relative to an origin within a kilometre it resolves
 /// 0.06 mm.
+///
+/// ```
+/// use frames::LocalOrigin;
+///
+/// let origin = LocalOrigin::near([1000.4, 2000.0, 30.0]);
+/// assert_eq!(origin.world_xyz(), [1000.0, 2000.0, 30.0]);
+/// assert_eq!(origin.local_from_world([1001.5, 2000.0, 30.0]).x, 1.5);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalOrigin {
     world_m: DVec3,

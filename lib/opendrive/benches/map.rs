@@ -1,10 +1,9 @@
 //! Reading, preparing and querying a network of Town03's size, and CARLA's towns where they are at hand.
 
-use std::path::PathBuf;
-
 use divan::{Bencher, black_box};
 use nalgebra::Point3;
-use opendrive::{Cubic, Curve, Geometry, Lane, LaneSection, LaneType, Map, Network, Road, write};
+use opendrive::{Cubic, Curve, Geometry, LaneType, Map, Network, Road, write};
+use testkit::both_ways;
 
 fn main() {
     divan::main();
@@ -12,12 +11,6 @@ fn main() {
 
 /// 369 roads of four lanes on a grid, lines, arcs and spirals in turn.
 fn network() -> Network {
-    let lane = |id: i16| Lane {
-        id,
-        lane_type: if id.abs() == 1 { LaneType::Driving } else { LaneType::Sidewalk },
-        widths: vec![Cubic::constant(3.5)],
-        ..Lane::default()
-    };
     let road = |i: u32| Road {
         id: i.to_string(),
         length_m: 30.0,
@@ -34,11 +27,7 @@ fn network() -> Network {
             ..Geometry::default()
         }],
         elevation: vec![Cubic { b: 0.01, ..Cubic::default() }],
-        sections: vec![LaneSection {
-            left: vec![lane(1), lane(2)],
-            right: vec![lane(-1), lane(-2)],
-            ..LaneSection::default()
-        }],
+        sections: vec![both_ways(&[(LaneType::Driving, 3.5), (LaneType::Sidewalk, 3.5)])],
         ..Road::default()
     };
     Network { roads: (0..369).map(road).collect(), ..Network::default() }
@@ -69,23 +58,21 @@ fn nearest_driving_lane_10k(bencher: Bencher<'_, '_>) {
 
 /// A CARLA town; without it the network above.
 fn town(name: &str) -> Network {
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/maps/carla"));
-    let town = std::fs::read(folder.join(name)).ok().and_then(|bytes| opendrive::read_bytes(&bytes).ok());
-    town.unwrap_or_else(network)
+    testkit::real_map(name).map_or_else(network, |map| map.network().clone())
 }
 
-#[divan::bench(args = ["Town03.xodr", "Town11.xodr.gz"], sample_count = 5, sample_size = 1)]
+#[divan::bench(args = ["Town03", "Town11"], sample_count = 5, sample_size = 1)]
 fn prepare_town(bencher: Bencher<'_, '_>, name: &str) {
     bencher.with_inputs(|| town(name)).bench_values(Map::new);
 }
 
-#[divan::bench(args = ["Town03.xodr", "Town11.xodr.gz"], sample_count = 5, sample_size = 1)]
+#[divan::bench(args = ["Town03", "Town11"], sample_count = 5, sample_size = 1)]
 fn junction_areas(bencher: Bencher<'_, '_>, name: &str) {
     let map = Map::new(town(name));
     bencher.bench(|| (0..map.junctions().len()).map(|j| map.junction_area(j).len()).sum::<usize>());
 }
 
-#[divan::bench(args = ["Town03.xodr", "Town11.xodr.gz"], sample_count = 5, sample_size = 1)]
+#[divan::bench(args = ["Town03", "Town11"], sample_count = 5, sample_size = 1)]
 fn stop_lines(bencher: Bencher<'_, '_>, name: &str) {
     let map = Map::new(town(name));
     bencher.bench(|| map.stop_lines().len());

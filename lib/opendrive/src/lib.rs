@@ -1,11 +1,37 @@
 //! OpenDRIVE road networks: read, write, geometry, lane graph, queries.
 //!
 //! [`Network`] is a file's content as plain data: parse one with [`Network::parse`], or build one in memory, and
-//! turn it back into a file with [`write()`]. `docs/opendrive-coverage.md` lists what is read, and used for what. [`Map`] is a network made ready for questions: where is a
-//! lane, what follows it, which lane is nearest, what is painted, which signal holds for it.
+//! turn it back into a file with [`write()`]. `docs/opendrive-coverage.md` lists what is read, and used for what.
+//! [`Map`] is a network made ready for questions: where is a lane, what follows it, which lane is nearest, what is
+//! painted, which signal holds for it.
 //!
 //! All positions are in the world frame: metres, x east, y north, z up (the file's inertial frame, with
 //! the header's offset applied).
+//!
+//! ```
+//! use nalgebra::Point3;
+//! use opendrive::{Map, Network, write};
+//!
+//! let network = Network::parse(
+//!     r#"<OpenDRIVE><header revMajor="1" revMinor="7"/>
+//!     <road id="1" length="100" junction="-1">
+//!     <planView><geometry s="0" x="0" y="0" hdg="0" length="100"><line/></geometry></planView>
+//!     <lanes><laneSection s="0"><center><lane id="0" type="none"/></center><right>
+//!     <lane id="-1" type="driving"><width sOffset="0" a="3.5"/></lane>
+//!     </right></laneSection></lanes>
+//!     </road></OpenDRIVE>"#,
+//! )?;
+//! assert!(network.warnings.is_empty());
+//! // What is written reads back the same.
+//! assert_eq!(Network::parse(&write(&network))?, network);
+//!
+//! let map = Map::new(network);
+//! let hit = map.nearest_driving_lane(Point3::new(40.0, -2.0, 0.0)).expect("a lane");
+//! // The lane's middle is at y = -1.75: the point is a quarter of a metre to the right of it.
+//! assert_eq!((hit.lane.lane, hit.s), (-1, 40.0));
+//! assert!((hit.t_m + 0.25).abs() < 1e-9 && hit.is_inside());
+//! # Ok::<(), opendrive::ReadError>(())
+//! ```
 
 mod geometry;
 mod map;
@@ -29,7 +55,7 @@ pub use model::{
     PlatformSegment, Priority, Repeat, Road, RoadLink, RoadMark, RoadSide, RoadType, SegmentEnd, Shape,
     Signal, SignalDependency, SignalPosition, SignalReference, SkeletonLine, SkeletonVertex, Speed,
     SpeedUnit, Station, Switch, SwitchPosition, SwitchTrack, TrackDirection, TrafficRule, TravelDirection,
-    Tunnel, TunnelType, UnknownElement, VirtualStretch,
+    Tunnel, TunnelType, UnknownElement, VirtualStretch, Warning,
 };
-pub use read::{ReadError, Warning, read_bytes};
+pub use read::{ReadError, read_bytes};
 pub use write::write;

@@ -3,8 +3,6 @@
 
 mod common;
 
-use std::path::{Path, PathBuf};
-
 use frames::math::{atan2, sin_cos};
 use nalgebra::{Point3, Rotation3, Vector3};
 use opendrive::*;
@@ -185,13 +183,8 @@ fn a_winding_road_lies_where_its_polynomials_say() {
 
 #[test]
 fn real_roads_lie_where_their_polynomials_say() {
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/maps"));
-    let mut files = Vec::new();
-    find(&folder, &mut files);
-    files.sort();
+    let files = testkit::map_files();
     if files.is_empty() {
-        let mut out = std::io::stderr();
-        let _ = std::io::Write::write_all(&mut out, format!("skipped: no {}\n", folder.display()).as_bytes());
         return;
     }
     let mut places = 0;
@@ -201,16 +194,4 @@ fn real_roads_lie_where_their_polynomials_say() {
         places += compare(&Map::new(network), &path.display().to_string());
     }
     assert!(places > 50_000, "{places}");
-}
-
-fn find(folder: &Path, files: &mut Vec<PathBuf>) {
-    let Ok(entries) = std::fs::read_dir(folder) else { return };
-    for entry in entries.filter_map(Result::ok) {
-        let path = entry.path();
-        if path.is_dir() {
-            find(&path, files);
-        } else if path.to_string_lossy().contains(".xodr") {
-            files.push(path);
-        }
-    }
 }

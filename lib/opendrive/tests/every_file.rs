@@ -1,9 +1,10 @@
 //! Every real file at hand loads, holds what was counted in it by other means, and survives writing.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use opendrive::*;
+use testkit::map_files;
 
 /// What was counted in a file: roads, junctions, kilometres of driving lanes in hundredths, signals, signal references,
 /// controllers; and its lanes by type.
@@ -103,31 +104,6 @@ const OTHERS: &[Facts] = &[
     ("scenic/sample1.1", [36, 3, 992, 15, 0, 0], "border 120, driving 74, parking 6"),
 ];
 
-fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/maps")
-}
-
-/// Every `.xodr` and `.xodr.gz` below a folder, in order.
-fn files(folder: &Path) -> Vec<PathBuf> {
-    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
-    let mut found = Vec::new();
-    for path in entries.filter_map(|e| Some(e.ok()?.path())) {
-        if path.is_dir() {
-            found.extend(files(&path));
-        } else if path.to_string_lossy().ends_with(".xodr") || path.to_string_lossy().ends_with(".xodr.gz") {
-            found.push(path);
-        }
-    }
-    found.sort();
-    found
-}
-
-/// Says that a test has nothing to look at.
-fn skipped() {
-    let message = format!("skipped: no maps in {}\n", folder().display());
-    let _ = std::io::Write::write_all(&mut std::io::stderr(), message.as_bytes());
-}
-
 /// The name under which the tables list a file: `Town01`, or `folder/name`.
 fn listed_name(path: &Path) -> String {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
@@ -140,11 +116,7 @@ fn listed_name(path: &Path) -> String {
 
 #[test]
 fn every_file_loads_and_survives_writing_or_says_what_is_wrong() {
-    let all = files(&folder());
-    if all.is_empty() {
-        return skipped();
-    }
-    for path in all {
+    for path in map_files() {
         let name = listed_name(&path);
         let bytes = std::fs::read(&path).expect("readable");
         let broken = BROKEN.iter().find(|(stem, _)| name.ends_with(stem));
@@ -168,9 +140,9 @@ fn every_file_loads_and_survives_writing_or_says_what_is_wrong() {
 
 #[test]
 fn every_file_holds_what_was_counted_in_it() {
-    let all = files(&folder());
+    let all = map_files();
     if all.is_empty() {
-        return skipped();
+        return;
     }
     let facts: BTreeMap<&str, &Facts> = CARLA.iter().chain(OTHERS).map(|f| (f.0, f)).collect();
     let mut looked_at = 0;

@@ -2,20 +2,9 @@
 
 mod common;
 
-use std::path::PathBuf;
-
 use nalgebra::Point3;
 use opendrive::*;
-
-fn map(name: &str) -> Option<Map> {
-    let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/maps/carla")).join(name);
-    let Ok(bytes) = std::fs::read(&path) else {
-        let mut out = std::io::stderr();
-        let _ = std::io::Write::write_all(&mut out, format!("skipped: no {}\n", path.display()).as_bytes());
-        return None;
-    };
-    Some(Map::new(read_bytes(&bytes).expect("a CARLA town")))
-}
+use testkit::real_map;
 
 /// Roads, in junctions, junctions, connections, driving metres / 10, signals, dynamic, references, controllers, crosswalks.
 type Counts = [usize; 10];
@@ -41,15 +30,15 @@ fn counts(map: &Map) -> Counts {
 #[test]
 fn towns_hold_what_was_counted_in_them() {
     let expected: [(&str, Counts); 6] = [
-        ("Town01.xodr", [122, 96, 12, 96, 640, 36, 36, 72, 36, 0]),
-        ("Town02.xodr", [84, 64, 8, 64, 292, 24, 24, 48, 24, 0]),
-        ("Town03.xodr", [369, 287, 35, 289, 1378, 38, 38, 112, 38, 73]),
-        ("Town04.xodr", [276, 223, 27, 223, 3345, 43, 43, 121, 43, 27]),
-        ("Town06.xodr", [200, 128, 23, 128, 2551, 19, 19, 82, 19, 14]),
-        ("Town10HD.xodr", [108, 85, 9, 85, 595, 21, 17, 63, 16, 16]),
+        ("Town01", [122, 96, 12, 96, 640, 36, 36, 72, 36, 0]),
+        ("Town02", [84, 64, 8, 64, 292, 24, 24, 48, 24, 0]),
+        ("Town03", [369, 287, 35, 289, 1378, 38, 38, 112, 38, 73]),
+        ("Town04", [276, 223, 27, 223, 3345, 43, 43, 121, 43, 27]),
+        ("Town06", [200, 128, 23, 128, 2551, 19, 19, 82, 19, 14]),
+        ("Town10HD", [108, 85, 9, 85, 595, 21, 17, 63, 16, 16]),
     ];
     for (name, want) in expected {
-        let Some(map) = map(name) else { return };
+        let Some(map) = real_map(name) else { return };
         assert_eq!(counts(&map), want, "{name}");
         // Every light controls something, and there is a place to stop before it.
         for (i, signal) in map.signals().iter().enumerate().filter(|(_, s)| s.dynamic) {
@@ -82,15 +71,15 @@ fn sound(map: &Map, name: &str) {
         }
     }
     // One link of Town03 joins lanes that lie side by side.
-    assert!(loose <= usize::from(name == "Town03.xodr"), "{name}: {loose} links do not touch");
+    assert!(loose <= usize::from(name == "Town03"), "{name}: {loose} links do not touch");
     let again = Network::parse(&write(map.network())).expect("our own file");
     assert_eq!(Network { warnings: map.network().warnings.clone(), ..again }, *map.network());
 }
 
 #[test]
 fn crosswalks_lie_on_lanes() {
-    for name in ["Town03.xodr", "Town10HD.xodr"] {
-        let Some(map) = map(name) else { return };
+    for name in ["Town03", "Town10HD"] {
+        let Some(map) = real_map(name) else { return };
         for crosswalk in map.crosswalks() {
             assert!(crosswalk.polygon.len() == 4 || crosswalk.polygon.len() == 6, "{name} {}", crosswalk.id);
             // Its middle is on a lane, at the lane's height; placed with the lane offset it would miss by metres.
@@ -104,7 +93,7 @@ fn crosswalks_lie_on_lanes() {
 
 #[test]
 fn the_deck_that_a_point_is_on_answers() {
-    let Some(map) = map("Town04.xodr") else { return };
+    let Some(map) = real_map("Town04") else { return };
     // Find a place of the lower road right under the upper one, 11 m apart.
     let lanes: Vec<_> = map.lanes().iter().filter(|l| l.lane_type == LaneType::Driving).collect();
     let mut found = 0;
@@ -125,7 +114,7 @@ fn the_deck_that_a_point_is_on_answers() {
 
 #[test]
 fn the_nearest_lane_is_the_nearest_by_brute_force() {
-    let Some(map) = map("Town10HD.xodr") else { return };
+    let Some(map) = real_map("Town10HD") else { return };
     let dense: Vec<Point3<f64>> = map
         .lanes()
         .iter()
@@ -153,8 +142,8 @@ fn the_nearest_lane_is_the_nearest_by_brute_force() {
 
 #[test]
 fn junction_areas_are_the_ground_of_their_lanes() {
-    for name in ["Town03.xodr", "Town04.xodr", "Town10HD.xodr"] {
-        let Some(map) = map(name) else { return };
+    for name in ["Town03", "Town04", "Town10HD"] {
+        let Some(map) = real_map(name) else { return };
         let mut sums = [0, 0];
         for junction in 0..map.junctions().len() {
             let found = common::check_area(&map, junction, 0.05, 20);
@@ -170,8 +159,8 @@ fn junction_areas_are_the_ground_of_their_lanes() {
 
 #[test]
 fn every_signal_has_a_line_before_every_lane_it_holds() {
-    for name in ["Town01.xodr", "Town03.xodr", "Town04.xodr", "Town06.xodr", "Town10HD.xodr"] {
-        let Some(map) = map(name) else { return };
+    for name in ["Town01", "Town03", "Town04", "Town06", "Town10HD"] {
+        let Some(map) = real_map(name) else { return };
         let lines = map.stop_lines();
         for (i, signal) in map.signals().iter().enumerate().filter(|(_, s)| s.dynamic || s.is_stop_sign()) {
             for stop in map.stop_points(i) {
@@ -202,8 +191,8 @@ fn every_signal_has_a_line_before_every_lane_it_holds() {
 
 #[test]
 fn places_on_lanes_are_found_back() {
-    for name in ["Town03.xodr", "Town04.xodr"] {
-        let Some(map) = map(name) else { return };
+    for name in ["Town03", "Town04"] {
+        let Some(map) = real_map(name) else { return };
         for (i, lane) in map.lanes().iter().enumerate().filter(|(_, l)| l.s_length() > 0.5) {
             let part = 0.05 + 0.9 * ((i * 37 % 100) as f64 / 100.0);
             let s = lane.s_start + part * lane.s_length();

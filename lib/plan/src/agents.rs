@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use frames::math::{atan2, sin, sin_cos};
+use frames::OrientedRect;
+use frames::math::{atan2, sin};
 use nalgebra::Point3;
 use opendrive::Map;
 use random::Stream;
@@ -148,12 +149,14 @@ fn overlap(a: &SpawnPoint, a_size: [f64; 3], b: &SpawnPoint, b_size: [f64; 3]) -
     if away.z.abs() > DECK_M {
         return false;
     }
-    let (sin_a, cos_a) = sin_cos(a.rpy_rad[2]);
-    let (ahead, left) = (away.x * cos_a + away.y * sin_a, away.y * cos_a - away.x * sin_a);
-    let (sin_d, cos_d) = sin_cos(b.rpy_rad[2] - a.rpy_rad[2]);
-    let half = |own: f64, along: f64, across: f64| 0.5 * (own + along + across) + CLEARANCE_M;
-    ahead.abs() < half(a_size[0], b_size[0] * cos_d.abs(), b_size[1] * sin_d.abs())
-        && left.abs() < half(a_size[1], b_size[0] * sin_d.abs(), b_size[1] * cos_d.abs())
+    let rect = |start: &SpawnPoint, size: [f64; 3]| {
+        OrientedRect::new([start.xyz_m.x, start.xyz_m.y], start.rpy_rad[2], [0.5 * size[0], 0.5 * size[1]])
+    };
+    let (a, b) = (rect(a, a_size), rect(b, b_size));
+    [a.axis, [-a.axis[1], a.axis[0]]]
+        .iter()
+        .zip(a.half_m)
+        .all(|(n, own)| (away.x * n[0] + away.y * n[1]).abs() < own + b.reach_m(*n) + CLEARANCE_M)
 }
 
 /// The catalogue entries of the configured vehicle models.
@@ -276,6 +279,8 @@ pub(crate) fn place_rsus(
 
 #[cfg(test)]
 mod tests {
+    use frames::math::sin_cos;
+
     use super::*;
 
     #[test]

@@ -2,7 +2,17 @@
 //!
 //! [`plan`] turns a dataset's settings and its maps into one row per scene and agent. Each scene depends on the
 //! dataset's seed, its own number, its map and the settings alone, so [`plan_scene`] gives the same rows as the whole
-//! plan does. [`enrol`] gives scenes their numbers, so that a dataset can grow. Every topic (durations, weather, vehicles, ...) draws from its own named random stream.
+//! plan does. [`enrol`] gives scenes their numbers, so that a dataset can grow. Every topic (durations, weather,
+//! vehicles, ...) draws from its own named random stream.
+//!
+//! ```
+//! use plan::SpawnPool;
+//!
+//! // Vehicles may start every 24 m on both lanes of a street of 200 m: at 0, 24, ... 192.
+//! let pool = SpawnPool::new(&testkit::straight(200.0), 24.0);
+//! assert_eq!((pool.lanes, pool.points.len()), (2, 18));
+//! assert_eq!(pool.points[1].xyz_m.x, 24.0);
+//! ```
 
 mod agents;
 mod error;

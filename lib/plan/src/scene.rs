@@ -118,6 +118,17 @@ fn draw_counts(settings: &PlanSettings, stream: &mut Stream) -> Result<AgentCoun
     Ok(AgentCounts { vehicles, rsus, mode })
 }
 
+/// Refuses a map without places for vehicles.
+fn check_pool(pool: &SpawnPool, map: &str) -> Result<(), PlanError> {
+    if pool.lanes == 0 {
+        return Err(PlanError::NoDrivingLanes { map: map.into() });
+    }
+    if pool.points.is_empty() {
+        return Err(PlanError::NoSpawnPoints { map: map.into(), lanes: pool.lanes });
+    }
+    Ok(())
+}
+
 /// Plans one scene; `pool` is the map's, with the settings' separation.
 ///
 /// # Errors
@@ -128,12 +139,7 @@ pub fn plan_scene(
     map: &PlanMap,
     pool: &SpawnPool,
 ) -> Result<PlannedScene, PlanError> {
-    if pool.lanes == 0 {
-        return Err(PlanError::NoDrivingLanes { map: slot.map.clone() });
-    }
-    if pool.points.is_empty() {
-        return Err(PlanError::NoSpawnPoints { map: slot.map.clone(), lanes: pool.lanes });
-    }
+    check_pool(pool, &slot.map)?;
     let models = vehicle_models(&settings.agents)?;
     let number = slot.scene;
     let seed = slot.seed(settings.seed);

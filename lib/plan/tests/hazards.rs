@@ -3,25 +3,23 @@
 use std::collections::BTreeMap;
 
 use nalgebra::Point3;
-use opendrive::{Cubic, Geometry, Lane, LaneSection, LaneType, Map, Network, Road};
+use opendrive::{LaneType, Map};
 use plan::{Plan, PlanMap, SpawnPool, plan};
 use schema::models::find;
 use schema::settings::stages::PlanSettings;
 use schema::settings::{SceneCount, Split};
 use schema::tables::PlanHazardRow;
+use testkit::both_ways;
 
 /// A straight road to the east with a lane each way.
 fn road(length_m: f64) -> Map {
-    let lane =
-        |id| Lane { id, lane_type: LaneType::Driving, widths: vec![Cubic::constant(3.5)], ..Lane::default() };
-    let road = Road {
-        id: "main street".into(),
+    testkit::map(vec![testkit::road(
+        "main street",
+        [0.0; 2],
+        0.0,
         length_m,
-        plan_view: vec![Geometry { length_m, ..Geometry::default() }],
-        sections: vec![LaneSection { left: vec![lane(1)], right: vec![lane(-1)], ..LaneSection::default() }],
-        ..Road::default()
-    };
-    Map::new(Network { roads: vec![road], ..Network::default() })
+        both_ways(&[(LaneType::Driving, 3.5)]),
+    )])
 }
 
 fn planned(map: Map, scenes: u32, change: impl FnOnce(&mut PlanSettings)) -> Plan {

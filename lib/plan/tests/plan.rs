@@ -1,16 +1,14 @@
 //! Plans on hand-made networks and, where they are at hand, on real maps.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 use nalgebra::Point3;
-use opendrive::{
-    Cubic, Geometry, Lane, LaneSection, LaneType, Map, Network, Road, RoadType, Speed, SpeedUnit, read_bytes,
-};
+use opendrive::{Cubic, Lane, LaneSection, LaneType, Map};
 use plan::{PlanError, PlanMap, SceneSlot, SpawnPool, plan, plan_scene, scene_slots};
 use proptest::prelude::*;
 use schema::settings::stages::PlanSettings;
 use schema::settings::{GivenStart, SceneCount, SpawnMode, Split};
+use testkit::{real_map, road, straight_road};
 
 fn settings(scenes: &[(Split, &str, u32)]) -> PlanSettings {
     let count = |&(split, map, count): &(Split, &str, u32)| SceneCount { split, map: map.into(), count };
@@ -19,21 +17,7 @@ fn settings(scenes: &[(Split, &str, u32)]) -> PlanSettings {
 
 /// A straight road to the east with one lane each way.
 fn straight(length_m: f64, lane_type: LaneType) -> Map {
-    let lane = |id| Lane { id, lane_type, widths: vec![Cubic::constant(3.5)], ..Lane::default() };
-    let road = Road {
-        id: "1".into(),
-        length_m,
-        types: vec![RoadType {
-            s: 0.0,
-            kind: "town".into(),
-            speed: Some(Speed { max: 50.0, unit: SpeedUnit::KilometresPerHour }),
-            ..RoadType::default()
-        }],
-        plan_view: vec![Geometry { length_m, ..Geometry::default() }],
-        sections: vec![LaneSection { left: vec![lane(1)], right: vec![lane(-1)], ..LaneSection::default() }],
-        ..Road::default()
-    };
-    Map::new(Network { roads: vec![road], ..Network::default() })
+    testkit::map(vec![straight_road(length_m, &[(lane_type, 3.5)])])
 }
 
 fn maps(entries: Vec<(&str, Map)>) -> BTreeMap<String, PlanMap> {
@@ -41,19 +25,6 @@ fn maps(entries: Vec<(&str, Map)>) -> BTreeMap<String, PlanMap> {
         .into_iter()
         .map(|(name, map)| (name.to_owned(), PlanMap { map, hash: format!("hash of {name}") }))
         .collect()
-}
-
-/// A real map, or None (with a line that says so) where the maps are not at hand.
-#[allow(clippy::print_stdout)] // Says why a test passes without testing.
-fn carla(name: &str) -> Option<Map> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/maps/carla")).join(name);
-    match std::fs::read(&path) {
-        Ok(bytes) => Some(Map::new(read_bytes(&bytes).expect("a readable map"))),
-        Err(_) => {
-            println!("skipped: {} is absent", path.display());
-            None
-        }
-    }
 }
 
 #[test]
@@ -80,14 +51,8 @@ fn narrow_places_are_no_spawn_points() {
         widths: vec![Cubic { a: 3.5, b: -0.01, ..Cubic::default() }],
         ..Lane::default()
     };
-    let road = Road {
-        id: "1".into(),
-        length_m: 200.0,
-        plan_view: vec![Geometry { length_m: 200.0, ..Geometry::default() }],
-        sections: vec![LaneSection { right: vec![narrowing(-1)], ..LaneSection::default() }],
-        ..Road::default()
-    };
-    let pool = SpawnPool::new(&Map::new(Network { roads: vec![road], ..Network::default() }), 24.0);
+    let section = LaneSection { right: vec![narrowing(-1)], ..LaneSection::default() };
+    let pool = SpawnPool::new(&testkit::map(vec![road("1", [0.0; 2], 0.0, 200.0, section)]), 24.0);
     let at: Vec<f64> = pool.points.iter().map(|p| p.xyz_m.x).collect();
     assert_eq!(at, [0.0, 24.0, 48.0, 72.0]);
 }
@@ -313,7 +278,7 @@ proptest! {
 
 #[test]
 fn rsus_stand_by_the_lights_of_near_junctions() {
-    let Some(map) = carla("Town10HD.xodr") else { return };
+    let Some(map) = real_map("Town10HD") else { return };
     let settings = settings(&[(Split::Train, "Town10HD", 40)]);
     let maps = maps(vec![("Town10HD", map)]);
     let plan = plan(&settings, &maps).expect("a plan");

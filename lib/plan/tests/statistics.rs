@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use nalgebra::Point3;
-use opendrive::{Cubic, Geometry, Lane, LaneSection, LaneType, Map, Network, Road};
+use opendrive::LaneType;
 use plan::{Plan, PlanMap, plan};
 use schema::settings::stages::PlanSettings;
 use schema::settings::{SceneCount, SpawnMode, Split};
 use schema::tables::{PlanSceneRow, Weather};
+use testkit::both_ways;
 
 /// Four standard errors of a share of one half are 0.9 points.
 const SCENES: u32 = 50_000;
@@ -18,16 +19,8 @@ fn planned(scenes: u32, change: impl FnOnce(&mut PlanSettings)) -> Plan {
 }
 
 fn planned_on(length_m: f64, scenes: u32, change: impl FnOnce(&mut PlanSettings)) -> Plan {
-    let lane =
-        |id| Lane { id, lane_type: LaneType::Driving, widths: vec![Cubic::constant(3.5)], ..Lane::default() };
-    let road = Road {
-        id: "1".into(),
-        length_m,
-        plan_view: vec![Geometry { length_m, ..Geometry::default() }],
-        sections: vec![LaneSection { left: vec![lane(1)], right: vec![lane(-1)], ..LaneSection::default() }],
-        ..Road::default()
-    };
-    let map = Map::new(Network { roads: vec![road], ..Network::default() });
+    let lanes = both_ways(&[(LaneType::Driving, 3.5)]);
+    let map = testkit::map(vec![testkit::road("1", [0.0; 2], 0.0, length_m, lanes)]);
     let maps = BTreeMap::from([("road".to_owned(), PlanMap { map, hash: String::new() })]);
     let wish = SceneCount { split: Split::Train, map: "road".into(), count: scenes };
     let mut settings = PlanSettings::with_scenes(vec![wish]);

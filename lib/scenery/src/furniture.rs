@@ -1,5 +1,6 @@
 //! Traffic lights, signs, street lamps, benches and bins.
 
+use frames::OrientedRect;
 use frames::math::{atan2, sin_cos};
 use nalgebra::{Point3, Vector3};
 use opendrive::SignalInfo;
@@ -9,7 +10,7 @@ use schema::footprint::LightMount;
 
 use crate::draft::Draft;
 use crate::frontage::Frontage;
-use crate::land::{Land, Rect};
+use crate::land::Land;
 use crate::site::Site;
 use crate::swept::is_swept;
 use surfaces::Ground;
@@ -108,7 +109,7 @@ fn light(site: &Site<'_>, index: usize, signal: &SignalInfo, land: &mut Land<'_>
     draft.variant = mount.to_variant();
     draft.opendrive_id = Some(signal.id.clone());
     draft.attributes = format!("{{\"ground_z_m\":\"{ground_z:.3}\"}}");
-    land.take(Rect::around(foot.x, foot.y, 0.3));
+    land.take(OrientedRect::square([foot.x, foot.y], 0.3));
     draft
 }
 
@@ -137,7 +138,7 @@ fn board(site: &Site<'_>, foot: Point3<f64>, yaw: f64, kind: &str, land: &mut La
     let mut draft = Draft::new("sign", &format!("sign.{kind}"), Tag::TrafficSign, BOARD_M, xyz, yaw);
     draft.variant = (BOARD_AT_M * 100.0).round() as u32;
     draft.attributes = format!("{{\"ground_z_m\":\"{ground_z:.3}\"}}");
-    land.take(Rect::around(foot.x, foot.y, 0.3));
+    land.take(OrientedRect::square([foot.x, foot.y], 0.3));
     draft
 }
 
@@ -154,7 +155,7 @@ pub(crate) fn lamps(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_>, d
             let pole = if spot.walk_m > 0.9 { 0.35 - spot.walk_m } else { 0.6 };
             let foot = spot.beside(pole, 0.0);
             let middle = spot.beside(pole - 0.5 * LAMP_M[0] + 0.13, 0.0);
-            let rect = Rect::around(foot.x, foot.y, 0.3);
+            let rect = OrientedRect::square([foot.x, foot.y], 0.3);
             let on_lane = site.ground.cover.at(foot.x, foot.y).any(|(f, _)| f.ground == Ground::Paved);
             if on_lane || !site.near(foot.x, foot.y) || !land.unused(&rect) {
                 continue;
@@ -201,10 +202,10 @@ pub(crate) fn small_things(
             }
             let mut add = |model: &str, size: [f64; 3], sideways: f64| {
                 let at = spot.beside(0.5, sideways);
-                let rect = Rect {
-                    centre: [at.x, at.y],
+                let rect = OrientedRect {
+                    centre_m: [at.x, at.y],
                     axis: [-spot.away.x, -spot.away.y],
-                    half: [0.5 * size[0], 0.5 * size[1]],
+                    half_m: [0.5 * size[0], 0.5 * size[1]],
                 };
                 if land.free(&rect) {
                     let z = site.ground.height(at.x, at.y, spot.point.z);

@@ -1,5 +1,6 @@
 //! Buildings, the fences and walls before them, and trees.
 
+use frames::OrientedRect;
 use random::Stream;
 use schema::Tag;
 
@@ -7,7 +8,7 @@ use crate::catalogue::{BUILDINGS, BuildingKind, TREES};
 use crate::draft::Draft;
 use crate::frontage::{Frontage, Spot};
 use crate::islands::Islands;
-use crate::land::{Land, Rect};
+use crate::land::Land;
 use crate::site::Site;
 
 /// Height of a storey, metres.
@@ -52,21 +53,7 @@ pub(crate) fn buildings(
                 along += if wanted { width } else { 0.6 * width };
                 continue;
             }
-            // A lot that is too large is tried smaller before it is given up.
-            let placed = [(1.0, 1.0), (0.8, 0.75), (0.62, 0.62)].into_iter().find_map(|(w, d)| {
-                let size = [depth * d, width * w];
-                let centre = spot.beside(setback + 0.5 * size[0], 0.0);
-                let rect = Rect {
-                    centre: [centre.x, centre.y],
-                    axis: [-spot.away.x, -spot.away.y],
-                    half: size.map(|v| 0.5 * v),
-                };
-                let fits = land.free(&rect.grown(0.6))
-                    && land.is_dry(&rect.grown(SHORE_M))
-                    && !islands.holds(centre.x, centre.y);
-                fits.then_some((rect, size))
-            });
-            let Some((rect, size)) = placed else {
+            let Some((rect, size)) = lot(&spot, setback, [depth, width], islands, land) else {
                 along += 5.0;
                 continue;
             };
@@ -85,7 +72,7 @@ pub(crate) fn buildings(
                 "building.hall" => floors * 3.6,
                 _ => floors * STOREY_M + 2.0,
             } + (high - low);
-            let xyz = [rect.centre[0], rect.centre[1], low - 0.1];
+            let xyz = [rect.centre_m[0], rect.centre_m[1], low - 0.1];
             let mut draft = Draft::new(
                 "building",
                 model,
@@ -103,6 +90,30 @@ pub(crate) fn buildings(
             along += size[1] + random.uniform(1.2, if town { 5.0 } else { 22.0 });
         }
     }
+}
+
+/// The ground of a building of some depth and width, metres, and how large it is in the end: a lot that is too large is tried
+/// smaller before it is given up.
+fn lot(
+    spot: &Spot,
+    setback_m: f64,
+    [depth, width]: [f64; 2],
+    islands: &Islands,
+    land: &Land<'_>,
+) -> Option<(OrientedRect, [f64; 2])> {
+    [(1.0, 1.0), (0.8, 0.75), (0.62, 0.62)].into_iter().find_map(|(w, d)| {
+        let size = [depth * d, width * w];
+        let centre = spot.beside(setback_m + 0.5 * size[0], 0.0);
+        let rect = OrientedRect {
+            centre_m: [centre.x, centre.y],
+            axis: [-spot.away.x, -spot.away.y],
+            half_m: size.map(|v| 0.5 * v),
+        };
+        let fits = land.free(&rect.grown(0.6))
+            && land.is_dry(&rect.grown(SHORE_M))
+            && !islands.holds(centre.x, centre.y);
+        fits.then_some((rect, size))
+    })
 }
 
 /// An index drawn with the given shares.
@@ -145,10 +156,10 @@ fn enclose(
         }
         let Some(spot) = front.at(from_m + (i as f64 + 0.5) * piece) else { continue };
         let at = spot.beside(0.9, 0.0);
-        let rect = Rect {
-            centre: [at.x, at.y],
+        let rect = OrientedRect {
+            centre_m: [at.x, at.y],
             axis: [-spot.away.y, spot.away.x],
-            half: [0.5 * piece, 0.5 * width],
+            half_m: [0.5 * piece, 0.5 * width],
         };
         if land.free(&rect.grown(0.05)) {
             let z = [-1.0, 0.0, 1.0].map(|u| {
@@ -222,9 +233,9 @@ fn tree(
     let at = spot.beside(far_m, 0.0);
     let width = (4.0 * crown * height).round() / 4.0;
     // The crown may reach over the sidewalk, not into a wall or over rails; the trunk stands on land.
-    let trunk = Rect::around(at.x, at.y, 0.45);
-    let room = Rect::around(at.x, at.y, (0.3 * width).min(1.2));
-    let crown = Rect::around(at.x, at.y, 0.5 * width);
+    let trunk = OrientedRect::square([at.x, at.y], 0.45);
+    let room = OrientedRect::square([at.x, at.y], (0.3 * width).min(1.2));
+    let crown = OrientedRect::square([at.x, at.y], 0.5 * width);
     if site.near(at.x, at.y) && land.free(&trunk) && land.unused(&room) && land.off_tracks(&crown) {
         let z = site.ground.height(at.x, at.y, spot.point.z) - 0.05;
         let mut draft =
@@ -240,7 +251,7 @@ fn bush(site: &Site<'_>, spot: &Spot, random: &mut Stream, land: &mut Land<'_>, 
     let at = spot.beside(random.uniform(2.5, 9.0), random.uniform(-2.0, 2.0));
     let stone = random.chance(0.15);
     let variant = random.next_u32() % 6;
-    let rect = Rect::around(at.x, at.y, 0.5 * width);
+    let rect = OrientedRect::square([at.x, at.y], 0.5 * width);
     if site.near(at.x, at.y) && land.free(&rect) {
         let z = site.ground.height(at.x, at.y, spot.point.z) - 0.05;
         let (kind, model, tag) = if stone {

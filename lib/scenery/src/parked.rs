@@ -1,5 +1,6 @@
 //! Vehicles that stand in parking spaces and parking lanes for the whole scene.
 
+use frames::OrientedRect;
 use frames::math::{atan2, sin_cos};
 use nalgebra::Point3;
 use opendrive::{LaneInfo, LanePoint, LaneType};
@@ -7,7 +8,7 @@ use random::Stream;
 use schema::models::{self, BaseType, Model};
 
 use crate::draft::Draft;
-use crate::land::{Land, Rect};
+use crate::land::Land;
 use crate::site::Site;
 use crate::swept::is_swept;
 
@@ -102,7 +103,7 @@ fn stand(
     }
     let (s, c) = sin_cos(yaw);
     let (x, y) = (at.x + shift * c, at.y + shift * s);
-    let rect = Rect { centre: [x, y], axis: [c, s], half: [0.5 * length + 0.1, 0.5 * width] };
+    let rect = OrientedRect { centre_m: [x, y], axis: [c, s], half_m: [0.5 * length + 0.1, 0.5 * width] };
     // Its corners, not only its middle, stay clear of buses in bends.
     let swept = [-1.0, 0.0, 1.0].iter().any(|end| {
         let [x, y] = rect.at(*end, 0.0);
@@ -117,8 +118,8 @@ fn stand(
         site.ground.height(x, y, at.z)
     };
     let z = ground(0.0, 0.0);
-    let pitch = -atan2(ground(0.7, 0.0) - ground(-0.7, 0.0), 1.4 * rect.half[0]);
-    let roll = atan2(ground(0.0, 0.6) - ground(0.0, -0.6), 1.2 * rect.half[1]);
+    let pitch = -atan2(ground(0.7, 0.0) - ground(-0.7, 0.0), 1.4 * rect.half_m[0]);
+    let roll = atan2(ground(0.0, 0.6) - ground(0.0, -0.6), 1.2 * rect.half_m[1]);
     if pitch.abs() > 0.25 || roll.abs() > 0.25 {
         return;
     }

@@ -1,5 +1,7 @@
 //! From a layout to a network.
 
+use std::borrow::Cow;
+
 use frames::math::cos;
 use frames::wrap_pi;
 use opendrive::{ContactPoint, Header, Network, Road, RoadLink};
@@ -8,12 +10,13 @@ use crate::TownError;
 use crate::control::equip;
 use crate::decks::{decks, reach_m};
 use crate::heights::{EndHeight, elevation};
+use crate::ids::Ids;
 use crate::junction::{self, Gaps, junction};
 use crate::layout::{Layout, Node, NodeKind};
 use crate::limits::limit_sign;
 use crate::movements::{Movement, crossing};
+use crate::node_plan::{NodePlan, node_plans};
 use crate::path::{Path, Pose2};
-use crate::place::{Place, places};
 use crate::roundabout;
 use crate::route::route;
 use crate::seam;
@@ -32,40 +35,46 @@ const CIRCLE_ISLAND_M: f64 = 3.0;
 /// Distance between the places that the bounds are taken from, metres.
 const BOUND_STEP_M: f64 = 5.0;
 
-/// Hands out ids that are unique in the whole file.
-#[derive(Debug, Default)]
-pub(crate) struct Ids(u32);
+/// How much of its relief the ground keeps each time streets are too steep, and how often it gets flatter at most.
+const EASE: f64 = 0.85;
+const EASINGS: usize = 10;
 
-impl Ids {
-    pub(crate) fn next(&mut self) -> String {
-        let id = self.0;
-        self.0 += 1;
-        id.to_string()
+/// Builds the network. Where streets would be too steep, the ground is flatter.
+pub(crate) fn build(layout: &Layout) -> Result<Network, TownError> {
+    let mut network = assemble(layout);
+    let mut eased = Cow::Borrowed(layout);
+    for _ in 0..EASINGS {
+        if !matches!(network, Err(TownError::TooSteep { .. })) {
+            break;
+        }
+        eased.to_mut().terrain.flatten(EASE);
+        network = assemble(&eased);
     }
+    network
 }
 
 /// Builds every street and junction.
 pub(crate) fn assemble(layout: &Layout) -> Result<Network, TownError> {
     let layout = &with_islands(roundabout::expand(layout)?);
-    let mut places = places(layout)?;
-    for (node, place) in layout.nodes.iter().zip(&mut places) {
-        set_heights(node, place, &layout.terrain);
+    let mut plans = node_plans(layout)?;
+    for (node, plan) in layout.nodes.iter().zip(&mut plans) {
+        set_heights(node, plan, &layout.terrain);
     }
     let mut ids = Ids::default();
     let mut network = Network::default();
     for index in 0..layout.edges.len() {
-        let road = build_street(&mut ids, layout, &places, index)?;
+        let road = build_street(&mut ids, layout, &plans, index)?;
         network.roads.push(road);
     }
-    for (node, place) in layout.nodes.iter().zip(&mut places) {
-        for arm in &mut place.arms {
+    for (node, plan) in layout.nodes.iter().zip(&mut plans) {
+        for arm in &mut plan.arms {
             let road = &network.roads[arm.edge];
             (arm.road, arm.length_m) = (road.id.clone(), road.length_m);
         }
-        if place.direct {
-            join(place, &mut network.roads);
-        } else if !place.arms.is_empty() && node.kind != NodeKind::MapEdge {
-            build_junction(&mut ids, node, place, &mut network);
+        if plan.direct {
+            join(plan, &mut network.roads);
+        } else if !plan.arms.is_empty() && node.kind != NodeKind::MapEdge {
+            build_junction(&mut ids, node, plan, &mut network);
         }
     }
     decks(&mut ids, &mut network, &layout.terrain)?;
@@ -91,42 +100,41 @@ fn with_islands(mut layout: Layout) -> Layout {
 }
 
 /// The arm of an edge's end.
-fn socket(places: &[Place], node: usize, edge: usize, contact: ContactPoint) -> Option<&crate::arm::Arm> {
-    places.get(node)?.arms.iter().find(|arm| arm.edge == edge && arm.contact == contact)
+fn socket(plans: &[NodePlan], node: usize, edge: usize, contact: ContactPoint) -> Option<&crate::arm::Arm> {
+    plans.get(node)?.arms.iter().find(|arm| arm.edge == edge && arm.contact == contact)
 }
 
 /// Level ground for junctions; at seams the ground's slope goes through.
-fn set_heights(node: &Node, place: &mut Place, terrain: &Terrain) {
+fn set_heights(node: &Node, plan: &mut NodePlan, terrain: &Terrain) {
     let [x, y] = node.at_m;
     let z_m = terrain.bank(x, y) + node.lift_m;
     let grade = match node.kind {
         NodeKind::Seam { .. } | NodeKind::MapEdge => {
             let height = |d: f64| {
-                let p = place.axis.moved(d, 0.0);
+                let p = plan.axis.moved(d, 0.0);
                 terrain.bank(p.x_m, p.y_m)
             };
-            let most =
-                place.arms.iter().map(|a| a.shape.max_grade).fold(f64::INFINITY, f64::min) * SEAM_GRADE;
+            let most = plan.arms.iter().map(|a| a.shape.max_grade).fold(f64::INFINITY, f64::min) * SEAM_GRADE;
             let slope = (height(SLOPE_REACH_M) - height(-SLOPE_REACH_M)) / (2.0 * SLOPE_REACH_M);
             slope.clamp(-most, most)
         }
         _ => 0.0,
     };
-    let axis = place.axis;
-    for arm in &mut place.arms {
+    let axis = plan.axis;
+    for arm in &mut plan.arms {
         let (ahead, _) = axis.locate(arm.outward);
         arm.z_m = z_m + grade * ahead;
         arm.slope = grade * cos(wrap_pi(arm.outward.heading_rad - axis.heading_rad));
     }
 }
 
-fn build_street(ids: &mut Ids, layout: &Layout, places: &[Place], index: usize) -> Result<Road, TownError> {
+fn build_street(ids: &mut Ids, layout: &Layout, plans: &[NodePlan], index: usize) -> Result<Road, TownError> {
     let edge = &layout.edges[index];
     let origin = Pose2 { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };
     let mut ends = [(origin, EndHeight { z_m: 0.0, slope: 0.0, lift_m: 0.0 }); 2];
     for (slot, contact) in ends.iter_mut().zip([ContactPoint::Start, ContactPoint::End]) {
         let node = edge.at(contact).node;
-        let Some(arm) = socket(places, node, index, contact) else { continue };
+        let Some(arm) = socket(plans, node, index, contact) else { continue };
         let along = if contact == ContactPoint::Start { arm.slope } else { -arm.slope };
         let lift_m = layout.nodes[node].lift_m;
         *slot = (arm.outward, EndHeight { z_m: arm.z_m, slope: along, lift_m });
@@ -139,8 +147,8 @@ fn build_street(ids: &mut Ids, layout: &Layout, places: &[Place], index: usize) 
 }
 
 /// Joins two roads lane to lane.
-fn join(place: &Place, roads: &mut [Road]) {
-    let [a, b] = &place.arms[..] else { return };
+fn join(plan: &NodePlan, roads: &mut [Road]) {
+    let [a, b] = &plan.arms[..] else { return };
     for (own, other) in [(a, b), (b, a)] {
         let road = &mut roads[own.edge];
         let link = Some(RoadLink::Road { id: other.road.clone(), contact: other.contact });
@@ -167,12 +175,12 @@ fn join(place: &Place, roads: &mut [Road]) {
     }
 }
 
-fn movements(node: &Node, place: &Place) -> Vec<Movement> {
-    let arms = &place.arms;
+fn movements(node: &Node, plan: &NodePlan) -> Vec<Movement> {
+    let arms = &plan.arms;
     match node.kind {
         NodeKind::Crossing(_) => crossing(arms, node.lefts),
-        NodeKind::Seam { .. } => seam::movements(arms, place.axis),
-        NodeKind::Crossover => seam::crossover(arms, place.axis, LEAST_U_TURN_M),
+        NodeKind::Seam { .. } => seam::movements(arms, plan.axis),
+        NodeKind::Crossover => seam::crossover(arms, plan.axis, LEAST_U_TURN_M),
         NodeKind::DeadEnd { .. } => seam::turning(&arms[0]),
         NodeKind::RailCrossing => seam::rail(arms),
         NodeKind::Ring => seam::ring(arms),
@@ -180,11 +188,11 @@ fn movements(node: &Node, place: &Place) -> Vec<Movement> {
     }
 }
 
-fn build_junction(ids: &mut Ids, node: &Node, place: &Place, network: &mut Network) {
-    let plan = junction::Plan {
+fn build_junction(ids: &mut Ids, node: &Node, plan: &NodePlan, network: &mut Network) {
+    let area = junction::Plan {
         name: &node.name,
-        arms: &place.arms,
-        kerb_radius_m: place.kerb_radius_m,
+        arms: &plan.arms,
+        kerb_radius_m: plan.kerb_radius_m,
         gaps: match node.kind {
             NodeKind::Crossing(_) | NodeKind::Ring | NodeKind::DeadEnd { .. } => Gaps::Pave,
             NodeKind::Seam { .. } => Gaps::Close,
@@ -192,11 +200,11 @@ fn build_junction(ids: &mut Ids, node: &Node, place: &Place, network: &mut Netwo
         },
         circle_m: if let NodeKind::DeadEnd { radius_m } = node.kind { radius_m } else { 0.0 },
     };
-    let mut built = junction(ids, &plan, movements(node, place));
-    let (controllers, furniture) = equip(ids, &mut built, &place.arms, &place.holds);
-    for (i, (arm, here)) in place.arms.iter().zip(furniture).enumerate() {
+    let mut built = junction(ids, &area, movements(node, plan));
+    let (controllers, furniture) = equip(ids, &mut built, &plan.arms, &plan.holds);
+    for (i, (arm, here)) in plan.arms.iter().zip(furniture).enumerate() {
         let street = &mut network.roads[arm.edge];
-        street.signals.extend(limit_sign(ids, &place.arms, i, street));
+        street.signals.extend(limit_sign(ids, &plan.arms, i, street));
         street.signals.extend(here.signals);
         street.objects.extend(here.objects);
         let link = Some(RoadLink::Junction { id: built.junction.id.clone() });

@@ -7,7 +7,7 @@ use opendrive::{
 use std::f64::consts::FRAC_PI_2;
 
 use crate::arm::{Arm, major, pairs, runs};
-use crate::assemble::Ids;
+use crate::ids::Ids;
 use crate::junction::Built;
 use crate::layout::{Control, NodeKind};
 use crate::marks::KERB_M;

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use opendrive::{Bridge, Cubic, Network, Road, RoadLink, Tunnel, TunnelType};
 
 use crate::TownError;
-use crate::assemble::Ids;
+use crate::ids::Ids;
 use crate::path::Path;
 use crate::profile::Profile;
 use crate::terrain::Terrain;

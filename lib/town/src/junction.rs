@@ -8,8 +8,8 @@ use opendrive::{
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::arm::{Arm, inner_m, next_to_the_right, opposite, runs};
-use crate::assemble::Ids;
 use crate::fill::{close, fill};
+use crate::ids::Ids;
 use crate::marks;
 use crate::movements::Movement;
 use crate::path::{Bend, Path, Piece};
@@ -189,13 +189,43 @@ fn connecting_road(ids: &mut Ids, junction: &str, plan: &Plan<'_>, movement: &Mo
         right.push(lane_of(pair, -(right.len() as i16 + 1), mark));
     }
 
+    let left = left_lanes(plan, movement, length, &lane_of);
+    let mut section = LaneSection { left, right, ..LaneSection::default() };
+    section.centre.marks = vec![centre_mark(arms, movement)];
+    let link = |arm: &Arm| Some(RoadLink::Road { id: arm.road.clone(), contact: arm.contact });
+    Road {
+        id: ids.next(),
+        length_m: length,
+        junction: Some(junction.to_owned()),
+        predecessor: link(from),
+        successor: link(to),
+        types: vec![road_type(&from.shape)],
+        elevation: vec![hermite(0.0, from.z_m, -from.slope, length, to.z_m, to.slope)],
+        plan_view: path.pieces,
+        sections: vec![section],
+        ..Road::default()
+    }
+}
+
+/// What lies to the left of a connecting road's lanes: the strips that both ends have inside, or paving.
+fn left_lanes(
+    plan: &Plan<'_>,
+    movement: &Movement,
+    length: f64,
+    lane_of: &dyn Fn(Beside<'_>, i16, RoadMark) -> Lane,
+) -> Vec<Lane> {
+    let arms = plan.arms;
+    let (from, to) = (&arms[movement.from], &arms[movement.to]);
+    let (entry, exit) = (&from.lanes.entering, &to.lanes.leaving);
+    let kerbs = from.shape.entering(from.contact).kerb || to.shape.leaving(to.contact).kerb;
+    let rail = from.is_rail();
     let mut left: Vec<Lane> = Vec::new();
     let inner = |on: bool, own, other| if on { inside(own, other) } else { Vec::new() };
     let inner_in = inner(movement.inner[0], entry, &from.lanes.leaving);
     let inner_out = inner(movement.inner[1], exit, &to.lanes.entering);
     for pair in paired(&inner_in, &inner_out) {
         let edge = pair.iter().flatten().any(|s| s.kind == Use::Edge);
-        let mark = if edge && (kerbs[0] || kerbs[1]) { marks::kerb() } else { marks::none() };
+        let mark = if edge && (kerbs) { marks::kerb() } else { marks::none() };
         let lane = lane_of(pair, left.len() as i16 + 1, mark);
         let width = |end: Option<&EndStrip>| end.map_or(0.0, |s| s.width_m);
         // The border on its other side belongs to the opposite traffic, which swings aside in arcs, too.
@@ -213,21 +243,7 @@ fn connecting_road(ids: &mut Ids, junction: &str, plan: &Plan<'_>, movement: &Mo
             left.push(Lane { id: 1, lane_type: LaneType::Shoulder, widths, marks, ..Lane::default() });
         }
     }
-    let mut section = LaneSection { left, right, ..LaneSection::default() };
-    section.centre.marks = vec![centre_mark(arms, movement)];
-    let link = |arm: &Arm| Some(RoadLink::Road { id: arm.road.clone(), contact: arm.contact });
-    Road {
-        id: ids.next(),
-        length_m: length,
-        junction: Some(junction.to_owned()),
-        predecessor: link(from),
-        successor: link(to),
-        types: vec![road_type(&from.shape)],
-        elevation: vec![hermite(0.0, from.z_m, -from.slope, length, to.z_m, to.slope)],
-        plan_view: path.pieces,
-        sections: vec![section],
-        ..Road::default()
-    }
+    left
 }
 
 fn is_opposite(arms: &[Arm], movement: &Movement) -> bool {

@@ -1,6 +1,6 @@
 //! What a style hands to the builder: nodes, edges and the ground under them.
 //!
-//! A layout says where things are and what they are; everything else follows. [`assemble`](crate::assemble) works out
+//! A layout says where things are and what they are; everything else follows. [`build`](crate::assemble::build) works out
 //! where streets must end before their junctions, rounds their bends, lays them over the ground, gives them lanes and
 //! markings, joins the lanes inside junctions, puts up signals and signs, and writes bridges and tunnels where a road
 //! leaves the ground. What cannot be built is an error that names the street.
@@ -22,7 +22,7 @@
 //!         .start(Ending { left: Some(Pocket::one(35.0, 20.0)), ..Ending::default() }),
 //! );
 //! town.edge(Edge::new("The Close", cross, close, street));
-//! // ... two more arms; then `town::generate` calls `assemble(&town)`.
+//! // ... two more arms; then `town::generate` calls `assemble::build(&town)`.
 //! ```
 //!
 //! # Which node for what
@@ -41,18 +41,12 @@
 //! the ramp attached with [`Edge::leaves_by_ramp`]; entries likewise with [`Edge::enters_by_ramp`], where the road
 //! behind the seam has one lane more (the acceleration lane), which ends at a later seam.
 
-use opendrive::{ContactPoint, Network};
-use std::borrow::Cow;
+use opendrive::ContactPoint;
 
 use crate::path::{Piece, Pose2, Via};
 use crate::section::{CrossSection, Ending};
 use crate::terrain::Terrain;
 pub(crate) use crate::water::Water;
-use crate::{TownError, assemble};
-
-/// How much of its relief the ground keeps each time streets are too steep, and how often it gets flatter at most.
-const EASE: f64 = 0.85;
-const EASINGS: usize = 10;
 
 /// Names a node of a layout.
 pub(crate) type NodeId = usize;
@@ -340,19 +334,5 @@ impl Layout {
     /// Adds an edge.
     pub(crate) fn edge(&mut self, edge: Edge) {
         self.edges.push(edge);
-    }
-
-    /// Builds the network. Where streets would be too steep, the ground is flatter.
-    pub(crate) fn build(&self) -> Result<Network, TownError> {
-        let mut network = assemble::assemble(self);
-        let mut eased = Cow::Borrowed(self);
-        for _ in 0..EASINGS {
-            if !matches!(network, Err(TownError::TooSteep { .. })) {
-                break;
-            }
-            eased.to_mut().terrain.flatten(EASE);
-            network = assemble::assemble(&eased);
-        }
-        network
     }
 }

@@ -18,17 +18,19 @@ mod assemble;
 mod banking;
 mod control;
 mod decks;
+mod error;
 mod fill;
 mod heights;
+mod ids;
 mod junction;
 mod layout;
 mod layouts;
 mod limits;
 mod marks;
 mod movements;
+mod node_plan;
 mod parameters;
 mod path;
-mod place;
 mod profile;
 mod roundabout;
 mod route;
@@ -45,12 +47,12 @@ mod check;
 #[cfg(test)]
 mod proofs;
 
-pub use layouts::{
+pub use error::TownError;
+pub use parameters::{
     CityParameters, CommercialParameters, DowntownParameters, GridParameters, HighwaysParameters,
     MountainParameters, OldTownParameters, RegionParameters, RiverParameters, RuralParameters, Style,
-    ViaductParameters,
+    TownParameters, ViaductParameters, named, names,
 };
-pub use parameters::{TownError, TownParameters, named, names};
 
 use opendrive::Network;
 
@@ -63,5 +65,5 @@ use opendrive::Network;
 /// bends too tight, roads that cross without a junction or enough height between them.
 pub fn generate(parameters: &TownParameters) -> Result<Network, TownError> {
     parameters.check()?;
-    parameters.style.layout(parameters)?.build()
+    assemble::build(&layouts::layout(parameters)?)
 }

@@ -3,7 +3,7 @@
 use opendrive::{ContactPoint, LaneValidity, Orientation, Road, Signal, SpeedUnit};
 
 use crate::arm::{Arm, runs};
-use crate::assemble::Ids;
+use crate::ids::Ids;
 
 /// Distance of a sign behind the junction, metres.
 const BEHIND_M: f64 = 8.0;

@@ -9,8 +9,8 @@ use crate::TownError;
 use crate::arm::{counter_clockwise, inner_m, runs};
 use crate::junction::lead_m;
 use crate::layout::{Edge, Layout, Line, Node, NodeKind, Role};
+use crate::node_plan::heading;
 use crate::path::{Piece, Pose2};
-use crate::place::heading;
 use crate::section::{CrossSection, Side, paved_m};
 use crate::terrain::Pad;
 
@@ -77,40 +77,8 @@ fn ring(
         problem: problem.into(),
     };
     let lane_m = LANE_M[usize::from(lanes > 1)];
-    let mut sidewalk_m = 0.0f64;
-    let mut streets: Vec<Street> = Vec::new();
-    for (i, edge) in out.edges.iter_mut().enumerate() {
-        for contact in [ContactPoint::Start, ContactPoint::End] {
-            let end = if contact == ContactPoint::Start { &mut edge.from } else { &mut edge.to };
-            if end.node != index {
-                continue;
-            }
-            let two_way = !edge.shape.is_one_way();
-            if two_way && !edge.shape.median.through && end.ending.splitter_m == 0.0 {
-                end.ending.splitter_m = SPLITTER_M;
-            }
-            sidewalk_m = sidewalk_m.max(edge.shape.right.sidewalk_m);
-            let strips = edge.shape.end_lanes(&end.ending, contact);
-            let heading_rad = wrap_pi(heading(layout, &layout.edges[i], contact));
-            // A street has its crosswalk where it has sidewalks on both sides.
-            let walked = node.crosswalks && edge.shape.left.sidewalk_m.min(edge.shape.right.sidewalk_m) > 0.0;
-            // What turns into the ring is as wide as it is on the street, or as there.
-            let sides = [&strips.entering, &strips.leaving].map(|s| {
-                let common = runs(s).count().min(lanes.into()) as f64;
-                let inner_m = inner_m(s, 0);
-                let paved_m = (paved_m(s) - inner_m).max(common * lane_m + 0.5);
-                // Where no lanes turn, the mere kerb leads round the corner from the ring's outer edge.
-                let ring_m = island_m + if common > 0.0 { 0.0 } else { f64::from(lanes) * lane_m };
-                Corner { ring_m, inner_m, paved_m }
-            });
-            let beyond_m = edge.shape.right.beyond_kerb_m().max(edge.shape.left.beyond_kerb_m());
-            let (half_rad, reach_m) =
-                fit(sides, beyond_m).ok_or_else(|| problem("the roundabout is too small for its streets"))?;
-            let kerb_m = island_m + f64::from(lanes) * lane_m + 0.5;
-            let distance_m = reach_m.max(kerb_m + 1.0) + lead_m(walked);
-            streets.push(Street { edge: i, contact, heading_rad, half_rad, distance_m });
-        }
-    }
+    let (mut streets, sidewalk_m) = streets(layout, out, index, node, [island_m, lane_m], lanes)
+        .ok_or_else(|| problem("the roundabout is too small for its streets"))?;
     if streets.len() < 2 {
         return Err(problem("a roundabout needs two streets or more"));
     }
@@ -159,6 +127,52 @@ fn ring(
         out.edge(piece);
     }
     Ok(())
+}
+
+/// The streets of a roundabout, with splitter islands where they need them, and the width of the ring's sidewalk, metres;
+/// none where one of them does not fit. `[island_m, lane_m]`: radius of the island, width of a lane round it.
+fn streets(
+    layout: &Layout,
+    out: &mut Layout,
+    index: usize,
+    node: &Node,
+    [island_m, lane_m]: [f64; 2],
+    lanes: u8,
+) -> Option<(Vec<Street>, f64)> {
+    let mut sidewalk_m = 0.0f64;
+    let mut streets: Vec<Street> = Vec::new();
+    for (i, edge) in out.edges.iter_mut().enumerate() {
+        for contact in [ContactPoint::Start, ContactPoint::End] {
+            let end = if contact == ContactPoint::Start { &mut edge.from } else { &mut edge.to };
+            if end.node != index {
+                continue;
+            }
+            let two_way = !edge.shape.is_one_way();
+            if two_way && !edge.shape.median.through && end.ending.splitter_m == 0.0 {
+                end.ending.splitter_m = SPLITTER_M;
+            }
+            sidewalk_m = sidewalk_m.max(edge.shape.right.sidewalk_m);
+            let strips = edge.shape.end_lanes(&end.ending, contact);
+            let heading_rad = wrap_pi(heading(layout, &layout.edges[i], contact));
+            // A street has its crosswalk where it has sidewalks on both sides.
+            let walked = node.crosswalks && edge.shape.left.sidewalk_m.min(edge.shape.right.sidewalk_m) > 0.0;
+            // What turns into the ring is as wide as it is on the street, or as there.
+            let sides = [&strips.entering, &strips.leaving].map(|s| {
+                let common = runs(s).count().min(lanes.into()) as f64;
+                let inner_m = inner_m(s, 0);
+                let paved_m = (paved_m(s) - inner_m).max(common * lane_m + 0.5);
+                // Where no lanes turn, the mere kerb leads round the corner from the ring's outer edge.
+                let ring_m = island_m + if common > 0.0 { 0.0 } else { f64::from(lanes) * lane_m };
+                Corner { ring_m, inner_m, paved_m }
+            });
+            let beyond_m = edge.shape.right.beyond_kerb_m().max(edge.shape.left.beyond_kerb_m());
+            let (half_rad, reach_m) = fit(sides, beyond_m)?;
+            let kerb_m = island_m + f64::from(lanes) * lane_m + 0.5;
+            let distance_m = reach_m.max(kerb_m + 1.0) + lead_m(walked);
+            streets.push(Street { edge: i, contact, heading_rad, half_rad, distance_m });
+        }
+    }
+    Some((streets, sidewalk_m))
 }
 
 /// One side of a street at a roundabout.

@@ -7,7 +7,7 @@ use opendrive::{
 use std::f64::consts::PI;
 
 use crate::TownError;
-use crate::assemble::Ids;
+use crate::ids::Ids;
 use crate::marks::{self, KERB_M, MarkFrom, clipped};
 use crate::path::Path;
 use crate::profile::Profile;

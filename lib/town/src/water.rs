@@ -2,7 +2,7 @@
 
 use opendrive::{Corner, Network, Object, Orientation, Outline};
 
-use crate::assemble::Ids;
+use crate::ids::Ids;
 use crate::path::Path;
 use crate::profile::Profile;
 

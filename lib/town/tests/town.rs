@@ -2,8 +2,10 @@
 
 mod check;
 
+use std::collections::BTreeMap;
+
 use nalgebra::Point3;
-use opendrive::{LaneInfo, LaneType, Map, Network};
+use opendrive::{LaneId, LaneInfo, LaneType, Map, Network};
 use proptest::prelude::*;
 use town::{TownError, TownParameters, generate, named};
 
@@ -174,11 +176,19 @@ fn the_demo_town_has_what_it_promises() {
     {
         assert!(map.lanes().iter().any(|l| l.lane_type == lane_type), "no {lane_type}");
     }
-    let spaces = map.objects().iter().filter(|o| o.kind == "parkingSpace");
-    for space in spaces {
+    // Each parking lane has as many spaces of 6 m as fit between its tapers, 6 m each.
+    let mut spaces: BTreeMap<LaneId, usize> = BTreeMap::new();
+    for space in map.objects().iter().filter(|o| o.kind == "parkingSpace") {
         let on = map.nearest_lane(space.pose.translation().into(), |_| true).expect("a lane");
         assert_eq!(map.lane(on.lane).map(|l| l.lane_type), Some(LaneType::Parking));
         assert!(on.t_m.abs() < 0.01, "space {} is {} m off its lane", space.id, on.t_m);
+        *spaces.entry(on.lane).or_default() += 1;
+    }
+    let rows: Vec<&LaneInfo> = map.lanes().iter().filter(|l| l.lane_type == LaneType::Parking).collect();
+    assert!(rows.len() > 20, "only {} parking lanes", rows.len());
+    for lane in rows {
+        let fit = ((lane.s_length() - 12.0) / 6.0).floor() as usize;
+        assert_eq!(spaces.get(&lane.id), Some(&fit), "{:?} of {} m", lane.id, lane.s_length());
     }
     let heights: Vec<f64> = network.roads.iter().flat_map(|r| &r.elevation).map(|c| c.a).collect();
     let (low, high) = heights.iter().fold((f64::MAX, f64::MIN), |(l, h), z| (l.min(*z), h.max(*z)));

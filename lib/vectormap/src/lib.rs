@@ -2,6 +2,14 @@
 //!
 //! [`rows`] turns a map into the rows of `maps/NAME.vector.parquet`
 //! ([`VectorMapRow`]): plain values in and out, the same rows for the same map.
+//!
+//! ```
+//! let map = testkit::straight(100.0);
+//! let rows = vectormap::rows(&map);
+//! // Two driving lanes with a sidewalk beside each, one row a lane.
+//! assert_eq!(rows.iter().filter(|row| row.kind == "lane_centreline").count(), 4);
+//! assert!(rows.iter().zip(0..).all(|(row, number)| row.id == number));
+//! ```
 
 mod along;
 mod ground;

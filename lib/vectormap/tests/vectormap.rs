@@ -1,30 +1,16 @@
 //! The vector map against the map it is made from, and against itself.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
-
 use opendrive::{LaneId, Map, read_bytes, write};
 use schema::tables::{VectorKind, VectorMapRow};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Our own town, and some real ones where they are at hand.
 fn maps() -> Vec<(String, Map)> {
     let network = town::generate(&town::named("convoy/demo").expect("is named")).expect("is generated");
     let text = write(&network);
     let mut maps = vec![("convoy/demo".to_owned(), Map::new(read_bytes(text.as_bytes()).expect("our own")))];
-    for name in ["Town03.xodr", "Town04.xodr", "Town10HD.xodr"] {
-        let path =
-            PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/maps/carla")).join(name);
-        match std::fs::read(&path) {
-            Ok(bytes) => maps.push((name.to_owned(), Map::new(read_bytes(&bytes).expect("a CARLA town")))),
-            Err(_) => {
-                let mut out = std::io::stderr();
-                let _ = std::io::Write::write_all(
-                    &mut out,
-                    format!("skipped: no {}\n", path.display()).as_bytes(),
-                );
-            }
-        }
-    }
+    let towns = testkit::real_maps(&["Town03", "Town04", "Town10HD"]);
+    maps.extend(towns.map(|(name, map)| (name.to_owned(), map)));
     maps
 }
 

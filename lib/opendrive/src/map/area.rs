@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Point3};
 
-use super::nearest::Heights;
+use super::tree::Heights;
 use super::union::union;
 use super::{LaneId, LaneInfo, Map};
 use crate::model::LaneType;

@@ -3,7 +3,8 @@
 use frames::math::atan2;
 use nalgebra::Point3;
 
-use super::{LaneBounds, LaneId, LaneInfo, LanePoint, LanePos, Map, SectionSpan};
+use super::prepared::SectionSpan;
+use super::{LaneBounds, LaneId, LaneInfo, LanePoint, LanePos, Map};
 use crate::geometry::{RoadFrame, lane_width, record_at, value_and_slope};
 use crate::model::{Lane, LaneSection, LaneType, Road, TrafficRule, TravelDirection};
 

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use roxmltree::Node;
 
+use super::ReadError;
 use super::check::is_absurd;
-use super::{ReadError, Warning};
-use crate::model::{Element, UnknownElement};
+use crate::model::{Element, UnknownElement, Warning};
 
 /// Beyond this many, warnings are only counted: a broken file must not fill the memory.
 const MAX_WARNINGS: usize = 2000;

@@ -2,9 +2,8 @@
 
 use roxmltree::Node;
 
-use super::Warning;
 use super::context::{Context, elements, text_or_empty};
-use crate::model::{Header, HeaderOffset};
+use crate::model::{Header, HeaderOffset, Warning};
 
 /// Taken where a file states no revision.
 const DEFAULT_REVISION: (u32, u32) = (1, 4);

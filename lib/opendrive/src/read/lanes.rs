@@ -4,7 +4,7 @@ use roxmltree::Node;
 
 use super::ReadError;
 use super::context::{Context, elements, flag, named, text_or_empty};
-use super::road::{cubics, speed};
+use super::records::{cubics, speed};
 use crate::model::{
     AccessRule, Lane, LaneAccess, LaneAdvisory, LaneHeight, LaneMaterial, LaneRule, LaneSection, LaneSpeed,
     LaneType, LineRule, MarkChange, MarkColour, MarkLine, MarkStroke, MarkType, Road, RoadMark,

@@ -2,16 +2,17 @@
 
 mod check;
 mod context;
+mod error;
 mod header;
 mod junctions;
 mod lanes;
 mod limits;
 mod objects;
+mod records;
 mod road;
 mod signals;
 mod structures;
 
-use std::fmt;
 use std::io::Read;
 
 use roxmltree::Document;
@@ -19,63 +20,7 @@ use roxmltree::Document;
 use crate::model::Network;
 use check::Lines;
 use context::{Context, elements};
-
-/// Why a file cannot be used at all.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ReadError {
-    /// Not well-formed XML.
-    #[error("line {line}, column {column}: not XML: {message}")]
-    Xml {
-        /// Line, from 1.
-        line: u32,
-        /// Column, from 1.
-        column: u32,
-        /// What the XML parser says.
-        message: String,
-    },
-    /// Bytes that are neither UTF-8 text nor gzip of it, or too many of them.
-    #[error("not text: {message}")]
-    Bytes {
-        /// What is wrong.
-        message: String,
-    },
-    /// An element that cannot be understood, though it must be.
-    #[error("line {line}{}: {message}", road.as_ref().map(|r| format!(", road {r}")).unwrap_or_default())]
-    Content {
-        /// Line, from 1.
-        line: u32,
-        /// Id of the road it is in.
-        road: Option<String>,
-        /// What is wrong.
-        message: String,
-    },
-}
-
-/// Something wrong in a file that the reader put up with.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Warning {
-    /// Line, from 1; 0 where no single line is to blame.
-    pub line: u32,
-    /// Id of the road it is in.
-    pub road: Option<String>,
-    /// Metres along that road.
-    pub s: Option<f64>,
-    /// What is wrong, and what was done about it.
-    pub message: String,
-}
-
-impl fmt::Display for Warning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "line {}", self.line)?;
-        if let Some(road) = &self.road {
-            write!(f, ", road {road}")?;
-        }
-        if let Some(s) = self.s {
-            write!(f, ", s {s:.3}")?;
-        }
-        write!(f, ": {}", self.message)
-    }
-}
+pub use error::ReadError;
 
 impl Network {
     /// Reads an OpenDRIVE file (revisions 1.1 to 1.8; any XML namespace).

@@ -1,7 +1,7 @@
 //! Writes junctions.
 
+use super::records::{geometry, link};
 use super::xml::{Attributes, Xml, maybe};
-use super::{geometry, link};
 use crate::model::{
     BoundarySegment, Connection, ConnectionKind, CrossPath, CrossPathEnd, ElevationGrid, Junction,
     JunctionGroup, JunctionKind, SegmentEnd,

@@ -1,7 +1,7 @@
 //! Writes lane sections, lanes and road markings.
 
+use super::records::{cubics, speed};
 use super::xml::{Attributes, Xml, if_true, maybe, unless_default, unless_empty};
-use super::{cubics, speed};
 use crate::model::{AccessRule, Lane, LaneAccess, MarkLine, MarkStroke, Road, RoadMark};
 
 pub(super) fn lanes(xml: &mut Xml, road: &Road) {

@@ -4,18 +4,12 @@
 
 use nalgebra::Point3;
 use opendrive::*;
+use testkit::road_link;
 
-/// A lane of constant width.
-pub(crate) fn lane(id: i16, lane_type: LaneType, width_m: f64) -> Lane {
-    Lane { id, lane_type, widths: vec![Cubic::constant(width_m)], ..Lane::default() }
-}
+pub(crate) use testkit::lane;
 
 pub(crate) fn mark(mark_type: MarkType, colour: MarkColour) -> RoadMark {
     RoadMark { mark_type, colour, width_m: Some(0.15), ..RoadMark::default() }
-}
-
-fn road_link(id: &str, contact: ContactPoint) -> Option<RoadLink> {
-    Some(RoadLink::Road { id: id.to_owned(), contact })
 }
 
 fn line(x_m: f64, y_m: f64, hdg_rad: f64, length_m: f64) -> Geometry {

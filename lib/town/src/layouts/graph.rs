@@ -10,6 +10,7 @@ use frames::wrap_pi;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
+use crate::assemble::build;
 use crate::layout::{Control, Edge, Layout, Node, NodeId, NodeKind};
 use crate::section::{CrossSection, Ending, Pocket, RoadKind};
 use crate::terrain::Terrain;
@@ -287,7 +288,7 @@ pub(super) fn first_that_builds(attempts: u64, make: impl Fn(u64) -> Layout) -> 
     loop {
         let layout = make(attempt);
         attempt += 1;
-        if attempt >= attempts || layout.build().is_ok() {
+        if attempt >= attempts || build(&layout).is_ok() {
             return layout;
         }
     }

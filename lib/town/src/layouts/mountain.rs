@@ -3,18 +3,16 @@
 
 use frames::math::{cos, hypot, sin, sin_cos};
 use random::Stream;
-use serde::Deserialize;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::carriageways::{Crossroad, Diamond, Size, Stop, diamond, motorway, seam};
 use super::graph::{Graph, empty, first_that_builds};
 use super::slope_town::{Slope, slope_town};
 use crate::layout::{Control, Edge, Layout, Node, NodeId, NodeKind};
-use crate::parameters::within;
+use crate::parameters::TownParameters;
 use crate::path::{Pose2, Via};
 use crate::section::{CrossSection, Side};
 use crate::terrain::{Hill, Pad, Terrain, Wave};
-use crate::{TownError, TownParameters};
 
 /// Speed limits of the motorway, the country road and the road over the pass, km/h.
 const MOTORWAY_KMH: f64 = 100.0;
@@ -51,41 +49,6 @@ const PASS_OUT_M: f64 = 56.0;
 const TUNNEL_HILL_M: [f64; 2] = [46.0, 62.0];
 /// Layouts that are tried.
 const ATTEMPTS: u64 = 12;
-
-/// A mountain town with a motorway in a figure of eight.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct MountainParameters {
-    /// Length of the figure of eight, metres (2200..=3600).
-    pub length_m: f64,
-    /// Its width, metres (940..=1400).
-    pub width_m: f64,
-    /// Lanes of the motorway in each direction (2..=4).
-    pub lanes: u32,
-    /// Height of the mountain, metres (30..=75).
-    pub peak_m: f64,
-    /// Streets along the slope of the town (3..=6).
-    pub rows: u32,
-    /// Probability that a side of a street in the town has parked cars (0..=1).
-    pub parking_share: f64,
-}
-
-impl Default for MountainParameters {
-    fn default() -> Self {
-        Self { length_m: 2350.0, width_m: 960.0, lanes: 3, peak_m: 58.0, rows: 5, parking_share: 0.35 }
-    }
-}
-
-impl MountainParameters {
-    pub(crate) fn check(&self) -> Result<(), TownError> {
-        within("mountain.length_m", self.length_m, [2200.0, 3600.0], "2200 to 3600 m")?;
-        within("mountain.width_m", self.width_m, [940.0, 1400.0], "940 to 1400 m")?;
-        within("mountain.lanes", f64::from(self.lanes), [2.0, 4.0], "2 to 4")?;
-        within("mountain.peak_m", self.peak_m, [30.0, 75.0], "30 to 75 m")?;
-        within("mountain.rows", f64::from(self.rows), [3.0, 6.0], "3 to 6")?;
-        within("mountain.parking_share", self.parking_share, [0.0, 1.0], "0 to 1")
-    }
-}
 
 pub(crate) fn layout(parameters: &TownParameters) -> Layout {
     first_that_builds(ATTEMPTS, |attempt| Town::new(parameters, attempt).layout())

@@ -10,9 +10,8 @@ use super::country::{Obstacles, Site};
 use super::graph::empty;
 use super::patch::{Gate, Patch, Spot, extent, gates, plant, segments};
 use super::plane::{Point, Segment, between, cross, distance, heading, to_segment};
-use super::region_roads::roads;
-use crate::TownParameters;
 use crate::layout::{Control, Layout, NodeId, NodeKind, Water};
+use crate::parameters::TownParameters;
 use crate::path::{Pose2, Via};
 use crate::section::{CrossSection, Side};
 use crate::terrain::{Channel, Terrain, Wave};
@@ -122,8 +121,8 @@ impl<'a> Region<'a> {
         }
     }
 
-    /// The whole; nothing if there is a town that no road leads to.
-    pub(super) fn layout(mut self, towns: &[Layout]) -> Option<Layout> {
+    /// The region with its towns and all that is settled before its roads.
+    pub(super) fn settled(mut self, towns: &[Layout]) -> Self {
         self.waters();
         self.motorway();
         for town in towns {
@@ -131,7 +130,7 @@ impl<'a> Region<'a> {
         }
         self.shore();
         self.farmland();
-        roads(self)
+        self
     }
 
     /// Groups of sites that belong to towns.

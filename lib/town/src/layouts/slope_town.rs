@@ -86,53 +86,8 @@ pub(super) fn slope_town(
     streets.truncate(last + 1);
     streets.drain(..first);
     main -= first;
-    let narrow = |draws: &mut Stream| {
-        let mut side = || {
-            let parked = draws.chance(slope.parking_share);
-            Side::town(1, NARROW_M).with_sidewalk(NARROW_SIDEWALK_M).with_parking(if parked {
-                PARKING_M
-            } else {
-                0.0
-            })
-        };
-        let (left, right) = (side(), side());
-        CrossSection { left, max_grade: GRADE, ..CrossSection::both_ways(right, STREET_KMH) }
-    };
     for j in 0..streets.len() - 1 {
-        let from = streets[j].from_m.max(streets[j + 1].from_m);
-        let mut x = from;
-        let mut lane = 0;
-        loop {
-            let last = x >= slope.east_m - 1.0;
-            let slant = if last || lane == 0 { 0.0 } else { draws.uniform(-26.0, 26.0) };
-            let ends = [(j, x - slant, 1), (j + 1, x + slant, 0)];
-            let free = ends.iter().all(|(row, x, _)| joint(&streets[*row], *x).is_some());
-            let placed = free || last || lane == 0;
-            if placed {
-                let points = ends.map(|(row, x, side)| {
-                    let street = &mut streets[row];
-                    let found = joint(street, x).flatten();
-                    let index = found.unwrap_or_else(|| {
-                        let point = graph.point(place(x, bent(x, street.y_m)));
-                        street.joints.push((x, point, [false; 2]));
-                        street.joints.len() - 1
-                    });
-                    street.joints[index].2[side] = true;
-                    street.joints[index].1
-                });
-                let line = graph.line(format!("Lane {j}-{lane}"), narrow(draws), [30.0, 5.0]);
-                graph.lead(line, &points);
-                lane += 1;
-            }
-            if last {
-                break;
-            }
-            x += if placed { draws.uniform(78.0, 125.0) } else { 12.0 };
-            // The last lane closes the block at the end.
-            if x > slope.east_m - 70.0 {
-                x = slope.east_m;
-            }
-        }
+        lanes_between(graph, draws, slope, &mut streets, j, &|x, y| place(x, bent(x, y)));
     }
     let side = Side::town(1, parameters.lane_width_m).with_sidewalk(parameters.sidewalk_m);
     for (j, street) in streets.iter_mut().enumerate() {
@@ -140,7 +95,7 @@ pub(super) fn slope_town(
         let shape = if j == main {
             CrossSection::both_ways(side.with_parking(PARKING_M), MAIN_KMH)
         } else {
-            narrow(draws)
+            narrow(draws, slope)
         };
         let name = if j == main { "Main Street".into() } else { format!("Slope {j}") };
         let line = graph.line(name, shape, [110.0, 10.0]);
@@ -154,6 +109,65 @@ pub(super) fn slope_town(
                 false => Control::MinorYield,
             };
             graph.kind(*point, NodeKind::Crossing(control));
+        }
+    }
+}
+
+/// A lane or a street away from the main one, each side with parked cars or without.
+fn narrow(draws: &mut Stream, slope: &Slope) -> CrossSection {
+    let mut side = || {
+        let parked = draws.chance(slope.parking_share);
+        Side::town(1, NARROW_M).with_sidewalk(NARROW_SIDEWALK_M).with_parking(if parked {
+            PARKING_M
+        } else {
+            0.0
+        })
+    };
+    let (left, right) = (side(), side());
+    CrossSection { left, max_grade: GRADE, ..CrossSection::both_ways(right, STREET_KMH) }
+}
+
+/// Lanes up the slope from a street to the next, block by block. `at` takes places of the town to the world.
+fn lanes_between(
+    graph: &mut Graph,
+    draws: &mut Stream,
+    slope: &Slope,
+    streets: &mut [Row],
+    j: usize,
+    at: &dyn Fn(f64, f64) -> [f64; 2],
+) {
+    let from = streets[j].from_m.max(streets[j + 1].from_m);
+    let mut x = from;
+    let mut lane = 0;
+    loop {
+        let last = x >= slope.east_m - 1.0;
+        let slant = if last || lane == 0 { 0.0 } else { draws.uniform(-26.0, 26.0) };
+        let ends = [(j, x - slant, 1), (j + 1, x + slant, 0)];
+        let free = ends.iter().all(|(row, x, _)| joint(&streets[*row], *x).is_some());
+        let placed = free || last || lane == 0;
+        if placed {
+            let points = ends.map(|(row, x, side)| {
+                let street = &mut streets[row];
+                let found = joint(street, x).flatten();
+                let index = found.unwrap_or_else(|| {
+                    let point = graph.point(at(x, street.y_m));
+                    street.joints.push((x, point, [false; 2]));
+                    street.joints.len() - 1
+                });
+                street.joints[index].2[side] = true;
+                street.joints[index].1
+            });
+            let line = graph.line(format!("Lane {j}-{lane}"), narrow(draws, slope), [30.0, 5.0]);
+            graph.lead(line, &points);
+            lane += 1;
+        }
+        if last {
+            break;
+        }
+        x += if placed { draws.uniform(78.0, 125.0) } else { 12.0 };
+        // The last lane closes the block at the end.
+        if x > slope.east_m - 70.0 {
+            x = slope.east_m;
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::lines::{Lines, line_of, note};
 use super::road::outside;
-use super::{Lines, line_of, note};
 use crate::model::{Network, Repeat, Road};
 use crate::read::context::Context;
 

@@ -1,7 +1,7 @@
 //! Checks of links between roads and through junctions.
 
+use super::lines::{Ids, JunctionLines, RoadLines, line_of, note};
 use super::road::{has_lane, outside};
-use super::{Ids, JunctionLines, RoadLines, line_of, note};
 use crate::model::{
     Connection, ConnectionKind, ContactPoint, Junction, JunctionKind, LaneSection, Road, RoadLink,
 };

@@ -10,12 +10,12 @@ const ABSURD_TURN_RAD: f64 = 1e5;
 const SHAPE_REACH_M: f64 = 100.0;
 
 /// Whether a number of a file is beyond all measure.
-pub(in crate::read) fn is_absurd(value: f64) -> bool {
+pub(crate) fn is_absurd(value: f64) -> bool {
     value.abs() > ABSURD
 }
 
 /// The first place at which something of a road is beyond all measure, and what it is.
-pub(in crate::read) fn absurdity(road: &Road) -> Option<(f64, &'static str)> {
+pub(crate) fn absurdity(road: &Road) -> Option<(f64, &'static str)> {
     if is_absurd(road.length_m) {
         return Some((0.0, "the length"));
     }

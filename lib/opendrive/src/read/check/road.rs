@@ -1,6 +1,6 @@
 //! Checks within one road.
 
-use super::{RoadLines, line_of, note};
+use super::lines::{RoadLines, line_of, note};
 use crate::geometry::Plan;
 use crate::model::{Cubic, Lane, LaneSection, Road};
 use crate::read::context::Context;

@@ -1,94 +1,52 @@
 //! What a town can be asked to look like, and the towns that have a name.
 
+mod city;
+mod commercial;
+mod downtown;
+mod grid;
+mod highways;
+mod mountain;
+mod old_town;
+mod range;
+mod region;
+mod river;
+mod rural;
+mod style;
+mod viaduct;
+
+pub use city::CityParameters;
+pub use commercial::CommercialParameters;
+pub use downtown::DowntownParameters;
+pub use grid::GridParameters;
+pub use highways::HighwaysParameters;
+pub use mountain::MountainParameters;
+pub use old_town::OldTownParameters;
+pub use region::RegionParameters;
+pub use river::RiverParameters;
+pub use rural::RuralParameters;
+pub use style::Style;
+pub use viaduct::ViaductParameters;
+
 use serde::Deserialize;
 
-use crate::layouts::{
-    CityParameters, CommercialParameters, DowntownParameters, GridParameters, HighwaysParameters,
-    MountainParameters, OldTownParameters, RegionParameters, RiverParameters, RuralParameters, Style,
-    ViaductParameters,
-};
+use crate::error::TownError;
+use range::within;
 
 /// The towns that have a name, and their parameters.
 const TOWNS: &[(&str, &str)] = &[
-    ("convoy/demo", include_str!("../towns/demo.toml")),
-    ("convoy/01", include_str!("../towns/01.toml")),
-    ("convoy/02", include_str!("../towns/02.toml")),
-    ("convoy/03", include_str!("../towns/03.toml")),
-    ("convoy/04", include_str!("../towns/04.toml")),
-    ("convoy/05", include_str!("../towns/05.toml")),
-    ("convoy/06", include_str!("../towns/06.toml")),
-    ("convoy/07", include_str!("../towns/07.toml")),
-    ("convoy/08", include_str!("../towns/08.toml")),
-    ("convoy/09", include_str!("../towns/09.toml")),
-    ("convoy/10", include_str!("../towns/10.toml")),
-    ("convoy/11", include_str!("../towns/11.toml")),
+    ("convoy/demo", include_str!("../../towns/demo.toml")),
+    ("convoy/01", include_str!("../../towns/01.toml")),
+    ("convoy/02", include_str!("../../towns/02.toml")),
+    ("convoy/03", include_str!("../../towns/03.toml")),
+    ("convoy/04", include_str!("../../towns/04.toml")),
+    ("convoy/05", include_str!("../../towns/05.toml")),
+    ("convoy/06", include_str!("../../towns/06.toml")),
+    ("convoy/07", include_str!("../../towns/07.toml")),
+    ("convoy/08", include_str!("../../towns/08.toml")),
+    ("convoy/09", include_str!("../../towns/09.toml")),
+    ("convoy/10", include_str!("../../towns/10.toml")),
+    ("convoy/11", include_str!("../../towns/11.toml")),
 ];
-
-/// Why a town can't be built.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum TownError {
-    /// A parameter is out of its range.
-    #[error("town parameter `{name}` is {value}, must be {range}")]
-    Parameter {
-        /// The key, with its table.
-        name: &'static str,
-        /// The value that was given.
-        value: f64,
-        /// What is allowed.
-        range: &'static str,
-    },
-    /// The text is no TOML, names a key that does not exist, or a value has the wrong type.
-    #[error("town parameters: {0}")]
-    Toml(String),
-    /// The junctions at the ends of a street leave no room for it.
-    #[error("street `{street}` has {left_m:.1} m left between its junctions, needs {needed_m:.1} m")]
-    TooTight {
-        /// Name of the street.
-        street: String,
-        /// Length that is left, metres (negative: the junctions overlap).
-        left_m: f64,
-        /// Least length, metres.
-        needed_m: f64,
-    },
-    /// A street would have to climb more steeply than its traffic can.
-    #[error("street `{street}` would have a grade of {grade:.3}, its limit is {limit:.3}")]
-    TooSteep {
-        /// Name of the street.
-        street: String,
-        /// Rise over run.
-        grade: f64,
-        /// Largest rise over run.
-        limit: f64,
-    },
-    /// A bend has no room for its radius.
-    #[error("street `{street}` would bend with a radius of {radius_m:.1} m, needs {needed_m:.1} m")]
-    Bend {
-        /// Name of the street.
-        street: String,
-        /// Radius that there is room for, metres.
-        radius_m: f64,
-        /// Least radius, metres.
-        needed_m: f64,
-    },
-    /// Two roads cross that neither meet nor clear one another.
-    #[error("`{over}` crosses `{under}` only {gap_m:.2} m above it, needs 5 m (or a junction)")]
-    Clearance {
-        /// Name of the upper road.
-        over: String,
-        /// Name of the lower road.
-        under: String,
-        /// Height between them, metres.
-        gap_m: f64,
-    },
-    /// A layout asks for something that can't be.
-    #[error("{place}: {problem}")]
-    Layout {
-        /// Name of the street or node.
-        place: String,
-        /// What is wrong.
-        problem: String,
-    },
-}
 
 /// What a town is to be like: the keys of a town's TOML file.
 ///
@@ -193,7 +151,19 @@ impl TownParameters {
         within("kerb_radius_m", self.kerb_radius_m, [3.0, 12.0], "3 to 12 m")?;
         within("latitude_deg", self.latitude_deg, [-80.0, 80.0], "-80 to 80 degrees")?;
         within("longitude_deg", self.longitude_deg, [-180.0, 180.0], "-180 to 180 degrees")?;
-        self.style.check(self)
+        match self.style {
+            Style::Grid => self.grid.check(self.lane_width_m, self.sidewalk_m),
+            Style::City => self.city.check(),
+            Style::Downtown => self.downtown.check(),
+            Style::Viaduct => self.viaduct.check(),
+            Style::Highways => self.highways.check(),
+            Style::River => self.river.check(),
+            Style::Commercial => self.commercial.check(),
+            Style::Rural => self.rural.check(),
+            Style::OldTown => self.oldtown.check(),
+            Style::Mountain => self.mountain.check(),
+            Style::Region => self.region.check(),
+        }
     }
 
     /// The projection of the town's coordinates.
@@ -203,16 +173,6 @@ impl TownParameters {
             self.latitude_deg, self.longitude_deg
         )
     }
-}
-
-/// Checks that a value is in its range (NaN never is).
-pub(crate) fn within(
-    name: &'static str,
-    value: f64,
-    [low, high]: [f64; 2],
-    range: &'static str,
-) -> Result<(), TownError> {
-    if value >= low && value <= high { Ok(()) } else { Err(TownError::Parameter { name, value, range }) }
 }
 
 /// Names that [`named`] knows, in order.

@@ -25,7 +25,7 @@ const RAIL_GAP_M: f64 = 3.0;
 
 /// What is known of a node before its streets are built.
 #[derive(Clone, Debug)]
-pub(crate) struct Place {
+pub(crate) struct NodePlan {
     /// Its arms, in the order of the edges (parts of roundabouts: the ring first). Road ids, lengths and heights come
     /// later.
     pub(crate) arms: Vec<Arm>,
@@ -65,7 +65,7 @@ pub(crate) fn heading(layout: &Layout, edge: &Edge, contact: ContactPoint) -> f6
 }
 
 /// Places every node's arms.
-pub(crate) fn places(layout: &Layout) -> Result<Vec<Place>, TownError> {
+pub(crate) fn node_plans(layout: &Layout) -> Result<Vec<NodePlan>, TownError> {
     let mut arms: Vec<Vec<Arm>> = layout.nodes.iter().map(|_| Vec::new()).collect();
     for (index, edge) in layout.edges.iter().enumerate() {
         if edge.from.node.max(edge.to.node) >= layout.nodes.len() {
@@ -91,10 +91,10 @@ pub(crate) fn places(layout: &Layout) -> Result<Vec<Place>, TownError> {
             });
         }
     }
-    arms.into_iter().enumerate().map(|(node, arms)| place(layout, node, arms)).collect()
+    arms.into_iter().enumerate().map(|(node, arms)| node_plan(layout, node, arms)).collect()
 }
 
-fn place(layout: &Layout, index: usize, mut arms: Vec<Arm>) -> Result<Place, TownError> {
+fn node_plan(layout: &Layout, index: usize, mut arms: Vec<Arm>) -> Result<NodePlan, TownError> {
     let node = &layout.nodes[index];
     let role = |arm: &Arm| layout.edges[arm.edge].at(arm.contact).role;
     let is_ring = |arm: &Arm| matches!(role(arm), Role::Ring(_));
@@ -104,8 +104,8 @@ fn place(layout: &Layout, index: usize, mut arms: Vec<Arm>) -> Result<Place, Tow
         arms.sort_by_key(|arm| (arm.edge, arm.contact == ContactPoint::End));
     }
     let problem = |problem: String| {
-        let place = if node.name.is_empty() { format!("node {index}") } else { node.name.clone() };
-        Err(TownError::Layout { place, problem })
+        let name = if node.name.is_empty() { format!("node {index}") } else { node.name.clone() };
+        Err(TownError::Layout { place: name, problem })
     };
     let fits = match node.kind {
         NodeKind::Crossing(_) | NodeKind::Seam { .. } => arms.len() >= 2,
@@ -129,49 +129,63 @@ fn place(layout: &Layout, index: usize, mut arms: Vec<Arm>) -> Result<Place, Tow
     }
     let axis = Pose2 { x_m: node.at_m[0], y_m: node.at_m[1], heading_rad: 0.0 };
     let kerb_radius_m = node.kerb_radius_m.max(widest + SIDEWALK_ROOM_M);
-    let mut place = Place { arms, holds, axis, kerb_radius_m, direct: false };
+    let mut plan = NodePlan { arms, holds, axis, kerb_radius_m, direct: false };
     match node.kind {
-        NodeKind::Crossing(_) => {
-            for arm in &mut place.arms {
-                arm.outward = arm.outward.moved(0.0, aside_m(arm));
-            }
-            let arms = place.arms.iter().map(|arm| {
-                let ([left, right], aside) = (arm.paved(), aside_m(arm));
-                (arm.outward.heading_rad, [left + aside, right - aside], arm.lead_m)
-            });
-            let mut distances = setbacks(&arms.collect::<Vec<_>>(), kerb_radius_m);
-            leave_room_for_left_turns(&place.arms, &mut distances);
-            move_out(&mut place, &distances);
-        }
-        NodeKind::RailCrossing => {
-            let wide = |arm: &Arm| arm.paved()[0].max(arm.paved()[1]);
-            let across = |rail: bool| {
-                place.arms.iter().filter(|o| o.is_rail() != rail).map(wide).fold(0.0, f64::max) + RAIL_GAP_M
-            };
-            let distances: Vec<f64> = place.arms.iter().map(|arm| across(arm.is_rail())).collect();
-            move_out(&mut place, &distances);
-        }
-        NodeKind::Seam { length_m } => seam(layout, &mut place, length_m)?,
-        NodeKind::Crossover => {
-            place.axis.heading_rad = seam_axis(&place.arms.iter().collect::<Vec<_>>());
-            let (axis, back) = (place.axis, place.axis.turned(PI));
-            for arm in &mut place.arms {
-                arm.outward = if leads_along(arm, axis) { axis } else { back }.moved(CROSSOVER_HALF_M, 0.0);
-            }
-        }
+        NodeKind::Crossing(_) => crossing(&mut plan),
+        NodeKind::RailCrossing => rail_crossing(&mut plan),
+        NodeKind::Seam { length_m } => seam(layout, &mut plan, length_m)?,
+        NodeKind::Crossover => crossover(&mut plan),
         NodeKind::DeadEnd { radius_m } => {
-            let arm = &place.arms[0];
+            let arm = &plan.arms[0];
             let line = inner_m(&arm.lanes.entering, 0);
             let circle = radius_m - (arm.paved()[0] - line);
             if circle < 2.0 {
                 return problem("the turning circle is too small for the street's lanes".into());
             }
-            move_out(&mut place, &[bulb_reach_m(line, circle)]);
+            move_out(&mut plan, &[bulb_reach_m(line, circle)]);
         }
         NodeKind::MapEdge | NodeKind::Ring | NodeKind::Roundabout { .. } => {}
     }
-    // What is given exactly stays so.
-    for arm in &mut place.arms {
+    keep_what_is_given(layout, &mut plan.arms);
+    Ok(plan)
+}
+
+/// Moves streets out until their kerbs meet in fillets and left turns have room.
+fn crossing(plan: &mut NodePlan) {
+    for arm in &mut plan.arms {
+        arm.outward = arm.outward.moved(0.0, aside_m(arm));
+    }
+    let arms = plan.arms.iter().map(|arm| {
+        let ([left, right], aside) = (arm.paved(), aside_m(arm));
+        (arm.outward.heading_rad, [left + aside, right - aside], arm.lead_m)
+    });
+    let mut distances = setbacks(&arms.collect::<Vec<_>>(), plan.kerb_radius_m);
+    leave_room_for_left_turns(&plan.arms, &mut distances);
+    move_out(plan, &distances);
+}
+
+/// Ends streets and railway before one another.
+fn rail_crossing(plan: &mut NodePlan) {
+    let wide = |arm: &Arm| arm.paved()[0].max(arm.paved()[1]);
+    let across = |rail: bool| {
+        plan.arms.iter().filter(|o| o.is_rail() != rail).map(wide).fold(0.0, f64::max) + RAIL_GAP_M
+    };
+    let distances: Vec<f64> = plan.arms.iter().map(|arm| across(arm.is_rail())).collect();
+    move_out(plan, &distances);
+}
+
+/// Puts both ends of a road on its axis, with room for the U-turn between them.
+fn crossover(plan: &mut NodePlan) {
+    plan.axis.heading_rad = seam_axis(&plan.arms.iter().collect::<Vec<_>>());
+    let (axis, back) = (plan.axis, plan.axis.turned(PI));
+    for arm in &mut plan.arms {
+        arm.outward = if leads_along(arm, axis) { axis } else { back }.moved(CROSSOVER_HALF_M, 0.0);
+    }
+}
+
+/// What a layout gives exactly stays so.
+fn keep_what_is_given(layout: &Layout, arms: &mut [Arm]) {
+    for arm in arms {
         let edge = &layout.edges[arm.edge];
         match (edge.at(arm.contact).role, &edge.line) {
             (Role::Fixed(pose) | Role::Ring(pose), _) => arm.outward = pose,
@@ -180,7 +194,6 @@ fn place(layout: &Layout, index: usize, mut arms: Vec<Arm>) -> Result<Place, Tow
             _ => {}
         }
     }
-    Ok(place)
 }
 
 /// How far to the left of an arm's axis (seen outwards) its reference line lies at a crossing, metres: a one-way street
@@ -213,8 +226,8 @@ fn leave_room_for_left_turns(arms: &[Arm], distances_m: &mut [f64]) {
 }
 
 /// Moves each arm's end away from the node along its heading.
-fn move_out(place: &mut Place, distances_m: &[f64]) {
-    for (arm, distance) in place.arms.iter_mut().zip(distances_m) {
+fn move_out(plan: &mut NodePlan, distances_m: &[f64]) {
+    for (arm, distance) in plan.arms.iter_mut().zip(distances_m) {
         arm.outward = arm.outward.moved(*distance, 0.0);
     }
 }
@@ -266,8 +279,8 @@ fn seam_axis(arms: &[&Arm]) -> f64 {
 }
 
 /// A seam: main arms on its axis, ramps beside it.
-fn seam(layout: &Layout, place: &mut Place, length_m: f64) -> Result<(), TownError> {
-    let ramps: Vec<Option<bool>> = place
+fn seam(layout: &Layout, plan: &mut NodePlan, length_m: f64) -> Result<(), TownError> {
+    let ramps: Vec<Option<bool>> = plan
         .arms
         .iter()
         .map(|arm| match layout.edges[arm.edge].at(arm.contact).role {
@@ -276,13 +289,16 @@ fn seam(layout: &Layout, place: &mut Place, length_m: f64) -> Result<(), TownErr
         })
         .collect();
     let mains: Vec<&Arm> =
-        place.arms.iter().zip(&ramps).filter(|(_, r)| r.is_none()).map(|(a, _)| a).collect();
+        plan.arms.iter().zip(&ramps).filter(|(_, r)| r.is_none()).map(|(a, _)| a).collect();
     if mains.is_empty() {
-        let place = layout.edges[place.arms[0].edge].name.clone();
-        return Err(TownError::Layout { place, problem: "it begins or ends at a seam of ramps only".into() });
+        let name = layout.edges[plan.arms[0].edge].name.clone();
+        return Err(TownError::Layout {
+            place: name,
+            problem: "it begins or ends at a seam of ramps only".into(),
+        });
     }
-    let axis = Pose2 { heading_rad: seam_axis(&mains), ..place.axis };
-    let direct = place.arms.len() == 2 && mains.len() == 2 && same(&mains[0].lanes, &mains[1].lanes);
+    let axis = Pose2 { heading_rad: seam_axis(&mains), ..plan.axis };
+    let direct = plan.arms.len() == 2 && mains.len() == 2 && same(&mains[0].lanes, &mains[1].lanes);
     let half = if direct { 0.0 } else { 0.5 * length_m };
     // Carriageways of their own lie where the lanes of a road with both directions lead to.
     let two_way = mains.iter().find(|arm| !arm.shape.is_one_way());
@@ -301,11 +317,11 @@ fn seam(layout: &Layout, place: &mut Place, length_m: f64) -> Result<(), TownErr
             _ => out.moved(half, 0.0),
         }
     };
-    let outward: Vec<Pose2> = place.arms.iter().zip(&ramps).map(|(arm, ramp)| at(arm, *ramp)).collect();
-    for (arm, outward) in place.arms.iter_mut().zip(outward) {
+    let outward: Vec<Pose2> = plan.arms.iter().zip(&ramps).map(|(arm, ramp)| at(arm, *ramp)).collect();
+    for (arm, outward) in plan.arms.iter_mut().zip(outward) {
         arm.outward = outward;
     }
-    (place.axis, place.direct) = (axis, direct);
+    (plan.axis, plan.direct) = (axis, direct);
     Ok(())
 }
 
