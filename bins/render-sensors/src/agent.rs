@@ -46,8 +46,7 @@ impl AgentRig<'_> {
             motion: Motion::from_row(log.agent(self.position, frame)),
             previous: self.previous_motion(frame),
         };
-        let at =
-            Observation::new(&*scene, Some(self.eyes.painter), self.rig, &when, agent).at(here)?;
+        let at = Observation::new(&*scene, Some(self.eyes.painter), self.rig, &when, agent).at(here)?;
         let sensed: Vec<Result<(), StageError>> = recorder
             .channels()
             .par_iter()

@@ -123,7 +123,9 @@ impl Recorder {
         let Carrier { scene, agent, .. } = *carrier;
         let mut opening = Opening { unit, scene, agent, channels: Vec::new() };
         sensors::visit_sensors(rig, carrier, &mut opening).map_err(|e| match e {
-            Unopened::Sensor(e) => StageError::Failed { place: Box::new(Place::scene(scene).agent(agent)), source: e.into() },
+            Unopened::Sensor(e) => {
+                StageError::Failed { place: Box::new(Place::scene(scene).agent(agent)), source: e.into() }
+            }
             Unopened::Stage(e) => e,
         })?;
         Ok(Self { agent, channels: opening.channels })
@@ -147,7 +149,10 @@ impl Recorder {
     ///
     /// # Errors
     /// The store cannot be written.
-    pub(crate) fn finish(self, mut counts: PartialCounts) -> Result<(Vec<Finished>, Vec<PartialRow>), StageError> {
+    pub(crate) fn finish(
+        self,
+        mut counts: PartialCounts,
+    ) -> Result<(Vec<Finished>, Vec<PartialRow>), StageError> {
         let agent = self.agent.to_string();
         let mut shards = Vec::with_capacity(self.channels.len());
         for channel in self.channels {

@@ -21,6 +21,7 @@ mod lock;
 mod manifest;
 mod reach;
 mod sources;
+mod words;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

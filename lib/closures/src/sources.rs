@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::ClosureError;
-use crate::reach::{names_of, words_of};
+use crate::words::{names_of, words_of};
 
 /// A source without its tests.
 #[derive(Debug)]

@@ -51,8 +51,7 @@ impl Rig {
                 if lidar.semantic { ("semantic lidar sweeps", 6.0) } else { ("lidar sweeps", 7.3) };
             of_rays(output, lidar.scan.rays() as f64, bytes_ray)
         });
-        let radars =
-            self.radars.iter().map(|radar| of_rays("radar readings", f64::from(radar.rays), 14.0));
+        let radars = self.radars.iter().map(|radar| of_rays("radar readings", f64::from(radar.rays), 14.0));
         lidars.chain(radars).collect()
     }
 

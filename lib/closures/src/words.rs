@@ -1,0 +1,85 @@
+//! Words of code, and the names that a file gives to others.
+
+use std::collections::BTreeSet;
+
+/// Lines that are no comments.
+fn code_lines(bytes: &[u8]) -> impl Iterator<Item = &str> {
+    str::from_utf8(bytes).unwrap_or_default().lines().filter(|line| !line.trim_start().starts_with("//"))
+}
+
+fn is_word(c: char) -> bool {
+    c.is_ascii_alphanumeric() || c == '_'
+}
+
+/// Words of the code of a file.
+pub(crate) fn words_of(bytes: &[u8]) -> BTreeSet<String> {
+    let words = code_lines(bytes).flat_map(|line| line.split(|c| !is_word(c)));
+    let words: BTreeSet<&str> =
+        words.filter(|word| word.starts_with(|c: char| c.is_ascii_alphabetic())).collect();
+    words.into_iter().map(str::to_owned).collect()
+}
+
+/// Words before the name of an item.
+const BEFORE: [&str; 8] = ["pub", "const", "static", "unsafe", "async", "extern", "default", "mut"];
+/// Words that say what kind of item follows.
+const KINDS: [&str; 7] = ["struct", "enum", "trait", "type", "union", "fn", "macro_rules"];
+
+/// Names that a file gives to the rest: its public items, the rows of its `table!`s, and the types that it adds methods to. A
+/// file of module declarations and re-exports gives none.
+pub(crate) fn names_of(bytes: &[u8]) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    for line in code_lines(bytes) {
+        let is_top = !line.starts_with(char::is_whitespace);
+        let words: Vec<&str> = line.split(|c| !is_word(c)).filter(|w| !w.is_empty()).collect();
+        // `pub(crate)` and the like.
+        let words: Vec<&str> = words.into_iter().filter(|w| !["crate", "super", "in"].contains(w)).collect();
+        let Some(kind) = words.iter().position(|w| !BEFORE.contains(w)) else { continue };
+        let is_public = words[0] == "pub" || words[kind] == "macro_rules";
+        match (words[kind], words.get(kind + 1)) {
+            (word, Some(name)) if is_public && KINDS.contains(&word) && (is_top || word != "fn") => {
+                names.insert((*name).to_owned());
+            }
+            (name, _)
+                if is_public && is_top && words[..kind].iter().any(|w| ["const", "static"].contains(w)) =>
+            {
+                names.insert(name.to_owned());
+            }
+            // `impl Trait for Type`, `impl Type`: whoever reaches the type may use what is said of it here.
+            ("impl", _) if is_top => {
+                let head = line.split('{').next().unwrap_or(line);
+                let of = head.rsplit(" for ").next().unwrap_or(head);
+                let of =
+                    of.split(|c| !is_word(c)).filter(|w| w.starts_with(|c: char| c.is_ascii_uppercase()));
+                names.extend(of.map(str::to_owned));
+            }
+            // A row of `table!`: `ActorRow in "log/actors" {`.
+            (name, _) if line.contains(" in \"") && name.starts_with(|c: char| c.is_ascii_uppercase()) => {
+                names.insert(name.to_owned());
+            }
+            _ => {}
+        }
+    }
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_of_item_is_a_name() {
+        let text = "//! Head.\nuse crate::Other;\npub mod inner;\npub(crate) struct One;\npub const TWO: u8 = 2;\n\
+                    pub enum Three {\n    Four,\n}\nimpl Five {\n    pub fn six() {}\n    const EIGHT: u8 = 8;\n}\n\
+                    impl<T: Copy> Nine for Ten<T> {}\npub fn eleven() {}\npub const fn twelve() {}\nconst fn own() {}\n\
+                    table! {\n    Thirteen in \"log/actors\" {\n        id: u16,\n    }\n}\nmacro_rules! fourteen {\n";
+        let names = names_of(text.as_bytes());
+        let expected =
+            ["One", "TWO", "Three", "Five", "Ten", "T", "eleven", "twelve", "Thirteen", "fourteen"];
+        for name in expected {
+            assert!(names.contains(name), "{name} in {names:?}");
+        }
+        for name in ["Other", "inner", "Four", "six", "EIGHT", "Nine", "own", "id"] {
+            assert!(!names.contains(name), "{name} in {names:?}");
+        }
+    }
+}
