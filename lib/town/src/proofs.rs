@@ -220,7 +220,7 @@ fn too_little_height_over_a_road_is_refused() {
     if let Some(edge) = layout.edges.iter_mut().find(|e| e.name == "overpass") {
         edge.anchors[0].lift_m = 4.5;
     }
-    assert!(matches!(build(layout), Err(TownError::Clearance { .. })));
+    assert!(matches!(build(&layout), Err(TownError::Clearance { .. })));
 }
 
 #[test]
