@@ -18,35 +18,9 @@ use graph::{Graph, circles, shortest};
 /// too.
 const KNOWN: &[(&str, &[&str])] = &[
     ("bins/postprocess-valid", &["lib.rs", "clouds.rs", "filling.rs"]),
+    ("lib/closures", &["reach.rs", "sources.rs"]),
     ("lib/fill", &["lib.rs", "sweep.rs"]),
-    ("lib/opendrive", &["map"]),
-    ("lib/opendrive", &["model", "read", "geometry"]),
-    ("lib/opendrive", &["write"]),
     ("lib/pipeline", &["config/yaml.rs", "config/yaml_special.rs"]),
-    ("lib/sensors", &["camera"]),
-    (
-        "lib/town",
-        &[
-            "assemble.rs",
-            "control.rs",
-            "decks.rs",
-            "heights.rs",
-            "junction.rs",
-            "layout.rs",
-            "layouts",
-            "limits.rs",
-            "parameters.rs",
-            "place.rs",
-            "roundabout.rs",
-            "route.rs",
-            "street.rs",
-            "strips.rs",
-            "water.rs",
-        ],
-    ),
-    ("lib/visibility", &["buffer.rs", "surface.rs"]),
-    ("lib/visibility", &["packet.rs", "scene.rs"]),
-    ("lib/visibility", &["raster/tile.rs", "raster/view.rs"]),
 ];
 
 fn main() -> ExitCode {
