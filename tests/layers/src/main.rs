@@ -18,7 +18,6 @@ use graph::{Graph, circles, shortest};
 /// too.
 const KNOWN: &[(&str, &[&str])] = &[
     ("bins/postprocess-valid", &["lib.rs", "clouds.rs", "filling.rs"]),
-    ("lib/closures", &["reach.rs", "sources.rs"]),
     ("lib/fill", &["lib.rs", "sweep.rs"]),
     ("lib/pipeline", &["config/yaml.rs", "config/yaml_special.rs"]),
 ];
