@@ -141,6 +141,100 @@ fn one_bad_scene_leaves_the_others_alone() {
     assert_eq!(outcome.code, 1, "{outcome:?}");
     assert!(outcome.stderr.contains("bev-gt scene 0001: simulate-and-log is missing"), "{outcome:?}");
     assert!(outcome.stderr.contains("1 done, 0 kept, 1 failed"), "{outcome:?}");
+    assert!(
+        outcome.stderr.contains("is missing: run that first") && !outcome.stderr.contains("first: "),
+        "{outcome:?}"
+    );
+    // Nothing was tried, so nothing failed: statistics cover the scene that is there, and say so.
     let status = bench.run("convoy", &["status"]);
-    assert!(status.stdout.contains("failed: simulate-and-log is missing"), "{status:?}");
+    assert!(status.stdout.contains("missing") && !status.stdout.contains("failed"), "{status:?}");
+    let stats = bench.run("stats", &[]);
+    assert!(stats.code == 0 && stats.stderr.contains("statistics of 1 of 2 scenes"), "{stats:?}");
+    let report = || std::fs::read_to_string(bench.store().join("stats/report.html")).expect("is there");
+    assert!(report().contains("Statistics of 1 of 2 scenes"));
+    let overview = std::fs::read_to_string(bench.store().join("stats/overview.csv")).expect("is there");
+    assert!(overview.contains("scenes,1\nplanned_scenes,2\n"), "{overview}");
+
+    // What is missing is named, with what else does not belong.
+    std::fs::write(bench.store().join("scenes/0000/notes.txt"), "mine").expect("writes");
+    let verify = bench.run("convoy", &["verify"]);
+    assert_eq!(verify.code, 1);
+    for line in [
+        "scenes/0000/notes.txt: no manifest names this file",
+        "scenes/0001/_manifests/bev-gt.json: no manifest: the stage is not done, or its manifest was deleted",
+    ] {
+        assert!(verify.stdout.lines().any(|l| l == line), "{line}: {verify:?}");
+    }
+
+    bench.run("simulate-and-log", &[]).expect_done();
+    bench.run("bev-gt", &[]).expect_done();
+    let status = bench.run("convoy", &["status"]);
+    assert!(status.stdout.contains("stats: stale"), "{status:?}");
+    bench.run("stats", &[]).expect_done();
+    assert!(report().contains("Statistics of the dataset<"));
+}
+
+/// Two machines that share a store and the scenes make what one would.
+#[test]
+fn shards_make_the_same_dataset_as_one_run() {
+    let config = TINY.replace("\"convoy/demo\" = 1", "\"convoy/demo\" = 3");
+    let stages = ["simulate-and-log", "bev-gt"];
+    let whole = Bench::new(&config);
+    whole.run("spawn-planner", &[]).expect_done();
+    for stage in stages {
+        whole.run(stage, &[]).expect_done();
+    }
+
+    let by_hand = Bench::new(&config);
+    by_hand.run("spawn-planner", &[]).expect_done();
+    let logs = |bench: &Bench| {
+        (0..3).filter(|s| bench.store().join(format!("scenes/{s:04}/log")).exists()).collect()
+    };
+    by_hand.run(stages[0], &["--shard", "0/2"]).expect_done();
+    let first: Vec<u32> = logs(&by_hand);
+    assert_eq!(first, [0, 2], "every other scene");
+    by_hand.run(stages[0], &["--shard", "1/2"]).expect_done();
+    let all: Vec<u32> = logs(&by_hand);
+    assert_eq!(all, [0, 1, 2]);
+    for shard in ["1/2", "0/2"] {
+        by_hand.run(stages[1], &["--shard", shard]).expect_done();
+    }
+    assert_eq!(whole.digests(), by_hand.digests());
+
+    // The same by the number of an array job, both at once.
+    let by_array = Bench::new(&config);
+    by_array.run("spawn-planner", &[]).expect_done();
+    for stage in stages {
+        let tasks = ["0", "1"].map(|task| {
+            let mut command = by_array.command(stage, &["--shard", "2"]);
+            command.env("SLURM_ARRAY_TASK_ID", task).spawn().expect("starts")
+        });
+        for mut task in tasks {
+            assert!(task.wait().expect("ends").success());
+        }
+    }
+    assert_eq!(whole.digests(), by_array.digests());
+    let nowhere = by_array.run(stages[0], &["--shard", "2"]);
+    assert!(nowhere.code == 2 && nowhere.stderr.contains("SLURM_ARRAY_TASK_ID"), "{nowhere:?}");
+}
+
+#[test]
+fn a_store_of_an_unknown_kind_says_what_is_known() {
+    let bench = Bench::new(TINY);
+    for (name, args) in [("spawn-planner", &[][..]), ("convoy", &["verify"]), ("convoy", &["status"])] {
+        let mut command = std::process::Command::new(program(name));
+        command.args(args).args(["--store", "s3://bucket/set"]);
+        if args != ["verify"] {
+            command.arg("--config").arg(bench.config());
+        }
+        let output = command.output().expect("starts");
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{name} {args:?}: {text}");
+        assert!(text.contains("no store of kind `s3`") && text.contains("file:///FOLDER"), "{text}");
+    }
+    let url = format!("file://{}", bench.store().display());
+    let mut planner = std::process::Command::new(program("spawn-planner"));
+    planner.arg("--config").arg(bench.config()).args(["--store", &url, "--progress", "none"]);
+    assert!(planner.status().expect("starts").success());
+    assert!(bench.store().join("dataset.json").is_file());
 }

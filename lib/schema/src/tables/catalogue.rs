@@ -76,13 +76,36 @@ mod tests {
         assert_eq!(error.to_string(), "column `time_s`: has type string, another was expected");
     }
 
+    fn has_word(text: &str, word: &str) -> bool {
+        text.split(|c: char| !c.is_alphanumeric()).any(|w| w == word)
+    }
+
     #[test]
-    fn every_column_is_explained() {
-        for table in every_table() {
-            assert!(!table.doc.trim().is_empty());
-            for (field, _) in table.columns {
-                assert!(field.doc.trim().len() > 3, "{}.{}", table.name, field.name);
+    fn tables_and_columns_keep_the_rules_of_the_page() {
+        let tables = every_table();
+        let mut faults = Vec::new();
+        for (i, table) in tables.iter().enumerate() {
+            if tables[..i].iter().any(|other| other.name == table.name) {
+                faults.push(format!("{}: two tables of this name", table.name));
+            }
+            for (j, (Field { name, doc }, _)) in table.columns.iter().enumerate() {
+                let snake = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+                let rules = [
+                    (table.columns[..j].iter().all(|(other, _)| other.name != *name), "is there twice"),
+                    (name.chars().all(snake), "is not in snake case"),
+                    (doc.chars().filter(|c| c.is_alphabetic()).count() >= 3, "is not explained"),
+                    // Docs and names say the same unit.
+                    (!doc.contains("degrees") || name.contains("deg"), "is in degrees and named otherwise"),
+                    (
+                        !name.ends_with("_deg") || doc.to_lowercase().contains("degrees"),
+                        "does not say degrees",
+                    ),
+                    (!name.ends_with("_m") || has_word(doc, "m"), "does not say metres"),
+                ];
+                let broken = rules.iter().filter(|(kept, _)| !kept);
+                faults.extend(broken.map(|(_, rule)| format!("{}.{name} {rule}: {doc}", table.name)));
             }
         }
+        assert_eq!(faults, [""; 0]);
     }
 }

@@ -124,6 +124,9 @@ mod tests {
             want[i] = 77.0;
             let got = Weather::default().with_overrides(&[((*name).to_owned(), 77.0)]);
             assert_eq!(got.to_array(), want);
+            // The compiler knows the fields' names, too.
+            let fields = format!("{got:?}");
+            assert!(fields.contains(&format!(" {name}: 77.0")), "{name}: {fields}");
         }
     }
 
