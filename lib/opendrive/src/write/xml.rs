@@ -1,4 +1,7 @@
 //! A small XML writer.
+//!
+//! By hand rather than with quick-xml, which gains no time here, wants numbers as text, and checks neither names nor
+//! characters: what XML cannot hold is left out below.
 
 use std::fmt::{Display, Write};
 
