@@ -36,7 +36,10 @@ declare -A allowed=(
     [vectormap]="opendrive schema"
     [analysis]="frames schema"
     [testkit]="frames opendrive schema"
-    [replay]="formats frames opendrive pipeline schema store world"
+    [scene]="formats frames schema store"
+    [mapstore]="opendrive store"
+    [framewise]="counts formats pipeline scene schema store"
+    [replay]="mapstore opendrive scene schema world"
 )
 bad=0
 for manifest in lib/*/Cargo.toml; do

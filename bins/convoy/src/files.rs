@@ -17,9 +17,15 @@ pub(crate) enum Fault {
     /// A file cannot be written or read.
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: std::io::Error },
+    /// A store cannot be opened.
+    #[error(transparent)]
+    Store(#[from] pipeline::StageError),
     /// A scene cannot be read.
     #[error(transparent)]
-    Scene(#[from] pipeline::StageError),
+    Scene(#[from] scene::SceneError),
+    /// A map of a store cannot be read.
+    #[error(transparent)]
+    Map(#[from] mapstore::MapError),
     /// A town cannot be built.
     #[error("{name}: {source}")]
     Town { name: String, source: town::TownError },
@@ -31,8 +37,8 @@ impl Fault {
             Self::Usage(_) | Self::Town { .. } => EXIT_USAGE,
             Self::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => EXIT_USAGE,
             Self::Io { source, .. } if source.kind() == std::io::ErrorKind::StorageFull => EXIT_TRY_AGAIN,
-            Self::Io { .. } | Self::File { .. } => EXIT_SOME_FAILED,
-            Self::Scene(error) => error.exit_code(),
+            Self::Io { .. } | Self::File { .. } | Self::Scene(_) | Self::Map(_) => EXIT_SOME_FAILED,
+            Self::Store(error) => error.exit_code(),
         }
     }
 }
@@ -43,7 +49,7 @@ pub(crate) fn exit_code(result: Result<(), Fault>) -> u8 {
         Ok(()) => EXIT_DONE,
         Err(fault) => {
             match &fault {
-                Fault::Scene(error) => tracing::error!("{}", error.report()),
+                Fault::Store(error) => tracing::error!("{}", error.report()),
                 other => tracing::error!("{other}"),
             }
             fault.exit_code()

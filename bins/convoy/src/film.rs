@@ -8,10 +8,10 @@ use frames::{Object, Pose, World};
 use mapview::{Film, FilmWriter, Light, Look, StopBar, Thing, ViewOptions, Window, frame_png};
 use nalgebra::Point3;
 use opendrive::{LaneHit, Map};
-use replay::{SIMULATE, SceneLog};
+use scene::{SceneError, SceneLog, SceneReader};
 use schema::lights;
 use schema::tables::{ActorRow, SignalRow};
-use store::{Scope, Store};
+use store::Store;
 
 use crate::files::{Fault, exit_code, save, write_file};
 use crate::maps::point;
@@ -74,12 +74,14 @@ fn film(
         return Err(Fault::Usage(format!("{}: an animated picture must end in .png", out.display())));
     }
     let store = Store::open(folder).map_err(pipeline::StageError::from)?;
-    let manifest =
-        store.manifest(Scope::Scene(scene), SIMULATE).map_err(pipeline::StageError::from)?.ok_or_else(
-            || Fault::Usage(format!("{}: scene {scene} has no log: run {SIMULATE}", folder.display())),
-        )?;
-    let log = SceneLog::load(&store, &manifest, scene)?;
-    let map = replay::read_map(&store, &log.info.map, &log.info.map_hash)?;
+    let reader = SceneReader::open(&store, scene, &[schema::scene_info::STAGE])?;
+    let log = SceneLog::read(&reader).map_err(|e| match e {
+        SceneError::NotMade { stage, .. } => {
+            Fault::Usage(format!("{}: scene {scene} has no log: run {stage}", folder.display()))
+        }
+        other => other.into(),
+    })?;
+    let map = mapstore::read(&store, &log.info.map, &log.info.map_hash)?;
     let options = ViewOptions {
         window: options.window.or_else(|| Some(around_agents(&log))),
         title: Some(format!("{} scene {scene:04} {}", log.info.map, log.info.split)),

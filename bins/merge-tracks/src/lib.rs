@@ -1,30 +1,26 @@
 //! The merging stage: one list of unique objects per frame, tracks over the scene.
 
 use pipeline::{At, Job, Stage, StageError, TrackSettings};
-use replay::SIMULATE;
-use schema::scene_info::SceneInfo;
+use scene::SceneReader;
 use schema::tables::{BoxRow, ValidBoxRow};
-use store::{StoreError, keys};
+use store::keys;
 
 /// The stage.
 pub const STAGE: Stage<TrackSettings> = Stage::new(run);
 
 fn run(job: &mut Job<'_, TrackSettings>) -> Result<(), StageError> {
-    let (scene, store) = (job.scene(), job.store().clone());
-    let key = |name: &str| keys::scene(scene, name);
-    let boxes: Vec<BoxRow> = store.read_rows(job.input(SIMULATE)?, &key("boxes.parquet"))?;
-    let valid: Vec<ValidBoxRow> =
-        store.read_rows(job.input("postprocess-valid")?, &key("boxes_valid.parquet"))?;
-    let info_key = key("log/scene.json");
-    let info: SceneInfo =
-        store.read_json(&info_key)?.ok_or_else(|| StoreError::Missing { path: store.location(&info_key) })?;
+    let (number, place) = (job.scene(), job.place());
+    let scene = SceneReader::new(job.store(), number, job.inputs());
+    let boxes: Vec<BoxRow> = scene.rows().at(|| place.clone())?;
+    let valid: Vec<ValidBoxRow> = scene.rows().at(|| place.clone())?;
+    let frames = scene.info().at(|| place.clone())?.frames;
 
-    let (frames, tracks) = tracks::merge(&boxes, &valid).at(|| job.place())?;
-    let counts = tracks::count(&frames, info.frames);
+    let (objects, tracks) = tracks::merge(&boxes, &valid).at(|| place.clone())?;
+    let counts = tracks::count(&objects, frames);
     if let Some(mut unit) = job.unit("tracks")? {
-        unit.rows(&key("tracks.parquet"), &tracks)?;
-        unit.rows(&key("tracks_frames.parquet"), &frames)?;
-        unit.rows(&keys::partial_stats(scene, Stage::<TrackSettings>::NAME), &counts.rows())?;
+        unit.rows(&keys::scene(number, "tracks.parquet"), &tracks)?;
+        unit.rows(&keys::scene(number, "tracks_frames.parquet"), &objects)?;
+        unit.rows(&keys::partial_stats(number, Stage::<TrackSettings>::NAME), &counts.rows())?;
         unit.finish()?;
     }
     Ok(())

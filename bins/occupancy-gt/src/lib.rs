@@ -1,12 +1,14 @@
 //! The occupancy stage: a voxel grid around every agent at every frame.
 
 use counts::PartialCounts;
-use formats::{DEFAULT_LEVEL, Scalar, encode_member, frame_member};
-use pipeline::{At, Job, Place, Progress, Stage, StageError};
-use replay::{BufferPool, Replay, archive_frames};
-use schema::ObjectId;
+use formats::Scalar;
+use framewise::{FrameArray, FrameArrays, label_agents};
+use pipeline::{At, Job, Place, Stage, StageError};
+use replay::Replay;
+use scene::SceneReader;
+use schema::arrays::VOXEL_GRIDS;
 use schema::settings::{OccupancySettings, PerAgent};
-use store::{Unit, keys};
+use schema::{AgentId, ObjectId};
 use voxelgrid::{Filling, VoxelGrid};
 use voxels::Voxelizer;
 
@@ -14,72 +16,41 @@ use voxels::Voxelizer;
 pub const STAGE: Stage<Seen> = Stage::new(run);
 /// What it sees of the configuration: the grid of each agent.
 type Seen = PerAgent<OccupancySettings>;
-/// Its name.
-const NAME: &str = Stage::<Seen>::NAME;
 
 fn run(job: &mut Job<'_, Seen>) -> Result<(), StageError> {
-    let (settings, scene) = (job.settings().clone(), job.scene());
-    let replay = Replay::open(job)?;
-    let agents = replay.log.agent_ids().to_vec();
-    let frames = replay.log.frame_count();
-    let progress = job.progress();
-    progress.set_total(u64::from(frames) * agents.len() as u64);
-
-    for (position, agent) in agents.iter().enumerate() {
-        let settings = settings.of(*agent);
-        if !settings.enabled {
-            continue;
-        }
-        let name = agent.to_string();
-        let Some(mut unit) = job.unit(&name)? else { continue };
-        let work = Work { replay: &replay, position, settings };
-        let counts = work.grids(&mut unit, &keys::occupancy(scene, *agent), &name, &progress)?;
-        unit.rows(&keys::partial_stats(scene, &format!("{}.{name}", NAME)), &counts.rows())?;
-        unit.finish()?;
-    }
-    Ok(())
+    let settings = job.settings().clone();
+    let scene = SceneReader::new(job.store(), job.scene(), job.inputs());
+    let replay = Replay::open(&scene).at(|| job.place())?;
+    let grids = |position, agent| {
+        let settings = settings.of(agent);
+        settings.enabled.then_some(Grids { replay: &replay, position, agent, settings })
+    };
+    label_agents(job, &replay.log, &VOXEL_GRIDS, grids)
 }
 
-struct Work<'a> {
+/// The grids of an agent.
+struct Grids<'a> {
     replay: &'a Replay,
     position: usize,
+    agent: AgentId,
     settings: &'a OccupancySettings,
 }
 
-impl Work<'_> {
-    fn place(&self, frame: u32) -> Place {
-        let log = &self.replay.log;
-        Place::scene(log.info.scene).frame(frame).agent(log.agent_ids()[self.position])
+impl FrameArrays for Grids<'_> {
+    type Memory = (Voxelizer, VoxelGrid);
+
+    fn memory(&self) -> Result<Self::Memory, StageError> {
+        let voxelizer = Voxelizer::new(self.settings).at(|| Place::default().agent(self.agent))?;
+        Ok((voxelizer, VoxelGrid::default()))
     }
 
-    /// One member per frame, `[x, y, z]` tags.
-    fn grids(
+    /// `[x, y, z]` tags.
+    fn array<'m>(
         &self,
-        unit: &mut Unit<'_>,
-        key: &str,
-        name: &str,
-        progress: &Progress,
-    ) -> Result<PartialCounts, StageError> {
-        let frames = self.replay.log.frame_count();
-        let pool = BufferPool::default();
-        let one = |frame: u32| {
-            let make = || Voxelizer::new(self.settings).map(|v| (v, VoxelGrid::default()));
-            let (mut voxelizer, mut grid) = pool.take(make).at(|| self.place(frame))?;
-            self.voxelize(frame, &mut voxelizer, &mut grid);
-            let mut counts = PartialCounts::new();
-            grid.add_to(&mut counts, name, Filling::Hollow);
-            let member =
-                encode_member(&frame_member(frame), Scalar::U8, &grid.shape, &grid.data, DEFAULT_LEVEL)
-                    .at(|| self.place(frame))?;
-            pool.give((voxelizer, grid));
-            Ok((member, counts))
-        };
-        let mut counts = PartialCounts::new();
-        archive_frames(unit, key, frames, progress, one, |of_frame| counts.merge(of_frame))?;
-        Ok(counts)
-    }
-
-    fn voxelize(&self, frame: u32, voxelizer: &mut Voxelizer, grid: &mut VoxelGrid) {
+        (voxelizer, grid): &'m mut Self::Memory,
+        frame: u32,
+        counts: &mut PartialCounts,
+    ) -> Result<FrameArray<'m>, StageError> {
         let log = &self.replay.log;
         let pose = log.world_from_agent(self.position, frame);
         let own: Option<ObjectId> = self.settings.ignore_self.then(|| log.agent(self.position, frame).id);
@@ -87,5 +58,7 @@ impl Work<'_> {
         let radius_m = self.settings.range_m * std::f64::consts::SQRT_2 + height_m;
         let snapshot = self.replay.snapshot(frame, pose.xyz(), radius_m);
         voxelizer.voxelize(&snapshot, &pose, own, grid);
+        grid.add_to(counts, &self.agent.to_string(), Filling::Hollow);
+        Ok(FrameArray { scalar: Scalar::U8, shape: grid.shape.to_vec(), bytes: (&grid.data).into() })
     }
 }

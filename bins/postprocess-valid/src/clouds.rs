@@ -1,21 +1,18 @@
 //! An agent's lidar and radar readings, one frame at a time.
 
 use frames::{Agent, Pose, World};
-use pipeline::{At, Place, StageError};
+use scene::{SceneError, SceneReader, SensorFrames};
 use schema::AgentId;
 use schema::settings::Mount;
-use schema::settings::stages::RangeRig;
+use schema::settings::stages::{RangeRig, RangeSensor};
+use schema::table::{Framed, Row};
 use schema::tables::{LidarRow, RadarRow};
-use store::{RowGroups, keys};
 use validity::{PointCloud, radar_to_cartesian};
-
-use crate::error::InputError;
-use crate::{RENDER, Work};
 
 /// The open tables of an agent's range sensors.
 pub(crate) struct Clouds {
-    lidars: Vec<(Mount, Rows<LidarRow>)>,
-    radars: Vec<(Mount, Rows<RadarRow>)>,
+    lidars: Vec<(Mount, SensorFrames<LidarRow>)>,
+    radars: Vec<(Mount, SensorFrames<RadarRow>)>,
 }
 
 /// Points of one frame, in sensor frames.
@@ -24,78 +21,46 @@ pub(crate) struct Readings {
     radars: Vec<(Mount, [Vec<f32>; 3])>,
 }
 
-struct Rows<R> {
-    place: Place,
-    groups: RowGroups<R>,
-    ready: std::vec::IntoIter<R>,
-}
-
-impl<R: schema::table::Row> Rows<R> {
-    fn next(&mut self, frame: u32) -> Result<R, StageError> {
-        let place = || self.place.clone().frame(frame);
-        loop {
-            if let Some(row) = self.ready.next() {
-                return Ok(row);
-            }
-            match self.groups.next() {
-                Some(group) => self.ready = group?.into_iter(),
-                None => return Err(InputError::Ends).at(place),
-            }
-        }
-    }
-}
-
 impl Clouds {
-    /// Opens the tables.
+    /// Opens the tables, each of so many frames.
     ///
     /// # Errors
     /// One is missing or broken.
-    pub(crate) fn open(job: &Work<'_>, agent: AgentId, rig: &RangeRig) -> Result<Self, StageError> {
-        fn rows<R: schema::table::Row>(
-            job: &Work<'_>,
+    pub(crate) fn open(
+        scene: &SceneReader,
+        agent: AgentId,
+        rig: &RangeRig,
+        frames: u32,
+    ) -> Result<Self, SceneError> {
+        fn tables<R: Row + Framed>(
+            scene: &SceneReader,
             agent: AgentId,
-            name: &str,
-        ) -> Result<Rows<R>, StageError> {
-            let key = keys::sensor(job.scene(), agent, name);
-            let groups = job.store().row_groups(job.input(RENDER)?, &key)?;
-            let place = job.place().agent(agent).sensor(name).in_file(job.store().location(&key));
-            Ok(Rows { place, groups, ready: Vec::new().into_iter() })
+            sensors: &[RangeSensor],
+            frames: u32,
+        ) -> Result<Vec<(Mount, SensorFrames<R>)>, SceneError> {
+            sensors.iter().map(|s| Ok((s.mount, scene.sensor(agent, &s.name, frames)?))).collect()
         }
         Ok(Self {
-            lidars: rig
-                .lidars
-                .iter()
-                .map(|l| Ok((l.mount, rows(job, agent, &l.name)?)))
-                .collect::<Result<_, StageError>>()?,
-            radars: rig
-                .radars
-                .iter()
-                .map(|r| Ok((r.mount, rows(job, agent, &r.name)?)))
-                .collect::<Result<_, StageError>>()?,
+            lidars: tables(scene, agent, &rig.lidars, frames)?,
+            radars: tables(scene, agent, &rig.radars, frames)?,
         })
     }
 
-    /// Reads the next frame, which must be this one.
+    /// Reads the next frame.
     ///
     /// # Errors
     /// A table is broken, ends, or goes on with another frame.
-    pub(crate) fn next_frame(&mut self, frame: u32) -> Result<Readings, StageError> {
-        let check = |found: u32, place: &Place| {
-            if found == frame {
-                return Ok(());
-            }
-            Err(InputError::OtherFrame { found }).at(|| place.clone().frame(frame))
-        };
+    pub(crate) fn next_frame(&mut self) -> Result<Readings, SceneError> {
         let mut readings = Readings { lidars: Vec::new(), radars: Vec::new() };
         for (mount, rows) in &mut self.lidars {
-            let row = rows.next(frame)?;
-            check(row.frame, &rows.place)?;
-            readings.lidars.push((*mount, [row.x, row.y, row.z]));
+            if let Some(row) = rows.next().transpose()? {
+                readings.lidars.push((*mount, [row.x, row.y, row.z]));
+            }
         }
         for (mount, rows) in &mut self.radars {
-            let row = rows.next(frame)?;
-            check(row.frame, &rows.place)?;
-            readings.radars.push((*mount, radar_to_cartesian(&row.depth, &row.altitude, &row.azimuth)));
+            if let Some(row) = rows.next().transpose()? {
+                readings.radars.push((*mount, radar_to_cartesian(&row.depth, &row.altitude, &row.azimuth)));
+            }
         }
         Ok(readings)
     }

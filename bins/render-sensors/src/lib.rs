@@ -4,8 +4,10 @@ mod agent;
 mod recorder;
 
 use counts::PartialCounts;
+use framewise::in_frame_order;
 use pipeline::{At, Job, Stage, StageError};
-use replay::{Replay, in_frame_order};
+use replay::Replay;
+use scene::SceneReader;
 use schema::settings::stages::SensorSettings;
 use sensors::{Carrier, CpuPainter, GeoOrigin};
 use store::keys;
@@ -21,7 +23,8 @@ const NAME: &str = Stage::<SensorSettings>::NAME;
 
 fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
     let (settings, scene) = (job.settings().clone(), job.scene());
-    let replay = Replay::open(job)?;
+    let reader = SceneReader::new(job.store(), scene, job.inputs());
+    let replay = Replay::open(&reader).at(|| job.place())?;
     let mut renderer = CpuRenderer::default();
     renderer.prepare(&replay.meshes()).at(|| job.place())?;
     let painter = CpuPainter::default();

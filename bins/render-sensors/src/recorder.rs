@@ -6,12 +6,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use counts::PartialCounts;
 use pipeline::{Place, StageError};
 use schema::AgentId;
+use schema::calibration::METADATA_KEY;
 use schema::measures::sensors::SENSOR_BYTES;
 use schema::settings::Rig;
 use schema::tables::PartialRow;
-use sensors::{
-    Carrier, Layout, Observation, SENSOR_METADATA_KEY, Sensor, SensorError, SensorTable, SensorVisitor,
-};
+use sensors::{Carrier, Layout, Observation, Sensor, SensorError, SensorTable, SensorVisitor};
 use store::{Finished, TableOptions, TableWriter, Unit, keys};
 
 /// All sensors of one agent.
@@ -100,7 +99,7 @@ impl SensorVisitor for Opening<'_, '_> {
     fn visit<S: Sensor>(&mut self, sensor: S) -> Result<(), Unopened> {
         let about = sensor.table();
         let metadata: Vec<(String, String)> =
-            about.metadata.iter().map(|json| (SENSOR_METADATA_KEY.to_owned(), json.clone())).collect();
+            about.metadata.iter().map(|json| (METADATA_KEY.to_owned(), json.clone())).collect();
         let options = match about.layout {
             Layout::Frames => TableOptions::frames(metadata),
             Layout::CompressedFrames => TableOptions::compressed_frames(metadata),

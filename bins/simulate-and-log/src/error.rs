@@ -8,6 +8,9 @@ pub(crate) enum LogError {
         "object number {number} has id {id}: a scene can hold at most 65535 objects (lower world.radius_m)"
     )]
     Ids { number: usize, id: u16 },
+    /// The plan's tables lack a scene that its manifest names.
+    #[error("has no such scene (run spawn-planner with --force)")]
+    NotPlanned,
     /// An agent of the plan is not among the actors.
     #[error("{agent} was not simulated")]
     NotSimulated { agent: String },

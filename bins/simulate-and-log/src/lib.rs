@@ -5,6 +5,7 @@ mod ground;
 mod info;
 mod labels;
 mod lamps;
+mod plan;
 
 use std::ops::ControlFlow;
 
@@ -18,6 +19,7 @@ use traffic::{SceneInput, SimulationLog};
 
 use crate::error::LogError;
 use crate::labels::Labels;
+use crate::plan::ScenePlan;
 
 /// The stage.
 pub const STAGE: Stage<SimulationSettings> = Stage::new(run);
@@ -26,9 +28,8 @@ pub const STAGE: Stage<SimulationSettings> = Stage::new(run);
 const VARIANTS: u32 = 64;
 
 fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
-    let (plan, agents) = replay::read_plan(job)?;
-    let hazards = replay::read_hazards(job)?;
-    let map = replay::read_map(job.store(), &plan.map, &plan.map_hash)?;
+    let ScenePlan { scene: plan, agents, hazards } = ScenePlan::read(job)?;
+    let map = mapstore::read(job.store(), &plan.map, &plan.map_hash).at(|| job.place())?;
     let settings = job.settings().clone();
     let scene = job.scene();
 
@@ -64,7 +65,7 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     let labels = Labels::collect(&map, &actors, &log, &info, settings.box_radius_m)?;
     let json = serde_json::to_vec_pretty(&info).at(|| place.clone())?;
     let key = |name: &str| keys::scene(scene, name);
-    unit.bytes(&key("log/scene.json"), &json, 1)?;
+    unit.bytes(&key(schema::scene_info::FILE), &json, 1)?;
     unit.rows(&key("log/actors.parquet"), &actors)?;
     unit.rows(&key("log/states.parquet"), &log.states)?;
     unit.rows(&key("log/frames.parquet"), &log.frames)?;

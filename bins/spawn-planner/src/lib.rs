@@ -73,7 +73,7 @@ fn run(job: &mut Job<'_, PlanSettings>) -> Result<(), StageError> {
         // Before the old plan is touched, so that a run that is killed here gives the same numbers next time.
         store.write_json(keys::ROSTER, NAME, &roster.slots)?;
         for (name, source) in &texts {
-            unit.bytes(&keys::map(name), &replay::compress_map(&source.text)?, 1)?;
+            unit.bytes(&keys::map(name), &mapstore::pack(&source.text).at(Place::default)?, 1)?;
             if let Some(own) = maps.get(name) {
                 unit.rows(&keys::vector_map(name), &vectormap::rows(&own.map))?;
             }

@@ -3,19 +3,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use analysis::{DatasetFacts, MeasureTotals, compute_tables, draw_figures, report_html, to_csv};
-use pipeline::{Job, Stage, StageError};
-use replay::SIMULATE;
-use schema::scene_info::SceneInfo;
+use pipeline::{At, Graph, Job, Place, Stage, StageError, UnitKind};
+use scene::SceneReader;
+use schema::scene_info::{self, SceneInfo};
 use schema::settings::stages::StatisticsSettings;
 use schema::tables::PartialRow;
 use store::{Manifest, keys};
 
 /// The stage.
 pub const STAGE: Stage<StatisticsSettings> = Stage::new(run);
-
-/// Stages that leave partial counts.
-const COUNTING: [&str; 6] =
-    [SIMULATE, "render-sensors", "bev-gt", "occupancy-gt", "postprocess-valid", "merge-tracks"];
 
 fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
     let store = job.store().clone();
@@ -37,7 +33,10 @@ fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
                 counts.add(&store.read_rows::<PartialRow>(manifest, &output.key)?);
             }
         }
-        scenes.extend(store.read_json::<SceneInfo>(&keys::scene(*scene, "log/scene.json"))?);
+        if manifests.iter().any(|m| m.stage == scene_info::STAGE) {
+            let reader = SceneReader::new(&store, *scene, manifests.iter().cloned());
+            scenes.push(reader.info().at(|| Place::scene(*scene))?);
+        }
         progress.advance(1)?;
     }
 
@@ -63,14 +62,16 @@ fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
     Ok(())
 }
 
-/// The manifests of the counting stages that are done, by scene.
+/// The manifests of the stages of scenes that are done, by scene: any of them may leave partial counts.
 fn done_stages(
     job: &Job<'_, StatisticsSettings>,
     planned: &[u32],
 ) -> Result<BTreeMap<u32, Vec<Manifest>>, StageError> {
+    let stages = Graph::get().stages.iter().filter(|s| s.unit == UnitKind::Scene).map(|s| s.name);
+    let stages: Vec<&str> = stages.collect();
     let mut done = BTreeMap::new();
     for &scene in planned {
-        let manifests = COUNTING.iter().map(|stage| job.manifest_if_done(stage, scene));
+        let manifests = stages.iter().map(|stage| job.manifest_if_done(stage, scene));
         done.insert(scene, manifests.filter_map(Result::transpose).collect::<Result<Vec<_>, _>>()?);
     }
     Ok(done)
@@ -87,6 +88,8 @@ fn covered(done: &BTreeMap<u32, Vec<Manifest>>) -> Vec<(u32, &[Manifest])> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const SIMULATE: &str = scene_info::STAGE;
 
     fn done(scenes: &[(u32, &[&str])]) -> Vec<u32> {
         let manifest = |stage: &&str| Manifest {

@@ -52,7 +52,7 @@ pub(crate) fn names_of(bytes: &[u8]) -> BTreeSet<String> {
                     of.split(|c| !is_word(c)).filter(|w| w.starts_with(|c: char| c.is_ascii_uppercase()));
                 names.extend(of.map(str::to_owned));
             }
-            // A row of `table!`: `ActorRow in "log/actors" {`.
+            // A row of `table!`: `ActorRow in "log/actors" by ... {`.
             (name, _) if line.contains(" in \"") && name.starts_with(|c: char| c.is_ascii_uppercase()) => {
                 names.insert(name.to_owned());
             }

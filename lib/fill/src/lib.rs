@@ -9,44 +9,13 @@
 //! mask from column to column, over the rows where a candidate is left.
 
 mod bits;
+mod order;
 mod sweep;
 
-use schema::Tag;
 use schema::settings::OccupancySettings;
 
-use bits::Bits;
+pub use order::ORDER;
 use voxelgrid::VoxelGrid;
-
-/// Classes in the order in which they are filled, with the cells of a chunk along x, y, z at 0.1 m.
-pub const ORDER: [(Tag, [usize; 3]); 20] = {
-    use Tag::*;
-    const SMALL: [usize; 3] = [8, 8, 8];
-    const MEDIUM: [usize; 3] = [16, 16, 16];
-    const LARGE: [usize; 3] = [32, 32, 40];
-    const TALL: [usize; 3] = [64, 64, 80];
-    [
-        (Building, [320, 320, 80]),
-        (Pole, SMALL),
-        (Vegetation, SMALL),
-        (Static, LARGE),
-        (Dynamic, LARGE),
-        (Bridge, TALL),
-        (RailTrack, TALL),
-        (GuardRail, MEDIUM),
-        (Rock, SMALL),
-        (TrafficLight, SMALL),
-        (TrafficSign, SMALL),
-        (TrafficCone, SMALL),
-        (Barrier, SMALL),
-        (Truck, LARGE),
-        (Bus, LARGE),
-        (Car, MEDIUM),
-        (Motorcycle, SMALL),
-        (Bicycle, SMALL),
-        (Pedestrian, SMALL),
-        (Rider, SMALL),
-    ]
-};
 
 /// A grid that can't be filled.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -124,22 +93,6 @@ fn run<const W: usize>(columns: &mut sweep::Columns<W>, grid: &mut VoxelGrid, vo
         let chunk = chunk_cells(chunk, voxel_m, grid.shape);
         columns.fill_class(class, tag, chunk, grid);
     }
-}
-
-/// Index in [`ORDER`] of every label, 255 where it is never filled.
-const CLASS_OF: [u8; 256] = {
-    let mut class = [255_u8; 256];
-    let mut at = 0;
-    while at < ORDER.len() {
-        class[ORDER[at].0 as usize] = at as u8;
-        at += 1;
-    }
-    class
-};
-
-/// The bits of one chunk's layers.
-fn layer_chunks<const W: usize>(layers: usize, chunk: usize) -> Vec<Bits<W>> {
-    (0..layers).step_by(chunk).map(|start| Bits::range(start, (start + chunk).min(layers))).collect()
 }
 
 #[cfg(test)]

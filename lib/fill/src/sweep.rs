@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use schema::Tag;
 
 use super::bits::Bits;
-use super::{CLASS_OF, ORDER, layer_chunks};
+use super::order::{CLASS_OF, ORDER, layer_chunks};
 use voxelgrid::VoxelGrid;
 
 /// Columns along y that one sweep along x carries at a time.

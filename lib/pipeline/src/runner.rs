@@ -97,6 +97,11 @@ impl<S: StageSettings> Job<'_, S> {
             .ok_or_else(|| StageError::Undeclared { stage: S::STAGE, input: stage.to_owned() })
     }
 
+    /// The manifests of all stages that this one reads of its scene: what a reader of scenes may open.
+    pub fn inputs(&self) -> impl Iterator<Item = Manifest> + '_ {
+        self.inputs.values().cloned()
+    }
+
     /// Where the job is at work, for errors.
     #[must_use]
     pub fn place(&self) -> Place {

@@ -3,12 +3,29 @@
 use std::sync::Arc;
 
 use opendrive::Map;
-use pipeline::{At, Job, StageError, StageSettings};
+use scene::{SceneError, SceneLog, SceneReader};
 use schema::geometry::{Snapshot, TriMesh};
-use world::{Moment, SceneWorld};
+use world::{Moment, SceneWorld, WorldError};
 
-use crate::log::SceneLog;
-use crate::map::read_map;
+/// A scene cannot be replayed from what the store holds.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReplayError {
+    /// Its log cannot be read.
+    #[error("{0}")]
+    Scene(#[from] SceneError),
+    /// Its map cannot be read.
+    #[error("{0}")]
+    Map(#[from] mapstore::MapError),
+    /// An actor has no mesh.
+    #[error("scene {scene}: {source}")]
+    World {
+        /// The scene.
+        scene: u32,
+        /// Which, and why.
+        source: WorldError,
+    },
+}
 
 /// A log with the map and meshes it speaks of.
 pub struct Replay {
@@ -20,14 +37,16 @@ pub struct Replay {
 }
 
 impl Replay {
-    /// Opens the log of a job's scene and builds its meshes.
+    /// Opens the log of a scene and builds its meshes.
     ///
     /// # Errors
     /// The log or the map is missing or broken, or an actor has no mesh.
-    pub fn open<S: StageSettings>(job: &Job<'_, S>) -> Result<Self, StageError> {
-        let log = SceneLog::read(job)?;
-        let map = read_map(job.store(), &log.info.map, &log.info.map_hash)?;
-        let mut world = SceneWorld::new(&map, &log.actors).at(|| job.place())?;
+    pub fn open(scene: &SceneReader) -> Result<Self, ReplayError> {
+        let log = SceneLog::read(scene)?;
+        let map = mapstore::read(scene.store(), &log.info.map, &log.info.map_hash)?;
+        let number = scene.scene();
+        let wrong = |source| ReplayError::World { scene: number, source };
+        let mut world = SceneWorld::new(&map, &log.actors).map_err(wrong)?;
         world.set_lamps(&log.lamps);
         Ok(Self { log, map, world })
     }

@@ -4,7 +4,9 @@
 //! order) are fixed here once and nowhere else.
 
 pub mod agent;
+pub mod arrays;
 pub mod bev;
+pub mod calibration;
 pub mod class;
 pub mod difficulty;
 pub mod fleet;

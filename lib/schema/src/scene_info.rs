@@ -4,6 +4,11 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+/// Name of the file in the scene's folder.
+pub const FILE: &str = "log/scene.json";
+/// The stage that writes it.
+pub const STAGE: &str = "simulate-and-log";
+
 /// Facts about one scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SceneInfo {
@@ -13,7 +18,7 @@ pub struct SceneInfo {
     pub split: String,
     /// Map name.
     pub map: String,
-    /// BLAKE3 of the map's OpenDRIVE text: the map is `maps/{map_file}` in the store.
+    /// BLAKE3 of the map's OpenDRIVE text: the map is `maps/MAP.xodr.zst` in the store.
     pub map_hash: String,
     /// The map's geographic reference, as written in the map.
     pub geo_reference: String,

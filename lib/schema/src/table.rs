@@ -128,6 +128,8 @@ impl std::error::Error for ColumnError {}
 pub trait Row: Sized {
     /// Table name: the file's stem.
     const TABLE: &'static str;
+    /// The stage that writes it.
+    const STAGE: &'static str;
     /// What the table holds, for the docs.
     const DOC: &'static str;
 
@@ -242,12 +244,30 @@ pub fn take_values<T: Cell>(
     T::values(column).ok_or_else(|| error(format!("has type {found}, another was expected")))
 }
 
+/// A row of one frame, in a table that is sorted by frame.
+pub trait Framed {
+    /// Number of the frame.
+    fn frame(&self) -> i64;
+}
+
+/// Says that rows are of one frame: the one in their column `frame`.
+#[macro_export]
+macro_rules! framed {
+    ($($row:ty),+ $(,)?) => {
+        $(impl $crate::table::Framed for $row {
+            fn frame(&self) -> i64 {
+                i64::from(self.frame)
+            }
+        })+
+    };
+}
+
 /// Defines a row type and its [`Row`] implementation.
 #[macro_export]
 macro_rules! table {
     (
         $(#[doc = $doc:literal])+
-        $name:ident in $table:literal {
+        $name:ident in $table:literal by $stage:literal {
             $( $(#[doc = $field_doc:literal])+ $field:ident : $type:ty, )+
         }
     ) => {
@@ -259,6 +279,7 @@ macro_rules! table {
 
         impl $crate::table::Row for $name {
             const TABLE: &'static str = $table;
+            const STAGE: &'static str = $stage;
             const DOC: &'static str = concat!($($doc),+);
 
             fn fields() -> Vec<$crate::table::Field> {

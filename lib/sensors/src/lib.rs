@@ -92,7 +92,7 @@ pub use gnss::gnss;
 pub use imu::imu;
 pub use lidar::{Lidar, LidarSweep};
 pub use light::{FrameWeather, Lighting, Sky};
-pub use metadata::{SENSOR_METADATA_KEY, camera_metadata, intrinsics, sensor_metadata};
+pub use metadata::{camera_metadata, intrinsics, sensor_metadata};
 pub use motion::Motion;
 pub use observation::{AgentState, Observation, see};
 pub use painter::{CpuPainter, Painter, Shot};

@@ -1,29 +1,25 @@
 //! What a sensor's table says about the sensor itself: its pose and intrinsics, as JSON.
 
 use frames::{Agent, Frame, Pose};
+use schema::calibration::{Calibration, Mounting};
 use schema::settings::{CameraSettings, CameraSpec, Mount};
-use serde_json::{Value, json};
 
-/// Key of the JSON text in a sensor table's metadata.
-pub const SENSOR_METADATA_KEY: &str = "sensor";
-
-/// Pose of a sensor in its agent's frame, as a JSON object: `name`, `frame` (`flu`), `agent_from_sensor` with
-/// `translation` (m) and `quaternion` (w, x, y, z).
+/// Pose of a sensor in its agent's frame, as JSON of a [`Calibration`].
 #[must_use]
 pub fn sensor_metadata(name: &str, mount: &Mount) -> String {
-    describe(name, "flu", &mount.agent_from_sensor()).to_string()
+    text(&calibration(name, "flu", &mount.agent_from_sensor()))
 }
 
-/// The same for a camera, whose pose is that of its optical frame (x right, y down, z forward), with `width`,
-/// `height` (pixels) and `intrinsics`, the 3 x 3 matrix that takes optical directions to pixels.
+/// The same for a camera, whose pose is that of its optical frame (x right, y down, z forward), with size and intrinsics.
 #[must_use]
 pub fn camera_metadata(camera: &CameraSpec, settings: &CameraSettings) -> String {
     let agent_from_optical = camera.mount.agent_from_sensor() * frames::flu_from_optical();
-    let mut value = describe(&camera.name, "optical", &agent_from_optical);
-    value["width"] = json!(settings.width);
-    value["height"] = json!(settings.height);
-    value["intrinsics"] = json!(intrinsics(settings));
-    value.to_string()
+    text(&Calibration {
+        width: Some(settings.width),
+        height: Some(settings.height),
+        intrinsics: Some(intrinsics(settings)),
+        ..calibration(&camera.name, "optical", &agent_from_optical)
+    })
 }
 
 /// `[[f, 0, w / 2], [0, f, h / 2], [0, 0, 1]]`, pixels.
@@ -37,21 +33,27 @@ pub fn intrinsics(settings: &CameraSettings) -> [[f64; 3]; 3] {
     ]
 }
 
-fn describe<F: Frame>(name: &str, frame: &str, agent_from_sensor: &Pose<Agent, F>) -> Value {
-    json!({
-        "name": name,
-        "frame": frame,
-        "agent_from_sensor": {
-            "translation": agent_from_sensor.xyz(),
-            "quaternion": agent_from_sensor.wxyz(),
-        },
-    })
+fn calibration<F: Frame>(name: &str, frame: &str, agent_from_sensor: &Pose<Agent, F>) -> Calibration {
+    Calibration {
+        name: name.to_owned(),
+        frame: frame.to_owned(),
+        agent_from_sensor: Mounting::new(agent_from_sensor),
+        width: None,
+        height: None,
+        intrinsics: None,
+    }
+}
+
+fn text(calibration: &Calibration) -> String {
+    // Strings and numbers: writing them cannot fail.
+    serde_json::to_string(calibration).unwrap_or_default()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use schema::settings::Rig;
+    use serde_json::{Value, json};
 
     #[test]
     fn the_front_left_camera_is_described_as_published() {

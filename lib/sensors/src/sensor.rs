@@ -26,7 +26,7 @@ pub struct SensorTable {
     pub name: String,
     /// What its bytes are counted as: its name, for images their kind.
     pub counted_as: String,
-    /// Pose and intrinsics as JSON ([`crate::SENSOR_METADATA_KEY`]).
+    /// Pose and intrinsics as JSON ([`schema::calibration`]).
     pub metadata: Option<String>,
     /// How rows are kept.
     pub layout: Layout,

@@ -1,6 +1,7 @@
 //! The layout of a store: where everything is.
 
 use schema::AgentId;
+use schema::arrays::ArrayKind;
 
 /// What a manifest is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -102,22 +103,10 @@ pub fn sensor(scene: u32, agent: AgentId, sensor: &str) -> String {
     format!("scenes/{scene:04}/sensors/{agent}/{sensor}.parquet")
 }
 
-/// BEV masks of an agent.
+/// Arrays of an agent, one a frame.
 #[must_use]
-pub fn bev(scene: u32, agent: AgentId) -> String {
-    format!("scenes/{scene:04}/bev/{agent}.npz")
-}
-
-/// Voxel grids of an agent.
-#[must_use]
-pub fn occupancy(scene: u32, agent: AgentId) -> String {
-    format!("scenes/{scene:04}/occupancy/{agent}.npz")
-}
-
-/// Filled voxel grids of an agent.
-#[must_use]
-pub fn occupancy_filled(scene: u32, agent: AgentId) -> String {
-    format!("scenes/{scene:04}/occupancy_filled/{agent}.npz")
+pub fn array(scene: u32, kind: &ArrayKind, agent: AgentId) -> String {
+    format!("scenes/{scene:04}/{}/{agent}.npz", kind.folder)
 }
 
 /// Partial counts of a stage.

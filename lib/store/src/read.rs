@@ -5,6 +5,7 @@ use std::marker::PhantomData;
 use arrow_array::RecordBatch;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use schema::table::{Column, ColumnError, Row};
+use serde::de::DeserializeOwned;
 
 use crate::backend::Shard;
 use crate::manifest::Manifest;
@@ -38,6 +39,40 @@ impl Store {
         let batch = usize::try_from(largest).unwrap_or(1).clamp(1, 8192);
         let reader = builder.with_batch_size(batch).build().map_err(|e| chunks.error(&e))?;
         Ok(RowGroups { reader, chunks, row: PhantomData })
+    }
+
+    /// What a table that a manifest names says of itself under a key.
+    ///
+    /// # Errors
+    /// As [`Store::read_rows`].
+    pub fn table_metadata(
+        &self,
+        manifest: &Manifest,
+        key: &str,
+        name: &str,
+    ) -> Result<Option<String>, StoreError> {
+        let chunks = Chunks::new(self.open_output(manifest, key)?, self.location(key));
+        let builder =
+            ParquetRecordBatchReaderBuilder::try_new(chunks.clone()).map_err(|e| chunks.error(&e))?;
+        let entries = builder.metadata().file_metadata().key_value_metadata();
+        let entry = entries.into_iter().flatten().find(|entry| entry.key == name);
+        Ok(entry.and_then(|entry| entry.value.clone()))
+    }
+
+    /// A record in JSON that a manifest names.
+    ///
+    /// # Errors
+    /// As [`Store::open_output`], or it cannot be understood.
+    pub fn read_output_json<T: DeserializeOwned>(
+        &self,
+        manifest: &Manifest,
+        key: &str,
+    ) -> Result<T, StoreError> {
+        let stream = self.stream_output(manifest, key)?;
+        serde_json::from_reader(stream).map_err(|e| match e.io_error_kind() {
+            Some(kind) => StoreError::read(self.location(key), "read", kind.into()),
+            None => StoreError::Corrupt { path: self.location(key), problem: e.to_string() },
+        })
     }
 
     /// An output as a stream that can seek, after checking its size against the manifest.

@@ -8,6 +8,7 @@ mod table_names;
 mod yaml;
 mod yaml_keys;
 mod yaml_special;
+mod yaml_writer;
 
 pub use yaml_keys::simbev2x_keys;
 
@@ -34,7 +35,7 @@ pub fn load(path: &Path) -> Result<(DatasetSettings, Vec<Fault>), Vec<Fault>> {
 
 /// Reads a SimBEV2X configuration.
 fn parse_yaml(text: &str, file: &str) -> Result<(DatasetSettings, Vec<Fault>), Vec<Fault>> {
-    let yaml::Translation { toml, lines, warnings } = yaml::translate(text, file)?;
+    let yaml_writer::Translation { toml, lines, warnings } = yaml::translate(text, file)?;
     let in_yaml = |fault: Fault| Fault {
         line: fault.line.and_then(|line| lines.get(line.checked_sub(1)?).copied()),
         ..fault

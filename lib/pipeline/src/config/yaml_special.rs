@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use saphyr::MarkedYaml;
 use schema::settings::Rig;
 
-use super::yaml::{Writer, decimal, flag, is_null, items, line, number, pairs, quoted, text};
 use super::yaml_keys::{MODELS, OTHER_MODEL, PROPERTY_KEYS, SENSOR_KEYS, weather};
+use super::yaml_writer::{Writer, decimal, flag, is_null, items, line, number, pairs, quoted, text};
 
 /// Frames, sweeps and radar readings a second.
 const RATE_HZ: f64 = 20.0;

@@ -1,10 +1,10 @@
 //! Agents, frame by frame.
 
-use crate::table;
+use crate::{framed, table};
 
 table! {
     /// One row per agent and frame: where it is.
-    AgentRow in "agents" {
+    AgentRow in "agents" by "simulate-and-log" {
         /// Frame number.
         frame: u32,
         /// Time since frame 0, s.
@@ -23,3 +23,5 @@ table! {
         angular_velocity_radps: [f64; 3],
     }
 }
+
+framed!(AgentRow);

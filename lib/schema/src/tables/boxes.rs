@@ -1,10 +1,10 @@
 //! Raw boxes of every agent.
 
-use crate::table;
+use crate::{framed, table};
 
 table! {
     /// One row per agent, frame and object within the annotation radius: the raw 3-D boxes.
-    BoxRow in "boxes" {
+    BoxRow in "boxes" by "simulate-and-log" {
         /// Frame number.
         frame: u32,
         /// Whose list this is.
@@ -39,3 +39,5 @@ table! {
         attributes: String,
     }
 }
+
+framed!(BoxRow);

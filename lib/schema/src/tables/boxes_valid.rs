@@ -1,10 +1,10 @@
 //! What sensors saw of each box.
 
-use crate::table;
+use crate::{framed, table};
 
 table! {
     /// One row per row of `boxes`, in the same order: what the agent's sensors saw of it.
-    ValidBoxRow in "boxes_valid" {
+    ValidBoxRow in "boxes_valid" by "postprocess-valid" {
         /// Frame number.
         frame: u32,
         /// Whose list this is.
@@ -33,3 +33,5 @@ table! {
         angle_rad: Option<f64>,
     }
 }
+
+framed!(ValidBoxRow);

@@ -1,10 +1,10 @@
 //! Where on the map every agent is.
 
-use crate::table;
+use crate::{framed, table};
 
 table! {
     /// One row per agent and frame: the lane the agent is in (an RSU: the nearest driving lane).
-    HdMapRow in "hd_map" {
+    HdMapRow in "hd_map" by "simulate-and-log" {
         /// Frame number.
         frame: u32,
         /// Whose record this is.
@@ -85,3 +85,5 @@ table! {
         sidewalk_m: Option<f64>,
     }
 }
+
+framed!(HdMapRow);

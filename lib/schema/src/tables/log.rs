@@ -1,11 +1,11 @@
 //! The scene log: the only truth later stages read.
 
-use crate::table;
 use crate::tables::weather::{Weather, weather_parameters};
+use crate::{framed, table};
 
 table! {
     /// One row per object of a scene, moving or not: the id is the same number in every output.
-    ActorRow in "log/actors" {
+    ActorRow in "log/actors" by "simulate-and-log" {
         /// Object id, 1..=65535.
         id: u16,
         /// `vehicle`, `walker`, `rsu`, `traffic_light`, `sign`, `prop`, `parked`, `building`, `vegetation`, `pole`, `surface`.
@@ -43,7 +43,7 @@ table! {
 
 table! {
     /// One row per moving object and frame, frame -1 (one period before the first) included.
-    StateRow in "log/states" {
+    StateRow in "log/states" by "simulate-and-log" {
         /// Frame number, from -1.
         frame: i32,
         /// Object id.
@@ -71,7 +71,7 @@ macro_rules! define_frames {
     ($( #[doc = $doc:literal] $name:ident = $clear:literal, )+) => {
         table! {
             /// One row per frame: time and weather.
-            FrameRow in "log/frames" {
+            FrameRow in "log/frames" by "simulate-and-log" {
                 /// Frame number, from 0.
                 frame: u32,
                 /// Time since frame 0, s.
@@ -104,7 +104,7 @@ weather_parameters!(define_frames);
 
 table! {
     /// One row per street lamp and building: its light when lights are on (`frames` says when they are).
-    LampRow in "log/lamps" {
+    LampRow in "log/lamps" by "simulate-and-log" {
         /// Object id.
         id: u16,
         /// `street` or `building`.
@@ -120,7 +120,7 @@ table! {
 
 table! {
     /// One row per traffic light and frame, frame -1 included.
-    SignalRow in "log/signals" {
+    SignalRow in "log/signals" by "simulate-and-log" {
         /// Frame number, from -1.
         frame: i32,
         /// Object id of the traffic light.
@@ -131,3 +131,5 @@ table! {
         opendrive_id: String,
     }
 }
+
+framed!(StateRow, FrameRow, SignalRow);

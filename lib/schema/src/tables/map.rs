@@ -58,7 +58,7 @@ impl VectorKind {
 
 table! {
     /// One row per element of a map: lines and polygons in the world, with the lane graph. Chords stay within 2 cm of the true curves.
-    VectorMapRow in "maps/NAME.vector" {
+    VectorMapRow in "maps/NAME.vector" by "spawn-planner" {
         /// Number of the element: its row, from 0. Lanes come first: `hd_map.lane` is a lane's number here.
         id: u32,
         /// `lane_centreline`, `lane_boundary`, `signal` (a point), `divider` (a painted line), `kerb`, `crosswalk`, `stop_line`, `sidewalk`, `junction`; polygons are the crosswalks, sidewalks and junctions.

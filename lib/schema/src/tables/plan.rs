@@ -4,7 +4,7 @@ use crate::table;
 
 table! {
     /// One row per scene: everything the simulation needs to know besides the agents.
-    PlanSceneRow in "plan/scenes" {
+    PlanSceneRow in "plan/scenes" by "spawn-planner" {
         /// Scene number, from 0, over all splits.
         scene: u32,
         /// `train`, `val` or `test`.
@@ -52,7 +52,7 @@ table! {
 
 table! {
     /// One row per accident or road works of a scene: one lane from back (upstream) to front.
-    PlanHazardRow in "plan/hazards" {
+    PlanHazardRow in "plan/hazards" by "spawn-planner" {
         /// Scene number.
         scene: u32,
         /// Number within the scene, from 0.
@@ -84,7 +84,7 @@ table! {
 
 table! {
     /// One row per agent of a scene: data-collection vehicles, then RSUs.
-    PlanAgentRow in "plan/agents" {
+    PlanAgentRow in "plan/agents" by "spawn-planner" {
         /// Scene number.
         scene: u32,
         /// `vehicle_0`, `rsu_1`, ...

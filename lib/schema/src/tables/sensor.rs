@@ -1,7 +1,7 @@
 //! Sensor readings: one row a frame. The file's metadata holds the sensor's pose and intrinsics as JSON.
 
-use crate::table;
 use crate::table::Blob;
+use crate::{framed, table};
 
 /// Table of the GNSS receiver.
 pub const GNSS_TABLE: &str = "GNSS";
@@ -12,7 +12,7 @@ pub const VISIBLE_TABLE: &str = "visible";
 
 table! {
     /// Encoded images of one camera, of one of the kinds listed below; PNG with 8-bit red, green and blue.
-    CameraRow in "sensors/{agent}/{kind}-{camera}" {
+    CameraRow in "sensors/{agent}/{kind}-{camera}" by "render-sensors" {
         /// Frame number.
         frame: u32,
         /// Time since frame 0, s.
@@ -24,7 +24,7 @@ table! {
 
 table! {
     /// Optical flow of one camera.
-    FlowRow in "sensors/{agent}/FLW-{camera}" {
+    FlowRow in "sensors/{agent}/FLW-{camera}" by "render-sensors" {
         /// Frame number.
         frame: u32,
         /// Time since frame 0, s.
@@ -42,7 +42,7 @@ table! {
 
 table! {
     /// Sweeps of one lidar, highest beam first, each beam by azimuth. Own-body returns are cut out.
-    LidarRow in "sensors/{agent}/LIDAR" {
+    LidarRow in "sensors/{agent}/LIDAR" by "render-sensors" {
         /// Frame number.
         frame: u32,
         /// Time since frame 0, s.
@@ -68,7 +68,7 @@ table! {
 
 table! {
     /// Sweeps of one semantic lidar: no loss, no noise.
-    SemanticLidarRow in "sensors/{agent}/SEG-LIDAR" {
+    SemanticLidarRow in "sensors/{agent}/SEG-LIDAR" by "render-sensors" {
         /// Frame number.
         frame: u32,
         /// Time since frame 0, s.
@@ -90,7 +90,7 @@ table! {
 
 table! {
     /// Returns of one radar.
-    RadarRow in "sensors/{agent}/RAD_*" {
+    RadarRow in "sensors/{agent}/RAD_*" by "render-sensors" {
         /// Frame number.
         frame: u32,
         /// Time since frame 0, s.
@@ -112,7 +112,7 @@ table! {
 
 table! {
     /// Fixes of the GNSS receiver, noise included: spherical Mercator about the map's origin.
-    GnssRow in "sensors/{agent}/GNSS" {
+    GnssRow in "sensors/{agent}/GNSS" by "render-sensors" {
         /// Frame number.
         frame: u32,
         /// Time since frame 0, s.
@@ -128,7 +128,7 @@ table! {
 
 table! {
     /// Readings of the IMU, noise included, in its body frame (FLU).
-    ImuRow in "sensors/{agent}/IMU" {
+    ImuRow in "sensors/{agent}/IMU" by "render-sensors" {
         /// Frame number.
         frame: u32,
         /// Time since frame 0, s.
@@ -144,7 +144,7 @@ table! {
 
 table! {
     /// Objects in an agent's instance images, all cameras together: one row per frame, object and tag.
-    VisibleRow in "sensors/{agent}/visible" {
+    VisibleRow in "sensors/{agent}/visible" by "render-sensors" {
         /// Frame number.
         frame: u32,
         /// Object id.
@@ -155,3 +155,5 @@ table! {
         pixels: u32,
     }
 }
+
+framed!(CameraRow, FlowRow, LidarRow, SemanticLidarRow, RadarRow, GnssRow, ImuRow, VisibleRow);

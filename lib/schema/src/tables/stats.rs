@@ -4,7 +4,7 @@ use crate::table;
 
 table! {
     /// Counts that a stage took while it had the data in hand. Rows of the same key add up.
-    PartialRow in "stats/{stage}" {
+    PartialRow in "stats/{stage}" by "{stage}" {
         /// Whose data was counted; empty when not one agent's.
         agent: String,
         /// What was counted (`bev_cells`, `voxel_cells`, `boxes`, ...).

@@ -1,10 +1,10 @@
 //! Objects over all agents.
 
-use crate::table;
+use crate::{framed, table};
 
 table! {
     /// One row per object of a scene that some agent had in its list: its track.
-    TrackRow in "tracks" {
+    TrackRow in "tracks" by "merge-tracks" {
         /// Object id: the track's id.
         id: u16,
         /// Detection class.
@@ -34,7 +34,7 @@ table! {
 
 table! {
     /// One row per frame and object in some agent's list: the merged boxes.
-    TrackFrameRow in "tracks_frames" {
+    TrackFrameRow in "tracks_frames" by "merge-tracks" {
         /// Frame number.
         frame: u32,
         /// Object id: the track's id.
@@ -71,3 +71,5 @@ table! {
         attributes: String,
     }
 }
+
+framed!(TrackFrameRow);

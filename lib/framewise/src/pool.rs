@@ -4,7 +4,7 @@ use std::sync::Mutex;
 
 /// Buffers of a kind that wait to be used again; there are never more than threads that use them at once.
 #[derive(Debug)]
-pub struct BufferPool<T> {
+pub(crate) struct BufferPool<T> {
     free: Mutex<Vec<T>>,
 }
 
@@ -19,13 +19,13 @@ impl<T> BufferPool<T> {
     ///
     /// # Errors
     /// It could not be made.
-    pub fn take<E>(&self, make: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
+    pub(crate) fn take<E>(&self, make: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
         let free = self.free.lock().ok().and_then(|mut free| free.pop());
         free.map_or_else(make, Ok)
     }
 
     /// Gives a value back.
-    pub fn give(&self, value: T) {
+    pub(crate) fn give(&self, value: T) {
         if let Ok(mut free) = self.free.lock() {
             free.push(value);
         }

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use formats::{DEFAULT_LEVEL, NpzReader, Scalar, encode_member, frame_member};
+use counts::PartialCounts;
+use formats::{NpzReader, Scalar, frame_member};
+use framewise::{FrameArray, FrameArrays};
 use pipeline::{At, Place, Progress, ProgressMode, StageError};
 use store::{Attempt, Identity, Manifest, Memory, Scope, Store, StoreError};
 
@@ -13,6 +15,33 @@ const FRAMES: u32 = 9;
 fn grid(frame: u32) -> Vec<u8> {
     // Hardly to be compressed, so that the archive grows with each frame.
     (0..500_u32).map(|i| (i.wrapping_mul(2_654_435_761).wrapping_add(frame * 40_503) >> 13) as u8).collect()
+}
+
+/// One small grid a frame, but for a broken one.
+struct Grids {
+    broken: Option<u32>,
+}
+
+impl FrameArrays for Grids {
+    type Memory = Vec<u8>;
+
+    fn memory(&self) -> Result<Vec<u8>, StageError> {
+        Ok(Vec::new())
+    }
+
+    fn array<'m>(
+        &self,
+        memory: &'m mut Vec<u8>,
+        frame: u32,
+        counts: &mut PartialCounts,
+    ) -> Result<FrameArray<'m>, StageError> {
+        if self.broken == Some(frame) {
+            return Err("no such grid").at(|| Place::scene(7).frame(frame));
+        }
+        *memory = grid(frame);
+        counts.add("", "grids", "", frame as i32, 1);
+        Ok(FrameArray { scalar: Scalar::U8, shape: vec![500], bytes: memory.as_slice().into() })
+    }
 }
 
 fn archive(store: &Store, broken: Option<u32>) -> Result<Manifest, StageError> {
@@ -26,16 +55,9 @@ fn archive(store: &Store, broken: Option<u32>) -> Result<Manifest, StageError> {
     let mut attempt = Attempt::start(store, identity, false)?;
     let Some(mut unit) = attempt.unit("vehicle_0")? else { return Ok(attempt.commit()?) };
     let progress = Progress::start(ProgressMode::None, "test".into(), 0);
-    let one = |frame: u32| {
-        if broken == Some(frame) {
-            return Err("no such grid").at(|| Place::scene(7).frame(frame));
-        }
-        let member = encode_member(&frame_member(frame), Scalar::U8, &[500], &grid(frame), DEFAULT_LEVEL);
-        Ok((member.at(|| Place::scene(7).frame(frame))?, frame))
-    };
-    let mut order = Vec::new();
-    replay::archive_frames(&mut unit, KEY, FRAMES, &progress, one, |frame| order.push(frame))?;
-    assert!(order.iter().copied().eq(0..FRAMES), "{order:?}");
+    let counts = framewise::write_arrays(&mut unit, KEY, FRAMES, &progress, &Grids { broken })?;
+    let rows: Vec<i32> = counts.rows().iter().map(|row| row.bin).collect();
+    assert!(rows.iter().copied().eq(0..FRAMES as i32), "{rows:?}");
     unit.finish()?;
     Ok(attempt.commit()?)
 }

@@ -1,0 +1,34 @@
+//! What the plan says of a scene.
+
+use pipeline::{At, Job, StageError};
+use schema::settings::stages::SimulationSettings;
+use schema::table::Row;
+use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
+use store::keys;
+
+use crate::error::LogError;
+
+/// A scene's part of the plan.
+pub(crate) struct ScenePlan {
+    pub(crate) scene: PlanSceneRow,
+    pub(crate) agents: Vec<PlanAgentRow>,
+    pub(crate) hazards: Vec<PlanHazardRow>,
+}
+
+impl ScenePlan {
+    /// Reads the plan of a job's scene.
+    ///
+    /// # Errors
+    /// The plan is missing or broken.
+    pub(crate) fn read(job: &Job<'_, SimulationSettings>) -> Result<Self, StageError> {
+        let (store, manifest, number) = (job.store(), job.input(PlanSceneRow::STAGE)?, job.scene());
+        let rows: Vec<PlanSceneRow> = store.read_rows(manifest, keys::PLAN_SCENES)?;
+        let scene = rows.into_iter().find(|r| r.scene == number).ok_or(LogError::NotPlanned);
+        let scene = scene.at(|| job.place().in_file(store.location(keys::PLAN_SCENES)))?;
+        let mut agents: Vec<PlanAgentRow> = store.read_rows(manifest, keys::PLAN_AGENTS)?;
+        agents.retain(|a| a.scene == number);
+        let mut hazards: Vec<PlanHazardRow> = store.read_rows(manifest, keys::PLAN_HAZARDS)?;
+        hazards.retain(|h| h.scene == number);
+        Ok(Self { scene, agents, hazards })
+    }
+}

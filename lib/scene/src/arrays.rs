@@ -1,0 +1,66 @@
+//! Arrays of an agent, one a frame.
+
+use formats::{Array, NpzError, NpzReader, frame_member};
+use schema::AgentId;
+use schema::arrays::ArrayKind;
+use store::{ShardStream, StoreError, keys};
+
+use crate::{SceneError, SceneReader};
+
+/// An open archive of arrays.
+pub struct ArrayReader {
+    archive: NpzReader<ShardStream>,
+    path: String,
+    scene: u32,
+    stage: &'static str,
+}
+
+impl SceneReader {
+    /// Opens the archive of an agent's arrays of a kind. Arrays of more than `max_bytes` are refused.
+    ///
+    /// # Errors
+    /// The stage has not made it, or it is not as the manifest says.
+    pub fn arrays(
+        &self,
+        kind: &ArrayKind,
+        agent: AgentId,
+        max_bytes: u64,
+    ) -> Result<ArrayReader, SceneError> {
+        let key = keys::array(self.scene(), kind, agent);
+        let stream = self.store().stream_output(self.manifest(kind.stage)?, &key)?;
+        let (path, scene, stage) = (self.store().location(&key), self.scene(), kind.stage);
+        let archive = NpzReader::new(stream).map_err(|e| wrong(&path, scene, stage, None, e))?;
+        Ok(ArrayReader { archive: archive.with_max_bytes(max_bytes), path, scene, stage })
+    }
+}
+
+impl ArrayReader {
+    /// Number of frames.
+    #[must_use]
+    pub fn frames(&self) -> u32 {
+        self.archive.members().len() as u32
+    }
+
+    /// Reads the array of a frame.
+    ///
+    /// # Errors
+    /// There is none, or it is broken.
+    pub fn read(&mut self, frame: u32) -> Result<Array, SceneError> {
+        let found = self.archive.read(&frame_member(frame));
+        found.map_err(|e| wrong(&self.path, self.scene, self.stage, Some(frame), e))
+    }
+
+    /// Where the archive is, for messages.
+    #[must_use]
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+}
+
+/// A failing disk is not a broken archive.
+fn wrong(path: &str, scene: u32, stage: &'static str, frame: Option<u32>, error: NpzError) -> SceneError {
+    match error {
+        NpzError::Io(source) => StoreError::read(path, "read", source).into(),
+        source => SceneError::Array { path: path.to_owned(), scene, frame, stage, source },
+    }
+}

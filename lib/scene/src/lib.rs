@@ -1,0 +1,15 @@
+#![doc = include_str!("../README.md")]
+
+mod arrays;
+mod error;
+mod frames;
+mod log;
+mod reader;
+mod sensor;
+
+pub use arrays::ArrayReader;
+pub use error::SceneError;
+pub use frames::FrameRanges;
+pub use log::SceneLog;
+pub use reader::SceneReader;
+pub use sensor::SensorFrames;

@@ -1,0 +1,87 @@
+//! Tables of a sensor, one row a frame.
+
+use schema::AgentId;
+use schema::calibration::{Calibration, METADATA_KEY};
+use schema::table::{Framed, Row};
+use store::{RowGroups, keys};
+
+use crate::{SceneError, SceneReader};
+
+/// The rows of a sensor's table, one a frame, frames from 0 on.
+pub struct SensorFrames<R> {
+    path: String,
+    groups: RowGroups<R>,
+    ready: std::vec::IntoIter<R>,
+    next: u32,
+    frames: u32,
+}
+
+impl SceneReader {
+    /// Opens a table of an agent's sensor, by its name (`LIDAR`, `RGB-CAM_FRONT`). It gives one row for each of `frames` frames, a
+    /// few at a time in memory.
+    ///
+    /// # Errors
+    /// Its stage has not made it, or it is not as the manifest says.
+    pub fn sensor<R: Row + Framed>(
+        &self,
+        agent: AgentId,
+        name: &str,
+        frames: u32,
+    ) -> Result<SensorFrames<R>, SceneError> {
+        let key = keys::sensor(self.scene(), agent, name);
+        let groups = self.store().row_groups(self.manifest(R::STAGE)?, &key)?;
+        let path = self.store().location(&key);
+        Ok(SensorFrames { path, groups, ready: Vec::new().into_iter(), next: 0, frames })
+    }
+
+    /// A whole table of an agent that is no sensor's own (`visible`): any number of rows a frame.
+    ///
+    /// # Errors
+    /// As [`SceneReader::sensor`].
+    pub fn sensor_rows<R: Row>(&self, agent: AgentId, name: &str) -> Result<Vec<R>, SceneError> {
+        let key = keys::sensor(self.scene(), agent, name);
+        Ok(self.store().read_rows(self.manifest(R::STAGE)?, &key)?)
+    }
+
+    /// What the table of an agent's sensor says of the sensor.
+    ///
+    /// # Errors
+    /// As [`SceneReader::sensor`], or it says nothing of it.
+    pub fn calibration<R: Row>(&self, agent: AgentId, name: &str) -> Result<Calibration, SceneError> {
+        let key = keys::sensor(self.scene(), agent, name);
+        let path = || self.store().location(&key);
+        let text = self.store().table_metadata(self.manifest(R::STAGE)?, &key, METADATA_KEY)?;
+        let text = text.ok_or_else(|| SceneError::NoCalibration { path: path() })?;
+        serde_json::from_str(&text).map_err(|source| SceneError::Calibration { path: path(), source })
+    }
+}
+
+impl<R: Row + Framed> SensorFrames<R> {
+    fn row(&mut self) -> Result<R, SceneError> {
+        let wrong = |found| SceneError::Frame { path: self.path.clone(), expected: self.next, found };
+        let row = loop {
+            if let Some(row) = self.ready.next() {
+                break row;
+            }
+            match self.groups.next() {
+                Some(group) => self.ready = group?.into_iter(),
+                None => return Err(wrong(None)),
+            }
+        };
+        if row.frame() == i64::from(self.next) { Ok(row) } else { Err(wrong(Some(row.frame()))) }
+    }
+}
+
+impl<R: Row + Framed> Iterator for SensorFrames<R> {
+    type Item = Result<R, SceneError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.next == self.frames {
+            return None;
+        }
+        let row = self.row();
+        // After an error nothing more can be trusted.
+        self.next = if row.is_ok() { self.next + 1 } else { self.frames };
+        Some(row)
+    }
+}

@@ -1,0 +1,12 @@
+//! Archives of arrays that stages write for each agent, one array a frame. Each is a file of its own: a new kind makes no
+//! stage stale.
+
+mod bev;
+mod kind;
+mod occupancy;
+mod occupancy_filled;
+
+pub use bev::BEV_MASKS;
+pub use kind::ArrayKind;
+pub use occupancy::VOXEL_GRIDS;
+pub use occupancy_filled::FILLED_VOXEL_GRIDS;
