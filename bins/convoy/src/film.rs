@@ -74,7 +74,7 @@ fn film(
         return Err(Fault::Usage(format!("{}: an animated picture must end in .png", out.display())));
     }
     let store = Store::open(folder).map_err(pipeline::StageError::from)?;
-    let reader = SceneReader::open(&store, scene, &[schema::scene_info::STAGE])?;
+    let reader = SceneReader::open(&store, scene, &[schema::scene_info::LOG_STAGE])?;
     let log = SceneLog::read(&reader).map_err(|e| match e {
         SceneError::NotMade { stage, .. } => {
             Fault::Usage(format!("{}: scene {scene} has no log: run {stage}", folder.display()))

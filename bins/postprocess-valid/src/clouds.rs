@@ -38,7 +38,10 @@ impl Clouds {
             sensors: &[RangeSensor],
             frames: u32,
         ) -> Result<Vec<(Mount, SensorFrames<R>)>, SceneError> {
-            sensors.iter().map(|s| Ok((s.mount, scene.sensor(agent, &s.name, frames)?))).collect()
+            sensors
+                .iter()
+                .map(|s| Ok((s.mount, SensorFrames::open(scene, agent, &s.name, frames)?)))
+                .collect()
         }
         Ok(Self {
             lidars: tables(scene, agent, &rig.lidars, frames)?,

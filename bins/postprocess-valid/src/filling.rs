@@ -53,7 +53,7 @@ impl FilledGrids<'_> {
     }
 
     fn open(&self) -> Result<ArrayReader, StageError> {
-        self.scene.arrays(&VOXEL_GRIDS, self.agent, MAX_MEMBER_BYTES).at(|| self.place())
+        ArrayReader::open(self.scene, &VOXEL_GRIDS, self.agent, MAX_MEMBER_BYTES).at(|| self.place())
     }
 }
 

@@ -90,7 +90,7 @@ fn visible_of(
 ) -> Result<BTreeMap<u32, PixelCounts>, InputError> {
     let mut visible: BTreeMap<u32, PixelCounts> = BTreeMap::new();
     if rig.instance {
-        let rows: Vec<VisibleRow> = scene.sensor_rows(agent, VISIBLE_TABLE)?;
+        let rows: Vec<VisibleRow> = scene::agent_rows(scene, agent, VISIBLE_TABLE)?;
         for row in rows {
             visible.entry(row.frame).or_default().insert((row.id, row.tag), row.pixels);
         }

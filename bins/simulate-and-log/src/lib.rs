@@ -65,7 +65,7 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     let labels = Labels::collect(&map, &actors, &log, &info, settings.box_radius_m)?;
     let json = serde_json::to_vec_pretty(&info).at(|| place.clone())?;
     let key = |name: &str| keys::scene(scene, name);
-    unit.bytes(&key(schema::scene_info::FILE), &json, 1)?;
+    unit.bytes(&key(schema::scene_info::SCENE_FILE), &json, 1)?;
     unit.rows(&key("log/actors.parquet"), &actors)?;
     unit.rows(&key("log/states.parquet"), &log.states)?;
     unit.rows(&key("log/frames.parquet"), &log.frames)?;

@@ -33,7 +33,7 @@ fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
                 counts.add(&store.read_rows::<PartialRow>(manifest, &output.key)?);
             }
         }
-        if manifests.iter().any(|m| m.stage == scene_info::STAGE) {
+        if manifests.iter().any(|m| m.stage == scene_info::LOG_STAGE) {
             let reader = SceneReader::new(&store, *scene, manifests.iter().cloned());
             scenes.push(reader.info().at(|| Place::scene(*scene))?);
         }
@@ -89,7 +89,7 @@ fn covered(done: &BTreeMap<u32, Vec<Manifest>>) -> Vec<(u32, &[Manifest])> {
 mod tests {
     use super::*;
 
-    const SIMULATE: &str = scene_info::STAGE;
+    const SIMULATE: &str = scene_info::LOG_STAGE;
 
     fn done(scenes: &[(u32, &[&str])]) -> Vec<u32> {
         let manifest = |stage: &&str| Manifest {

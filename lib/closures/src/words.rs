@@ -45,13 +45,7 @@ pub(crate) fn names_of(bytes: &[u8]) -> BTreeSet<String> {
                 names.insert(name.to_owned());
             }
             // `impl Trait for Type`, `impl Type`: whoever reaches the type may use what is said of it here.
-            ("impl", _) if is_top => {
-                let head = line.split('{').next().unwrap_or(line);
-                let of = head.rsplit(" for ").next().unwrap_or(head);
-                let of =
-                    of.split(|c| !is_word(c)).filter(|w| w.starts_with(|c: char| c.is_ascii_uppercase()));
-                names.extend(of.map(str::to_owned));
-            }
+            ("impl", _) if is_top => names.extend(self_type(line)),
             // A row of `table!`: `ActorRow in "log/actors" by ... {`.
             (name, _) if line.contains(" in \"") && name.starts_with(|c: char| c.is_ascii_uppercase()) => {
                 names.insert(name.to_owned());
@@ -62,6 +56,32 @@ pub(crate) fn names_of(bytes: &[u8]) -> BTreeSet<String> {
     names
 }
 
+/// The type that a block of methods is about: the first capitalised word after the last `for`, or after the parameters.
+fn self_type(line: &str) -> Option<String> {
+    let head = line.split('{').next().unwrap_or(line);
+    let of = head.rsplit_once(" for ").map_or_else(|| without_parameters(head), |(_, of)| of);
+    let mut words = of.split(|c| !is_word(c));
+    words.find(|word| word.starts_with(|c: char| c.is_ascii_uppercase())).map(str::to_owned)
+}
+
+/// What follows `impl<...>`.
+fn without_parameters(head: &str) -> &str {
+    let rest = head.trim_start_matches("impl");
+    if !rest.starts_with('<') {
+        return rest;
+    }
+    let mut depth = 0_u32;
+    let end = rest.find(|c| {
+        depth = match c {
+            '<' => depth + 1,
+            '>' => depth.saturating_sub(1),
+            _ => depth,
+        };
+        depth == 0
+    });
+    end.map_or(rest, |end| &rest[end + 1..])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -70,15 +90,15 @@ mod tests {
     fn every_kind_of_item_is_a_name() {
         let text = "//! Head.\nuse crate::Other;\npub mod inner;\npub(crate) struct One;\npub const TWO: u8 = 2;\n\
                     pub enum Three {\n    Four,\n}\nimpl Five {\n    pub fn six() {}\n    const EIGHT: u8 = 8;\n}\n\
-                    impl<T: Copy> Nine for Ten<T> {}\npub fn eleven() {}\npub const fn twelve() {}\nconst fn own() {}\n\
+                    impl<T: Copy> Nine for Ten<T> {}\nimpl<T: Into<Vec<Copy>>> Fifteen<T> {}\npub fn eleven() {}\npub const fn twelve() {}\nconst fn own() {}\n\
                     table! {\n    Thirteen in \"log/actors\" {\n        id: u16,\n    }\n}\nmacro_rules! fourteen {\n";
         let names = names_of(text.as_bytes());
         let expected =
-            ["One", "TWO", "Three", "Five", "Ten", "T", "eleven", "twelve", "Thirteen", "fourteen"];
+            ["One", "TWO", "Three", "Five", "Ten", "eleven", "twelve", "Thirteen", "fourteen", "Fifteen"];
         for name in expected {
             assert!(names.contains(name), "{name} in {names:?}");
         }
-        for name in ["Other", "inner", "Four", "six", "EIGHT", "Nine", "own", "id"] {
+        for name in ["Other", "inner", "Four", "six", "EIGHT", "Nine", "T", "Copy", "own", "id"] {
             assert!(!names.contains(name), "{name} in {names:?}");
         }
     }

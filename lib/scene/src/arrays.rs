@@ -15,26 +15,24 @@ pub struct ArrayReader {
     stage: &'static str,
 }
 
-impl SceneReader {
+impl ArrayReader {
     /// Opens the archive of an agent's arrays of a kind. Arrays of more than `max_bytes` are refused.
     ///
     /// # Errors
     /// The stage has not made it, or it is not as the manifest says.
-    pub fn arrays(
-        &self,
+    pub fn open(
+        scene: &SceneReader,
         kind: &ArrayKind,
         agent: AgentId,
         max_bytes: u64,
-    ) -> Result<ArrayReader, SceneError> {
-        let key = keys::array(self.scene(), kind, agent);
-        let stream = self.store().stream_output(self.manifest(kind.stage)?, &key)?;
-        let (path, scene, stage) = (self.store().location(&key), self.scene(), kind.stage);
+    ) -> Result<Self, SceneError> {
+        let key = keys::array(scene.scene(), kind, agent);
+        let stream = scene.store().stream_output(scene.manifest(kind.stage)?, &key)?;
+        let (path, scene, stage) = (scene.store().location(&key), scene.scene(), kind.stage);
         let archive = NpzReader::new(stream).map_err(|e| wrong(&path, scene, stage, None, e))?;
-        Ok(ArrayReader { archive: archive.with_max_bytes(max_bytes), path, scene, stage })
+        Ok(Self { archive: archive.with_max_bytes(max_bytes), path, scene, stage })
     }
-}
 
-impl ArrayReader {
     /// Number of frames.
     #[must_use]
     pub fn frames(&self) -> u32 {

@@ -12,4 +12,4 @@ pub use error::SceneError;
 pub use frames::FrameRanges;
 pub use log::SceneLog;
 pub use reader::SceneReader;
-pub use sensor::SensorFrames;
+pub use sensor::{SensorFrames, agent_rows, read_calibration};

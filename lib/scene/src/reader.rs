@@ -70,8 +70,8 @@ impl SceneReader {
     /// # Errors
     /// The log is missing, or not as its manifest says.
     pub fn info(&self) -> Result<SceneInfo, SceneError> {
-        let manifest = self.manifest(schema::scene_info::STAGE)?;
-        Ok(self.store.read_output_json(manifest, &keys::scene(self.scene, schema::scene_info::FILE))?)
+        let manifest = self.manifest(schema::scene_info::LOG_STAGE)?;
+        Ok(self.store.read_output_json(manifest, &keys::scene(self.scene, schema::scene_info::SCENE_FILE))?)
     }
 
     /// The agents: vehicles, then RSUs.
@@ -79,7 +79,7 @@ impl SceneReader {
     /// # Errors
     /// As [`SceneReader::info`], or an agent's name is none.
     pub fn agents(&self) -> Result<Vec<AgentId>, SceneError> {
-        let path = || self.location(schema::scene_info::FILE);
+        let path = || self.location(schema::scene_info::SCENE_FILE);
         let parse = |name: &str| name.parse().map_err(|source| SceneError::Agent { path: path(), source });
         self.info()?.agents.iter().map(|agent| parse(&agent.agent)).collect()
     }

@@ -16,47 +16,19 @@ pub struct SensorFrames<R> {
     frames: u32,
 }
 
-impl SceneReader {
-    /// Opens a table of an agent's sensor, by its name (`LIDAR`, `RGB-CAM_FRONT`). It gives one row for each of `frames` frames, a
-    /// few at a time in memory.
+impl<R: Row + Framed> SensorFrames<R> {
+    /// Opens a table of an agent's sensor, by its name (`LIDAR`, `RGB-CAM_FRONT`). It gives one row for each of `frames`
+    /// frames, a few at a time in memory.
     ///
     /// # Errors
     /// Its stage has not made it, or it is not as the manifest says.
-    pub fn sensor<R: Row + Framed>(
-        &self,
-        agent: AgentId,
-        name: &str,
-        frames: u32,
-    ) -> Result<SensorFrames<R>, SceneError> {
-        let key = keys::sensor(self.scene(), agent, name);
-        let groups = self.store().row_groups(self.manifest(R::STAGE)?, &key)?;
-        let path = self.store().location(&key);
-        Ok(SensorFrames { path, groups, ready: Vec::new().into_iter(), next: 0, frames })
+    pub fn open(scene: &SceneReader, agent: AgentId, name: &str, frames: u32) -> Result<Self, SceneError> {
+        let key = keys::sensor(scene.scene(), agent, name);
+        let groups = scene.store().row_groups(scene.manifest(R::STAGE)?, &key)?;
+        let path = scene.store().location(&key);
+        Ok(Self { path, groups, ready: Vec::new().into_iter(), next: 0, frames })
     }
 
-    /// A whole table of an agent that is no sensor's own (`visible`): any number of rows a frame.
-    ///
-    /// # Errors
-    /// As [`SceneReader::sensor`].
-    pub fn sensor_rows<R: Row>(&self, agent: AgentId, name: &str) -> Result<Vec<R>, SceneError> {
-        let key = keys::sensor(self.scene(), agent, name);
-        Ok(self.store().read_rows(self.manifest(R::STAGE)?, &key)?)
-    }
-
-    /// What the table of an agent's sensor says of the sensor.
-    ///
-    /// # Errors
-    /// As [`SceneReader::sensor`], or it says nothing of it.
-    pub fn calibration<R: Row>(&self, agent: AgentId, name: &str) -> Result<Calibration, SceneError> {
-        let key = keys::sensor(self.scene(), agent, name);
-        let path = || self.store().location(&key);
-        let text = self.store().table_metadata(self.manifest(R::STAGE)?, &key, METADATA_KEY)?;
-        let text = text.ok_or_else(|| SceneError::NoCalibration { path: path() })?;
-        serde_json::from_str(&text).map_err(|source| SceneError::Calibration { path: path(), source })
-    }
-}
-
-impl<R: Row + Framed> SensorFrames<R> {
     fn row(&mut self) -> Result<R, SceneError> {
         let wrong = |found| SceneError::Frame { path: self.path.clone(), expected: self.next, found };
         let row = loop {
@@ -84,4 +56,29 @@ impl<R: Row + Framed> Iterator for SensorFrames<R> {
         self.next = if row.is_ok() { self.next + 1 } else { self.frames };
         Some(row)
     }
+}
+
+/// A whole table of an agent that is no sensor's own (`visible`): any number of rows a frame.
+///
+/// # Errors
+/// As [`SensorFrames::open`].
+pub fn agent_rows<R: Row>(scene: &SceneReader, agent: AgentId, name: &str) -> Result<Vec<R>, SceneError> {
+    let key = keys::sensor(scene.scene(), agent, name);
+    Ok(scene.store().read_rows(scene.manifest(R::STAGE)?, &key)?)
+}
+
+/// What the table of an agent's sensor says of the sensor: its pose and intrinsics.
+///
+/// # Errors
+/// As [`SensorFrames::open`], or it says nothing of it.
+pub fn read_calibration<R: Row>(
+    scene: &SceneReader,
+    agent: AgentId,
+    name: &str,
+) -> Result<Calibration, SceneError> {
+    let key = keys::sensor(scene.scene(), agent, name);
+    let path = || scene.store().location(&key);
+    let text = scene.store().table_metadata(scene.manifest(R::STAGE)?, &key, METADATA_KEY)?;
+    let text = text.ok_or_else(|| SceneError::NoCalibration { path: path() })?;
+    serde_json::from_str(&text).map_err(|source| SceneError::Calibration { path: path(), source })
 }

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 /// Name of the file in the scene's folder.
-pub const FILE: &str = "log/scene.json";
+pub const SCENE_FILE: &str = "log/scene.json";
 /// The stage that writes it.
-pub const STAGE: &str = "simulate-and-log";
+pub const LOG_STAGE: &str = "simulate-and-log";
 
 /// Facts about one scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
