@@ -37,6 +37,7 @@ declare -A allowed=(
     [analysis]="frames schema"
     [testkit]="frames opendrive schema"
     [scene]="formats frames schema store"
+    [forecast]="plan schema"
     [mapstore]="opendrive store"
     [framewise]="counts formats pipeline scene schema store"
     [replay]="mapstore opendrive scene schema world"

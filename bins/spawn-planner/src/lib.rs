@@ -1,7 +1,6 @@
 //! The planning stage: reads maps, plans scenes, keeps everything a store needs to be complete by itself.
 
 mod error;
-mod forecast;
 mod maps;
 
 use std::collections::BTreeMap;
@@ -9,7 +8,6 @@ use std::path::Path;
 
 use pipeline::{At, Job, Place, Stage, StageError, StageSettings};
 use plan::{Plan, PlanMap, Roster, SceneSlot};
-use schema::settings::DatasetSettings;
 use schema::settings::stages::PlanSettings;
 use schema::table::Row;
 use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
@@ -18,7 +16,15 @@ use store::{Scope, Store, keys};
 use crate::maps::MapSource;
 
 /// The stage.
-pub const STAGE: Stage<PlanSettings> = Stage { run, sources: maps::digests, forecast: Some(forecast) };
+pub const STAGE: Stage<PlanSettings> = Stage {
+    run,
+    sources: maps::digests,
+    // Plans without writing, and says what that would come to.
+    forecast: Some(|all, folder, store| {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        Ok(forecast::lines(all, &make(&PlanSettings::of(all), folder, store)?.plan, cores))
+    }),
+};
 /// Its name.
 const NAME: &str = Stage::<PlanSettings>::NAME;
 
@@ -50,16 +56,6 @@ fn make(as_written: &PlanSettings, folder: Option<&Path>, store: &Store) -> Resu
         tracing::warn!("{warning}");
     }
     Ok(Planned { roster, texts, maps, plan })
-}
-
-/// Plans without writing, and says what that would come to.
-fn forecast(
-    settings: &DatasetSettings,
-    folder: Option<&Path>,
-    store: &Store,
-) -> Result<Vec<String>, StageError> {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    Ok(forecast::lines(settings, &make(&PlanSettings::of(settings), folder, store)?.plan, cores))
 }
 
 fn run(job: &mut Job<'_, PlanSettings>) -> Result<(), StageError> {

@@ -101,7 +101,8 @@ fn size(bytes: f64) -> DecimalBytes {
 }
 
 /// What to expect of a plan, line by line; `cores` are those of this machine.
-pub(crate) fn lines(settings: &DatasetSettings, plan: &Plan, cores: usize) -> Vec<String> {
+#[must_use]
+pub fn lines(settings: &DatasetSettings, plan: &Plan, cores: usize) -> Vec<String> {
     let forecast = Forecast::of(settings, plan);
     let maps = plan.scenes.iter().map(|s| &s.map).collect::<BTreeSet<_>>().len();
     let of_split = |split: Split| {
