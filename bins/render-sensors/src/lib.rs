@@ -5,11 +5,12 @@ mod recorder;
 
 use counts::PartialCounts;
 use pipeline::{At, Job, Stage, StageError};
+use renderer::Renderer;
 use replay::{Replay, in_frame_order};
 use schema::settings::stages::SensorSettings;
 use sensors::{Carrier, CpuPainter, GeoOrigin};
 use store::keys;
-use visibility::{CpuRenderer, Renderer};
+use visibility::CpuRenderer;
 
 use crate::agent::{AgentRig, Eyes};
 use crate::recorder::Recorder;
