@@ -18,6 +18,7 @@ use pipeline::StageSettings;
 use plan::PlanMap;
 use random::Stream;
 use rayon::prelude::*;
+use renderer::{Renderer, Scene, VoxelRenderer};
 use schema::geometry::Snapshot;
 use schema::images::{Instance, Rgb};
 use schema::settings::stages::{PlanSettings, SimulationSettings};
@@ -27,9 +28,9 @@ use schema::{AgentId, BevClass, DetectionClass};
 use sensors::{CameraView, CpuPainter, FrameWeather, Image, Lidar, Painter, RadarMotion, Shot, Sight};
 use traffic::{SceneInput, SimulationLog};
 use validity::{Evidence, PointCloud};
-use visibility::{CpuRenderer, Renderer, Scene};
+use visibility::CpuRenderer;
 use voxelgrid::VoxelGrid;
-use voxels::Voxelizer;
+use voxels::{CpuVoxelRenderer, GridPlacement};
 use world::{Moment, SceneWorld};
 
 const CONFIG: &str = "seed = 27\n[scenes.train]\n\"convoy/demo\" = 1\n[agents]\nmin_vehicles = 2\nmax_vehicles = 2\n\
@@ -261,10 +262,15 @@ impl<'a> Agentframe<'a> {
     fn occupancy(&self) -> [f64; 3] {
         let settings = &self.settings.vehicle_occupancy;
         let snapshot = self.snapshot(settings.range_m * 1.5);
-        let mut voxelizer = Voxelizer::new(settings).expect("is a grid");
+        let placement = GridPlacement::new(settings).expect("is a grid");
+        let mut cpu = CpuVoxelRenderer::default();
+        cpu.prepare(&snapshot.meshes).expect("has no device");
         let mut grid = VoxelGrid::default();
-        voxelizer.voxelize(&snapshot, &self.pose, None, &mut grid);
-        let voxels = best(3, || voxelizer.voxelize(&snapshot, &self.pose, None, &mut grid));
+        let voxelize = |grid: &mut VoxelGrid| {
+            placement.voxelize(&cpu, &snapshot, &self.pose, None, grid).expect("has no device");
+        };
+        voxelize(&mut grid);
+        let voxels = best(3, || voxelize(&mut grid));
         let mut filler = Filler::default();
         let mut work = grid.clone();
         filler.fill(&mut work, settings.voxel_m).expect("is filled");

@@ -6,11 +6,12 @@ use bev::{Areas, BevRasterizer};
 use divan::{Bencher, counter::ItemsCount};
 use fill::Filler;
 use frames::{Agent, Pose, World};
+use renderer::VoxelRenderer;
 use schema::settings::{BevSettings, OccupancySettings};
 use schema::tables::BoxRow;
 use validity::{Evidence, PointCloud, validate};
 use voxelgrid::VoxelGrid;
-use voxels::Voxelizer;
+use voxels::{CpuVoxelRenderer, GridPlacement};
 
 #[path = "../scenes/small_town.rs"]
 mod scene;
@@ -34,12 +35,13 @@ fn bev_400x400(bencher: Bencher<'_, '_>) {
 fn voxels_1280x1280x80(bencher: Bencher<'_, '_>) {
     let town = scene::town();
     let triangles: usize = town.instances.iter().map(|i| town.mesh(i).triangles.len()).sum();
-    let mut voxelizer = Voxelizer::new(&OccupancySettings::default()).expect("default settings");
+    let placement = GridPlacement::new(&OccupancySettings::default()).expect("default settings");
+    let mut cpu = CpuVoxelRenderer::default();
+    cpu.prepare(&town.meshes).expect("has no device");
     let mut grid = VoxelGrid::default();
-    voxelizer.voxelize(&town, &agent(), None, &mut grid);
-    bencher
-        .counter(ItemsCount::new(triangles))
-        .bench_local(|| voxelizer.voxelize(&town, &agent(), None, &mut grid));
+    let mut voxelize = || placement.voxelize(&cpu, &town, &agent(), None, &mut grid).is_ok();
+    assert!(voxelize());
+    bencher.counter(ItemsCount::new(triangles)).bench_local(voxelize);
 }
 
 #[divan::bench]

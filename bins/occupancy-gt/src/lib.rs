@@ -4,13 +4,14 @@ use counts::PartialCounts;
 use formats::Scalar;
 use framewise::{FrameArray, FrameArrays, label_agents};
 use pipeline::{At, Job, Place, Stage, StageError};
+use renderer::VoxelRenderer;
 use replay::Replay;
 use scene::SceneReader;
 use schema::arrays::VOXEL_GRIDS;
 use schema::settings::{OccupancySettings, PerAgent};
 use schema::{AgentId, ObjectId};
 use voxelgrid::{Filling, VoxelGrid};
-use voxels::Voxelizer;
+use voxels::{CpuVoxelRenderer, GridPlacement};
 
 /// The stage.
 pub const STAGE: Stage<Seen> = Stage::new(run);
@@ -21,9 +22,12 @@ fn run(job: &mut Job<'_, Seen>) -> Result<(), StageError> {
     let settings = job.settings().clone();
     let scene = SceneReader::new(job.store(), job.scene(), job.inputs());
     let replay = Replay::open(&scene).at(|| job.place())?;
+    let mut renderer = CpuVoxelRenderer::default();
+    renderer.prepare(&replay.meshes()).at(|| job.place())?;
     let grids = |position, agent| {
         let settings = settings.of(agent);
-        settings.enabled.then_some(Grids { replay: &replay, position, agent, settings })
+        let grids = Grids { replay: &replay, renderer: &renderer, position, agent, settings };
+        settings.enabled.then_some(grids)
     };
     label_agents(job, &replay.log, &VOXEL_GRIDS, grids)
 }
@@ -31,23 +35,30 @@ fn run(job: &mut Job<'_, Seen>) -> Result<(), StageError> {
 /// The grids of an agent.
 struct Grids<'a> {
     replay: &'a Replay,
+    renderer: &'a dyn VoxelRenderer,
     position: usize,
     agent: AgentId,
     settings: &'a OccupancySettings,
 }
 
+impl Grids<'_> {
+    fn place(&self) -> Place {
+        Place::scene(self.replay.log.info.scene).agent(self.agent)
+    }
+}
+
 impl FrameArrays for Grids<'_> {
-    type Memory = (Voxelizer, VoxelGrid);
+    type Memory = (GridPlacement, VoxelGrid);
 
     fn memory(&self) -> Result<Self::Memory, StageError> {
-        let voxelizer = Voxelizer::new(self.settings).at(|| Place::default().agent(self.agent))?;
-        Ok((voxelizer, VoxelGrid::default()))
+        let placement = GridPlacement::new(self.settings).at(|| self.place())?;
+        Ok((placement, VoxelGrid::default()))
     }
 
     /// `[x, y, z]` tags.
     fn array<'m>(
         &self,
-        (voxelizer, grid): &'m mut Self::Memory,
+        (placement, grid): &'m mut Self::Memory,
         frame: u32,
         counts: &mut PartialCounts,
     ) -> Result<FrameArray<'m>, StageError> {
@@ -57,7 +68,8 @@ impl FrameArrays for Grids<'_> {
         let height_m = self.settings.upper_m.abs().max(self.settings.lower_m.abs());
         let radius_m = self.settings.range_m * std::f64::consts::SQRT_2 + height_m;
         let snapshot = self.replay.snapshot(frame, pose.xyz(), radius_m);
-        voxelizer.voxelize(&snapshot, &pose, own, grid);
+        let place = || self.place().frame(frame);
+        placement.voxelize(self.renderer, &snapshot, &pose, own, grid).at(place)?;
         grid.add_to(counts, &self.agent.to_string(), Filling::Hollow);
         Ok(FrameArray { scalar: Scalar::U8, shape: grid.shape.to_vec(), bytes: (&grid.data).into() })
     }

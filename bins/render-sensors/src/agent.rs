@@ -2,10 +2,10 @@
 
 use pipeline::{At, Place, StageError};
 use rayon::prelude::*;
+use renderer::Renderer;
 use replay::Replay;
 use schema::settings::Rig;
 use sensors::{AgentState, FrameWeather, Motion, Observation, Painter};
-use visibility::Renderer;
 
 use crate::recorder::Recorder;
 

@@ -6,12 +6,13 @@ mod recorder;
 use counts::PartialCounts;
 use framewise::in_frame_order;
 use pipeline::{At, Job, Stage, StageError};
+use renderer::Renderer;
 use replay::Replay;
 use scene::SceneReader;
 use schema::settings::stages::SensorSettings;
 use sensors::{Carrier, CpuPainter, GeoOrigin};
 use store::keys;
-use visibility::{CpuRenderer, Renderer};
+use visibility::CpuRenderer;
 
 use crate::agent::{AgentRig, Eyes};
 use crate::recorder::Recorder;

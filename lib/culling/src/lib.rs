@@ -18,7 +18,9 @@ pub struct MeshFacts {
 }
 
 impl MeshFacts {
-    fn of(mesh: &TriMesh) -> Self {
+    /// Works out the facts of a mesh.
+    #[must_use]
+    pub fn of(mesh: &TriMesh) -> Self {
         let bounds = mesh.aabb();
         let tags = mesh.parts.iter().fold(0, |bits, part| bits | 1 << part.tag as u32);
         if bounds.is_empty() {

@@ -1,12 +1,10 @@
 //! Kinds of images that cameras make: the one list of them.
 //!
-//! A kind's entry below says all that others need: its tables and rows, the flag that switches it on, what it costs.
-//! Configuration, tables, counts, forecasts and docs follow from it; `sensors` says how the image is made.
+//! A kind's entry below says all that others need: its tables, how it is kept, the flag that switches it on, what it costs.
+//! Configuration, tables, counts, forecasts and docs follow from it. `sensors` says how the image is made and what its rows
+//! are: rows stand not here, because who plans a dataset knows kinds of images and no tables of sensors.
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
-
-use crate::table::Row;
-use crate::tables::{CameraRow, FlowRow};
 
 /// How the values of an image are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,18 +38,16 @@ pub struct ImageSpec {
     pub core_s_px: f64,
 }
 
-/// A kind of image with the row type of its tables.
-pub trait ImageTable {
+/// A type that stands for a kind of image.
+pub trait OfKind {
     /// Which kind.
     const KIND: ImageKind;
-    /// A row of its tables.
-    type Row: Row + Send + 'static;
 }
 
 macro_rules! image_kinds {
     ($(
         $(#[doc = $doc:literal])+
-        $kind:ident: $row:ty {
+        $image_kind:ident {
             prefix: $prefix:literal,
             encoding: $encoding:ident,
             flag: $flag:literal,
@@ -63,17 +59,17 @@ macro_rules! image_kinds {
     )+) => {
         /// A kind of image.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-        pub enum ImageKind { $( $(#[doc = $doc])+ $kind, )+ }
+        pub enum ImageKind { $( $(#[doc = $doc])+ $image_kind, )+ }
 
         impl ImageKind {
             /// All kinds.
-            pub const ALL: &'static [Self] = &[$( Self::$kind ),+];
+            pub const ALL: &'static [Self] = &[$( Self::$image_kind ),+];
 
             /// What is known of it.
             #[must_use]
             pub const fn spec(self) -> ImageSpec {
                 match self {
-                    $( Self::$kind => ImageSpec {
+                    $( Self::$image_kind => ImageSpec {
                         prefix: $prefix,
                         doc: concat!($($doc),+),
                         encoding: ImageEncoding::$encoding,
@@ -90,11 +86,10 @@ macro_rules! image_kinds {
         $(
             $(#[doc = $doc])+
             #[derive(Debug)]
-            pub enum $kind {}
+            pub enum $image_kind {}
 
-            impl ImageTable for $kind {
-                const KIND: ImageKind = ImageKind::$kind;
-                type Row = $row;
+            impl OfKind for $image_kind {
+                const KIND: ImageKind = ImageKind::$image_kind;
             }
         )+
     };
@@ -102,7 +97,7 @@ macro_rules! image_kinds {
 
 image_kinds! {
     /// Colour, 8-bit sRGB.
-    Rgb: CameraRow {
+    Rgb {
         prefix: "RGB",
         encoding: Jpeg,
         flag: "rgb",
@@ -112,7 +107,7 @@ image_kinds! {
         core_s_px: 175e-9,
     }
     /// The colour of the tag.
-    Semantic: CameraRow {
+    Semantic {
         prefix: "SEG",
         encoding: Png,
         flag: "semantic",
@@ -122,7 +117,7 @@ image_kinds! {
         core_s_px: 15e-9,
     }
     /// Red the tag, green the object id's low byte, blue its high byte.
-    Instance: CameraRow {
+    Instance {
         prefix: "IST",
         encoding: Png,
         flag: "instance",
@@ -132,7 +127,7 @@ image_kinds! {
         core_s_px: 15e-9,
     }
     /// 24-bit planar depth, red lowest, 1000 m at 2^24 - 1.
-    Depth: CameraRow {
+    Depth {
         prefix: "DPT",
         encoding: Png,
         flag: "depth",
@@ -142,7 +137,7 @@ image_kinds! {
         core_s_px: 15e-9,
     }
     /// Optical flow: motion on the screen since the last frame.
-    Flow: FlowRow {
+    Flow {
         prefix: "FLW",
         encoding: Columns,
         flag: "flow",

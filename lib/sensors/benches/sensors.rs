@@ -8,11 +8,11 @@ use std::sync::Arc;
 use divan::Bencher;
 use glam::Vec3;
 use random::Stream;
+use renderer::Scene;
 use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
 use schema::settings::{CameraSettings, LidarSpec, Rig};
 use schema::tables::Weather;
 use sensors::{Image, Lidar, Lighting, Picture, RadarMotion, Sight, Sky, pixel_counts, radar};
-use visibility::Scene;
 
 fn main() {
     divan::main();

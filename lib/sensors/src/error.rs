@@ -22,7 +22,7 @@ pub enum SensorError {
     NoPainter,
     /// The renderer failed.
     #[error(transparent)]
-    Render(#[from] visibility::RenderError),
+    Render(#[from] renderer::RenderError),
     /// A scan pattern with more rays than a sweep can number.
     #[error("lidar: {problem}")]
     ScanPattern {

@@ -3,12 +3,12 @@
 use glam::{Affine3A, Vec3};
 use random::Stream;
 use rayon::prelude::*;
+use renderer::{Hit, RayBatch, Scene};
 use schema::ObjectId;
 use schema::geometry::{Part, Snapshot, Surface};
 use schema::measures::sensors::LIDAR_POINTS;
 use schema::settings::LidarSpec;
 use schema::tables::{LidarRow, SemanticLidarRow};
-use visibility::{Hit, RayBatch, Scene};
 
 use crate::error::SensorError;
 use crate::metadata::sensor_metadata;

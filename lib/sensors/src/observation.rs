@@ -2,9 +2,9 @@
 
 use frames::LocalOrigin;
 use glam::Affine3A;
+use renderer::{PinholeCamera, Scene};
 use schema::ObjectId;
 use schema::settings::{Mount, Rig};
-use visibility::{PinholeCamera, Scene};
 
 use crate::camera::picture::Picture;
 use crate::camera::sight::Sight;

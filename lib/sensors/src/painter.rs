@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use rayon::prelude::*;
-use visibility::{Scene, VisibilityBuffer};
+use renderer::{Scene, VisibilityBuffer};
 
 use crate::camera::picture::Picture;
 use crate::camera::view::CameraView;

@@ -2,11 +2,11 @@
 
 use glam::{Affine3A, Vec3};
 use random::Stream;
+use renderer::{Hit, Hits, RayBatch, RenderError, Scene};
 use schema::measures::sensors::RADAR_POINTS;
 use schema::settings::RadarSpec;
 use schema::tables::RadarRow;
 use schema::{FRAME_PERIOD_S, ObjectId};
-use visibility::{Hit, Hits, RayBatch, RenderError, Scene};
 
 use crate::error::SensorError;
 use crate::metadata::sensor_metadata;

@@ -1,9 +1,9 @@
 //! What a ray struck.
 
 use glam::Vec3;
+use renderer::Hit;
 use schema::ObjectId;
 use schema::geometry::{Part, Snapshot};
-use visibility::Hit;
 
 /// The surface that a ray struck.
 pub(crate) struct Struck<'a> {

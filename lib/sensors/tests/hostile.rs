@@ -9,6 +9,7 @@ use frames::{Agent, Pose, World};
 use glam::{Affine3A, Vec3};
 use nalgebra::Vector3;
 use random::Stream;
+use renderer::{Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer};
 use schema::geometry::{Snapshot, TriMesh};
 use schema::settings::{CameraSettings, GnssSpec, ImuSpec, LidarSpec, Rig, ScanPattern};
 use schema::tables::Weather;
@@ -17,7 +18,6 @@ use sensors::{
     AgentState, Carrier, CpuPainter, GeoOrigin, Lidar, Motion, Observation, RadarMotion, Sensor, SensorError,
     SensorVisitor, radar,
 };
-use visibility::{Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer};
 
 const ODD: [f64; 7] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 0.0, 1e300, 1e-300];
 
@@ -184,7 +184,9 @@ impl SensorVisitor for Failures<'_> {
     fn visit<S: Sensor>(&mut self, sensor: S) -> Result<(), SensorError> {
         match sensor.sense(self.at) {
             Err(e) => {
-                assert_eq!(e.to_string(), "the renderer's device failed: it was unplugged");
+                assert_eq!(e.to_string(), "the renderer's device failed");
+                let cause = std::error::Error::source(&e).map(ToString::to_string);
+                assert_eq!(cause.as_deref(), Some("it was unplugged"));
                 self.failed.push(sensor.table().name);
             }
             Ok(_) => self.others += 1,

@@ -5,11 +5,11 @@ mod common;
 use common::{at, block, instance, plane, prepared, snapshot, street, with_scene};
 use glam::{Affine3A, Vec3};
 use random::Stream;
+use renderer::{RayBatch, Renderer, Scene};
 use schema::Tag;
 use schema::geometry::Surface;
 use schema::settings::{LidarSpec, RadarSpec, Rig, ScanPattern};
 use sensors::{Lidar, LidarSweep, RadarMotion, RadarReturns, SensorError};
-use visibility::{RayBatch, Renderer, Scene};
 
 fn stream() -> Stream {
     Stream::new(27, 0, "test/sensors", 1)

@@ -7,6 +7,7 @@ use common::{at, block, first_frame, instance, plane, prepared, snapshot};
 use frames::{Agent, Pose, World};
 use glam::Affine3A;
 use nalgebra::Vector3;
+use renderer::{Renderer, Scene};
 use schema::geometry::{Snapshot, Surface};
 use schema::settings::Rig;
 use schema::table::{Column, Row};
@@ -15,7 +16,6 @@ use schema::{AgentId, ImageKind, ImageSet, Tag};
 use sensors::{
     AgentState, Carrier, CpuPainter, GeoOrigin, Motion, Observation, Sensor, SensorError, SensorVisitor,
 };
-use visibility::{Renderer, Scene};
 
 /// A road, a house and cars, one of which drives.
 fn corner() -> Snapshot {

@@ -5,8 +5,8 @@ mod common;
 
 use common::*;
 use glam::{Affine3A, Vec3};
+use renderer::{Hit, PinholeCamera, SKY, Scene, Surfaces, VisibilityBuffer};
 use schema::geometry::Snapshot;
-use visibility::{Hit, PinholeCamera, SKY, Scene, Surfaces, VisibilityBuffer};
 
 /// A camera at the origin that looks along x.
 fn forward(width: u32, height: u32, focal: f32) -> PinholeCamera {

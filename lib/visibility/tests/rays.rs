@@ -7,7 +7,8 @@ use common::brute::BruteRenderer;
 use common::*;
 use glam::{Affine3A, Vec3};
 use proptest::prelude::*;
-use visibility::{CpuRenderer, Hit, Renderer};
+use renderer::{Hit, Renderer};
+use visibility::CpuRenderer;
 
 fn ray(origin: Vec3, direction: Vec3) -> Ray {
     Ray { origin, direction, range_m: [0.0, 200.0] }

@@ -6,8 +6,9 @@ mod common;
 use common::brute::BruteRenderer;
 use common::*;
 use glam::Vec3;
+use renderer::{RayBatch, RenderError, Renderer, SKY, Scene, Surfaces};
 use schema::geometry::Snapshot;
-use visibility::{CpuRenderer, RayBatch, RenderError, Renderer, SKY, Scene, Surfaces};
+use visibility::CpuRenderer;
 
 /// Calls with both renderers' scenes of a world.
 fn with_both(world: &Snapshot, run: impl FnOnce(&dyn Scene, &dyn Scene)) {

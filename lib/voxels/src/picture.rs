@@ -2,7 +2,7 @@
 
 use schema::Tag;
 
-use super::VoxelGrid;
+use voxelgrid::VoxelGrid;
 
 /// An RGB picture: width, height, three bytes a pixel.
 type Picture = (usize, usize, Vec<u8>);

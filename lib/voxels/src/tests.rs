@@ -1,14 +1,18 @@
 //! Against a test of every cell by separating axes, and closed forms.
 
+use std::sync::Arc;
+
 use frames::{Agent, Pose, World};
 use glam::DVec3;
 use proptest::prelude::*;
+use renderer::{RenderError, VoxelBlock, VoxelRenderer};
 use schema::Tag;
-use schema::geometry::Snapshot;
+use schema::geometry::{Snapshot, TriMesh};
 use schema::settings::OccupancySettings;
+use voxelgrid::VoxelGrid;
 
-use super::*;
 use crate::scene::{self, Builder};
+use crate::{CpuVoxelRenderer, GridPlacement, voxelize};
 
 fn small() -> OccupancySettings {
     OccupancySettings {
@@ -188,9 +192,12 @@ fn bytes_do_not_depend_on_threads_nor_on_what_the_memory_held() {
     let town = scene::town();
     let settings = OccupancySettings { voxel_m: 0.4, ..OccupancySettings::default() };
     let pose = at([-20.0, -2.0, 0.0], [0.01, 0.02, 0.3]);
+    let mut cpu = CpuVoxelRenderer::default();
+    cpu.prepare(&town.meshes).expect("has no device");
     let with = |threads: usize, grid: &mut VoxelGrid| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| Voxelizer::new(&settings).expect("settings").voxelize(&town, &pose, None, grid));
+        let placement = GridPlacement::new(&settings).expect("settings");
+        pool.install(|| placement.voxelize(&cpu, &town, &pose, None, grid).expect("has no device"));
     };
     let mut one = VoxelGrid::default();
     with(1, &mut one);
@@ -210,6 +217,92 @@ fn senseless_grids_are_refused() {
         OccupancySettings { upper_m: -2.0, ..small() },
         OccupancySettings { upper_m: 999.0, ..small() },
     ] {
-        assert!(Voxelizer::new(&settings).is_err(), "{settings:?}");
+        assert!(GridPlacement::new(&settings).is_err(), "{settings:?}");
     }
+}
+
+/// Tries every cell of a block against every triangle: a second renderer behind the seam.
+struct EveryCell;
+
+impl VoxelRenderer for EveryCell {
+    fn prepare(&mut self, _: &[Arc<TriMesh>]) -> Result<(), RenderError> {
+        Ok(())
+    }
+
+    fn voxelize(
+        &self,
+        snapshot: &Snapshot,
+        blocks: &[VoxelBlock],
+        cells: &mut [Vec<u8>],
+    ) -> Result<(), RenderError> {
+        for (block, cells) in blocks.iter().zip(cells) {
+            let [nx, ny, nz] = block.shape;
+            cells.clear();
+            cells.resize(nx * ny * nz, 0);
+            let others = snapshot.instances.iter().filter(|i| Some(i.object) != block.without);
+            for instance in others {
+                let mesh = snapshot.mesh(instance);
+                let to_cells = block.cells_from_local * instance.local_from_object;
+                for t in 0..mesh.triangles.len() {
+                    let tag = mesh.part(t).tag;
+                    let corners = mesh.corners(t).map(|c| to_cells.transform_point3(c).as_dvec3());
+                    for (at, cell) in cells.iter_mut().enumerate() {
+                        let place = [at / nz / ny, at / nz % ny, at % nz].map(|n| n as f64 + 0.5);
+                        let old = Tag::from_u8(*cell).expect("a tag");
+                        let wins = (tag.voxel_priority(), old) > (old.voxel_priority(), tag);
+                        if wins && overlaps(corners, DVec3::from_array(place), 0.5) {
+                            *cell = tag as u8;
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn another_renderer_fills_the_same_cells() {
+    // Nothing lies on the face of a cell, so rounding decides nothing.
+    let mut b = Builder::default();
+    b.add(
+        scene::sheet(Tag::Road, [-5.03, 5.07], [-5.01, 5.02], 2.0, |x, y| 0.013 + 0.07 * x - 0.05 * y),
+        1,
+        [0.0; 3],
+        [0.0; 3],
+    );
+    b.add(scene::box_mesh(Tag::Car, [0.751, 0.433, 0.7], 2), 2, [0.4951, 0.311, 0.2017], [0.1, 0.2, 0.3]);
+    b.add(scene::box_mesh(Tag::Wall, [0.131, 0.833, 0.9], 1), 3, [-0.913, 0.211, 0.107], [0.0, 0.1, 1.0]);
+    let snapshot = b.snapshot([0.0; 3]);
+    let placement = GridPlacement::new(&small()).expect("settings");
+    let block = |x: f64, yaw: f64, without| {
+        placement.block(&snapshot.origin, &at([x, 0.017, 0.031], [0.02, -0.01, yaw]), without)
+    };
+    // A batch: two places, and one without the car.
+    let blocks = [block(0.011, 0.3, None), block(0.713, 2.0, None), block(0.011, 0.3, Some(2))];
+    let filled = |renderer: &mut dyn VoxelRenderer| {
+        renderer.prepare(&snapshot.meshes).expect("has no device");
+        let mut cells = vec![Vec::new(), vec![9; 40_000], vec![3; 7]];
+        renderer.voxelize(&snapshot, &blocks, &mut cells).expect("has no device");
+        cells
+    };
+    let cpu = filled(&mut CpuVoxelRenderer::default());
+    assert_eq!(cpu, filled(&mut EveryCell));
+    let cells_of = |cells: &[u8], tag: Tag| cells.iter().filter(|&&c| c == tag as u8).count();
+    assert!(cells_of(&cpu[0], Tag::Car) > 30 && cells_of(&cpu[1], Tag::Wall) > 30);
+    assert_eq!(cells_of(&cpu[2], Tag::Car), 0);
+}
+
+#[test]
+fn meshes_that_were_not_prepared_are_an_error() {
+    let town = scene::town();
+    let placement = GridPlacement::new(&small()).expect("settings");
+    let made = placement.voxelize(
+        &CpuVoxelRenderer::default(),
+        &town,
+        &at([0.0; 3], [0.0; 3]),
+        None,
+        &mut VoxelGrid::default(),
+    );
+    assert!(matches!(made, Err(RenderError::Unprepared { prepared: 0, .. })));
 }

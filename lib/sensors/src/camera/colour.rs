@@ -10,6 +10,8 @@ use super::sight::Sight;
 use crate::error::SensorError;
 
 impl Image for Rgb {
+    type Row = CameraRow;
+
     fn of(_: &Snapshot, sight: &Sight, frame: u32) -> Result<CameraRow, SensorError> {
         let picture = sight.picture.as_ref().ok_or(SensorError::NoPainter)?;
         let image = encode::jpeg(picture, sight.view.settings.jpeg_quality)?;

@@ -1,10 +1,10 @@
 //! The depth image.
 
 use rayon::prelude::*;
+use renderer::VisibilityBuffer;
 use schema::geometry::Snapshot;
 use schema::images::Depth;
 use schema::tables::CameraRow;
-use visibility::VisibilityBuffer;
 
 use super::encode::{self, Content};
 use super::image::Image;
@@ -17,6 +17,8 @@ const DEPTH_SCALE_M: f64 = 1000.0;
 const DEPTH_STEPS: f64 = 16_777_215.0;
 
 impl Image for Depth {
+    type Row = CameraRow;
+
     fn of(_: &Snapshot, sight: &Sight, frame: u32) -> Result<CameraRow, SensorError> {
         let image = encode::png_rgb(&depth_rgb(&sight.seen), Content::Smooth, &sight.seen)?;
         Ok(encode::camera_row(frame, image))

@@ -1,9 +1,9 @@
 //! Encoders with settings chosen by measurement (`benches/sensors.rs`).
 
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
+use renderer::VisibilityBuffer;
 use schema::table::Blob;
 use schema::tables::CameraRow;
-use visibility::VisibilityBuffer;
 
 use super::picture::Picture;
 use crate::error::SensorError;

@@ -2,10 +2,10 @@
 
 use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
+use renderer::{PinholeCamera, Surfaces};
 use schema::geometry::Snapshot;
 use schema::images::Flow;
 use schema::tables::FlowRow;
-use visibility::{PinholeCamera, Surfaces};
 
 use super::image::Image;
 use super::sight::Sight;
@@ -24,6 +24,8 @@ const STEP: f32 = 1.0 / 131_072.0;
 /// surface that was beside or behind the camera a frame ago exceeds, and rounded to a multiple of 2^-17. What stands
 /// still before a camera that stands still has flow 0 exactly.
 impl Image for Flow {
+    type Row = FlowRow;
+
     fn of(snapshot: &Snapshot, sight: &Sight, frame: u32) -> Result<FlowRow, SensorError> {
         let (dx, dy) = flow(snapshot, sight);
         let (width, height) = (sight.seen.width, sight.seen.height);

@@ -3,9 +3,10 @@
 use std::marker::PhantomData;
 
 use schema::geometry::Snapshot;
-use schema::images::{ImageEncoding, ImageTable};
+use schema::images::{ImageEncoding, OfKind};
 use schema::measures::sensors::IMAGES;
 use schema::settings::Rig;
+use schema::table::Row;
 
 use super::sight::Sight;
 use crate::error::SensorError;
@@ -14,7 +15,10 @@ use crate::observation::Observation;
 use crate::sensor::{Amount, Layout, Sensor, SensorTable};
 
 /// A kind of image that is made of what a camera saw.
-pub trait Image: ImageTable + Send + Sync + 'static {
+pub trait Image: OfKind + Send + Sync + 'static {
+    /// A row of its tables.
+    type Row: Row + Send + 'static;
+
     /// The image at a frame; `snapshot` must be the one that was seen.
     ///
     /// # Errors

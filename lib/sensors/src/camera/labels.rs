@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
+use renderer::{SKY, VisibilityBuffer};
 use schema::geometry::Snapshot;
 use schema::images::{Instance, Semantic};
 use schema::tables::CameraRow;
 use schema::{ObjectId, Tag};
-use visibility::{SKY, VisibilityBuffer};
 
 use super::encode::{self, Content};
 use super::image::Image;
@@ -16,6 +16,8 @@ use crate::error::SensorError;
 
 /// [`Tag::camera_rgb`] of each pixel, that of [`Tag::Sky`] where nothing is seen.
 impl Image for Semantic {
+    type Row = CameraRow;
+
     fn of(snapshot: &Snapshot, sight: &Sight, frame: u32) -> Result<CameraRow, SensorError> {
         let rgb = Labels { snapshot, seen: &sight.seen }.paint(|tag, _| tag.camera_rgb());
         Ok(encode::camera_row(frame, encode::png_rgb(&rgb, Content::Flat, &sight.seen)?))
@@ -23,6 +25,8 @@ impl Image for Semantic {
 }
 
 impl Image for Instance {
+    type Row = CameraRow;
+
     fn of(snapshot: &Snapshot, sight: &Sight, frame: u32) -> Result<CameraRow, SensorError> {
         let rgb = Labels { snapshot, seen: &sight.seen }.paint(|tag, id| {
             let [low, high] = id.to_le_bytes();

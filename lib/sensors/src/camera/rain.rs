@@ -1,7 +1,7 @@
 //! Streaks of falling rain in front of a camera.
 
 use glam::{Vec2, Vec3};
-use visibility::VisibilityBuffer;
+use renderer::VisibilityBuffer;
 
 use super::picture::Picture;
 use crate::look::{hash2, unit};

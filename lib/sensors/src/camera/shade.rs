@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 use rayon::prelude::*;
+use renderer::{SurfacePoint, Surfaces, VisibilityBuffer};
 use schema::geometry::{Snapshot, Surface};
-use visibility::{SurfacePoint, Surfaces, VisibilityBuffer};
 
 use super::antialias::smooth_edges;
 use super::picture::Picture;

@@ -1,6 +1,6 @@
 //! What images are made of.
 
-use visibility::VisibilityBuffer;
+use renderer::VisibilityBuffer;
 
 use super::picture::Picture;
 use super::view::CameraView;

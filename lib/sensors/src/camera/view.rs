@@ -2,8 +2,8 @@
 
 use frames::{Agent, LocalOrigin, Pose, World};
 use glam::Affine3A;
+use renderer::PinholeCamera;
 use schema::settings::{CameraSettings, Mount};
-use visibility::PinholeCamera;
 
 use crate::error::{MAX_SIDE_PX, SensorError};
 
@@ -37,7 +37,7 @@ impl CameraView {
         }
     }
 
-    /// The lens as `visibility` knows it.
+    /// The lens as renderers know it.
     ///
     /// # Errors
     /// The picture has no pixels or too many, or the field of view is not that of a pinhole camera.

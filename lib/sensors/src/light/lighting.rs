@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use glam::Vec3;
+use renderer::{RenderError, Scene};
 use schema::tables::Weather;
-use visibility::{RenderError, Scene};
 
 use super::fog::Fog;
 use super::lamps::Lamps;

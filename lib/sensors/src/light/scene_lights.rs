@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
 use glam::Vec3;
-use visibility::{RenderError, Scene};
+use renderer::{RenderError, Scene};
 
 use super::lighting::{FrameWeather, Lighting};
 use super::sky::Sky;

@@ -4,7 +4,7 @@
 
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use rayon::prelude::*;
-use visibility::{PinholeCamera, RenderError, Scene, VisibilityBuffer};
+use renderer::{PinholeCamera, RenderError, Scene, VisibilityBuffer};
 
 /// Distance of the stand-in for the sun, metres: far enough that its rays are within a degree of parallel, near
 /// enough that depths keep a millimetre in `f32`.
@@ -302,9 +302,10 @@ mod tests {
     use std::sync::Arc;
 
     use frames::LocalOrigin;
+    use renderer::{RayBatch, Renderer};
     use schema::Tag;
     use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
-    use visibility::{CpuRenderer, RayBatch, Renderer};
+    use visibility::CpuRenderer;
 
     use super::*;
 

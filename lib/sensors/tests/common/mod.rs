@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use frames::{Agent, LocalOrigin, Pose, World};
 use glam::{Affine3A, Vec3};
+use renderer::{Renderer, Scene};
 use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
-use schema::images::ImageTable;
 use schema::settings::{CameraSettings, Mount};
 use schema::tables::{CameraRow, Weather};
 use schema::{ImageSet, ObjectId, Tag, lights};
 use sensors::{CameraView, CpuPainter, FrameWeather, Image, Lighting, Painter, Picture, Sight, Sky};
-use visibility::{CpuRenderer, Renderer, Scene};
+use visibility::CpuRenderer;
 
 #[path = "../../../visibility/tests/common/brute.rs"]
 pub(crate) mod brute;
@@ -56,7 +56,7 @@ pub(crate) fn grey_sight(scene: &dyn Scene, view: &CameraView) -> Sight {
 }
 
 /// An encoded image.
-pub(crate) fn encoded<I: Image + ImageTable<Row = CameraRow>>(snapshot: &Snapshot, sight: &Sight) -> Vec<u8> {
+pub(crate) fn encoded<I: Image<Row = CameraRow>>(snapshot: &Snapshot, sight: &Sight) -> Vec<u8> {
     I::of(snapshot, sight, 0).expect("is encoded").image.0
 }
 

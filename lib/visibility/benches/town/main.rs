@@ -4,8 +4,9 @@ mod scene;
 
 use divan::{Bencher, black_box};
 use glam::Vec3;
+use renderer::{RayBatch, Renderer, Surfaces};
 use schema::geometry::Snapshot;
-use visibility::{CpuRenderer, RayBatch, Renderer, Surfaces};
+use visibility::CpuRenderer;
 
 fn main() {
     divan::main();

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use frames::LocalOrigin;
 use glam::{Affine3A, Mat3, Quat, Vec3};
 use random::Stream;
+use renderer::PinholeCamera;
 use schema::Tag;
 use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
-use visibility::PinholeCamera;
 
 /// Blocks in each direction, and metres from street to street.
 const BLOCKS: i32 = 10;

@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Mat3};
+use renderer::{Hit, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer};
 use schema::geometry::{Snapshot, TriMesh};
-use visibility::{Hit, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer};
 
 #[derive(Default)]
 pub(crate) struct BruteRenderer {

@@ -8,9 +8,10 @@ use std::sync::Arc;
 use frames::LocalOrigin;
 use glam::{Affine3A, Mat3, Quat, Vec3};
 use random::Stream;
+use renderer::{Hit, Hits, PinholeCamera, RayBatch, Renderer, Scene, VisibilityBuffer};
 use schema::Tag;
 use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
-use visibility::{CpuRenderer, Hit, Hits, PinholeCamera, RayBatch, Renderer, Scene, VisibilityBuffer};
+use visibility::CpuRenderer;
 
 pub(crate) fn stream(topic: &str, number: u64) -> Stream {
     Stream::new(5, 0, topic, number)

@@ -3,18 +3,14 @@
 use frames::Aabb;
 use glam::Vec3;
 use rayon::prelude::*;
+use renderer::{Hits, PinholeCamera, RayBatch, RenderError, Scene, VisibilityBuffer};
 use schema::geometry::Snapshot;
 
-use super::bvh::{Bvh, QUICK, Stack};
-use super::meshes::Meshes;
-use super::packet::{HitsMut, Packet};
-use super::placed::Placed;
-use super::raster::rasterize;
-use crate::buffer::VisibilityBuffer;
-use crate::camera::PinholeCamera;
-use crate::error::RenderError;
-use crate::ray::{Hits, RayBatch};
-use crate::renderer::Scene;
+use crate::bvh::{Bvh, QUICK, Stack};
+use crate::meshes::Meshes;
+use crate::packet::{HitsMut, Packet};
+use crate::placed::Placed;
+use crate::raster::rasterize;
 
 /// Rays a packet: two vector registers of eight.
 const LANES: usize = 16;

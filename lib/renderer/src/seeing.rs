@@ -1,4 +1,4 @@
-//! The seam: what a renderer must be able to do.
+//! The seam for cameras, lidars, radars and shadows.
 
 use std::sync::Arc;
 

@@ -10,10 +10,9 @@ mod tile;
 mod view;
 
 use rayon::prelude::*;
+use renderer::{PinholeCamera, VisibilityBuffer};
 
-use super::placed::Placed;
-use crate::buffer::VisibilityBuffer;
-use crate::camera::PinholeCamera;
+use crate::placed::Placed;
 use tile::Tile;
 use view::{TILE_HEIGHT, TILE_WIDTH, View};
 

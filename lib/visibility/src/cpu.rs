@@ -1,20 +1,12 @@
-//! The renderer on the CPU: a tiled rasteriser and a packet ray tracer over two-level trees.
-
-mod bvh;
-mod meshes;
-mod packet;
-mod placed;
-mod raster;
-mod scene;
+//! The renderer itself.
 
 use std::sync::Arc;
 
+use renderer::{RenderError, Renderer, Scene};
 use schema::geometry::{Snapshot, TriMesh};
 
-use crate::error::RenderError;
-use crate::renderer::{Renderer, Scene};
-use meshes::Meshes;
-use scene::CpuScene;
+use crate::meshes::Meshes;
+use crate::scene::CpuScene;
 
 /// Looks at meshes with the processor's cores, all those of the rayon pool it is called in.
 #[derive(Debug, Default)]

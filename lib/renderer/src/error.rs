@@ -15,6 +15,6 @@ pub enum RenderError {
         prepared: usize,
     },
     /// The device behind a renderer failed: it is lost, or its memory is full.
-    #[error("the renderer's device failed: {0}")]
+    #[error("the renderer's device failed")]
     Device(#[source] Box<dyn std::error::Error + Send + Sync>),
 }

@@ -7,7 +7,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use schema::geometry::TriMesh;
 
-use super::bvh::{Bvh, THOROUGH};
+use crate::bvh::{Bvh, THOROUGH};
 
 /// Triangles a block.
 pub(crate) const BLOCK: usize = 8;

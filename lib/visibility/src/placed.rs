@@ -2,7 +2,7 @@
 
 use glam::{Mat3, Vec3};
 
-use super::meshes::MeshData;
+use crate::meshes::MeshData;
 
 /// One instance that can be seen.
 #[derive(Clone, Copy, Debug)]

@@ -5,10 +5,10 @@
 #![allow(clippy::needless_range_loop)] // One index runs through many lane arrays.
 
 use glam::Vec3;
+use renderer::SKY;
 
-use super::bvh::{Node, Stack};
-use super::placed::Placed;
-use crate::buffer::SKY;
+use crate::bvh::{Node, Stack};
+use crate::placed::Placed;
 
 /// Boxes are entered when a lane misses them by less than this: relative rounding of the slab distances.
 const SLACK: f32 = 1.0 + 8.0 * f32::EPSILON;

@@ -1,10 +1,10 @@
 //! The instances as one camera sees them, sorted into tiles.
 
 use glam::{DVec3, Mat3, Vec3};
+use renderer::PinholeCamera;
 
-use super::super::meshes::MeshData;
-use super::super::placed::Placed;
-use crate::camera::PinholeCamera;
+use crate::meshes::MeshData;
+use crate::placed::Placed;
 
 /// Columns of a tile; a multiple of the pixels that are drawn at once.
 pub(super) const TILE_WIDTH: usize = 64;

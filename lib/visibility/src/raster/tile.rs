@@ -2,12 +2,11 @@
 #![allow(clippy::needless_range_loop)] // One index runs through many lane arrays.
 
 use glam::{DVec3, Vec3};
+use renderer::{PinholeCamera, SKY};
 
-use super::super::bvh::{Node, Stack};
-use super::super::meshes::BLOCK;
 use super::view::{Seen, TILE_HEIGHT, TILE_WIDTH, View};
-use crate::buffer::SKY;
-use crate::camera::PinholeCamera;
+use crate::bvh::{Node, Stack};
+use crate::meshes::BLOCK;
 
 /// Pixels drawn at once.
 const LANES: usize = 8;
