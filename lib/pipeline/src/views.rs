@@ -127,7 +127,7 @@ const fn view<S: StageSettings>() -> View {
 }
 
 /// What each stage sees. A stage that is missing here cannot be run: [`config_hash`] says so.
-const VIEWS: [View; 8] = [
+const VIEWS: &[View] = &[
     view::<PlanSettings>(),
     view::<SimulationSettings>(),
     view::<SensorSettings>(),
