@@ -10,7 +10,7 @@ use frames::{Agent, Pose, World};
 use nalgebra::{Point2, Point3};
 use schema::scene_info::{HazardInfo, SceneInfo};
 use schema::tables::{ActorRow, AgentRow, BoxRow, PlanHazardRow, PlanSceneRow, StateRow};
-use schema::{BevClass, lights};
+use schema::{ActorKind, ActorRole, Attribute, BevClass, HazardKind, lights};
 use store::{Manifest, Scope, Store, keys};
 
 /// A quarter of the places around the agent have a hazard, or would if there were room.
@@ -107,8 +107,11 @@ fn hazards_are_in_log_boxes_and_masks() {
 
 fn counts_agree(made: &Made) {
     let info = &made.info;
-    let of = |kind: &str| info.hazards.iter().filter(|h| h.kind == kind).count() as u32;
-    assert_eq!([info.n_accident_hazards, info.n_road_work_hazards], [of("accident"), of("road_works")]);
+    let of = |kind| info.hazards.iter().filter(|h| h.kind == kind).count() as u32;
+    assert_eq!(
+        [info.n_accident_hazards, info.n_road_work_hazards],
+        [of(HazardKind::Accident), of(HazardKind::RoadWorks)]
+    );
     assert!(info.n_accident_hazards > 1 && info.n_road_work_hazards > 1, "{:?}", made.planned);
     assert!(info.hazards.len() <= made.planned.len());
     assert!(made.planned.len() as u32 <= made.plan.hazard_attempts);
@@ -117,23 +120,24 @@ fn counts_agree(made: &Made) {
         let planned = made.planned.iter().find(|p| p.hazard == hazard.hazard).expect("it was planned");
         assert_eq!(hazard.kind, planned.kind);
         // It has what it was planned with.
-        let number = format!("\"hazard\":\"{}\"", hazard.hazard);
-        let things: Vec<&ActorRow> = made.actors.iter().filter(|a| a.attributes.contains(&number)).collect();
-        assert!(things.iter().all(|a| a.role == "hazard"));
+        let number = hazard.hazard.to_string();
+        let of_hazard = |a: &&ActorRow| a.attributes.get(&Attribute::Hazard) == Some(&number);
+        let things: Vec<&ActorRow> = made.actors.iter().filter(of_hazard).collect();
+        assert!(things.iter().all(|a| a.role == ActorRole::Hazard));
         let mut models: Vec<&str> =
-            things.iter().filter(|a| a.kind == "vehicle").map(|a| a.model.as_str()).collect();
+            things.iter().filter(|a| a.kind == ActorKind::Vehicle).map(|a| a.model.as_str()).collect();
         let mut wanted: Vec<&str> = planned.models.iter().map(String::as_str).collect();
         models.sort_unstable();
         wanted.sort_unstable();
         assert_eq!(models, wanted);
         let barriers = things.iter().filter(|a| a.model.starts_with("barrier.")).count();
-        fenced += u32::from(hazard.kind == "road_works" && barriers >= 2);
+        fenced += u32::from(hazard.kind == HazardKind::RoadWorks && barriers >= 2);
     }
     // Barriers that would touch what stands already are left out.
     assert!(2 * fenced > info.n_road_work_hazards, "{fenced}");
     // Vehicles and walkers of hazards are not counted among the background.
-    let background = made.actors.iter().filter(|a| a.role == "background").count();
-    let walkers = made.actors.iter().filter(|a| a.role == "walker").count();
+    let background = made.actors.iter().filter(|a| a.role == ActorRole::Background).count();
+    let walkers = made.actors.iter().filter(|a| a.role == ActorRole::Walker).count();
     assert_eq!([background, walkers], [info.n_vehicles as usize, info.n_walkers as usize]);
 }
 
@@ -161,7 +165,7 @@ fn boxes_have_their_classes(made: &Made) {
         boxes.entry((&b.agent, b.frame, b.id)).or_default().push(b);
     }
     for row in &made.agents {
-        for actor in made.actors.iter().filter(|a| a.role == "hazard") {
+        for actor in made.actors.iter().filter(|a| a.role == ActorRole::Hazard) {
             let away = Point3::from(actor.xyz_m) - Point3::from(row.xyz_m);
             let found = boxes.remove(&(row.agent.as_str(), row.frame, actor.id)).unwrap_or_default();
             // Boxes are collected within 200 m.
@@ -182,7 +186,7 @@ fn boxes_have_their_classes(made: &Made) {
 
 fn vehicles_have_lamps_and_doors(made: &Made) {
     let mut doors = 0;
-    for actor in made.actors.iter().filter(|a| a.role == "hazard" && a.kind == "vehicle") {
+    for actor in made.actors.iter().filter(|a| a.role == ActorRole::Hazard && a.kind == ActorKind::Vehicle) {
         let states: Vec<&StateRow> = made.states.iter().filter(|s| s.id == actor.id).collect();
         assert_eq!(states.len(), made.info.frames as usize + 1, "{actor:?}");
         let model = schema::models::find(&actor.model).expect("a model");

@@ -5,6 +5,7 @@ use std::path::Path;
 use convoy_tests::{Bench, TINY, workspace};
 use nalgebra::Point3;
 use opendrive::Map;
+use schema::ActorKind;
 use schema::tables::{ActorRow, StateRow};
 use store::{Scope, Store, keys};
 
@@ -28,7 +29,8 @@ fn drive(names: &[&str], maps: Option<&Path>) {
         let states: Vec<StateRow> =
             store.read_rows(&manifest, &keys::scene(scene, "log/states.parquet")).expect("reads");
         let map = read(&bench, name);
-        let vehicles: Vec<u16> = actors.iter().filter(|a| a.kind == "vehicle").map(|a| a.id).collect();
+        let vehicles: Vec<u16> =
+            actors.iter().filter(|a| a.kind == ActorKind::Vehicle).map(|a| a.id).collect();
         assert!(vehicles.len() >= 3, "{name}: {} vehicles", vehicles.len());
         let last = states.iter().map(|s| s.frame).max().expect("has frames");
         let at = |id: u16, frame: i32| {

@@ -24,7 +24,7 @@ use schema::images::{Instance, Rgb};
 use schema::settings::stages::{PlanSettings, SimulationSettings};
 use schema::settings::{DatasetSettings, LidarSpec};
 use schema::tables::{ActorRow, BoxRow};
-use schema::{AgentId, BevClass, DetectionClass};
+use schema::{ActorRole, AgentId, BevClass, DetectionClass};
 use sensors::{CameraView, CpuPainter, FrameWeather, Image, Lidar, Painter, RadarMotion, Shot, Sight};
 use traffic::{SceneInput, SimulationLog};
 use validity::{Evidence, PointCloud};
@@ -134,7 +134,12 @@ impl<'a> Agentframe<'a> {
         log: &'a SimulationLog,
         world: &'a SceneWorld,
     ) -> Self {
-        let own = log.actors.iter().find(|a| a.role == "vehicle_0").expect("is simulated").id;
+        let own = log
+            .actors
+            .iter()
+            .find(|a| a.role == ActorRole::Agent(AgentId::vehicle(0)))
+            .expect("is simulated")
+            .id;
         let state = log.states.iter().find(|s| s.frame == FRAME && s.id == own).expect("has a state");
         let pose = Pose::from_xyz_wxyz(state.xyz_m, state.quaternion);
         let mut renderer = CpuRenderer::default();

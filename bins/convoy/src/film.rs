@@ -9,8 +9,8 @@ use mapview::{Film, FilmWriter, Light, Look, StopBar, Thing, ViewOptions, Window
 use nalgebra::Point3;
 use opendrive::{LaneHit, Map};
 use scene::{SceneError, SceneLog, SceneReader};
-use schema::lights;
 use schema::tables::{ActorRow, SignalRow};
+use schema::{ActorKind, ActorRole, AgentId, AgentKind, Attribute, SignalState, lights};
 use store::Store;
 
 use crate::files::{Fault, exit_code, save, write_file};
@@ -138,16 +138,18 @@ fn heading_rad(quaternion: [f64; 4]) -> f64 {
 
 /// A thing that never moves, as far as it is shown.
 fn standing(actor: &ActorRow) -> Option<Thing> {
-    let look = match actor.kind.as_str() {
-        _ if !actor.fixed => return None,
-        "building" => Look::Building,
-        "vegetation" => Look::Plant,
-        "parked" | "vehicle" => Look::Vehicle,
-        "rsu" => Look::Station,
-        "walker" => Look::Walker,
-        "prop" | "sign" if actor.role == "hazard" => Look::Obstacle,
-        "prop" => Look::Furniture,
-        _ => return None,
+    if !actor.fixed {
+        return None;
+    }
+    let look = match actor.kind {
+        ActorKind::Building => Look::Building,
+        ActorKind::Vegetation => Look::Plant,
+        ActorKind::Parked | ActorKind::Vehicle => Look::Vehicle,
+        ActorKind::Rsu => Look::Station,
+        ActorKind::Walker => Look::Walker,
+        ActorKind::Prop | ActorKind::Sign if actor.role == ActorRole::Hazard => Look::Obstacle,
+        ActorKind::Prop => Look::Furniture,
+        ActorKind::Sign | ActorKind::TrafficLight | ActorKind::Pole | ActorKind::Surface => return None,
     };
     Some(thing(actor, look, actor.xyz_m, heading_rad(actor.quaternion), 0))
 }
@@ -165,7 +167,7 @@ fn thing(actor: &ActorRow, look: Look, xyz_m: [f64; 3], heading_rad: f64, lamps:
         covered: false,
         brakes: lamps & lights::BRAKE != 0,
         blinks: [lights::BLINK_LEFT, lights::BLINK_RIGHT].map(|lamp| lamps & lamp != 0),
-        label: is_agent.then(|| actor.role.clone()),
+        label: is_agent.then(|| actor.role.to_string()),
     }
 }
 
@@ -186,16 +188,16 @@ struct Cast<'a> {
 
 impl<'a> Cast<'a> {
     fn new(log: &'a SceneLog, map: &'a Map) -> Self {
-        let is_true = |actor: &ActorRow, word: &str| {
-            serde_json::from_str::<BTreeMap<String, String>>(&actor.attributes)
-                .is_ok_and(|facts| facts.get(word).is_some_and(|v| v == "true"))
-        };
-        let look = |actor: &ActorRow| match actor.kind.as_str() {
-            "walker" => Look::Walker,
-            "prop" => Look::Obstacle,
-            _ if actor.role.starts_with("vehicle_") => Look::Agent,
-            _ if is_true(actor, "reckless") || is_true(actor, "distracted") => Look::Careless,
-            _ => Look::Vehicle,
+        let look = |actor: &ActorRow| {
+            let is_careless =
+                [Attribute::Reckless, Attribute::Distracted].iter().any(|a| actor.attributes.is_true(a));
+            match (actor.kind, actor.role) {
+                (ActorKind::Walker, _) => Look::Walker,
+                (ActorKind::Prop, _) => Look::Obstacle,
+                (_, ActorRole::Agent(AgentId { kind: AgentKind::Vehicle, .. })) => Look::Agent,
+                _ if is_careless => Look::Careless,
+                _ => Look::Vehicle,
+            }
         };
         let bars = map.signals().iter().enumerate().map(|(i, signal)| {
             let bars = map.stop_points(i).into_iter().filter_map(|pos| {
@@ -218,11 +220,11 @@ impl<'a> Cast<'a> {
     }
 
     fn at(&self, log: &SceneLog, frame: u32) -> (Vec<StopBar>, Vec<Thing>) {
-        let light = |row: &SignalRow| match row.state.as_str() {
-            "Red" => Light::Red,
-            "Yellow" => Light::Yellow,
-            "Green" => Light::Green,
-            _ => Light::Off,
+        let light = |row: &SignalRow| match row.state {
+            SignalState::Red => Light::Red,
+            SignalState::Yellow => Light::Yellow,
+            SignalState::Green => Light::Green,
+            SignalState::Off => Light::Off,
         };
         let signals = log.signals_at(i64::from(frame)).iter();
         let bars = signals.flat_map(|row| {

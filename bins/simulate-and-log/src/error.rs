@@ -13,7 +13,7 @@ pub(crate) enum LogError {
     NotPlanned,
     /// An agent of the plan is not among the actors.
     #[error("{agent} was not simulated")]
-    NotSimulated { agent: String },
+    NotSimulated { agent: schema::AgentId },
     /// An agent is where no lane is.
     #[error("no driving lane")]
     NoLane,

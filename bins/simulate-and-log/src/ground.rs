@@ -11,7 +11,7 @@ use glam::Vec3;
 use nalgebra::Point3;
 use opendrive::Map;
 use schema::tables::{ActorRow, StateRow};
-use schema::{FRAME_PERIOD_S, ObjectId};
+use schema::{ActorKind, ActorRole, FRAME_PERIOD_S, ObjectId};
 use surfaces::{AreaError, Layer, TileMesh};
 
 /// Surfaces that are walked on; paint, bridge walls and guard rails are not.
@@ -95,7 +95,7 @@ fn height_in([a, b, c]: &[Point3<f64>; 3], x: f64, y: f64) -> Option<f64> {
 
 /// Whether it is a warning sign before a hazard: it stands on a sidewalk, say.
 fn is_warning(actor: &ActorRow) -> bool {
-    actor.role == "hazard" && actor.kind == "sign"
+    actor.role == ActorRole::Hazard && actor.kind == ActorKind::Sign
 }
 
 /// Puts walkers and warning signs on the ground that is drawn under them. What follows from their heights follows again: velocities are
@@ -107,7 +107,7 @@ fn is_warning(actor: &ActorRow) -> bool {
 /// A surface among the actors stands for no area.
 pub(crate) fn stand(map: &Map, actors: &mut [ActorRow], states: &mut [StateRow]) -> Result<(), AreaError> {
     let mut tracks: BTreeMap<ObjectId, Vec<usize>> =
-        actors.iter().filter(|a| a.kind == "walker").map(|a| (a.id, Vec::new())).collect();
+        actors.iter().filter(|a| a.kind == ActorKind::Walker).map(|a| (a.id, Vec::new())).collect();
     for (i, state) in states.iter().enumerate() {
         if let Some(track) = tracks.get_mut(&state.id) {
             track.push(i);
@@ -262,9 +262,9 @@ mod tests {
     fn check(name: &str, map: Map) {
         let (world, actors, log) = walked(name, map);
         let surfaces: BTreeSet<ObjectId> =
-            actors.iter().filter(|a| a.kind == "surface").map(|a| a.id).collect();
+            actors.iter().filter(|a| a.kind == ActorKind::Surface).map(|a| a.id).collect();
         let mut signs = 0;
-        for thing in actors.iter().filter(|a| a.role == "hazard") {
+        for thing in actors.iter().filter(|a| a.role == ActorRole::Hazard) {
             let off = off_ground_m(&world, thing.xyz_m, |id| surfaces.contains(&id));
             // Beyond the drawn scenery nothing is drawn under it.
             let most = if is_warning(thing) { 0.005 } else { 0.05 };
@@ -273,7 +273,7 @@ mod tests {
         }
         assert!(signs > 0, "{name}: no sign on drawn ground");
         let (mut up, mut steps) = (0, 0);
-        for walker in actors.iter().filter(|a| a.kind == "walker" && a.role != "hazard") {
+        for walker in actors.iter().filter(|a| a.kind == ActorKind::Walker && a.role != ActorRole::Hazard) {
             let track: Vec<&StateRow> = log.states.iter().filter(|s| s.id == walker.id).collect();
             assert_eq!(walker.xyz_m, track[1].xyz_m);
             for pair in track.windows(2) {

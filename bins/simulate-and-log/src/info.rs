@@ -7,6 +7,7 @@ use pipeline::{At, Place, StageError};
 use schema::scene_info::{AgentInfo, SceneInfo};
 use schema::settings::stages::SimulationSettings;
 use schema::tables::{PlanAgentRow, PlanSceneRow, Weather};
+use schema::{ActorRole, HazardKind};
 use traffic::SimulationLog;
 
 use crate::error::LogError;
@@ -25,11 +26,11 @@ pub(crate) fn scene_info(
     let agents = agents
         .iter()
         .map(|agent| {
-            let actor = log.actors.iter().find(|a| a.role == agent.agent);
-            let missing = || LogError::NotSimulated { agent: agent.agent.clone() };
+            let actor = log.actors.iter().find(|a| a.role == ActorRole::Agent(agent.agent));
+            let missing = || LogError::NotSimulated { agent: agent.agent };
             let actor = actor.ok_or_else(missing).at(|| Place::scene(plan.scene))?;
             Ok(AgentInfo {
-                agent: agent.agent.clone(),
+                agent: agent.agent.to_string(),
                 id: actor.id,
                 model: actor.model.clone(),
                 color: agent.color.clone(),
@@ -44,7 +45,7 @@ pub(crate) fn scene_info(
         })
         .collect::<Result<_, StageError>>()?;
     let weathers = [plan.initial_weather, plan.final_weather].map(Weather::from_array);
-    let hazards = |kind: &str| log.hazards.iter().filter(|h| h.kind == kind).count() as u32;
+    let hazards = |kind: HazardKind| log.hazards.iter().filter(|h| h.kind == kind).count() as u32;
     let dark = weathers.iter().any(Weather::is_night);
     Ok(SceneInfo {
         scene: plan.scene,
@@ -67,8 +68,8 @@ pub(crate) fn scene_info(
         agents,
         n_vehicles: log.n_vehicles,
         n_walkers: log.n_walkers,
-        n_accident_hazards: hazards("accident"),
-        n_road_work_hazards: hazards("road_works"),
+        n_accident_hazards: hazards(HazardKind::Accident),
+        n_road_work_hazards: hazards(HazardKind::RoadWorks),
         n_hazard_attempts: plan.hazard_attempts,
         hazards: log.hazards.clone(),
         n_reckless_vehicles: log.n_reckless,

@@ -10,7 +10,7 @@ use opendrive::Map;
 use pipeline::{At, Place, StageError};
 use schema::scene_info::SceneInfo;
 use schema::tables::{ActorRow, AgentRow, BoxRow, HdMapRow, PartialRow, StateRow};
-use schema::{AgentId, FRAME_PERIOD_S, ObjectId, measures};
+use schema::{AgentId, FRAME_PERIOD_S, ObjectId, SignalState, measures};
 use traffic::SimulationLog;
 
 use crate::error::LogError;
@@ -51,8 +51,8 @@ impl Labels {
             let states_now = take_frame(&mut states, |s| s.frame, frame as i32);
             let states_by_id: BTreeMap<ObjectId, &StateRow> = states_now.iter().map(|s| (s.id, s)).collect();
             let signals_now = take_frame(&mut signals, |s| s.frame, frame as i32);
-            let signals_by_id: BTreeMap<ObjectId, &str> =
-                signals_now.iter().map(|s| (s.id, s.state.as_str())).collect();
+            let signals_by_id: BTreeMap<ObjectId, SignalState> =
+                signals_now.iter().map(|s| (s.id, s.state)).collect();
             let objects: Vec<ObservedObject<'_>> = actors
                 .iter()
                 .map(|actor| observe(actor, &states_by_id, signals_by_id.get(&actor.id).copied()))
@@ -94,7 +94,7 @@ fn take_frame<'a, T>(rows: &mut &'a [T], frame_of: impl Fn(&T) -> i32, frame: i3
 fn observe<'a>(
     actor: &'a ActorRow,
     states: &BTreeMap<ObjectId, &'a StateRow>,
-    signal_state: Option<&'a str>,
+    signal_state: Option<SignalState>,
 ) -> ObservedObject<'a> {
     let fixed = || Pose::<World, _>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
     match states.get(&actor.id) {

@@ -4,6 +4,7 @@ use random::Stream;
 use schema::lights::{STREET_LAMP_LM, STREET_LAMP_RGB, WINDOW_RGB};
 use schema::settings::LightSettings;
 use schema::tables::{ActorRow, LampRow, PlanSceneRow};
+use schema::{ActorKind, LampKind};
 
 /// One row per street lamp and building, ascending by id; failed lamps are marked among the actors, too.
 ///
@@ -19,16 +20,16 @@ pub(crate) fn draw(actors: &mut [ActorRow], plan: &PlanSceneRow, settings: &Ligh
             if !works {
                 schema::lights::mark_failed(actor);
             }
-            let (kind, color) = ("street".to_owned(), STREET_LAMP_RGB.to_vec());
+            let (kind, color) = (LampKind::Street, STREET_LAMP_RGB.to_vec());
             rows.push(LampRow { id: actor.id, kind, works, flux_lm: Some(flux_lm), color });
-        } else if actor.kind == "building" {
+        } else if actor.kind == ActorKind::Building {
             let mut draw = stream("lights/building", actor);
             let color = if plan.random_building_colors {
                 (0..3).map(|_| draw.int_inclusive(0, 255) as u8).collect()
             } else {
                 WINDOW_RGB.to_vec()
             };
-            rows.push(LampRow { id: actor.id, kind: "building".into(), works: true, flux_lm: None, color });
+            rows.push(LampRow { id: actor.id, kind: LampKind::Building, works: true, flux_lm: None, color });
         }
     }
     rows
@@ -41,12 +42,16 @@ mod tests {
     /// Lamps and buildings in turn.
     fn town(count: u16) -> Vec<ActorRow> {
         let actor = |id: u16| {
-            let (kind, model) = if id % 2 == 1 { ("pole", "pole.lamp") } else { ("building", "building.a") };
-            ActorRow { id, kind: kind.into(), model: model.into(), ..ActorRow::default() }
+            let (kind, model) = if id % 2 == 1 {
+                (ActorKind::Pole, "pole.lamp")
+            } else {
+                (ActorKind::Building, "building.a")
+            };
+            ActorRow { id, kind, model: model.into(), ..ActorRow::default() }
         };
         (1..=count)
             .map(actor)
-            .chain([ActorRow { id: count + 1, kind: "sign".into(), ..ActorRow::default() }])
+            .chain([ActorRow { id: count + 1, kind: ActorKind::Sign, ..ActorRow::default() }])
             .collect()
     }
 
@@ -92,7 +97,7 @@ mod tests {
     fn windows_have_random_colours_when_planned_so() {
         let colors = |random| -> Vec<Vec<u8>> {
             let rows = draw(&mut town(4000), &plan(0.0, random), &LightSettings::default());
-            rows.into_iter().filter(|r| r.kind == "building").map(|r| r.color).collect()
+            rows.into_iter().filter(|r| r.kind == LampKind::Building).map(|r| r.color).collect()
         };
         assert!(colors(false).iter().all(|c| *c == WINDOW_RGB));
         let drawn = colors(true);

@@ -3,7 +3,7 @@
 use frames::{Agent, Object, OrientedBox, Pose, World, math};
 use nalgebra::Vector3;
 use schema::tables::{ActorRow, BoxRow};
-use schema::{AgentId, DetectionClass, ObjectId, Tag};
+use schema::{AgentId, DetectionClass, ObjectId, SignalState, Tag};
 
 /// Traffic-light housings are annotated when their half height exceeds this, metres.
 const LIGHT_MIN_HALF_HEIGHT_M: f64 = 0.3;
@@ -38,7 +38,7 @@ pub struct ObservedObject<'a> {
     /// Angular velocity in the world, rad/s.
     pub angular_velocity_radps: [f32; 3],
     /// State of a traffic light.
-    pub signal_state: Option<&'a str>,
+    pub signal_state: Option<SignalState>,
 }
 
 /// The boxes of a frame: for each agent (in [`AgentId`] order), the objects with a detection class whose origin is
@@ -140,7 +140,7 @@ impl<'a> Annotated<'a> {
             angular_velocity_radps: self.object.angular_velocity_radps,
             distance_m,
             angle_rad,
-            signal_state: self.object.signal_state.map(str::to_owned),
+            signal_state: self.object.signal_state,
             attributes: actor.attributes.clone(),
         }
     }
@@ -162,18 +162,18 @@ fn distinct(tags: &[u8]) -> Vec<u8> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use schema::ActorKind;
     use std::f64::consts::{FRAC_PI_2, PI};
 
     fn actor(id: u16, tags: &[Tag]) -> ActorRow {
         ActorRow {
             id,
-            kind: "vehicle".into(),
+            kind: ActorKind::Vehicle,
             model: "m".into(),
             semantic_tags: tags.iter().map(|&t| t as u8).collect(),
             length_m: 4.0,
             width_m: 2.0,
             height_m: 1.5,
-            attributes: "{}".into(),
             ..ActorRow::default()
         }
     }

@@ -47,8 +47,8 @@ impl Forecast {
         let frames: BTreeMap<u32, u64> = plan.scenes.iter().map(|s| (s.scene, u64::from(s.frames))).collect();
         let mut forecast = Self::default();
         for agent in &plan.agents {
-            let (Ok(id), Some(frames)) = (agent.agent.parse(), frames.get(&agent.scene)) else { continue };
-            forecast.add(settings, id, *frames);
+            let Some(frames) = frames.get(&agent.scene) else { continue };
+            forecast.add(settings, agent.agent, *frames);
         }
         forecast
     }
@@ -157,15 +157,14 @@ mod tests {
             duration_s: f64::from(frames) / 20.0,
             ..PlanSceneRow::default()
         };
-        let agent =
-            |scene, agent: &str| PlanAgentRow { scene, agent: agent.into(), ..PlanAgentRow::default() };
+        let agent = |scene, agent: AgentId| PlanAgentRow { scene, agent, ..PlanAgentRow::default() };
         Plan {
             scenes: vec![scene(0, 200, "train"), scene(3, 400, "test")],
             agents: vec![
-                agent(0, "vehicle_0"),
-                agent(0, "vehicle_1"),
-                agent(3, "vehicle_0"),
-                agent(3, "rsu_0"),
+                agent(0, AgentId::vehicle(0)),
+                agent(0, AgentId::vehicle(1)),
+                agent(3, AgentId::vehicle(0)),
+                agent(3, AgentId::rsu(0)),
             ],
             ..Plan::default()
         }
@@ -270,9 +269,8 @@ mod tests {
     fn the_demo_is_as_large_as_it_was() {
         let demo = pipeline::parse_config(include_str!("../../../configs/demo.toml"), "demo.toml");
         let agents = [0, 1].iter().flat_map(|&scene| {
-            let row =
-                move |agent: &str| PlanAgentRow { scene, agent: agent.into(), ..PlanAgentRow::default() };
-            ["vehicle_0", "vehicle_1", "rsu_0"].map(row)
+            let row = move |agent: AgentId| PlanAgentRow { scene, agent, ..PlanAgentRow::default() };
+            [AgentId::vehicle(0), AgentId::vehicle(1), AgentId::rsu(0)].map(row)
         });
         let scene = |scene| PlanSceneRow { scene, frames: 40, ..PlanSceneRow::default() };
         let plan = Plan { scenes: vec![scene(0), scene(1)], agents: agents.collect(), ..Plan::default() };

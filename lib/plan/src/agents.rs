@@ -199,7 +199,7 @@ pub(crate) fn vehicle_rows(
             draw_driver(&settings.traffic, &mut stream(i as u64));
         PlanAgentRow {
             scene,
-            agent: AgentId::vehicle(i as u16).to_string(),
+            agent: AgentId::vehicle(i as u16),
             model: models[i % models.len()].name.into(),
             color: settings.agents.vehicle_colors[i % settings.agents.vehicle_colors.len()].to_vec(),
             xyz_m: start.xyz_m.coords.into(),
@@ -263,7 +263,7 @@ pub(crate) fn place_rsus(
     }
     let row = |(index, pole): (usize, &Pole)| PlanAgentRow {
         scene,
-        agent: AgentId::rsu(index as u16).to_string(),
+        agent: AgentId::rsu(index as u16),
         model: RSU_MODEL.into(),
         color: RSU_COLOR.to_vec(),
         xyz_m: pole.xyz_m.coords.into(),

@@ -6,10 +6,10 @@
 use nalgebra::Point3;
 use opendrive::{LanePos, Map};
 use random::Stream;
-use schema::fleet;
 use schema::models::{Model, vehicles};
 use schema::settings::HazardSettings;
 use schema::tables::PlanHazardRow;
+use schema::{HazardKind, fleet};
 
 use crate::pool::{SpawnPoint, SpawnPool};
 
@@ -163,13 +163,15 @@ impl Surroundings<'_> {
         let xyz_m = |at| self.point(at).map_or([0.0; 3], |p| p.coords.into());
         let s_m = |at| self.map.s_of(at).unwrap_or(0.0);
         let (kind, models, items) = match &area.what {
-            What::Accident(models) => ("accident", models.iter().map(|m| m.name.to_owned()).collect(), 0),
-            What::RoadWorks(items) => ("road_works", Vec::new(), *items),
+            What::Accident(models) => {
+                (HazardKind::Accident, models.iter().map(|m| m.name.to_owned()).collect(), 0)
+            }
+            What::RoadWorks(items) => (HazardKind::RoadWorks, Vec::new(), *items),
         };
         PlanHazardRow {
             scene,
             hazard,
-            kind: kind.into(),
+            kind,
             models,
             items,
             back_xyz_m: xyz_m(area.back),

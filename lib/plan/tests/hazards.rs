@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::Point3;
 use opendrive::{LaneType, Map};
 use plan::{Plan, PlanMap, SpawnPool, plan};
+use schema::HazardKind;
 use schema::models::find;
 use schema::settings::stages::PlanSettings;
 use schema::settings::{SceneCount, Split};
@@ -71,7 +72,7 @@ fn as_many_are_tried_as_the_places_say() {
                 hazards.iter().filter(|o| o.hazard != hazard.hazard && o.back_lane == hazard.back_lane)
             {
                 let apart = |a: [f64; 3], b: [f64; 3]| (a[0] - b[0]).abs();
-                let accident = hazard.kind == "accident" && other.hazard < hazard.hazard;
+                let accident = hazard.kind == HazardKind::Accident && other.hazard < hazard.hazard;
                 assert!(!accident || apart(hazard.front_xyz_m, other.back_xyz_m) >= 12.0 - 1e-9);
                 assert!(!accident || apart(hazard.back_xyz_m, other.front_xyz_m) >= 12.0 - 1e-9);
             }
@@ -87,7 +88,7 @@ fn accidents_are_as_long_as_their_vehicles() {
     let (mut emergencies, count) = (0, plan.hazards.len());
     assert!(count > 1000, "{count}");
     for hazard in &plan.hazards {
-        assert_eq!((hazard.kind.as_str(), hazard.items), ("accident", 0));
+        assert_eq!((hazard.kind, hazard.items), (HazardKind::Accident, 0));
         let special = |m: &String| find(m).expect("a model").special == "emergency";
         let [front, rear] = [&hazard.models[0], &hazard.models[1]];
         assert!(!special(front) && !special(rear));
@@ -146,8 +147,8 @@ fn road_works_are_as_long_as_published() {
 #[test]
 fn hazards_of_both_kinds_keep_their_share() {
     let plan = planned(road(3000.0), 2000, |_| {});
-    let accidents = plan.hazards.iter().filter(|h| h.kind == "accident").count() as f64;
-    let works = plan.hazards.iter().filter(|h| h.kind == "road_works").count() as f64;
+    let accidents = plan.hazards.iter().filter(|h| h.kind == HazardKind::Accident).count() as f64;
+    let works = plan.hazards.iter().filter(|h| h.kind == HazardKind::RoadWorks).count() as f64;
     let tried: u32 = plan.scenes.iter().map(|s| s.hazard_attempts).sum();
     // Equally likely; the two kinds find room alike on this road.
     assert!((accidents / (accidents + works) - 0.5).abs() < 0.04, "{accidents} {works}");

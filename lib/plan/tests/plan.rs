@@ -185,7 +185,7 @@ fn given_starts_replace_the_pool() {
         assert!(expected.iter().any(near), "{agent:?}");
         assert_eq!(agent.xyz_m[1] > 0.0, agent.rpy_rad[2].abs() > 3.0);
     }
-    let first = planned.agents.iter().filter(|a| a.scene < 30 && a.agent == "vehicle_0");
+    let first = planned.agents.iter().filter(|a| a.scene < 30 && a.agent == schema::AgentId::vehicle(0));
     let first: BTreeSet<i64> = first.map(|a| a.xyz_m[0].round() as i64).collect();
     assert_eq!(first, [50, 90, 70].into(), "every start is used, and no other");
     // One start, one vehicle.

@@ -2,11 +2,11 @@
 
 use frames::{Object, Pose, World};
 use schema::tables::ActorRow;
-use schema::{ObjectId, Tag};
+use schema::{ActorKind, ActorRole, Attributes, ObjectId, Tag};
 
 /// An object before it has its number.
 pub(crate) struct Draft {
-    pub(crate) kind: &'static str,
+    pub(crate) kind: ActorKind,
     pub(crate) model: String,
     pub(crate) tags: Vec<Tag>,
     pub(crate) size_m: [f64; 3],
@@ -15,12 +15,12 @@ pub(crate) struct Draft {
     pub(crate) rpy_rad: [f64; 3],
     pub(crate) variant: u32,
     pub(crate) opendrive_id: Option<String>,
-    pub(crate) attributes: String,
+    pub(crate) attributes: Attributes,
 }
 
 impl Draft {
     pub(crate) fn new(
-        kind: &'static str,
+        kind: ActorKind,
         model: &str,
         tag: Tag,
         size_m: [f64; 3],
@@ -37,7 +37,7 @@ impl Draft {
             rpy_rad: [0.0, 0.0, yaw_rad],
             variant: 0,
             opendrive_id: None,
-            attributes: "{}".to_owned(),
+            attributes: Attributes::new(),
         }
     }
 
@@ -46,9 +46,9 @@ impl Draft {
         let pose = Pose::<World, Object>::from_xyz_rpy(self.xyz_m, self.rpy_rad);
         ActorRow {
             id,
-            kind: self.kind.to_owned(),
+            kind: self.kind,
             model: self.model,
-            role: "scenery".to_owned(),
+            role: ActorRole::Scenery,
             semantic_tags: self.tags.iter().map(|t| *t as u8).collect(),
             length_m: self.size_m[0],
             width_m: self.size_m[1],

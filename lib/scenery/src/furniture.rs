@@ -5,8 +5,8 @@ use frames::math::{atan2, sin_cos};
 use nalgebra::{Point3, Vector3};
 use opendrive::SignalInfo;
 use random::Stream;
-use schema::Tag;
 use schema::footprint::LightMount;
+use schema::{ActorKind, Attribute, Attributes, Tag};
 
 use crate::draft::Draft;
 use crate::frontage::Frontage;
@@ -55,9 +55,8 @@ pub(crate) fn signals(site: &Site<'_>, land: &mut Land<'_>, drafts: &mut Vec<Dra
         let point = Point3::new(at[0], at[1], at[2]);
         let Some(hit) = site.map.nearest_driving_lane(point) else { continue };
         let Some(lane) = site.map.lane_point(hit.lane, hit.s, 0.0) else { continue };
-        let mut draft = board(site, point, lane.heading_rad + std::f64::consts::PI, "speed", land);
-        draft.attributes =
-            format!("{{\"sign_type\":\"speed_limit\",\"value\":\"{digits}\",{}", &draft.attributes[1..]);
+        let facts = Attributes::new().with(Attribute::SignType, "speed_limit").with(Attribute::Value, digits);
+        let mut draft = board(site, point, lane.heading_rad + std::f64::consts::PI, "speed", facts, land);
         draft.opendrive_id = Some(object.id.clone());
         signs.push(draft);
     }
@@ -99,7 +98,7 @@ fn light(site: &Site<'_>, index: usize, signal: &SignalInfo, land: &mut Land<'_>
     let aside = if mount.pole_right { -arm } else { arm };
     let at = foot + left * aside + face * (0.5 * HOUSING_M[0] + 0.07);
     let mut draft = Draft::new(
-        "traffic_light",
+        ActorKind::TrafficLight,
         "light.signal",
         Tag::TrafficLight,
         HOUSING_M,
@@ -108,7 +107,7 @@ fn light(site: &Site<'_>, index: usize, signal: &SignalInfo, land: &mut Land<'_>
     );
     draft.variant = mount.to_variant();
     draft.opendrive_id = Some(signal.id.clone());
-    draft.attributes = format!("{{\"ground_z_m\":\"{ground_z:.3}\"}}");
+    draft.attributes = Attributes::new().with(Attribute::GroundZ, format_args!("{ground_z:.3}"));
     land.take(OrientedRect::square([foot.x, foot.y], 0.3));
     draft
 }
@@ -125,19 +124,29 @@ fn sign(site: &Site<'_>, index: usize, signal: &SignalInfo, land: &mut Land<'_>)
         "274" => ("speed", "speed_limit"),
         _ => ("other", "other"),
     };
-    let mut draft = board(site, signal.on_surface, facing_yaw(site, index, signal), kind, land);
-    let value = signal.value.filter(|v| *v > 0.0).map_or(String::new(), |v| format!("\"value\":\"{v}\","));
-    draft.attributes = format!("{{\"sign_type\":\"{sign_type}\",{value}{}", &draft.attributes[1..]);
+    let mut facts = Attributes::new().with(Attribute::SignType, sign_type);
+    if let Some(value) = signal.value.filter(|v| *v > 0.0) {
+        facts = facts.with(Attribute::Value, value);
+    }
+    let mut draft = board(site, signal.on_surface, facing_yaw(site, index, signal), kind, facts, land);
     draft.opendrive_id = Some(signal.id.clone());
     Some(draft)
 }
 
-fn board(site: &Site<'_>, foot: Point3<f64>, yaw: f64, kind: &str, land: &mut Land<'_>) -> Draft {
+/// The board of a sign, with what it says.
+fn board(
+    site: &Site<'_>,
+    foot: Point3<f64>,
+    yaw: f64,
+    kind: &str,
+    facts: Attributes,
+    land: &mut Land<'_>,
+) -> Draft {
     let ground_z = site.ground.height(foot.x, foot.y, foot.z);
     let xyz = [foot.x, foot.y, ground_z + BOARD_AT_M];
-    let mut draft = Draft::new("sign", &format!("sign.{kind}"), Tag::TrafficSign, BOARD_M, xyz, yaw);
+    let mut draft = Draft::new(ActorKind::Sign, &format!("sign.{kind}"), Tag::TrafficSign, BOARD_M, xyz, yaw);
     draft.variant = (BOARD_AT_M * 100.0).round() as u32;
-    draft.attributes = format!("{{\"ground_z_m\":\"{ground_z:.3}\"}}");
+    draft.attributes = facts.with(Attribute::GroundZ, format_args!("{ground_z:.3}"));
     land.take(OrientedRect::square([foot.x, foot.y], 0.3));
     draft
 }
@@ -169,7 +178,7 @@ pub(crate) fn lamps(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_>, d
                 continue;
             }
             let draft = Draft::new(
-                "pole",
+                ActorKind::Pole,
                 "pole.lamp",
                 Tag::Pole,
                 LAMP_M,
@@ -209,8 +218,14 @@ pub(crate) fn small_things(
                 };
                 if land.free(&rect) {
                     let z = site.ground.height(at.x, at.y, spot.point.z);
-                    let mut draft =
-                        Draft::new("prop", model, Tag::Static, size, [at.x, at.y, z], spot.facing_yaw());
+                    let mut draft = Draft::new(
+                        ActorKind::Prop,
+                        model,
+                        Tag::Static,
+                        size,
+                        [at.x, at.y, z],
+                        spot.facing_yaw(),
+                    );
                     draft.variant = variant;
                     drafts.push(draft);
                     land.take(rect);

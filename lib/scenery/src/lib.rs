@@ -4,11 +4,12 @@
 //!
 //! ```
 //! use scenery::place;
+//! use schema::ActorKind;
 //! use schema::settings::WorldSettings;
 //!
 //! let map = testkit::straight(200.0);
 //! let actors = place(&map, &WorldSettings::default(), 27, &[[100.0, 0.0, 0.0]], 1)?;
-//! assert!(actors.iter().any(|a| a.kind == "building" && a.fixed));
+//! assert!(actors.iter().any(|a| a.kind == ActorKind::Building && a.fixed));
 //! // The same seed places the same.
 //! assert_eq!(place(&map, &WorldSettings::default(), 27, &[[100.0, 0.0, 0.0]], 1)?, actors);
 //! # Ok::<(), scenery::SceneryError>(())
@@ -27,9 +28,9 @@ mod site;
 mod swept;
 
 use opendrive::Map;
-use schema::ObjectId;
 use schema::settings::WorldSettings;
 use schema::tables::ActorRow;
+use schema::{ActorKind, ObjectId};
 use surfaces::{Ground, Layer, Region};
 
 pub use catalogue::{BUILDINGS, BuildingKind, TREES};
@@ -119,7 +120,7 @@ fn surface_drafts(region: &Region, tracks: bool, waters: bool) -> Vec<Draft> {
         .filter(wanted)
         .map(|layer| {
             let (xyz, size) = ([middle[0], middle[1], 0.0], [extent[0], extent[1], 0.0]);
-            Draft::new("surface", layer.model(), layer.tag(), size, xyz, 0.0)
+            Draft::new(ActorKind::Surface, layer.model(), layer.tag(), size, xyz, 0.0)
         })
         .collect()
 }

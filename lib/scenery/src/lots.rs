@@ -2,7 +2,7 @@
 
 use frames::OrientedRect;
 use random::Stream;
-use schema::Tag;
+use schema::{ActorKind, Tag};
 
 use crate::catalogue::{BUILDINGS, BuildingKind, TREES};
 use crate::draft::Draft;
@@ -74,7 +74,7 @@ pub(crate) fn buildings(
             } + (high - low);
             let xyz = [rect.centre_m[0], rect.centre_m[1], low - 0.1];
             let mut draft = Draft::new(
-                "building",
+                ActorKind::Building,
                 model,
                 Tag::Building,
                 [size[0], size[1], height],
@@ -141,11 +141,11 @@ fn enclose(
     drafts: &mut Vec<Draft>,
 ) {
     let (model, kind, tag, width, height) = if pick < 0.22 {
-        ("prop.fence", "prop", Tag::Fence, 0.10, 1.1)
+        ("prop.fence", ActorKind::Prop, Tag::Fence, 0.10, 1.1)
     } else if pick < 0.38 {
-        ("prop.wall", "prop", Tag::Wall, 0.30, 1.4)
+        ("prop.wall", ActorKind::Prop, Tag::Wall, 0.30, 1.4)
     } else {
-        ("bush.hedge", "vegetation", Tag::Vegetation, 0.80, 1.2)
+        ("bush.hedge", ActorKind::Vegetation, Tag::Vegetation, 0.80, 1.2)
     };
     let pieces = (length_m / 6.0).ceil().max(1.0) as usize;
     let piece = length_m / pieces as f64;
@@ -238,8 +238,14 @@ fn tree(
     let crown = OrientedRect::square([at.x, at.y], 0.5 * width);
     if site.near(at.x, at.y) && land.free(&trunk) && land.unused(&room) && land.off_tracks(&crown) {
         let z = site.ground.height(at.x, at.y, spot.point.z) - 0.05;
-        let mut draft =
-            Draft::new("vegetation", model, Tag::Vegetation, [width, width, height], [at.x, at.y, z], yaw);
+        let mut draft = Draft::new(
+            ActorKind::Vegetation,
+            model,
+            Tag::Vegetation,
+            [width, width, height],
+            [at.x, at.y, z],
+            yaw,
+        );
         draft.variant = variant;
         drafts.push(draft);
         land.take(trunk);
@@ -255,9 +261,9 @@ fn bush(site: &Site<'_>, spot: &Spot, random: &mut Stream, land: &mut Land<'_>, 
     if site.near(at.x, at.y) && land.free(&rect) {
         let z = site.ground.height(at.x, at.y, spot.point.z) - 0.05;
         let (kind, model, tag) = if stone {
-            ("prop", "prop.rock", Tag::Rock)
+            (ActorKind::Prop, "prop.rock", Tag::Rock)
         } else {
-            ("vegetation", "bush.round", Tag::Vegetation)
+            (ActorKind::Vegetation, "bush.round", Tag::Vegetation)
         };
         let mut draft = Draft::new(kind, model, tag, [width, width, 0.7 * width], [at.x, at.y, z], 0.0);
         draft.variant = variant;

@@ -5,6 +5,7 @@ use frames::math::{atan2, sin_cos};
 use nalgebra::Point3;
 use opendrive::{LaneInfo, LanePoint, LaneType};
 use random::Stream;
+use schema::ActorKind;
 use schema::models::{self, BaseType, Model};
 
 use crate::draft::Draft;
@@ -124,7 +125,8 @@ fn stand(
         return;
     }
     let Some(tag) = model.base.tags().last().copied() else { return };
-    let mut draft = Draft::new("parked", model.name, tag, [length, width, height], [x, y, z], yaw + turn);
+    let mut draft =
+        Draft::new(ActorKind::Parked, model.name, tag, [length, width, height], [x, y, z], yaw + turn);
     draft.rpy_rad = [roll, pitch, yaw + turn];
     draft.color = colour;
     drafts.push(draft);

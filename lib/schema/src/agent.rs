@@ -3,16 +3,19 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::text::Text;
+
 /// The kind of a recording agent.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[allow(missing_docs)] // The names are their own documentation.
 pub enum AgentKind {
+    #[default]
     Vehicle,
     Rsu,
 }
 
 /// A recording agent of a scene: `vehicle_0`, `rsu_3`. Vehicles order before RSUs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct AgentId {
     /// Vehicle or RSU.
     pub kind: AgentKind,
@@ -71,6 +74,8 @@ impl FromStr for AgentId {
         Ok(Self { kind, index: digits.parse().map_err(|_| error())? })
     }
 }
+
+impl Text for AgentId {}
 
 #[cfg(test)]
 mod tests {

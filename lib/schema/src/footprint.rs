@@ -7,6 +7,7 @@ use frames::math::sin_cos;
 use frames::{Pose, World};
 
 use crate::tables::ActorRow;
+use crate::{ActorKind, ActorRole};
 
 /// Nothing lower than this over the ground is in the way, and nothing higher than [`WALKING_HEIGHT_M`], metres.
 pub const WALKING_HEIGHT_M: f64 = 1.9;
@@ -71,23 +72,32 @@ pub fn footprint(actor: &ActorRow) -> Option<Footprint> {
     let half = [0.5 * actor.length_m, 0.5 * actor.width_m];
     let family = actor.model.split('.').next().unwrap_or_default();
     // Where the box's middle is in the object's frame, how far below its origin the ground is, and how wide it is.
-    let (at, below_m, half_m) = match (actor.kind.as_str(), family) {
-        ("surface", _) => return None,
-        ("traffic_light", _) => {
+    let (at, below_m, half_m) = match actor.kind {
+        ActorKind::Surface => return None,
+        ActorKind::TrafficLight => {
             let mount = LightMount::from_variant(actor.variant);
             let side = if mount.pole_right { 1.0 } else { -1.0 } * f64::from(mount.arm_m);
             ([-half[0] - LIGHT_BEHIND_M, side], f64::from(mount.height_m), [LIGHT_FOOT_M; 2])
         }
         // Signs before hazards stand on the ground.
-        ("sign", _) if actor.role == "hazard" => ([0.0; 2], 0.0, half),
-        ("sign", _) => ([-half[0], 0.0], f64::from(actor.variant & 0xfff) / 100.0, [SIGN_POLE_M; 2]),
-        ("pole", _) if actor.model == "pole.lamp" => ([-half[0] + LAMP_FOOT_M, 0.0], 0.0, [LAMP_FOOT_M; 2]),
-        ("vegetation", "tree") => {
+        ActorKind::Sign if actor.role == ActorRole::Hazard => ([0.0; 2], 0.0, half),
+        ActorKind::Sign => ([-half[0], 0.0], f64::from(actor.variant & 0xfff) / 100.0, [SIGN_POLE_M; 2]),
+        ActorKind::Pole if actor.model == "pole.lamp" => {
+            ([-half[0] + LAMP_FOOT_M, 0.0], 0.0, [LAMP_FOOT_M; 2])
+        }
+        ActorKind::Vegetation if family == "tree" => {
             // The trunk's radius and how far it leans below walking height, and a third for how crowns pull it.
             let radius = 1.33 * (0.018 * actor.height_m + 0.06 + 0.03 * WALKING_HEIGHT_M) + 0.06;
             ([0.0; 2], 0.0, [radius.min(half[0]), radius.min(half[1])])
         }
-        _ => ([0.0; 2], 0.0, half),
+        ActorKind::Vehicle
+        | ActorKind::Walker
+        | ActorKind::Rsu
+        | ActorKind::Prop
+        | ActorKind::Parked
+        | ActorKind::Building
+        | ActorKind::Vegetation
+        | ActorKind::Pole => ([0.0; 2], 0.0, half),
     };
     let (sin, cos) = sin_cos(yaw_rad);
     let [x, y, z] = actor.xyz_m;
@@ -108,7 +118,7 @@ mod tests {
         // It looks west from (10, 5); the pole is at the right of those who see it, 4 m to the south.
         let mount = LightMount { height_m: 5.2, arm_m: 4.0, pole_right: true };
         let actor = ActorRow {
-            kind: "traffic_light".into(),
+            kind: ActorKind::TrafficLight,
             model: "light.signal".into(),
             length_m: 0.36,
             width_m: 0.42,
@@ -123,6 +133,6 @@ mod tests {
         let want = [10.25, 1.0, 3.0];
         assert!(found.xyz_m.iter().zip(want).all(|(a, b)| (a - b).abs() < 1e-6), "{found:?}");
         assert!(found.half_m == [0.17; 2] && (found.height_m - 6.3).abs() < 1e-6);
-        assert_eq!(footprint(&ActorRow { kind: "surface".into(), ..ActorRow::default() }), None);
+        assert_eq!(footprint(&ActorRow { kind: ActorKind::Surface, ..ActorRow::default() }), None);
     }
 }

@@ -3,8 +3,11 @@
 //! Nothing here reads or writes files. Numbers that other tools know (tag ids, palettes, corner order, channel
 //! order) are fixed here once and nowhere else.
 
+mod actor_kind;
+mod actor_role;
 pub mod agent;
 pub mod arrays;
+mod attributes;
 pub mod bev;
 pub mod calibration;
 pub mod class;
@@ -13,23 +16,33 @@ pub mod fleet;
 pub mod footprint;
 mod format;
 pub mod geometry;
+mod hazard_kind;
 mod ids;
 pub mod images;
+mod lamp_kind;
 pub mod lights;
 pub mod measures;
 pub mod models;
 pub mod scene_info;
 pub mod settings;
+mod signal_state;
 pub mod table;
 pub mod tables;
 mod tag;
+pub mod text;
 pub mod works;
 
+pub use actor_kind::ActorKind;
+pub use actor_role::ActorRole;
 pub use agent::{AgentId, AgentKind, ParseAgentError};
+pub use attributes::{Attribute, Attributes};
 pub use bev::BevClass;
 pub use class::DetectionClass;
 pub use difficulty::Difficulty;
 pub use format::{FORMAT_VERSION, FRAME_PERIOD_S};
+pub use hazard_kind::HazardKind;
 pub use ids::ObjectId;
 pub use images::{ImageKind, ImageSet};
+pub use lamp_kind::LampKind;
+pub use signal_state::SignalState;
 pub use tag::Tag;

@@ -1,5 +1,6 @@
 //! Which lamps of an object burn, as bits of a `u32`; which street lamps never do.
 
+use crate::ActorKind;
 use crate::tables::ActorRow;
 
 /// Position lamps.
@@ -45,7 +46,7 @@ const FAILED: u32 = 1 << 8;
 /// Whether an actor is a street lamp.
 #[must_use]
 pub fn is_street_lamp(actor: &ActorRow) -> bool {
-    actor.kind == "pole" && actor.model == "pole.lamp"
+    actor.kind == ActorKind::Pole && actor.model == "pole.lamp"
 }
 
 /// Marks a street lamp as one that has failed: it never burns.

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::HazardKind;
+
 /// Name of the file in the scene's folder.
 pub const SCENE_FILE: &str = "log/scene.json";
 /// The stage that writes it.
@@ -112,7 +114,7 @@ pub struct HazardInfo {
     /// Its number in `plan/hazards`.
     pub hazard: u32,
     /// `accident` or `road_works`.
-    pub kind: String,
+    pub kind: HazardKind,
     /// The stretch of lane that it takes up, in the world, m: corners of a closed polygon, each once.
     pub area_m: Vec<[f64; 3]>,
 }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::text::Text;
+
 /// Values of one column, in row order.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs)] // One variant per column type.
@@ -112,13 +114,19 @@ pub struct Field {
 pub struct ColumnError {
     /// Column name.
     pub column: String,
+    /// The row at fault, from 0; none where it is the whole column.
+    pub row: Option<usize>,
     /// What is wrong.
     pub problem: String,
 }
 
 impl fmt::Display for ColumnError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "column `{}`: {}", self.column, self.problem)
+        write!(f, "column `{}`", self.column)?;
+        if let Some(row) = self.row {
+            write!(f, ", row {row}")?;
+        }
+        write!(f, ": {}", self.problem)
     }
 }
 
@@ -140,7 +148,7 @@ pub trait Row: Sized {
     /// Columns (in [`Row::fields`] order) back to rows.
     ///
     /// # Errors
-    /// A column has another type or length than the row type says.
+    /// A column has another type or length than the row type says, or a text is none of those that its type knows.
     fn from_columns(columns: Vec<Column>) -> Result<Vec<Self>, ColumnError>;
 }
 
@@ -150,8 +158,25 @@ pub trait Cell: Sized {
     fn column<'a>(values: impl Iterator<Item = &'a Self>) -> Column
     where
         Self: 'a;
-    /// A column back to values; `None` when it has another type.
-    fn values(column: Column) -> Option<Vec<Self>>;
+    /// A column back to values.
+    ///
+    /// # Errors
+    /// It has another type, or holds a text that the cell's type does not know.
+    fn values(column: Column) -> Result<Vec<Self>, CellError>;
+}
+
+/// Why a column holds no values of a cell's type.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CellError {
+    /// The column has another type.
+    Type,
+    /// A text of the column means nothing.
+    Text {
+        /// The text's row, from 0.
+        row: usize,
+        /// What is wrong with it.
+        problem: String,
+    },
 }
 
 macro_rules! cell {
@@ -160,10 +185,10 @@ macro_rules! cell {
             fn column<'a>(values: impl Iterator<Item = &'a Self>) -> Column {
                 Column::$variant(values.cloned().collect())
             }
-            fn values(column: Column) -> Option<Vec<Self>> {
+            fn values(column: Column) -> Result<Vec<Self>, CellError> {
                 match column {
-                    Column::$variant(values) => Some(values),
-                    _ => None,
+                    Column::$variant(values) => Ok(values),
+                    _ => Err(CellError::Type),
                 }
             }
         }
@@ -190,6 +215,43 @@ cell!(Vec<f32>, ListF32);
 cell!(Vec<f64>, ListF64);
 cell!(Vec<String>, ListStr);
 
+fn parse<T: Text>(row: usize, text: &str) -> Result<T, CellError> {
+    text.parse().map_err(|e: T::Err| CellError::Text { row, problem: e.to_string() })
+}
+
+impl<T: Text> Cell for T {
+    fn column<'a>(values: impl Iterator<Item = &'a Self>) -> Column
+    where
+        Self: 'a,
+    {
+        Column::Str(values.map(Self::to_string).collect())
+    }
+    fn values(column: Column) -> Result<Vec<Self>, CellError> {
+        match column {
+            Column::Str(texts) => texts.iter().enumerate().map(|(row, text)| parse(row, text)).collect(),
+            _ => Err(CellError::Type),
+        }
+    }
+}
+
+impl<T: Text> Cell for Option<T> {
+    fn column<'a>(values: impl Iterator<Item = &'a Self>) -> Column
+    where
+        Self: 'a,
+    {
+        Column::OptStr(values.map(|value| value.as_ref().map(T::to_string)).collect())
+    }
+    fn values(column: Column) -> Result<Vec<Self>, CellError> {
+        match column {
+            Column::OptStr(texts) => {
+                let texts = texts.iter().enumerate();
+                texts.map(|(row, text)| text.as_deref().map(|text| parse(row, text)).transpose()).collect()
+            }
+            _ => Err(CellError::Type),
+        }
+    }
+}
+
 /// Encoded bytes (an image, say): a binary column, where `Vec<u8>` is a list of numbers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Blob(
@@ -201,10 +263,10 @@ impl Cell for Blob {
     fn column<'a>(values: impl Iterator<Item = &'a Self>) -> Column {
         Column::Bytes(values.map(|b| b.0.clone()).collect())
     }
-    fn values(column: Column) -> Option<Vec<Self>> {
+    fn values(column: Column) -> Result<Vec<Self>, CellError> {
         match column {
-            Column::Bytes(values) => Some(values.into_iter().map(Blob).collect()),
-            _ => None,
+            Column::Bytes(values) => Ok(values.into_iter().map(Blob).collect()),
+            _ => Err(CellError::Type),
         }
     }
 }
@@ -215,12 +277,12 @@ macro_rules! fixed_cell {
             fn column<'a>(values: impl Iterator<Item = &'a Self>) -> Column {
                 Column::$variant(N, values.flatten().copied().collect())
             }
-            fn values(column: Column) -> Option<Vec<Self>> {
+            fn values(column: Column) -> Result<Vec<Self>, CellError> {
                 match column {
                     Column::$variant(n, flat) if n == N => {
-                        Some(flat.chunks_exact(N).filter_map(|c| c.try_into().ok()).collect())
+                        Ok(flat.chunks_exact(N).filter_map(|c| c.try_into().ok()).collect())
                     }
-                    _ => None,
+                    _ => Err(CellError::Type),
                 }
             }
         }
@@ -233,15 +295,18 @@ fixed_cell!(f64, FixedF64);
 /// Takes the next column off a list, as values of a cell type.
 ///
 /// # Errors
-/// The list is at its end, or the column has another type.
+/// The list is at its end, or the column holds no values of the type.
 pub fn take_values<T: Cell>(
     columns: &mut std::vec::IntoIter<Column>,
     name: &str,
 ) -> Result<Vec<T>, ColumnError> {
-    let error = |problem: String| ColumnError { column: name.to_owned(), problem };
-    let column = columns.next().ok_or_else(|| error("is missing".into()))?;
+    let error = |row, problem: String| ColumnError { column: name.to_owned(), row, problem };
+    let column = columns.next().ok_or_else(|| error(None, "is missing".into()))?;
     let found = column.type_name();
-    T::values(column).ok_or_else(|| error(format!("has type {found}, another was expected")))
+    T::values(column).map_err(|e| match e {
+        CellError::Type => error(None, format!("has type {found}, another was expected")),
+        CellError::Text { row, problem } => error(Some(row), problem),
+    })
 }
 
 /// A row of one frame, in a table that is sorted by frame.

@@ -116,6 +116,7 @@ fn primitive_list<T: ArrowPrimitiveType>(rows: Vec<Vec<T::Native>>) -> ArrayRef 
 pub(crate) fn from_arrow(name: &str, wanted: &Column, array: &dyn Array) -> Result<Column, ColumnError> {
     let wrong = || ColumnError {
         column: name.to_owned(),
+        row: None,
         problem: format!("has type {}, {} was expected", array.data_type(), wanted.type_name()),
     };
     macro_rules! primitive {

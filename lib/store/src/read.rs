@@ -38,7 +38,7 @@ impl Store {
         // A batch never spans more than a few thousand rows, nor several frames of a sensor.
         let batch = usize::try_from(largest).unwrap_or(1).clamp(1, 8192);
         let reader = builder.with_batch_size(batch).build().map_err(|e| chunks.error(&e))?;
-        Ok(RowGroups { reader, chunks, row: PhantomData })
+        Ok(RowGroups { reader, chunks, before: 0, row: PhantomData })
     }
 
     /// What a table that a manifest names says of itself under a key.
@@ -108,6 +108,8 @@ impl Store {
 pub struct RowGroups<R> {
     reader: ParquetRecordBatchReader,
     chunks: Chunks,
+    /// Rows handed out so far.
+    before: usize,
     row: PhantomData<fn() -> R>,
 }
 
@@ -117,7 +119,12 @@ impl<R: Row> Iterator for RowGroups<R> {
     fn next(&mut self) -> Option<Self::Item> {
         let batch = self.reader.next()?;
         let batch = batch.map_err(|e| self.chunks.error(&e));
-        Some(batch.and_then(|batch| rows_of(&batch).map_err(|e| self.chunks.error(&e))))
+        let before = self.before;
+        Some(batch.and_then(|batch| {
+            self.before += batch.num_rows();
+            let in_file = |e: ColumnError| ColumnError { row: e.row.map(|row| before + row), ..e };
+            rows_of(&batch).map_err(|e| self.chunks.error(&in_file(e)))
+        }))
     }
 }
 
@@ -125,9 +132,11 @@ fn rows_of<R: Row>(batch: &RecordBatch) -> Result<Vec<R>, ColumnError> {
     let wanted: Vec<Column> = R::to_columns(&[]);
     let mut columns = Vec::with_capacity(wanted.len());
     for (field, column) in R::fields().into_iter().zip(&wanted) {
-        let array = batch
-            .column_by_name(field.name)
-            .ok_or_else(|| ColumnError { column: field.name.to_owned(), problem: "is missing".into() })?;
+        let array = batch.column_by_name(field.name).ok_or_else(|| ColumnError {
+            column: field.name.to_owned(),
+            row: None,
+            problem: "is missing".into(),
+        })?;
         columns.push(convert::from_arrow(field.name, column, array.as_ref())?);
     }
     R::from_columns(columns)

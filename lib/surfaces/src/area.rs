@@ -1,7 +1,7 @@
 //! The areas that a scene has surfaces of, as its actor rows name them.
 
-use schema::ObjectId;
 use schema::tables::ActorRow;
+use schema::{ActorKind, ObjectId};
 
 use crate::layer::Layer;
 use crate::region::Region;
@@ -51,7 +51,7 @@ pub enum AreaError {
 /// A row has a model that is no layer, or an extent that is none.
 pub fn areas<'a>(rows: impl IntoIterator<Item = &'a ActorRow>) -> Result<Vec<Area>, AreaError> {
     let mut areas: Vec<Area> = Vec::new();
-    for actor in rows.into_iter().filter(|a| a.kind == "surface") {
+    for actor in rows.into_iter().filter(|a| a.kind == ActorKind::Surface) {
         let layer = Layer::from_model(&actor.model)
             .ok_or_else(|| AreaError::UnknownModel { id: actor.id, model: actor.model.clone() })?;
         let half = [0.5 * actor.length_m, 0.5 * actor.width_m];

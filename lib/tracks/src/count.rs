@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use counts::PartialCounts;
 use frames::to_deg;
 use nalgebra::Vector3;
-use schema::DetectionClass;
 use schema::measures::tracks as measures;
 use schema::tables::TrackFrameRow;
+use schema::{Attribute, DetectionClass};
 
 /// The merged boxes of a scene of `frames` frames (numbered from 0): objects per class, valid ones, valid ones
 /// per frame (every class and frame counts, those without any too), headings, speeds and turning rates of
@@ -66,22 +66,12 @@ fn add_motion(counts: &mut PartialCounts, class: DetectionClass, row: &TrackFram
 }
 
 fn add_pedestrian(counts: &mut PartialCounts, row: &TrackFrameRow) {
-    let wheelchair = uses_wheelchair(&row.attributes);
+    let wheelchair = row.attributes.is_true(&Attribute::UseWheelchair);
     let valid = row.valid_flag.then_some(measures::VALID_OBJECTS);
     for class in [Some(measures::ALL_OBJECTS), valid].into_iter().flatten() {
         counts.add("", measures::PEDESTRIANS, class, 0, 1);
         counts.add("", measures::WHEELCHAIR, class, 0, u64::from(wheelchair));
     }
-}
-
-/// Whether an object's attributes (a JSON object of strings) say so; without a word about it, no.
-fn uses_wheelchair(attributes: &str) -> bool {
-    serde_json::from_str::<BTreeMap<String, serde_json::Value>>(attributes)
-        .ok()
-        .and_then(|map| {
-            map.get("use_wheelchair").and_then(|value| value.as_str().map(|text| text != "false"))
-        })
-        .unwrap_or(false)
 }
 
 #[cfg(test)]
@@ -147,14 +137,14 @@ mod tests {
     #[test]
     fn wheelchairs_are_read_from_attributes() {
         let walker = |id, attributes: &str, valid| TrackFrameRow {
-            attributes: attributes.into(),
+            attributes: attributes.parse().expect("an object of strings"),
             ..row(0, id, "pedestrian", valid)
         };
         let counts = count_tracks(
             &[
                 walker(1, r#"{"use_wheelchair": "true"}"#, false),
                 walker(2, r#"{"use_wheelchair":"false"}"#, true),
-                walker(3, "not json", true),
+                walker(3, r#"{"crosses_anywhere":"true"}"#, true),
             ],
             1,
         );

@@ -111,7 +111,7 @@ fn merge_object<'a>(
         valid_flag: !seen_by.is_empty(),
         difficulty: difficulty_of(&first.class, None, lidar.saturating_add(radar)).name().to_owned(),
         seen_by: seen_by.iter().map(AgentId::to_string).collect(),
-        signal_state: first.signal_state.clone(),
+        signal_state: first.signal_state,
         attributes: first.attributes.clone(),
     };
     Some((row, seen_by))

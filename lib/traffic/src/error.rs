@@ -16,8 +16,8 @@ pub enum TrafficError {
     UnknownModel {
         /// Scene number.
         scene: u32,
-        /// Agent name.
-        agent: String,
+        /// Whose it is.
+        agent: schema::AgentId,
         /// Model name.
         model: String,
     },

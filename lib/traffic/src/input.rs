@@ -12,6 +12,7 @@ use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanHazardRow, PlanSceneR
 /// use std::ops::ControlFlow;
 ///
 /// use opendrive::Map;
+/// use schema::AgentId;
 /// use schema::settings::stages::SimulationSettings;
 /// use schema::tables::{PlanAgentRow, PlanSceneRow};
 /// use traffic::{SceneInput, simulate};
@@ -20,7 +21,7 @@ use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanHazardRow, PlanSceneR
 /// let map = Map::new(town);
 /// let start = map.point_at(map.spawn_points(24.0)[0]).expect("a place on a lane");
 /// let agent = PlanAgentRow {
-///     agent: "vehicle_0".into(),
+///     agent: AgentId::vehicle(0),
 ///     model: "car.sedan".into(),
 ///     xyz_m: start.position.into(),
 ///     rpy_rad: [0.0, 0.0, start.heading_rad],

@@ -7,7 +7,7 @@ use nalgebra::Point3;
 use random::Stream;
 use schema::footprint::footprint;
 use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanSceneRow, SignalRow, StateRow, Weather};
-use schema::{FRAME_PERIOD_S, ObjectId};
+use schema::{ActorRole, AgentKind, FRAME_PERIOD_S, ObjectId};
 
 use crate::acceleration::wished_acceleration;
 use crate::bends::Bends;
@@ -131,8 +131,9 @@ impl<'a> Cast<'a> {
     fn draw(input: &'a SceneInput<'a>, net: &Net, paths: &Paths) -> Result<Self, TrafficError> {
         let scene = input.scene;
         let (starts, hazards) = vehicle_starts(input, net)?;
-        let agents = starts.iter().filter(|s| s.role != "background").map(|s| s.point).collect::<Vec<_>>();
-        let rsus: Vec<_> = input.agents.iter().filter(|a| a.agent.starts_with("rsu")).collect();
+        let agents =
+            starts.iter().filter(|s| s.role != ActorRole::Background).map(|s| s.point).collect::<Vec<_>>();
+        let rsus: Vec<_> = input.agents.iter().filter(|a| a.agent.kind == AgentKind::Rsu).collect();
         let walkers = paths.draw_starts(scene.walkers, &agents, scene.spawn_radius_m, &|i| {
             Stream::new(scene.seed, u64::from(scene.scene), "traffic/walker/place", i)
         });
@@ -379,7 +380,7 @@ impl<'a> Simulation<'a> {
         self.log.signals.extend(self.lamps.iter().map(|&(id, signal)| SignalRow {
             frame,
             id,
-            state: self.signals.state(signal, time_s).name().into(),
+            state: self.signals.state(signal, time_s),
             opendrive_id: map_signals[signal].id.clone(),
         }));
     }

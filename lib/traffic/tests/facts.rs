@@ -4,6 +4,7 @@ mod common;
 
 use common::{agents_on, crossing, run, scene, settings};
 use opendrive::Map;
+use schema::{ActorRole, Attribute, SignalState};
 use traffic::SimulationLog;
 
 fn logged(map: &Map, seconds: f64) -> SimulationLog {
@@ -32,13 +33,13 @@ fn signal_groups_foretell_every_light() {
             let edge =
                 [0.0, group.green_time_s, group.green_time_s + 3.0].iter().any(|e| (since - e).abs() < 1e-6);
             let want = match since {
-                s if s < 0.0 => "Red",
-                s if s < group.green_time_s => "Green",
-                s if s < group.green_time_s + 3.0 => "Yellow",
-                _ => "Red",
+                s if s < 0.0 => SignalState::Red,
+                s if s < group.green_time_s => SignalState::Green,
+                s if s < group.green_time_s + 3.0 => SignalState::Yellow,
+                _ => SignalState::Red,
             };
             assert!(row.state == want || edge, "{row:?} in {group:?}");
-            green += u32::from(want == "Green");
+            green += u32::from(want == SignalState::Green);
         }
         assert!(green > 500, "{green}");
     }
@@ -48,12 +49,15 @@ fn signal_groups_foretell_every_light() {
 fn drivers_are_those_of_the_background_vehicles() {
     let map = crossing(true);
     let log = logged(&map, 1.0);
-    let vehicles: Vec<_> = log.actors.iter().filter(|a| a.role == "background").collect();
+    let vehicles: Vec<_> = log.actors.iter().filter(|a| a.role == ActorRole::Background).collect();
     assert!(vehicles.len() > 10 && log.drivers.len() == vehicles.len());
     for (driver, vehicle) in log.drivers.iter().zip(vehicles) {
-        let says = |word: &str| vehicle.attributes.contains(&format!("\"{word}\":\"true\""));
+        let says = |word: Attribute| vehicle.attributes.is_true(&word);
         assert_eq!(driver.id, vehicle.id);
-        assert_eq!((driver.reckless, driver.distracted), (says("reckless"), says("distracted")));
+        assert_eq!(
+            (driver.reckless, driver.distracted),
+            (says(Attribute::Reckless), says(Attribute::Distracted))
+        );
         assert!((-0.4..0.2).contains(&driver.speed_difference) && driver.standstill_gap_m >= 1.0);
     }
     let count =

@@ -4,18 +4,18 @@ mod common;
 
 use common::{agent, collisions, hazard, run_with, scene, settings, straight, touch, tracks, two_lanes, yaw};
 use opendrive::MarkType;
-use schema::lights;
 use schema::tables::{ActorRow, PlanHazardRow, PlanSceneRow, StateRow};
+use schema::{ActorKind, ActorRole, Attribute, HazardKind, lights};
 use traffic::SimulationLog;
 
 /// Road works of so many things on a lane of road "1", which runs to the east.
 fn works(lane: i32, items: u32, between_m: [f64; 2]) -> PlanHazardRow {
-    PlanHazardRow { items, ..hazard("road_works", "1", lane, between_m) }
+    PlanHazardRow { items, ..hazard(HazardKind::RoadWorks, "1", lane, between_m) }
 }
 
 fn accident(lane: i32, from_m: f64, models: &[&str], length_m: f64) -> PlanHazardRow {
     let models = models.iter().map(|m| (*m).to_owned()).collect();
-    PlanHazardRow { models, ..hazard("accident", "1", lane, [from_m, from_m + length_m]) }
+    PlanHazardRow { models, ..hazard(HazardKind::Accident, "1", lane, [from_m, from_m + length_m]) }
 }
 
 /// The log of a second with a hazard on a road of 600 m, an agent far behind it.
@@ -26,14 +26,14 @@ fn placed(row: &PlanHazardRow, seed: u64) -> SimulationLog {
 }
 
 fn things(log: &SimulationLog) -> Vec<&ActorRow> {
-    log.actors.iter().filter(|a| a.role == "hazard").collect()
+    log.actors.iter().filter(|a| a.role == ActorRole::Hazard).collect()
 }
 
 /// Whether a moving thing overlaps something solid of a hazard.
 fn hits(log: &SimulationLog) -> bool {
     let size = |a: &ActorRow| [a.length_m, a.width_m];
     log.states.iter().any(|s| {
-        let mover = log.actors.iter().find(|a| a.id == s.id).filter(|a| a.role != "hazard");
+        let mover = log.actors.iter().find(|a| a.id == s.id).filter(|a| a.role != ActorRole::Hazard);
         let Some(mover) = mover else { return false };
         things(log).iter().any(|t| {
             let at = StateRow { xyz_m: t.xyz_m, quaternion: t.quaternion, ..StateRow::default() };
@@ -56,7 +56,8 @@ fn vehicles_of_an_accident_stand_at_their_places() {
     let mut middles = [0.0; 3];
     for seed in 0..40 {
         let log = placed(&row, seed);
-        let vehicles: Vec<&ActorRow> = things(&log).into_iter().filter(|a| a.kind == "vehicle").collect();
+        let vehicles: Vec<&ActorRow> =
+            things(&log).into_iter().filter(|a| a.kind == ActorKind::Vehicle).collect();
         assert_eq!(vehicles.len(), 3);
         for ((thing, x_m), most_deg) in vehicles.iter().zip([221.0, 213.0, 204.0]).zip([10.0f64, 30.0, 10.0])
         {
@@ -67,11 +68,11 @@ fn vehicles_of_an_accident_stand_at_their_places() {
             *sum += yaw(thing.quaternion) / 40.0;
         }
         let cones = things(&log).iter().filter(|a| a.model.starts_with("cone.")).count();
-        let people = things(&log).iter().filter(|a| a.kind == "walker").count();
+        let people = things(&log).iter().filter(|a| a.kind == ActorKind::Walker).count();
         assert!(cones <= 4 && people <= 9, "{cones} {people}");
         // The whole lane from back to front.
         let info = &log.hazards[0];
-        assert_eq!((log.hazards.len(), info.kind.as_str()), (1, "accident"));
+        assert_eq!((log.hazards.len(), info.kind), (1, HazardKind::Accident));
         assert!((area_m2(&info.area_m) - 26.0 * 3.5).abs() < 1e-6);
         assert!(log.actors.iter().zip(1..).all(|(a, id)| a.id == id));
         // Vehicles have lamps and doors and so a state at each of the 21 moments, always the same place; others have none.
@@ -79,7 +80,7 @@ fn vehicles_of_an_accident_stand_at_their_places() {
             let states: Vec<&StateRow> = log.states.iter().filter(|s| s.id == thing.id).collect();
             assert_eq!(
                 (states.len(), thing.fixed),
-                if thing.kind == "vehicle" { (21, false) } else { (0, true) }
+                if thing.kind == ActorKind::Vehicle { (21, false) } else { (0, true) }
             );
             assert!(states.iter().all(|s| s.xyz_m == thing.xyz_m && s.velocity_mps == [0.0; 3]), "{thing:?}");
         }
@@ -94,7 +95,8 @@ fn road_works_lie_between_two_barriers() {
     let (mut barriers, mut cones) = (0, 0);
     for seed in 0..60 {
         let log = placed(&row, seed);
-        let on_lane: Vec<&ActorRow> = things(&log).into_iter().filter(|t| t.kind != "sign").collect();
+        let on_lane: Vec<&ActorRow> =
+            things(&log).into_iter().filter(|t| t.kind != ActorKind::Sign).collect();
         for thing in &on_lane {
             let [x, y, _] = thing.xyz_m;
             assert!((299.6..=330.4).contains(&x), "{thing:?}");
@@ -135,7 +137,7 @@ fn drivers_stop_behind_a_hazard_on_the_only_lane() {
         let last = track[track.len() - 1];
         let rear_m = things(&log)
             .iter()
-            .filter(|t| t.kind != "sign")
+            .filter(|t| t.kind != ActorKind::Sign)
             .map(|t| t.xyz_m[0])
             .fold(f64::INFINITY, f64::min);
         let gap_m = rear_m - last.xyz_m[0];
@@ -189,7 +191,7 @@ fn nobody_starts_in_a_hazard_and_no_hazard_lies_on_an_agent() {
     let agents = [agent(0, [50.0, -1.75, 0.0], 0.0)];
     let log = run_with(&map, &scene, &agents, &[works, clash], &settings());
     assert_eq!(log.hazards.iter().map(|h| h.hazard).collect::<Vec<_>>(), [0]);
-    let drives = |id: u16| log.actors.iter().any(|a| a.id == id && a.role != "hazard");
+    let drives = |id: u16| log.actors.iter().any(|a| a.id == id && a.role != ActorRole::Hazard);
     let starts: Vec<&StateRow> = log.states.iter().filter(|s| s.frame == -1 && drives(s.id)).collect();
     assert!(starts.len() > 20);
     // On the way there during the warm-up of 2 s, but not inside.
@@ -204,7 +206,7 @@ fn road_works_hold_every_kind_of_thing_and_workers() {
     let mut seen = std::collections::BTreeMap::new();
     for seed in 0..40 {
         for thing in things(&placed(&row, seed)) {
-            assert_eq!(thing.role, "hazard");
+            assert_eq!(thing.role, ActorRole::Hazard);
             *seen.entry(thing.model.clone()).or_insert(0) += 1;
             let class = schema::DetectionClass::from_tags(&thing.semantic_tags).map(|c| c.name());
             let wanted = match thing.model.split('.').next() {
@@ -233,7 +235,8 @@ fn signs_stand_before_hazards_beside_the_road() {
     for seed in 0..60 {
         // The two cars meet 12 m after the back.
         let log = placed(&accident(-1, 250.0, with, 18.0), seed);
-        let warnings: Vec<&ActorRow> = things(&log).into_iter().filter(|a| a.kind == "sign").collect();
+        let warnings: Vec<&ActorRow> =
+            things(&log).into_iter().filter(|a| a.kind == ActorKind::Sign).collect();
         let [sign] = warnings.as_slice() else { panic!("{warnings:?}") };
         assert_eq!(sign.model, "sign.accident");
         let [x, y, z] = sign.xyz_m;
@@ -243,13 +246,18 @@ fn signs_stand_before_hazards_beside_the_road() {
         assert!(yaw(sign.quaternion).abs() > 170f64.to_radians() - 1e-9, "{sign:?}");
         signs += usize::from(x < 262.0 - 100.0);
 
-        assert!(things(&placed(&accident(-1, 250.0, without, 14.0), seed)).iter().all(|a| a.kind != "sign"));
+        assert!(
+            things(&placed(&accident(-1, 250.0, without, 14.0), seed))
+                .iter()
+                .all(|a| a.kind != ActorKind::Sign)
+        );
 
         let log = placed(&works(-1, 10, [250.0, 262.0]), seed);
-        let warnings: Vec<&ActorRow> = things(&log).into_iter().filter(|a| a.kind == "sign").collect();
+        let warnings: Vec<&ActorRow> =
+            things(&log).into_iter().filter(|a| a.kind == ActorKind::Sign).collect();
         let [sign] = warnings.as_slice() else { panic!("{warnings:?}") };
         assert!((90.0..=210.0).contains(&sign.xyz_m[0]), "{sign:?}");
-        assert!(sign.attributes.contains("\"sign_type\":\"") && sign.fixed, "{sign:?}");
+        assert!(sign.attributes.get(&Attribute::SignType).is_some() && sign.fixed, "{sign:?}");
         danger += usize::from(sign.model == "sign.danger");
     }
     // Halves of 60, four standard errors.
@@ -258,7 +266,7 @@ fn signs_stand_before_hazards_beside_the_road() {
     let row = works(-2, 10, [250.0, 262.0]);
     let agents = [agent(0, [20.0, -5.25, 0.0], 0.0)];
     let log = run_with(&two_lanes(MarkType::Broken, None), &scene(1.0), &agents, &[row], &settings());
-    assert!(things(&log).iter().all(|a| a.kind != "sign"));
+    assert!(things(&log).iter().all(|a| a.kind != ActorKind::Sign));
 }
 
 #[test]
@@ -267,7 +275,7 @@ fn vehicles_of_an_accident_have_lamps_and_open_doors() {
     let mut doors = [0; 2];
     for seed in 0..30 {
         let log = placed(&row, seed);
-        for thing in things(&log).into_iter().filter(|a| a.kind == "vehicle") {
+        for thing in things(&log).into_iter().filter(|a| a.kind == ActorKind::Vehicle) {
             let states: Vec<&StateRow> = log.states.iter().filter(|s| s.id == thing.id).collect();
             let open = states[0].door_rad.iter().filter(|a| **a > 1.0).count();
             assert!(states.iter().all(|s| s.door_rad == states[0].door_rad));
@@ -303,13 +311,13 @@ fn doors_of_traffic_open_at_stops_and_close_in_motion() {
     let agents = [agent(0, [300.0, -1.75, 0.0], 0.0)];
     let log = run_with(&straight(800.0), &scene, &agents, &[row], &settings);
     let mut opened = 0;
-    for actor in log.actors.iter().filter(|a| a.kind == "vehicle" && a.role != "hazard") {
+    for actor in log.actors.iter().filter(|a| a.kind == ActorKind::Vehicle && a.role != ActorRole::Hazard) {
         let states: Vec<&StateRow> = log.states.iter().filter(|s| s.id == actor.id).collect();
         let speed = |s: &StateRow| s.velocity_mps.iter().map(|v| v * v).sum::<f32>().sqrt();
         let open = |s: &StateRow| s.door_rad.iter().any(|a| *a > 0.0);
         let doors = schema::models::find(&actor.model).expect("a model").doors();
         let ever = states.iter().any(|s| open(s));
-        assert!(!ever || (doors > 0 && actor.role == "background"), "{actor:?}");
+        assert!(!ever || (doors > 0 && actor.role == ActorRole::Background), "{actor:?}");
         opened += usize::from(ever);
         assert!(states.iter().all(|s| speed(s) < 1.1 || !open(s)), "{actor:?}");
         for pair in states.windows(2).skip(1) {
@@ -317,7 +325,7 @@ fn doors_of_traffic_open_at_stops_and_close_in_motion() {
         }
         // Who stands for good has got out.
         let tail = &states[states.len() - 40..];
-        if tail.iter().all(|s| speed(s) == 0.0) && doors > 0 && actor.role == "background" {
+        if tail.iter().all(|s| speed(s) == 0.0) && doors > 0 && actor.role == ActorRole::Background {
             assert!(open(tail[39]), "{actor:?}");
         }
     }

@@ -7,8 +7,8 @@ use common::{
 };
 use frames::math::{atan, sin_cos};
 use opendrive::Map;
-use schema::models;
 use schema::tables::{PlanAgentRow, StateRow};
+use schema::{ActorKind, models};
 use traffic::SimulationLog;
 
 /// Speed in space over the step before a state, m/s.
@@ -19,7 +19,7 @@ fn speed(state: &StateRow) -> f64 {
 /// Strongest braking and acceleration of speeds in space, m/s2, of all vehicles of a log that nothing hits.
 fn extremes(log: &SimulationLog) -> [f64; 2] {
     let tracks = tracks(log);
-    let vehicles = log.actors.iter().filter(|a| a.kind == "vehicle");
+    let vehicles = log.actors.iter().filter(|a| a.kind == ActorKind::Vehicle);
     let pairs = vehicles.flat_map(|a| tracks[&a.id].windows(2));
     let rates = pairs.map(|p| (speed(p[1]) - speed(p[0])) / 0.05);
     rates.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], a| [least.min(a), most.max(a)])
@@ -65,7 +65,7 @@ fn wish_mps(map: &Map, state: &StateRow, driver: f64, model: &str) -> f64 {
 fn speeds_over_wishes(map: &Map, log: &SimulationLog) -> [Vec<f64>; 2] {
     let tracks = tracks(log);
     let mut found = [Vec::new(), Vec::new()];
-    for actor in log.actors.iter().filter(|a| a.kind == "vehicle") {
+    for actor in log.actors.iter().filter(|a| a.kind == ActorKind::Vehicle) {
         // Agents are planned to go at the limit.
         let driver = log.drivers.iter().find(|d| d.id == actor.id).map_or(0.0, |d| d.speed_difference);
         for second in tracks[&actor.id].windows(21).step_by(5) {

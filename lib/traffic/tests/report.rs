@@ -22,8 +22,8 @@ use film::Film;
 use frames::math::{cos, sin, sin_cos};
 use frames::{Object, Pose, World};
 use opendrive::{Map, MarkType};
-use schema::models;
 use schema::tables::{ActorRow, SignalRow, StateRow};
+use schema::{ActorKind, SignalState, models};
 use traffic::SimulationLog;
 
 /// Middle, yaw and speed along it.
@@ -46,12 +46,12 @@ impl Shot {
         let known = models::find(model).expect("a model");
         self.log.actors.push(ActorRow {
             id,
-            kind: if model.starts_with("walker") { "walker" } else { "vehicle" }.into(),
+            kind: if model.starts_with("walker") { ActorKind::Walker } else { ActorKind::Vehicle },
             model: model.into(),
             length_m: known.size_m[0],
             width_m: known.size_m[1],
             height_m: known.size_m[2],
-            attributes: format!("{{\"{driver}\":\"true\"}}"),
+            attributes: format!("{{\"{driver}\":\"true\"}}").parse().expect("an object of strings"),
             ..ActorRow::default()
         });
         for i in 0..self.states {
@@ -74,11 +74,11 @@ impl Shot {
     }
 
     /// What a light shows over time.
-    fn light(&mut self, id: &str, state: impl Fn(f64) -> &'static str) {
+    fn light(&mut self, id: &str, state: impl Fn(f64) -> SignalState) {
         self.log.signals.extend((0..self.states).map(|i| SignalRow {
             frame: i as i32 - 1,
             id: 900,
-            state: state(0.05 * i as f64).into(),
+            state: state(0.05 * i as f64),
             opendrive_id: id.into(),
         }));
     }
@@ -167,10 +167,10 @@ fn towards_line(from: f64, speed: f64, start_s: f64) -> impl Fn(f64) -> PlanarSt
 fn lights_are_run_at_red_alone() {
     let map = crossing(true);
     for (shows, driver, runs, unruly) in [
-        ("Red", "ordinary", 1, 0),
-        ("Red", "reckless", 0, 1),
-        ("Yellow", "ordinary", 0, 0),
-        ("Green", "ordinary", 0, 0),
+        (SignalState::Red, "ordinary", 1, 0),
+        (SignalState::Red, "reckless", 0, 1),
+        (SignalState::Yellow, "ordinary", 0, 0),
+        (SignalState::Green, "ordinary", 0, 0),
     ] {
         let mut shot = Shot::new(8.0);
         let id = shot.add("car.sedan", driver, towards_line(60.0, 10.0, 0.0));
@@ -187,7 +187,7 @@ fn lights_are_run_at_red_alone() {
     // Who stops before the line passes nothing; nor does who stops with the rear on it when the light turns.
     let mut shot = Shot::new(8.0);
     shot.car(|t| (60.0 - 10.0 * t.min(4.7), 1.75, PI, if t < 4.7 { 10.0 } else { 0.0 }));
-    shot.light("s0", |_| "Red");
+    shot.light("s0", |_| SignalState::Red);
     assert_eq!(lights::measure(&shot.film(&map)).passages, 0);
 }
 
@@ -202,7 +202,7 @@ fn headways_are_those_of_the_queue_from_the_fourth_car_on() {
             let half = 0.5 * models::find(model).expect("a model").size_m[0];
             shot.add(model, "ordinary", towards_line(11.0 + half + 8.0 * k, 8.0, 5.0 + k));
         }
-        shot.light("s0", |t| if t < 5.0 { "Red" } else { "Green" });
+        shot.light("s0", |t| if t < 5.0 { SignalState::Red } else { SignalState::Green });
         lights::measure(&shot.film(&map))
     };
     let found = queue(["car.sedan"; 6]);
@@ -277,7 +277,7 @@ fn offsets_slides_and_lane_changes_are_told_apart() {
 #[test]
 fn whoever_stands_has_the_reason_that_is_there() {
     let map = crossing(true);
-    let reasons = |shows: &'static str, with_walker: bool, leader: bool| {
+    let reasons = |shows: SignalState, with_walker: bool, leader: bool| {
         let mut shot = Shot::new(20.0);
         // The first one's front is 1.5 m before the line.
         shot.car(still(13.85, 1.75, PI));
@@ -290,16 +290,19 @@ fn whoever_stands_has_the_reason_that_is_there() {
         shot.light("s0", |_| shows);
         standing::measure(&shot.film(&map))
     };
-    let alone = reasons("Red", false, false);
+    let alone = reasons(SignalState::Red, false, false);
     assert_eq!(alone.reasons.keys().copied().collect::<Vec<_>>(), ["light"]);
     assert!(alone.faults.is_empty() && alone.gridlock.is_none_or(|g| g.0 < 0.6), "{:?}", alone.gridlock);
     assert!(alone.longest.is_some_and(|l| (l.0 - 19.5).abs() < 0.6), "{:?}", alone.longest);
-    let queue = reasons("Red", false, true);
+    let queue = reasons(SignalState::Red, false, true);
     assert_eq!(queue.reasons.keys().copied().collect::<Vec<_>>(), ["leader", "light"]);
     assert_eq!(queue.reasons["leader"], queue.reasons["light"]);
-    assert_eq!(reasons("Green", true, false).reasons.keys().copied().collect::<Vec<_>>(), ["walker"]);
+    assert_eq!(
+        reasons(SignalState::Green, true, false).reasons.keys().copied().collect::<Vec<_>>(),
+        ["walker"]
+    );
     // At green with nobody there: a fault at each look after the first 3 s.
-    let idle = reasons("Green", false, false);
+    let idle = reasons(SignalState::Green, false, false);
     assert_eq!(idle.reasons.keys().copied().collect::<Vec<_>>(), ["none"]);
     assert_eq!((idle.faults.len(), idle.faults[0]), (34, (60, 1)));
     assert!(idle.gridlock.is_some_and(|g| (g.0 - 19.5).abs() < 0.6), "{:?}", idle.gridlock);
@@ -314,9 +317,9 @@ fn whoever_stands_has_the_reason_that_is_there() {
 #[test]
 fn walkers_in_things_are_found_by_what_is_drawn() {
     let map = straight(300.0);
-    let thing = |id: u16, kind: &str, model: &str, size: [f64; 3], at: [f64; 3]| ActorRow {
+    let thing = |id: u16, kind: ActorKind, model: &str, size: [f64; 3], at: [f64; 3]| ActorRow {
         id,
-        kind: kind.into(),
+        kind,
         model: model.into(),
         length_m: size[0],
         width_m: size[1],
@@ -326,12 +329,12 @@ fn walkers_in_things_are_found_by_what_is_drawn() {
         ..ActorRow::default()
     };
     let fixed = [
-        thing(101, "building", "building.block", [12.0, 20.0, 15.0], [60.0, 20.0, -0.1]),
-        thing(102, "parked", "car.wagon", [4.78, 1.83, 1.48], [100.0, 5.0, 0.0]),
-        thing(103, "vegetation", "tree.round", [5.0, 5.0, 7.0], [140.0, 5.0, 0.0]),
+        thing(101, ActorKind::Building, "building.block", [12.0, 20.0, 15.0], [60.0, 20.0, -0.1]),
+        thing(102, ActorKind::Parked, "car.wagon", [4.78, 1.83, 1.48], [100.0, 5.0, 0.0]),
+        thing(103, ActorKind::Vegetation, "tree.round", [5.0, 5.0, 7.0], [140.0, 5.0, 0.0]),
         // Its pole stands at the rear end of its box, 1.07 m west of the middle; the lamp hangs over the others.
-        thing(104, "pole", "pole.lamp", [2.4, 0.28, 7.5], [181.07, 5.0, 0.0]),
-        thing(105, "surface", "surface.road", [300.0, 300.0, 0.0], [150.0, 0.0, 0.0]),
+        thing(104, ActorKind::Pole, "pole.lamp", [2.4, 0.28, 7.5], [181.07, 5.0, 0.0]),
+        thing(105, ActorKind::Surface, "surface.road", [300.0, 300.0, 0.0], [150.0, 0.0, 0.0]),
     ];
     let fixed: Vec<&ActorRow> = fixed.iter().collect();
     for (y, found) in [

@@ -8,8 +8,8 @@ use common::{
 };
 use nalgebra::Point3;
 use opendrive::{LaneId, LaneInfo, LanePos, Map, MarkType};
-use schema::lights;
 use schema::tables::{PlanAgentRow, Weather};
+use schema::{ActorKind, Attribute, SignalState, lights};
 use traffic::{Idm, SimulationLog, equilibrium_gap_m};
 
 fn assert_sound(log: &SimulationLog, frames: u32) {
@@ -47,7 +47,8 @@ fn apart(map: &Map) -> Vec<Point3<f64>> {
 /// for lane changes (blinking outside junctions).
 fn worst_offset(map: &Map, log: &SimulationLog) -> f64 {
     let apart = apart(map);
-    let vehicles: Vec<u16> = log.actors.iter().filter(|a| a.kind == "vehicle").map(|a| a.id).collect();
+    let vehicles: Vec<u16> =
+        log.actors.iter().filter(|a| a.kind == ActorKind::Vehicle).map(|a| a.id).collect();
     let sampled = log.states.iter().filter(|s| {
         let far = || apart.iter().all(|p| (p - Point3::from(s.xyz_m)).norm() > 30.0);
         s.frame % 10 == 0 && vehicles.binary_search(&s.id).is_ok() && far()
@@ -245,7 +246,7 @@ fn signals_are_obeyed_at_a_crossing() {
     // Opposite lights agree, crossing ones are never both open.
     for frame in log.signals.chunk_by(|a, b| a.frame == b.frame) {
         assert!(frame[0].state == frame[2].state && frame[1].state == frame[3].state);
-        assert!(frame[0].state == "Red" || frame[1].state == "Red");
+        assert!(frame[0].state == SignalState::Red || frame[1].state == SignalState::Red);
     }
 }
 
@@ -296,8 +297,8 @@ fn walkers_stay_on_sidewalks_or_cross() {
     assert_eq!(log.n_walkers, 60);
     let tracks = tracks(&log);
     let mut crossed = 0;
-    for actor in log.actors.iter().filter(|a| a.kind == "walker") {
-        let anywhere = actor.attributes.contains("\"crosses_anywhere\":\"true\"");
+    for actor in log.actors.iter().filter(|a| a.kind == ActorKind::Walker) {
+        let anywhere = actor.attributes.is_true(&Attribute::CrossesAnywhere);
         let track = &tracks[&actor.id];
         let on_road = track.iter().filter(|s| s.xyz_m[1].abs() < 3.5).count();
         crossed += usize::from(on_road > 0);

@@ -7,6 +7,7 @@ use nalgebra::Point3;
 use opendrive::Map;
 use schema::settings::stages::SimulationSettings;
 use schema::tables::{PlanSceneRow, StateRow};
+use schema::{ActorKind, ActorRole};
 use traffic::SimulationLog;
 
 fn awake_within(distance_m: f64) -> SimulationSettings {
@@ -23,7 +24,7 @@ fn long_road() -> PlanSceneRow {
 /// Positions of the agents, frame by frame.
 fn agents_of(log: &SimulationLog) -> Vec<Vec<Point3<f64>>> {
     let tracks = tracks(log);
-    let agents = log.actors.iter().filter(|a| a.role.starts_with("vehicle_"));
+    let agents = log.actors.iter().filter(|a| a.role.agent().is_some());
     agents.map(|a| tracks[&a.id].iter().map(|s| Point3::from(s.xyz_m)).collect()).collect()
 }
 
@@ -52,8 +53,8 @@ fn who_is_far_stands_still_until_an_agent_comes() {
     let mut found = [[0; 4]; 2];
     for (id, track) in &tracks(&log) {
         let actor = log.actors.iter().find(|a| a.id == *id).expect("an actor");
-        let found = &mut found[usize::from(actor.kind == "walker")];
-        if actor.role != "background" && actor.kind != "walker" {
+        let found = &mut found[usize::from(actor.kind == ActorKind::Walker)];
+        if actor.role != ActorRole::Background && actor.kind != ActorKind::Walker {
             assert!(distances(&watched, track).iter().all(|d| *d == 0.0) && speed(track[800]) > 5.0);
             continue;
         }
@@ -73,14 +74,14 @@ fn who_is_far_stands_still_until_an_agent_comes() {
             found[2] += i32::from((woke..(woke + 41).min(801)).any(moves));
         } else if let Some(gone) = away.iter().position(|d| *d > AWAKE_M).filter(|i| *i < 560) {
             // Vehicles brake in comfort: 20 m/s takes 8 s, after a look each second.
-            let asleep = gone + if actor.kind == "walker" { 21 } else { 220 };
+            let asleep = gone + if actor.kind == ActorKind::Walker { 21 } else { 220 };
             if away[gone..].iter().all(|d| *d > AWAKE_M) {
                 assert!(still(asleep..801), "{actor:?}");
                 found[3] += 1;
             }
             let braking = (gone..800).map(|i| (speed(track[i]) - speed(track[i + 1])) / 0.05);
             let most = braking.fold(0.0, f64::max);
-            assert!(actor.kind == "walker" || most < 5.0, "{most} of {actor:?}");
+            assert!(actor.kind == ActorKind::Walker || most < 5.0, "{most} of {actor:?}");
         }
     }
     assert!(found[0].iter().chain(&found[1][..3]).all(|n| *n > 0), "{found:?}");
@@ -123,7 +124,7 @@ fn sleepers_in_a_town_are_in_nobodys_way_for_good() {
     assert_eq!(collisions(&log, false), []);
     assert_eq!(collisions(&log, true), []);
     let tracks = tracks(&log);
-    let agents: Vec<_> = log.actors.iter().filter(|a| a.role.starts_with("vehicle_")).collect();
+    let agents: Vec<_> = log.actors.iter().filter(|a| a.role.agent().is_some()).collect();
     for agent in agents {
         let track = &tracks[&agent.id];
         assert!((Point3::from(track[0].xyz_m) - Point3::from(track[800].xyz_m)).norm() > 20.0, "{agent:?}");

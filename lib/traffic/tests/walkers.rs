@@ -7,12 +7,17 @@ use std::collections::BTreeMap;
 use common::{agent, crossing, run, scene, settings, straight, tracks};
 use opendrive::{Cubic, Lane, LaneType, Map, Object};
 use schema::tables::StateRow;
+use schema::{ActorKind, Attribute, SignalState};
 use traffic::SimulationLog;
 
 /// Pairs of walkers whose boxes overlap in any frame.
 fn overlaps(log: &SimulationLog) -> Vec<(i32, u16, u16)> {
-    let size: BTreeMap<u16, [f64; 2]> =
-        log.actors.iter().filter(|a| a.kind == "walker").map(|a| (a.id, [a.length_m, a.width_m])).collect();
+    let size: BTreeMap<u16, [f64; 2]> = log
+        .actors
+        .iter()
+        .filter(|a| a.kind == ActorKind::Walker)
+        .map(|a| (a.id, [a.length_m, a.width_m]))
+        .collect();
     let mut found = Vec::new();
     for frame in log.states.chunk_by(|a, b| a.frame == b.frame) {
         let walkers: Vec<&StateRow> = frame.iter().filter(|s| size.contains_key(&s.id)).collect();
@@ -42,7 +47,7 @@ fn walkers_never_overlap_and_all_get_on() {
         assert_eq!(log.n_walkers, count);
         assert_eq!(overlaps(&log), [], "seed {seed}");
         let tracks = tracks(&log);
-        for actor in log.actors.iter().filter(|a| a.kind == "walker") {
+        for actor in log.actors.iter().filter(|a| a.kind == ActorKind::Walker) {
             let track = &tracks[&actor.id];
             // On the sidewalk, 3.5 to 6.5 m from the middle, with the feet well on it.
             assert!(track.iter().all(|s| (3.75..=6.25).contains(&s.xyz_m[1].abs())), "seed {seed}");
@@ -101,7 +106,7 @@ fn walkers_who_do_not_cross_anywhere_wait_for_red_at_crosswalks_with_lights() {
         let log = run(&map, &scene, &[agent(0, [60.0, 1.75, 0.0], std::f64::consts::PI)], &settings);
         assert_eq!(overlaps(&log), []);
         let tracks = tracks(&log);
-        for walker in log.actors.iter().filter(|a| a.kind == "walker") {
+        for walker in log.actors.iter().filter(|a| a.kind == ActorKind::Walker) {
             // On which arm's lanes, if on any: distance along and beside its middle line.
             let on_lanes = |s: &StateRow| {
                 let [x, y, _] = s.xyz_m;
@@ -113,7 +118,12 @@ fn walkers_who_do_not_cross_anywhere_wait_for_red_at_crosswalks_with_lights() {
                 let id = format!("s{arm}");
                 let light = log.signals.iter().find(|l| l.frame == pair[1].frame && l.opendrive_id == id);
                 let light = light.expect("a light");
-                assert_eq!(light.state, "Red", "seed {seed}: {} steps onto arm {arm}: {light:?}", walker.id);
+                assert_eq!(
+                    light.state,
+                    SignalState::Red,
+                    "seed {seed}: {} steps onto arm {arm}: {light:?}",
+                    walker.id
+                );
                 begun += 1;
             }
         }
@@ -132,9 +142,9 @@ fn a_share_of_walkers_rolls_and_its_wheels_turn_with_the_way() {
     assert_eq!(overlaps(&log), []);
     let tracks = tracks(&log);
     let mut chairs = 0;
-    for walker in log.actors.iter().filter(|a| a.kind == "walker") {
+    for walker in log.actors.iter().filter(|a| a.kind == ActorKind::Walker) {
         let rolls = walker.model == "walker.wheelchair";
-        assert_eq!(rolls, walker.attributes.contains("\"use_wheelchair\":\"true\""));
+        assert_eq!(rolls, walker.attributes.is_true(&Attribute::UseWheelchair));
         chairs += u32::from(rolls);
         for pair in tracks[&walker.id].windows(2).filter(|_| rolls) {
             let way = [0, 1].map(|k| pair[1].xyz_m[k] - pair[0].xyz_m[k]);

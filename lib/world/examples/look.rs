@@ -232,9 +232,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{triangles} triangles");
     let mut kinds = std::collections::BTreeMap::new();
     for actor in &actors {
-        *kinds
-            .entry((actor.kind.clone(), actor.model.split('.').next().unwrap_or("").to_owned()))
-            .or_insert(0) += 1;
+        *kinds.entry((actor.kind, actor.model.split('.').next().unwrap_or("").to_owned())).or_insert(0) += 1;
     }
     println!("{kinds:?}");
     let local = snapshot.origin.local_from_world(centre);

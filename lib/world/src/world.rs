@@ -10,7 +10,7 @@ use glam::{Affine3A, Mat3A, Quat, Vec3A};
 use opendrive::Map;
 use schema::geometry::{Instance, Snapshot, TriMesh};
 use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
-use schema::{ObjectId, lights};
+use schema::{ActorKind, ObjectId, SignalState, lights};
 use surfaces::Area;
 
 use crate::error::WorldError;
@@ -112,7 +112,7 @@ impl Library {
     fn pieces(&mut self, actor: &ActorRow) -> Option<Pieces> {
         let size = [actor.length_m, actor.width_m, actor.height_m];
         // Road-side units may carry any model name: their body is a pole.
-        let model = if actor.kind == "rsu" { "pole.rsu" } else { actor.model.as_str() };
+        let model = if actor.kind == ActorKind::Rsu { "pole.rsu" } else { actor.model.as_str() };
         let variant = lights::shape_variant(actor);
         let key = (model.to_owned(), size.map(f64::to_bits), variant);
         if let Some(known) = self.models.get(&key) {
@@ -158,7 +158,7 @@ impl SceneWorld {
         let mut world =
             Self { meshes: Arc::new([]), fixed: Vec::new(), spheres: Vec::new(), movers: BTreeMap::new() };
         world.add_surfaces(map, &surfaces::areas(rows.iter().copied())?, &mut library);
-        for actor in rows.into_iter().filter(|a| a.kind != "surface") {
+        for actor in rows.into_iter().filter(|a| a.kind != ActorKind::Surface) {
             check(actor)?;
             let unknown = || WorldError::UnknownModel { id: actor.id, model: actor.model.clone() };
             let model = library.pieces(actor).ok_or_else(unknown)?;
@@ -193,9 +193,9 @@ impl SceneWorld {
     }
 
     fn add_fixed(&mut self, actor: &ActorRow, pieces: &[(u32, Joint)], paint: [f32; 3], library: &Library) {
-        let lights = match actor.kind.as_str() {
-            "traffic_light" => StaticLights::Signal,
-            "building" => StaticLights::Building,
+        let lights = match actor.kind {
+            ActorKind::TrafficLight => StaticLights::Signal,
+            ActorKind::Building => StaticLights::Building,
             _ if actor.model == WORK_LIGHT => StaticLights::Work,
             _ if lights::is_street_lamp(actor) && !lights::has_failed(actor) => StaticLights::StreetLamp,
             _ => StaticLights::None,
@@ -267,7 +267,7 @@ impl SceneWorld {
         let origin = LocalOrigin::near(centre_world_m);
         let zero = origin.world_xyz();
         let signals: BTreeMap<ObjectId, u32> =
-            moment.signals.iter().map(|row| (row.id, signal_bits(&row.state))).collect();
+            moment.signals.iter().map(|row| (row.id, signal_bits(row.state))).collect();
         let mut instances = Vec::new();
         for (fixed, sphere) in self.fixed.iter().zip(&self.spheres) {
             if !sphere.reaches(centre_world_m, radius_m) {
@@ -387,12 +387,12 @@ fn local_from_state(origin: &LocalOrigin, state: &StateRow) -> Affine3A {
     origin.local_from_body(&Pose::<World, Object>::from_xyz_wxyz(state.xyz_m, state.quaternion))
 }
 
-fn signal_bits(state: &str) -> u32 {
+fn signal_bits(state: SignalState) -> u32 {
     match state {
-        "Red" => lights::SIGNAL_RED,
-        "Yellow" => lights::SIGNAL_YELLOW,
-        "Green" => lights::SIGNAL_GREEN,
-        _ => 0,
+        SignalState::Red => lights::SIGNAL_RED,
+        SignalState::Yellow => lights::SIGNAL_YELLOW,
+        SignalState::Green => lights::SIGNAL_GREEN,
+        SignalState::Off => 0,
     }
 }
 

@@ -12,6 +12,7 @@ use frames::{Object, Pose, World};
 use nalgebra::Point3;
 use opendrive::Map;
 use scenery::place;
+use schema::ActorKind;
 use schema::footprint::{WALKING_HEIGHT_M, footprint};
 use schema::geometry::Surface;
 
@@ -38,10 +39,10 @@ fn clipped(corners: [glam::Vec3; 3], low: f32, high: f32) -> Vec<glam::Vec3> {
 fn footprints_hold_what_is_drawn_at_walking_height_and_little_more() {
     let map: Map = demo();
     let actors = place(&map, &settings(), 5, &[start(&map)], 1).unwrap();
-    let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut seen: BTreeMap<ActorKind, usize> = BTreeMap::new();
     for actor in &actors {
         let Some(held) = footprint(actor) else {
-            assert_eq!(actor.kind, "surface");
+            assert_eq!(actor.kind, ActorKind::Surface);
             continue;
         };
         let size = [actor.length_m, actor.width_m, actor.height_m];
@@ -73,14 +74,18 @@ fn footprints_hold_what_is_drawn_at_walking_height_and_little_more() {
         for k in 0..2 {
             assert!(reach[k] <= held.half_m[k] + spare, "{} reaches {reach:?} from {held:?}", actor.model);
             assert!(
-                reach[k] >= held.half_m[k] - 0.3 || actor.kind == "building",
+                reach[k] >= held.half_m[k] - 0.3 || actor.kind == ActorKind::Building,
                 "{} reaches but {reach:?} from {held:?}",
                 actor.model
             );
         }
-        *seen.entry(actor.kind.as_str()).or_default() += 1;
+        *seen.entry(actor.kind).or_default() += 1;
     }
-    for kind in ["building", "vegetation", "pole", "prop", "parked", "traffic_light", "sign"] {
-        assert!(seen.contains_key(kind), "no {kind} among {seen:?}");
+    let kinds = {
+        use ActorKind::*;
+        [Building, Vegetation, Pole, Prop, Parked, TrafficLight, Sign]
+    };
+    for kind in kinds {
+        assert!(seen.contains_key(&kind), "no {kind:?} among {seen:?}");
     }
 }

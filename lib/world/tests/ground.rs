@@ -7,8 +7,8 @@ use common::{around, bare, column, empty_moment, from_above, named};
 use frames::{Object, Pose, World};
 use nalgebra::Point3;
 use opendrive::{JunctionInfo, LaneInfo, LaneType, Map};
-use schema::Tag;
 use schema::tables::{ActorRow, FrameRow};
+use schema::{ActorKind, Tag};
 
 #[test]
 fn rivers_lie_under_bridges() {
@@ -62,9 +62,9 @@ fn rivers_lie_under_bridges() {
     }
     assert!(tested > 10, "only {tested} places on the shore");
     let wet = |x: f64, y: f64| column(&snapshot, x, y).iter().any(|(_, t)| *t == Tag::Water);
-    for thing in actors.iter().filter(|a| a.kind != "surface" && a.kind != "sign") {
+    for thing in actors.iter().filter(|a| a.kind != ActorKind::Surface && a.kind != ActorKind::Sign) {
         let pose = Pose::<World, Object>::from_xyz_wxyz(thing.xyz_m, thing.quaternion);
-        let share = if thing.kind == "building" { 0.5 } else { 0.0 };
+        let share = if thing.kind == ActorKind::Building { 0.5 } else { 0.0 };
         for (u, v) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (0.0, 0.0)] {
             let p = pose * Point3::new(share * u * thing.length_m, share * v * thing.width_m, 0.0);
             assert!(
@@ -115,12 +115,15 @@ fn rails_lie_on_their_beds_and_in_level_crossings() {
     assert_eq!(top(middle(open, 0.0)).1, Tag::RailTrack, "ballast or a sleeper");
     // Neither crowns nor lamps reach over the rails, and no house looks at them.
     let track = |l: &LaneInfo| l.lane_type == LaneType::Rail;
-    for thing in actors.iter().filter(|a| matches!(a.kind.as_str(), "vegetation" | "pole" | "building")) {
+    for thing in actors
+        .iter()
+        .filter(|a| matches!(a.kind, ActorKind::Vegetation | ActorKind::Pole | ActorKind::Building))
+    {
         let reach = 0.5 * thing.length_m.max(thing.width_m);
         let at = Point3::from(thing.xyz_m);
         for hit in map.lanes_within(at, reach + 3.0, track) {
             let clear = hit.distance_m - 0.5 * hit.width_m;
-            let needed = if thing.kind == "vegetation" { 0.9 * reach } else { 0.3 };
+            let needed = if thing.kind == ActorKind::Vegetation { 0.9 * reach } else { 0.3 };
             assert!(clear > needed, "{} {} is {clear:.2} m from the rails", thing.model, thing.id);
         }
     }
@@ -139,11 +142,11 @@ fn nobody_lives_on_the_island_of_a_roundabout() {
     let (actors, _) = around(&map, centre.coords.into());
     let near: Vec<&ActorRow> = actors
         .iter()
-        .filter(|a| a.kind == "building")
+        .filter(|a| a.kind == ActorKind::Building)
         .filter(|a| (a.xyz_m[0] - centre.x).abs() + (a.xyz_m[1] - centre.y).abs() < 20.0)
         .collect();
     assert!(near.is_empty(), "{near:?}");
-    assert!(actors.iter().filter(|a| a.kind == "building").count() > 20);
+    assert!(actors.iter().filter(|a| a.kind == ActorKind::Building).count() > 20);
 }
 
 /// Patches of land in view that other ground surrounds: area and a place of each.

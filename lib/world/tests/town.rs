@@ -11,8 +11,8 @@ use nalgebra::Point3;
 use opendrive::{LaneInfo, LaneType, Map};
 use random::Stream;
 use scenery::place;
-use schema::Tag;
 use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
+use schema::{ActorKind, ActorRole, LampKind, SignalState, Tag};
 use surfaces::Region;
 use testkit::real_maps;
 use world::{Moment, SceneWorld, WorldError};
@@ -22,15 +22,18 @@ fn check_town(map: &Map, name: &str) {
     let actors = place(map, &settings(), 5, &[centre], 10).unwrap();
     // Ids: dense from the first one.
     assert!(actors.iter().enumerate().all(|(i, a)| usize::from(a.id) == i + 10 && a.fixed));
-    let kinds: BTreeSet<&str> = actors.iter().map(|a| a.kind.as_str()).collect();
+    let kinds: BTreeSet<ActorKind> = actors.iter().map(|a| a.kind).collect();
     assert!(
-        ["surface", "building", "vegetation", "pole", "prop"].iter().all(|k| kinds.contains(k)),
+        {
+            use ActorKind::*;
+            [Surface, Building, Vegetation, Pole, Prop].iter().all(|k| kinds.contains(k))
+        },
         "{name}: {kinds:?}"
     );
 
     // No building on any lane: exact lane geometry, not the meshes.
     let built = |l: &LaneInfo| l.lane_type != LaneType::None;
-    for building in actors.iter().filter(|a| a.kind == "building") {
+    for building in actors.iter().filter(|a| a.kind == ActorKind::Building) {
         let pose = Pose::<World, Object>::from_xyz_wxyz(building.xyz_m, building.quaternion);
         for i in 0..=8 {
             for j in 0..=8 {
@@ -124,9 +127,9 @@ fn the_same_seed_gives_the_same_world() {
 fn car(id: u16) -> ActorRow {
     ActorRow {
         id,
-        kind: "vehicle".into(),
+        kind: ActorKind::Vehicle,
         model: "car.sedan".into(),
-        role: "background".into(),
+        role: ActorRole::Background,
         length_m: 4.7,
         width_m: 1.84,
         height_m: 1.44,
@@ -177,19 +180,20 @@ fn lights_follow_the_log() {
     let map = demo();
     let actors = place(&map, &settings(), 5, &[start(&map)], 1).unwrap();
     let world = SceneWorld::new(&map, &actors).unwrap();
-    let light = actors.iter().find(|a| a.kind == "traffic_light").unwrap();
-    let signals = [SignalRow { frame: 0, id: light.id, state: "Yellow".into(), opendrive_id: String::new() }];
+    let light = actors.iter().find(|a| a.kind == ActorKind::TrafficLight).unwrap();
+    let signals =
+        [SignalRow { frame: 0, id: light.id, state: SignalState::Yellow, opendrive_id: String::new() }];
     let frame = FrameRow { street_lamps: true, building_lights: true, ..FrameRow::default() };
     let moment = Moment { states: &[], previous: &[], signals: &signals, frame: &frame };
     let snapshot = world.snapshot(&moment, start(&map), 300.0);
-    let lights_of = |kind: &str| -> Vec<u32> {
+    let lights_of = |kind: ActorKind| -> Vec<u32> {
         let ids: BTreeSet<u16> = actors.iter().filter(|a| a.kind == kind).map(|a| a.id).collect();
         snapshot.instances.iter().filter(|i| ids.contains(&i.object)).map(|i| i.lights).collect()
     };
     let shown = snapshot.instances.iter().find(|i| i.object == light.id).unwrap();
     assert_eq!(shown.lights, schema::lights::SIGNAL_YELLOW);
-    assert!(lights_of("building").iter().all(|l| *l == schema::lights::BUILDING));
-    assert!(lights_of("pole").contains(&schema::lights::STREET_LAMP));
+    assert!(lights_of(ActorKind::Building).iter().all(|l| *l == schema::lights::BUILDING));
+    assert!(lights_of(ActorKind::Pole).contains(&schema::lights::STREET_LAMP));
     let day = FrameRow::default();
     let snapshot = world.snapshot(&empty_moment(&day), start(&map), 300.0);
     assert!(snapshot.instances.iter().all(|i| i.lights == 0));
@@ -207,19 +211,19 @@ fn lamps_and_windows_have_the_light_of_the_log() {
         ids.into_iter().map(of).collect()
     };
     let lamps: Vec<u16> = actors.iter().filter(|a| schema::lights::is_street_lamp(a)).map(|a| a.id).collect();
-    let house = actors.iter().find(|a| a.kind == "building").unwrap().id;
-    let row = |id, kind: &str, works, flux_lm, color: [u8; 3]| LampRow {
+    let house = actors.iter().find(|a| a.kind == ActorKind::Building).unwrap().id;
+    let row = |id, kind, works, flux_lm, color: [u8; 3]| LampRow {
         id,
-        kind: kind.into(),
+        kind,
         works,
         flux_lm,
         color: color.to_vec(),
     };
     let nominal = near(vec![lamps[1]], &world)[0];
     world.set_lamps(&[
-        row(lamps[0], "street", false, Some(20_000.0), [255, 226, 183]),
-        row(lamps[1], "street", true, Some(50_000.0), [255, 226, 183]),
-        row(house, "building", true, None, [0, 255, 188]),
+        row(lamps[0], LampKind::Street, false, Some(20_000.0), [255, 226, 183]),
+        row(lamps[1], LampKind::Street, true, Some(50_000.0), [255, 226, 183]),
+        row(house, LampKind::Building, true, None, [0, 255, 188]),
     ]);
     let found = near(vec![lamps[0], lamps[1], house, lamps[2]], &world);
     assert_eq!(found[0].0, 0);
@@ -241,7 +245,7 @@ fn faults_are_named() {
     let flat = ActorRow { height_m: f64::NAN, ..car(1) };
     assert!(matches!(SceneWorld::new(&map, &[flat]), Err(WorldError::BadActor { id: 1, .. })));
     let surface = |model: &str| ActorRow {
-        kind: "surface".into(),
+        kind: ActorKind::Surface,
         model: model.into(),
         width_m: f64::INFINITY,
         ..car(1)

@@ -1,6 +1,6 @@
 //! Raw boxes of every agent.
 
-use crate::{framed, table};
+use crate::{Attributes, SignalState, framed, table};
 
 table! {
     /// One row per agent, frame and object within the annotation radius: the raw 3-D boxes.
@@ -34,9 +34,9 @@ table! {
         /// Angle from the agent's forward axis to the object, rad, positive left; null for the agent itself.
         angle_rad: Option<f64>,
         /// State of a traffic light, else null.
-        signal_state: Option<String>,
+        signal_state: Option<SignalState>,
         /// Further facts of the object as JSON, as in `log/actors`.
-        attributes: String,
+        attributes: Attributes,
     }
 }
 

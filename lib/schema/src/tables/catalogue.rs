@@ -54,12 +54,13 @@ pub fn every_table() -> Vec<TableDoc> {
 mod tests {
     use super::*;
     use crate::table::Column;
+    use crate::{ActorKind, ActorRole, AgentId, Attribute, Attributes, HazardKind, LampKind, SignalState};
 
     #[test]
     fn rows_survive_the_way_to_columns_and_back() {
         let row = ActorRow {
             id: 7,
-            kind: "vehicle".into(),
+            kind: ActorKind::Vehicle,
             semantic_tags: vec![13, 18],
             xyz_m: [1.0, 2.0, 3.0],
             ..ActorRow::default()
@@ -78,6 +79,51 @@ mod tests {
 
     fn has_word(text: &str, word: &str) -> bool {
         text.split(|c: char| !c.is_alphanumeric()).any(|w| w == word)
+    }
+
+    #[test]
+    fn types_are_the_same_strings_in_columns() {
+        fn column<R: Row>(rows: &[R], name: &str) -> Column {
+            let at = R::fields().iter().position(|f| f.name == name).expect("is a column");
+            R::to_columns(rows).swap_remove(at)
+        }
+        let text = |words: &[&str]| Column::Str(words.iter().map(|w| (*w).to_owned()).collect());
+        let facts = Attributes::new().with(Attribute::SignType, "speed_limit").with(Attribute::Value, 50.0);
+        let actors = [
+            ActorRow { kind: ActorKind::TrafficLight, attributes: facts, ..ActorRow::default() },
+            ActorRow { role: ActorRole::Agent(AgentId::rsu(3)), ..ActorRow::default() },
+        ];
+        assert_eq!(column(&actors, "kind"), text(&["traffic_light", "prop"]));
+        assert_eq!(column(&actors, "role"), text(&["scenery", "rsu_3"]));
+        let json = [r#"{"sign_type":"speed_limit","value":"50"}"#, "{}"];
+        assert_eq!(column(&actors, "attributes"), text(&json));
+        let signal = SignalRow { state: SignalState::Yellow, ..SignalRow::default() };
+        assert_eq!(column(&[signal], "state"), text(&["Yellow"]));
+        let lamp = LampRow { kind: LampKind::Building, ..LampRow::default() };
+        assert_eq!(column(&[lamp], "kind"), text(&["building"]));
+        let hazard = PlanHazardRow { kind: HazardKind::RoadWorks, ..PlanHazardRow::default() };
+        assert_eq!(column(&[hazard], "kind"), text(&["road_works"]));
+        let agent = PlanAgentRow { agent: AgentId::vehicle(2), ..PlanAgentRow::default() };
+        assert_eq!(column(&[agent], "agent"), text(&["vehicle_2"]));
+        let boxes =
+            [Some(SignalState::Red), None].map(|signal_state| BoxRow { signal_state, ..BoxRow::default() });
+        assert_eq!(column(&boxes, "signal_state"), Column::OptStr(vec![Some("Red".into()), None]));
+        assert_eq!(BoxRow::from_columns(BoxRow::to_columns(&boxes)), Ok(boxes.to_vec()));
+    }
+
+    #[test]
+    fn an_unknown_text_is_named_with_its_column_and_row() {
+        let mut columns = SignalRow::to_columns(&[SignalRow::default(), SignalRow::default()]);
+        columns[2] = Column::Str(vec!["Off".into(), "Blue".into()]);
+        let error = SignalRow::from_columns(columns).expect_err("no light is blue").to_string();
+        let want =
+            "column `state`, row 1: `Blue` is no signal state, expected one of Red, Yellow, Green, Off";
+        assert_eq!(error, want);
+        let mut columns = BoxRow::to_columns(&[BoxRow::default()]);
+        let at = BoxRow::fields().iter().position(|f| f.name == "signal_state").expect("is a column");
+        columns[at] = Column::OptStr(vec![Some(String::new())]);
+        let error = BoxRow::from_columns(columns).expect_err("no text is no state").to_string();
+        assert!(error.starts_with("column `signal_state`, row 0: `` is no signal state"), "{error}");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The scene log: the only truth later stages read.
 
 use crate::tables::weather::{Weather, weather_parameters};
-use crate::{framed, table};
+use crate::{ActorKind, ActorRole, Attributes, LampKind, SignalState, framed, table};
 
 table! {
     /// One row per object of a scene, moving or not: the id is the same number in every output.
@@ -9,11 +9,11 @@ table! {
         /// Object id, 1..=65535.
         id: u16,
         /// `vehicle`, `walker`, `rsu`, `traffic_light`, `sign`, `prop`, `parked`, `building`, `vegetation`, `pole`, `surface`.
-        kind: String,
+        kind: ActorKind,
         /// Model name; the mesh is made from it and the columns below.
         model: String,
         /// Who it is: `vehicle_0`, `rsu_1` for agents, else `background`, `walker`, `hazard`, `scenery`.
-        role: String,
+        role: ActorRole,
         /// Semantic tags of its parts; the last one with a detection class names its class.
         semantic_tags: Vec<u8>,
         /// Length along its x axis, m.
@@ -37,7 +37,7 @@ table! {
         /// OpenDRIVE id of its signal or object.
         opendrive_id: Option<String>,
         /// Further facts as a JSON object of strings (`reckless`, `sign_type`, `use_wheelchair`, ...).
-        attributes: String,
+        attributes: Attributes,
     }
 }
 
@@ -108,7 +108,7 @@ table! {
         /// Object id.
         id: u16,
         /// `street` or `building`.
-        kind: String,
+        kind: LampKind,
         /// Whether it works.
         works: bool,
         /// Luminous flux of a street lamp, lm.
@@ -126,7 +126,7 @@ table! {
         /// Object id of the traffic light.
         id: u16,
         /// `Red`, `Yellow`, `Green` or `Off`.
-        state: String,
+        state: SignalState,
         /// OpenDRIVE id of the signal.
         opendrive_id: String,
     }

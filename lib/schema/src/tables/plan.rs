@@ -1,6 +1,6 @@
 //! The plan: what the dataset will hold.
 
-use crate::table;
+use crate::{AgentId, HazardKind, table};
 
 table! {
     /// One row per scene: everything the simulation needs to know besides the agents.
@@ -58,7 +58,7 @@ table! {
         /// Number within the scene, from 0.
         hazard: u32,
         /// `accident` or `road_works`.
-        kind: String,
+        kind: HazardKind,
         /// Accident: models of the front vehicle, the rear vehicle and the emergency vehicle, if one came.
         models: Vec<String>,
         /// Road works: things and workers between the two barriers.
@@ -88,7 +88,7 @@ table! {
         /// Scene number.
         scene: u32,
         /// `vehicle_0`, `rsu_1`, ...
-        agent: String,
+        agent: AgentId,
         /// Model of the body.
         model: String,
         /// Body colour, sRGB red, green, blue.

@@ -1,6 +1,6 @@
 //! Objects over all agents.
 
-use crate::{framed, table};
+use crate::{Attributes, SignalState, framed, table};
 
 table! {
     /// One row per object of a scene that some agent had in its list: its track.
@@ -66,9 +66,9 @@ table! {
         /// Agents that saw it.
         seen_by: Vec<String>,
         /// State of a traffic light, else null.
-        signal_state: Option<String>,
+        signal_state: Option<SignalState>,
         /// Further facts of the object as JSON, as in `log/actors`.
-        attributes: String,
+        attributes: Attributes,
     }
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use frames::math::sin_cos;
 use nalgebra::Point3;
 use opendrive::{LaneHit, LanePos, Map};
-use schema::models;
+use schema::{ActorKind, ActorRole, Attribute, models};
 use traffic::SimulationLog;
 
 use crate::common::yaw;
@@ -147,21 +147,24 @@ impl<'a> Film<'a> {
             let snap = Snap { at: state.xyz_m.into(), yaw_rad, speed_mps, lamps: state.lights };
             tracks.entry(state.id).or_default().push(snap);
         }
-        let bodies = |kind: &str| -> Vec<Body> {
-            let actors = log.actors.iter().filter(|a| a.kind == kind && a.role != "hazard");
+        let bodies = |kind: ActorKind| -> Vec<Body> {
+            let actors = log.actors.iter().filter(|a| a.kind == kind && a.role != ActorRole::Hazard);
             actors
                 .filter_map(|actor| {
                     let model = models::find(&actor.model)?;
                     let track = tracks.get(&actor.id)?.clone();
-                    let (way, gone_m) = if kind == "vehicle" { way(map, &track) } else { Default::default() };
-                    let unruly = |word: &str| actor.attributes.contains(&format!("\"{word}\":\"true\""));
+                    let (way, gone_m) =
+                        if kind == ActorKind::Vehicle { way(map, &track) } else { Default::default() };
+                    let unruly = [Attribute::Reckless, Attribute::Distracted]
+                        .iter()
+                        .any(|a| actor.attributes.is_true(a));
                     Some(Body {
                         id: actor.id,
                         size_m: [actor.length_m, actor.width_m],
                         wheelbase_m: model.wheelbase_m,
                         two_wheeled: actor.width_m < 1.2,
-                        is_agent: kind == "vehicle" && actor.role != "background",
-                        ordinary: !unruly("reckless") && !unruly("distracted"),
+                        is_agent: kind == ActorKind::Vehicle && actor.role != ActorRole::Background,
+                        ordinary: !unruly,
                         touched: None,
                         track,
                         way,
@@ -170,9 +173,9 @@ impl<'a> Film<'a> {
                 })
                 .collect()
         };
-        let (vehicles, walkers) = (bodies("vehicle"), bodies("walker"));
+        let (vehicles, walkers) = (bodies(ActorKind::Vehicle), bodies(ActorKind::Walker));
         let states = vehicles.first().or(walkers.first()).map_or(0, |b| b.track.len());
-        let standing = log.actors.iter().filter(|a| a.role == "hazard" && a.kind != "sign");
+        let standing = log.actors.iter().filter(|a| a.role == ActorRole::Hazard && a.kind != ActorKind::Sign);
         let obstacle = |a: &schema::tables::ActorRow| Obstacle {
             id: a.id,
             size_m: [a.length_m, a.width_m],
@@ -280,7 +283,7 @@ fn leaps(map: &Map) -> Vec<(Point3<f64>, f64)> {
 fn holds(map: &Map, log: &SimulationLog) -> Vec<Hold> {
     let mut states: BTreeMap<&str, Vec<u8>> = BTreeMap::new();
     for row in &log.signals {
-        states.entry(&row.opendrive_id).or_default().push(row.state.as_bytes()[0]);
+        states.entry(&row.opendrive_id).or_default().push(row.state.name().as_bytes()[0]);
     }
     let lines = |signal: usize| -> Vec<(LanePos, Snap)> {
         let places = map.stop_points(signal).into_iter();

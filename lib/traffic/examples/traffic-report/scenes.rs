@@ -3,6 +3,7 @@
 use std::ops::{ControlFlow, RangeInclusive};
 
 use opendrive::{LaneInfo, LanePos, Map};
+use schema::HazardKind;
 use schema::settings::WorldSettings;
 use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow};
 use traffic::{SceneInput, SimulationLog, simulate};
@@ -107,7 +108,7 @@ fn hazards(map: &Map, agents: &[PlanAgentRow]) -> Vec<PlanHazardRow> {
         let along_m = 0.5 * (lane.s_length() - HAZARD_M);
         let s = |along_m| map.s_of(LanePos { lane: lane.id, along_m });
         let between_m = [s(along_m)?, s(along_m + HAZARD_M)?];
-        let kind = if i % 2 == 0 { "accident" } else { "road_works" };
+        let kind = if i % 2 == 0 { HazardKind::Accident } else { HazardKind::RoadWorks };
         let models = ["van.delivery", "car.sedan", "van.ambulance"].map(String::from).to_vec();
         Some(PlanHazardRow {
             hazard: i as u32,

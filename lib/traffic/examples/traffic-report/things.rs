@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use frames::{Object, Pose, World};
 use nalgebra::Point3;
+use schema::ActorKind;
 use schema::geometry::Surface;
 use schema::tables::ActorRow;
 
@@ -38,7 +39,7 @@ impl<'a> Thing<'a> {
         let mesh = actors::actor_mesh(&actor.model, size, actor.variant)?;
         let pose = Pose::<World, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
         let lowest = mesh.pieces.iter().map(|p| f64::from(p.mesh.aabb().min.z)).fold(f64::INFINITY, f64::min);
-        let hung = matches!(actor.kind.as_str(), "traffic_light" | "sign");
+        let hung = matches!(actor.kind, ActorKind::TrafficLight | ActorKind::Sign);
         let ground_m = if hung { lowest + SUNK_M } else { 0.0 };
         let mut triangles = Vec::new();
         for piece in &mesh.pieces {
@@ -99,7 +100,7 @@ pub(crate) struct Things {
 /// Walkers and ordinary drivers in things: each pair once.
 pub(crate) fn measure(film: &Film<'_>, fixed: &[&ActorRow]) -> Things {
     let things: Vec<Thing<'_>> =
-        fixed.iter().filter(|a| a.kind != "surface").filter_map(|a| Thing::new(a)).collect();
+        fixed.iter().filter(|a| a.kind != ActorKind::Surface).filter_map(|a| Thing::new(a)).collect();
     let cell = |x: f64, y: f64| ((x / CELL_M).floor() as i32, (y / CELL_M).floor() as i32);
     let mut cells: BTreeMap<(i32, i32), Vec<usize>> = BTreeMap::new();
     for (n, thing) in things.iter().enumerate() {

@@ -55,11 +55,7 @@ impl Hazards {
                 .into_iter()
                 .chain([stretch.lanes.last().zip(stretch.at(stretch.length_m, 0.0))]);
             all.ends.extend(ends.flatten().map(|((lane, _), place)| (*lane, place.position)));
-            all.placed.push(HazardInfo {
-                hazard: row.hazard,
-                kind: row.kind.clone(),
-                area_m: stretch.area(),
-            });
+            all.placed.push(HazardInfo { hazard: row.hazard, kind: row.kind, area_m: stretch.area() });
         }
         all
     }

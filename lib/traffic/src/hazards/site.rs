@@ -1,10 +1,10 @@
 //! Setting up one hazard.
 
 use random::Stream;
-use schema::fleet;
 use schema::models::{self, BaseType, Model};
 use schema::tables::PlanHazardRow;
 use schema::works::{self, Item};
+use schema::{ActorKind, HazardKind, fleet};
 
 use super::stretch::Stretch;
 use super::thing::{Spot, Thing};
@@ -62,7 +62,10 @@ impl<'m, 't> Site<'m, 't> {
     /// Puts everything in its place. None where the hazard does not fit; else the sign that warns of it, if one does, and
     /// the way on the stretch from which its distance counts.
     pub(super) fn fill(&mut self, row: &PlanHazardRow) -> Option<Option<Warning>> {
-        if row.kind == "accident" { self.accident(row) } else { self.road_works(row) }
+        match row.kind {
+            HazardKind::Accident => self.accident(row),
+            HazardKind::RoadWorks => self.road_works(row),
+        }
     }
 
     fn push_m(&mut self, jitter_m: f64) -> [f64; 2] {
@@ -136,7 +139,12 @@ impl<'m, 't> Site<'m, 't> {
             let (model, color) = (self.draw.choose(catalogue).copied(), self.draw.choose(&CLOTHES).copied());
             let comes = self.draw.chance(0.5);
             if let (Some(model), Some(color), true) = (model, color, comes) {
-                self.add(Thing::of_model("walker", model, color, &Spot::new(&place, turn_rad, push_m)));
+                self.add(Thing::of_model(
+                    ActorKind::Walker,
+                    model,
+                    color,
+                    &Spot::new(&place, turn_rad, push_m),
+                ));
             }
         }
     }
@@ -157,7 +165,7 @@ impl<'m, 't> Site<'m, 't> {
             let lies = model.base == BaseType::Barrier;
             let turn_rad = if lies { 0.0 } else { std::f64::consts::FRAC_PI_2 };
             let color = if lies { CONCRETE } else { ORANGE };
-            self.add(Thing::of_model("prop", model, color, &Spot::new(&place, turn_rad, push_m)));
+            self.add(Thing::of_model(ActorKind::Prop, model, color, &Spot::new(&place, turn_rad, push_m)));
         }
     }
 
@@ -205,8 +213,8 @@ impl<'m, 't> Site<'m, 't> {
     fn model(&mut self, name: &str, way_m: f64) {
         if let (Some(model), Some(spot)) = (models::find(name), self.any_spot(way_m)) {
             let (kind, color) = match model.base {
-                BaseType::Pedestrian => ("walker", ORANGE),
-                _ => ("prop", if name == "barrier.concrete" { CONCRETE } else { RED }),
+                BaseType::Pedestrian => (ActorKind::Walker, ORANGE),
+                _ => (ActorKind::Prop, if name == "barrier.concrete" { CONCRETE } else { RED }),
             };
             self.add(Thing::of_model(kind, model, color, &spot));
         }

@@ -7,10 +7,10 @@ use opendrive::LanePoint;
 use schema::models::{BaseType, Model};
 use schema::tables::ActorRow;
 use schema::works::Item;
-use schema::{ObjectId, Tag, lights};
+use schema::{ActorKind, ActorRole, Attribute, Attributes, ObjectId, Tag, lights};
 
 use crate::scene::free_space::Footprint;
-use crate::scene::rows::{Snapshot, attributes, tags};
+use crate::scene::rows::{Snapshot, tags};
 
 /// Colour of what has no colour of its own (sRGB).
 const PLAIN: [u8; 3] = [150, 135, 110];
@@ -20,14 +20,14 @@ const PLAIN: [u8; 3] = [150, 135, 110];
 pub(crate) struct Thing {
     /// Number of its hazard.
     hazard: u32,
-    kind: &'static str,
+    kind: ActorKind,
     model: &'static str,
     tags: Vec<u8>,
     pub(crate) size_m: [f64; 3],
     color: [u8; 3],
     pub(crate) point: Point3<f64>,
     rpy_rad: [f64; 3],
-    facts: Vec<(&'static str, &'static str)>,
+    facts: Attributes,
     /// How far its doors stand open.
     doors: [f32; 4],
     /// Lamps that burn whatever the weather.
@@ -65,7 +65,7 @@ impl Spot {
 }
 
 impl Thing {
-    fn new(kind: &'static str, (model, size_m): Item, at: &Spot) -> Self {
+    fn new(kind: ActorKind, (model, size_m): Item, at: &Spot) -> Self {
         Self {
             hazard: 0,
             kind,
@@ -75,18 +75,20 @@ impl Thing {
             color: PLAIN,
             point: at.point,
             rpy_rad: at.rpy_rad,
-            facts: vec![("base_type", kind), ("special_type", "")],
+            facts: Attributes::new().with(Attribute::BaseType, kind).with(Attribute::SpecialType, ""),
             doors: [0.0; 4],
             lamps: 0,
             solid: true,
         }
     }
 
-    pub(super) fn of_model(kind: &'static str, model: &'static Model, color: [u8; 3], at: &Spot) -> Self {
+    pub(super) fn of_model(kind: ActorKind, model: &'static Model, color: [u8; 3], at: &Spot) -> Self {
         Self {
             tags: tags(model.base),
             color,
-            facts: vec![("base_type", model.base.name()), ("special_type", model.special)],
+            facts: Attributes::new()
+                .with(Attribute::BaseType, model.base.name())
+                .with(Attribute::SpecialType, model.special),
             solid: model.base != BaseType::Cone,
             ..Self::new(kind, (model.name, model.size_m), at)
         }
@@ -95,21 +97,21 @@ impl Thing {
     /// A vehicle; those of police, ambulance and fire brigade flash.
     pub(super) fn vehicle(model: &'static Model, color: [u8; 3], doors: [f32; 4], at: &Spot) -> Self {
         let lamps = if model.special == "emergency" { lights::EMERGENCY } else { 0 };
-        Self { doors, lamps, ..Self::of_model("vehicle", model, color, at) }
+        Self { doors, lamps, ..Self::of_model(ActorKind::Vehicle, model, color, at) }
     }
 
     /// A thing of road works without a class.
     pub(super) fn item(item: Item, at: &Spot) -> Self {
-        Self::new("prop", item, at)
+        Self::new(ActorKind::Prop, item, at)
     }
 
     /// A warning sign.
     pub(super) fn sign(sign: Item, meaning: &'static str, at: &Spot) -> Self {
         Self {
             tags: vec![Tag::TrafficSign as u8],
-            facts: vec![("sign_type", meaning)],
+            facts: Attributes::new().with(Attribute::SignType, meaning),
             solid: false,
-            ..Self::new("sign", sign, at)
+            ..Self::new(ActorKind::Sign, sign, at)
         }
     }
 
@@ -127,7 +129,7 @@ impl Thing {
 
     /// Whether drivers have to mind it: signs stand beside the lanes.
     pub(crate) fn is_on_lane(&self) -> bool {
-        self.kind != "sign"
+        self.kind != ActorKind::Sign
     }
 
     fn pose(&self) -> Pose<World, Object> {
@@ -136,14 +138,11 @@ impl Thing {
 
     pub(crate) fn actor(&self, id: ObjectId) -> ActorRow {
         let pose = self.pose();
-        let hazard = self.hazard.to_string();
-        let mut facts = self.facts.clone();
-        facts.push(("hazard", &hazard));
         ActorRow {
             id,
-            kind: self.kind.into(),
+            kind: self.kind,
             model: self.model.into(),
-            role: "hazard".into(),
+            role: ActorRole::Hazard,
             semantic_tags: self.tags.clone(),
             length_m: self.size_m[0],
             width_m: self.size_m[1],
@@ -152,14 +151,14 @@ impl Thing {
             fixed: !self.has_states(),
             xyz_m: pose.xyz(),
             quaternion: pose.wxyz(),
-            attributes: attributes(&facts),
+            attributes: self.facts.clone().with(Attribute::Hazard, self.hazard),
             ..ActorRow::default()
         }
     }
 
     /// Whether its state is logged at every frame: vehicles stand, but their lamps and doors are seen.
     pub(crate) fn has_states(&self) -> bool {
-        self.kind == "vehicle"
+        self.kind == ActorKind::Vehicle
     }
 
     /// What is seen of a vehicle, given the lamps that the weather asks for.

@@ -3,9 +3,9 @@
 use crate::car_following::{braking_to_stop, envelope};
 use crate::junction::conflict::MergeLeader;
 use crate::road::net::{Lane, Net, PLANNED_BRAKING};
-use crate::road::signals::Light;
 use crate::vehicle::Vehicle;
 use crate::vehicle::attention::Class;
+use schema::SignalState;
 
 /// Drivers stop at yellow if this braking is enough, m/s2.
 const YELLOW_BRAKING: f64 = 3.5;
@@ -87,12 +87,12 @@ impl Vehicle {
 }
 
 /// Whether a light keeps a driver before its line: not where the line is passed or stopping is impossible.
-pub(crate) fn forbids(light: Light, speed_mps: f64, gap_m: f64) -> bool {
+pub(crate) fn forbids(light: SignalState, speed_mps: f64, gap_m: f64) -> bool {
     let braking = braking_to_stop(speed_mps, gap_m);
     let can_stop = match light {
-        Light::Red => braking < RED_BRAKING || speed_mps < 1.0,
-        Light::Yellow => braking < YELLOW_BRAKING || speed_mps < 1.0,
-        Light::Green | Light::Off => false,
+        SignalState::Red => braking < RED_BRAKING || speed_mps < 1.0,
+        SignalState::Yellow => braking < YELLOW_BRAKING || speed_mps < 1.0,
+        SignalState::Green | SignalState::Off => false,
     };
     can_stop && gap_m > -0.2
 }

@@ -28,11 +28,12 @@ use crate::junction::queues::{followed, pass_on_ages};
 use crate::junction::reservations::ReservationTable;
 use crate::occupancy::{Leader, Occupancy, is_stranded};
 use crate::road::net::{Lane, Net};
-use crate::road::signals::{Light, Signals};
+use crate::road::signals::Signals;
 use crate::vehicle::Vehicle;
 use crate::vehicle::attention::Class;
 use crate::vehicle::claim::Reservation;
 use crate::vehicle::wake::Wake;
+use schema::SignalState;
 
 /// Slower than this is creeping, m/s.
 const CREEPING_MPS: f64 = 1.0;
@@ -99,9 +100,9 @@ impl Junctions<'_> {
 
     /// Whether the leader right before a line has leave for the junction behind it, where those who follow go with it: at
     /// green, and on lanes with the right of way.
-    fn leads_in(&self, vehicles: &[Vehicle], leader: &Leader, entry: &Lane, light: Light) -> bool {
+    fn leads_in(&self, vehicles: &[Vehicle], leader: &Leader, entry: &Lane, light: SignalState) -> bool {
         let leave = |r: &Reservation| self.net.lanes[r.lane].junction == entry.junction;
-        (light == Light::Green || entry.right_of_way)
+        (light == SignalState::Green || entry.right_of_way)
             && vehicles.get(leader.vehicle).is_some_and(|v| v.claim().reservations().iter().any(leave))
     }
 
@@ -121,7 +122,7 @@ impl Junctions<'_> {
         let second = leader.is_some() && !follows;
         let near = line.gap_m
             <= entry.line_gap_m.max(LINE_M) + 1.0 + speed * 1.0 + speed * speed / (2.0 * 1.5)
-            || follows && light == Light::Green && line.gap_m < QUEUE_M;
+            || follows && light == SignalState::Green && line.gap_m < QUEUE_M;
         let must_stand = entry.stop_sign && entry.signals.is_empty() && !blind;
         let claim = vehicles[me].claim_mut();
         if must_stand && speed < 0.1 && line.gap_m < entry.line_gap_m + 2.5 && !second {

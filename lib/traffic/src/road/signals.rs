@@ -4,28 +4,9 @@ use std::collections::BTreeSet;
 
 use opendrive::Map;
 use random::Stream;
+use schema::SignalState;
 use schema::scene_info::SignalGroupInfo;
 use schema::settings::TrafficSettings;
-
-/// What a traffic light shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Light {
-    Red,
-    Yellow,
-    Green,
-    Off,
-}
-
-impl Light {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Red => "Red",
-            Self::Yellow => "Yellow",
-            Self::Green => "Green",
-            Self::Off => "Off",
-        }
-    }
-}
 
 /// When a signal is green within its junction's cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,30 +106,30 @@ impl Signals {
     }
 
     /// What a signal shows at a time since the start of the simulation.
-    pub(crate) fn state(&self, signal: usize, time_s: f64) -> Light {
-        let Some(Some(phase)) = self.phases.get(signal) else { return Light::Off };
+    pub(crate) fn state(&self, signal: usize, time_s: f64) -> SignalState {
+        let Some(Some(phase)) = self.phases.get(signal) else { return SignalState::Off };
         if phase.cycle_s <= 0.0 {
-            return Light::Off;
+            return SignalState::Off;
         }
         let turns = (time_s / phase.cycle_s).floor();
         let since = time_s - turns * phase.cycle_s - phase.start_s;
         if (0.0..phase.green_s).contains(&since) {
-            Light::Green
+            SignalState::Green
         } else if (0.0..phase.green_s + self.yellow_s).contains(&since) {
-            Light::Yellow
+            SignalState::Yellow
         } else {
-            Light::Red
+            SignalState::Red
         }
     }
 
     /// The most restrictive of several signals; Off without any.
-    pub(crate) fn strictest(&self, signals: &[usize], time_s: f64) -> Light {
-        let rank = |light: &Light| match light {
-            Light::Red => 3,
-            Light::Yellow => 2,
-            Light::Green => 1,
-            Light::Off => 0,
+    pub(crate) fn strictest(&self, signals: &[usize], time_s: f64) -> SignalState {
+        let rank = |light: &SignalState| match light {
+            SignalState::Red => 3,
+            SignalState::Yellow => 2,
+            SignalState::Green => 1,
+            SignalState::Off => 0,
         };
-        signals.iter().map(|&i| self.state(i, time_s)).max_by_key(rank).unwrap_or(Light::Off)
+        signals.iter().map(|&i| self.state(i, time_s)).max_by_key(rank).unwrap_or(SignalState::Off)
     }
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use frames::math::sin_cos;
 use frames::{Object, Pose, World};
 use nalgebra::Point3;
+use schema::ActorKind;
 use schema::tables::ActorRow;
 
 /// Free space around a vehicle at the start, metres.
@@ -40,7 +41,7 @@ impl Taken {
     /// The parked vehicles of a scene.
     pub(crate) fn parked(fixed: &[ActorRow]) -> Self {
         let mut taken = Self::default();
-        for actor in fixed.iter().filter(|a| a.kind == "parked") {
+        for actor in fixed.iter().filter(|a| a.kind == ActorKind::Parked) {
             let pose = Pose::<World, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
             let size = [actor.length_m, actor.width_m, actor.height_m];
             taken.add((Point3::from(actor.xyz_m), pose.yaw(), size), PARKED_CLEARANCE_M);

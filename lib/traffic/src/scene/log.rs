@@ -2,15 +2,15 @@
 
 use frames::{Object, Pose, World};
 use schema::ObjectId;
-use schema::lights;
 use schema::scene_info::DriverInfo;
 use schema::tables::{ActorRow, PlanAgentRow, Weather};
+use schema::{ActorKind, ActorRole, Attribute, Attributes, lights};
 
 use crate::input::SimulationLog;
 use crate::road::net::Net;
 use crate::road::sides::Side;
 use crate::scene::placing::ActorIds;
-use crate::scene::rows::{attributes, moving};
+use crate::scene::rows::moving;
 use crate::scene::spawn::Start;
 use crate::vehicle::Vehicle;
 use crate::vehicle::lateral::LaneChange;
@@ -25,33 +25,29 @@ const RSU_SIZE_M: [f64; 3] = [0.3, 0.3, 3.4];
 
 fn vehicle_actor(id: ObjectId, start: &Start) -> ActorRow {
     let pose = Pose::from_xyz_rpy(start.point.coords.into(), [0.0, 0.0, start.yaw_rad]);
-    let word = |b: bool| if b { "true" } else { "false" };
-    let facts = attributes(&[
-        ("base_type", start.model.base.name()),
-        ("special_type", start.model.special),
-        ("reckless", word(start.driver.reckless)),
-        ("distracted", word(start.driver.distracted)),
-    ]);
-    ActorRow { attributes: facts, ..moving(id, "vehicle", &start.role, start.model, &start.color, &pose) }
+    let facts = Attributes::new()
+        .with(Attribute::BaseType, start.model.base.name())
+        .with(Attribute::SpecialType, start.model.special)
+        .with(Attribute::Reckless, start.driver.reckless)
+        .with(Attribute::Distracted, start.driver.distracted);
+    moving(id, ActorKind::Vehicle, start.role, start.model, &start.color, &pose, facts)
 }
 
 fn walker_actor(id: ObjectId, walker: &Walker, crosses_anywhere: bool) -> ActorRow {
     let pose = walker.world_from_object();
-    let word = |b: bool| if b { "true" } else { "false" };
-    let facts = attributes(&[
-        ("crosses_anywhere", word(crosses_anywhere)),
-        ("use_wheelchair", word(walker.model().special == "wheelchair")),
-    ]);
-    ActorRow { attributes: facts, ..moving(id, "walker", "walker", walker.model(), &walker.color(), &pose) }
+    let facts = Attributes::new()
+        .with(Attribute::CrossesAnywhere, crosses_anywhere)
+        .with(Attribute::UseWheelchair, walker.model().special == "wheelchair");
+    moving(id, ActorKind::Walker, ActorRole::Walker, walker.model(), &walker.color(), &pose, facts)
 }
 
 fn rsu_actor(id: ObjectId, agent: &PlanAgentRow) -> ActorRow {
     let pose = Pose::<World, Object>::from_xyz_rpy(agent.xyz_m, agent.rpy_rad);
     ActorRow {
         id,
-        kind: "rsu".into(),
+        kind: ActorKind::Rsu,
         model: agent.model.clone(),
-        role: agent.agent.clone(),
+        role: ActorRole::Agent(agent.agent),
         semantic_tags: vec![schema::Tag::Pole as u8],
         length_m: RSU_SIZE_M[0],
         width_m: RSU_SIZE_M[1],
@@ -63,7 +59,7 @@ fn rsu_actor(id: ObjectId, agent: &PlanAgentRow) -> ActorRow {
         variant: 0,
         parent: None,
         opendrive_id: agent.signal.clone(),
-        attributes: attributes(&[]),
+        attributes: Attributes::new(),
     }
 }
 

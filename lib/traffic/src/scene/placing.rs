@@ -5,7 +5,7 @@ use nalgebra::Point3;
 use opendrive::Map;
 use random::Stream;
 use schema::ObjectId;
-use schema::models;
+use schema::{ActorKind, ActorRole, models};
 
 use crate::bodies::Bodies;
 use crate::error::TrafficError;
@@ -58,7 +58,7 @@ pub(crate) fn place_vehicles(
         let body = bodies.vehicle(&start.point, start.yaw_rad, start.model.size_m, i as u32);
         let at = net.lanes[start.lane].centre.place(start.along_m);
         let motion = Motion::at_rest(at, start.yaw_rad, body);
-        let door_open = if start.role == "background" { traffic.door_open } else { 0.0 };
+        let door_open = if start.role == ActorRole::Background { traffic.door_open } else { 0.0 };
         let doors = Doors::new(start.model, door_open, stream("traffic/doors"));
         let mut vehicle = Vehicle::new(net, start.model, driver, route, motion, doors, start.emergency);
         right_of_way.start(net, &mut vehicle, i);
@@ -105,7 +105,7 @@ pub(crate) fn place_walkers(
 
 /// Parked vehicles as obstacles, unless they stand so near a lane that careful drivers would touch them.
 pub(crate) fn add_fixed(input: &SceneInput<'_>, net: &Net, bodies: &mut Bodies) {
-    for (i, actor) in input.fixed.iter().enumerate().filter(|(_, a)| a.kind == "parked") {
+    for (i, actor) in input.fixed.iter().enumerate().filter(|(_, a)| a.kind == ActorKind::Parked) {
         let at = Point3::from(actor.xyz_m);
         if net.lanes_at(&at, 1.5).is_empty() {
             let pose = Pose::<World, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
@@ -129,7 +129,7 @@ pub(crate) fn place_hazards(net: &Net, things: &[Thing], occupancy: &mut Occupan
 
 /// The scene's traffic lights with the signals of the map that they show, by object id.
 pub(crate) fn lamps(map: &Map, input: &SceneInput<'_>) -> Vec<(ObjectId, usize)> {
-    let lights = input.fixed.iter().filter(|a| a.kind == "traffic_light");
+    let lights = input.fixed.iter().filter(|a| a.kind == ActorKind::TrafficLight);
     let mut found: Vec<(ObjectId, usize)> = lights
         .filter_map(|actor| {
             let wanted = actor.opendrive_id.as_deref()?;

@@ -4,33 +4,28 @@ use frames::{Object, Pose, World};
 use nalgebra::Vector3;
 use schema::models::{BaseType, Model};
 use schema::tables::{ActorRow, StateRow};
-use schema::{FRAME_PERIOD_S, ObjectId};
+use schema::{ActorKind, ActorRole, Attributes, FRAME_PERIOD_S, ObjectId};
 
 /// Tags of a model's parts.
 pub(crate) fn tags(base: BaseType) -> Vec<u8> {
     base.tags().iter().map(|&t| t as u8).collect()
 }
 
-/// A JSON object of strings; keys and values are plain words.
-pub(crate) fn attributes(pairs: &[(&str, &str)]) -> String {
-    let members: Vec<String> = pairs.iter().map(|(key, value)| format!("\"{key}\":\"{value}\"")).collect();
-    format!("{{{}}}", members.join(","))
-}
-
 /// The row of a vehicle or a walker of the catalogue.
 pub(crate) fn moving(
     id: ObjectId,
-    kind: &str,
-    role: &str,
+    kind: ActorKind,
+    role: ActorRole,
     model: &Model,
     color: &[u8],
     pose: &Pose<World, Object>,
+    attributes: Attributes,
 ) -> ActorRow {
     ActorRow {
         id,
-        kind: kind.into(),
+        kind,
         model: model.name.into(),
-        role: role.into(),
+        role,
         semantic_tags: tags(model.base),
         length_m: model.size_m[0],
         width_m: model.size_m[1],
@@ -42,7 +37,7 @@ pub(crate) fn moving(
         variant: 0,
         parent: None,
         opendrive_id: None,
-        attributes: String::new(),
+        attributes,
     }
 }
 

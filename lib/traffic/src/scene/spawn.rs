@@ -5,8 +5,8 @@ use std::collections::VecDeque;
 use nalgebra::Point3;
 use opendrive::{LanePos, Map};
 use random::Stream;
-use schema::fleet;
 use schema::models::{self, Model};
+use schema::{ActorRole, AgentKind, fleet};
 
 use crate::error::TrafficError;
 use crate::hazards::Hazards;
@@ -21,8 +21,8 @@ use crate::vehicle::driver::DriverProfile;
 pub(crate) struct Start {
     pub(crate) model: &'static Model,
     pub(crate) color: Vec<u8>,
-    /// `vehicle_0` or `background`.
-    pub(crate) role: String,
+    /// An agent, or part of the background.
+    pub(crate) role: ActorRole,
     pub(crate) driver: DriverProfile,
     /// Its emergency lights flash.
     pub(crate) emergency: bool,
@@ -40,13 +40,9 @@ pub(crate) fn vehicle_starts(
     let scene = input.scene;
     let mut taken = Taken::parked(input.fixed);
     let mut starts = Vec::new();
-    for agent in input.agents.iter().filter(|a| a.signal.is_none() && a.agent.starts_with("vehicle")) {
+    for agent in input.agents.iter().filter(|a| a.signal.is_none() && a.agent.kind == AgentKind::Vehicle) {
         let model = models::find(&agent.model).filter(|m| m.wheelbase_m > 0.0).ok_or_else(|| {
-            TrafficError::UnknownModel {
-                scene: scene.scene,
-                agent: agent.agent.clone(),
-                model: agent.model.clone(),
-            }
+            TrafficError::UnknownModel { scene: scene.scene, agent: agent.agent, model: agent.model.clone() }
         })?;
         let (lane, along_m) = nearest_place(input.map, net, agent.xyz_m.into(), agent.rpy_rad[2])
             .ok_or_else(|| TrafficError::NoDrivingLanes { scene: scene.scene, map: scene.map.clone() })?;
@@ -67,7 +63,7 @@ pub(crate) fn vehicle_starts(
         starts.push(Start {
             model,
             color: agent.color.clone(),
-            role: agent.agent.clone(),
+            role: ActorRole::Agent(agent.agent),
             driver,
             emergency: false,
             lane,
@@ -129,7 +125,7 @@ fn background(
         starts.push(Start {
             model,
             color: paint.to_vec(),
-            role: "background".into(),
+            role: ActorRole::Background,
             driver,
             emergency,
             lane,

@@ -2,13 +2,14 @@
 
 use crate::occupancy::Occupancy;
 use crate::road::net::Net;
-use crate::road::signals::{Light, Signals};
+use crate::road::signals::Signals;
 use crate::swept_path::SweptPaths;
 use crate::vehicle::Vehicle;
 use crate::vehicle::attention::Class;
 use crate::walking::fixtures::Fixtures;
 use crate::walking::paths::{Crossing, Paths};
 use crate::walking::routes::Routes;
+use schema::SignalState;
 
 /// A light that turned red for the traffic this short a time ago is as good as one that stays red long enough, seconds.
 const JUST_RED_S: f64 = 2.0;
@@ -33,7 +34,7 @@ impl Surroundings<'_> {
     pub(crate) fn is_held(&self, crossing: &Crossing, needed_s: f64) -> bool {
         let red = |after_s: f64| {
             let lights = crossing.signals.iter().map(|&s| self.signals.state(s, self.time_s + after_s));
-            lights.filter(|l| *l != Light::Off).all(|l| l == Light::Red)
+            lights.filter(|l| *l != SignalState::Off).all(|l| l == SignalState::Red)
         };
         red(0.0) && (!red(-JUST_RED_S) || red(needed_s))
     }

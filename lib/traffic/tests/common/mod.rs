@@ -13,6 +13,7 @@ use opendrive::{
 use schema::settings::TrafficSettings;
 use schema::settings::stages::SimulationSettings;
 use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, StateRow, Weather};
+use schema::{ActorKind, ActorRole, AgentId, Attributes, HazardKind, SignalState};
 use traffic::{SceneInput, SimulationLog, simulate};
 
 pub(crate) fn settings() -> SimulationSettings {
@@ -52,7 +53,7 @@ pub(crate) fn scene(duration_s: f64) -> PlanSceneRow {
 pub(crate) fn agent(index: usize, xyz_m: [f64; 3], yaw_rad: f64) -> PlanAgentRow {
     PlanAgentRow {
         scene: 1,
-        agent: format!("vehicle_{index}"),
+        agent: AgentId::vehicle(index as u16),
         model: "car.sedan".into(),
         color: vec![0, 0, 0],
         xyz_m,
@@ -384,9 +385,9 @@ pub(crate) fn lights(map: &Map) -> Vec<ActorRow> {
         .enumerate()
         .map(|(i, signal)| ActorRow {
             id: i as u16 + 1,
-            kind: "traffic_light".into(),
+            kind: ActorKind::TrafficLight,
             model: "light".into(),
-            role: "scenery".into(),
+            role: ActorRole::Scenery,
             semantic_tags: vec![7],
             length_m: 0.3,
             width_m: 0.3,
@@ -398,7 +399,7 @@ pub(crate) fn lights(map: &Map) -> Vec<ActorRow> {
             variant: 0,
             parent: None,
             opendrive_id: Some(signal.id.clone()),
-            attributes: "{}".into(),
+            attributes: Attributes::new(),
         })
         .collect()
 }
@@ -427,10 +428,10 @@ pub(crate) fn run_with(
 }
 
 /// A hazard on a lane of a road, between two places of it.
-pub(crate) fn hazard(kind: &str, road: &str, lane: i32, [back_m, front_m]: [f64; 2]) -> PlanHazardRow {
+pub(crate) fn hazard(kind: HazardKind, road: &str, lane: i32, [back_m, front_m]: [f64; 2]) -> PlanHazardRow {
     PlanHazardRow {
         scene: 1,
-        kind: kind.into(),
+        kind,
         back_road: road.into(),
         back_lane: lane,
         back_s_m: back_m,
@@ -488,7 +489,7 @@ pub(crate) fn touch(a: &StateRow, a_size: [f64; 2], b: &StateRow, b_size: [f64; 
 /// Pairs of a kind of actors that overlap in any frame.
 pub(crate) fn collisions(log: &SimulationLog, with_walkers: bool) -> Vec<(i32, u16, u16)> {
     let size: BTreeMap<u16, ([f64; 2], bool)> =
-        log.actors.iter().map(|a| (a.id, ([a.length_m, a.width_m], a.kind == "walker"))).collect();
+        log.actors.iter().map(|a| (a.id, ([a.length_m, a.width_m], a.kind == ActorKind::Walker))).collect();
     let mut found = Vec::new();
     for frame in log.states.chunk_by(|a, b| a.frame == b.frame) {
         for (i, a) in frame.iter().enumerate() {
@@ -513,12 +514,12 @@ pub(crate) fn red_runs(map: &Map, log: &SimulationLog, lights: &[ActorRow]) -> V
         let Some(light) = lights.iter().find(|l| l.opendrive_id.as_ref() == Some(&signal.id)) else {
             continue;
         };
-        let states: Vec<&str> =
-            log.signals.iter().filter(|r| r.id == light.id).map(|r| r.state.as_str()).collect();
+        let states: Vec<SignalState> =
+            log.signals.iter().filter(|r| r.id == light.id).map(|r| r.state).collect();
         for stop in map.stop_points(index) {
             let Some(line) = map.point_at(stop) else { continue };
             let (sin, cos) = frames::math::sin_cos(line.heading_rad);
-            for actor in log.actors.iter().filter(|a| a.kind == "vehicle") {
+            for actor in log.actors.iter().filter(|a| a.kind == ActorKind::Vehicle) {
                 let past = |i: usize| {
                     let s = tracks[&actor.id][i];
                     let (dx, dy) = (s.xyz_m[0] - line.position.x, s.xyz_m[1] - line.position.y);
@@ -532,7 +533,7 @@ pub(crate) fn red_runs(map: &Map, log: &SimulationLog, lights: &[ActorRow]) -> V
                 for (i, state) in states.iter().enumerate().skip(1) {
                     let ((before, on), (after, _)) = (past(i - 1), past(i));
                     // All ways from this line that the light controls: a red one among several is enough to stop.
-                    if on && before <= 0.0 && after > 0.0 && *state == "Red" {
+                    if on && before <= 0.0 && after > 0.0 && *state == SignalState::Red {
                         runs.push((i as i32 - 1, actor.id));
                     }
                 }

@@ -5,10 +5,10 @@ use glam::Vec3;
 use nalgebra::Point3;
 use opendrive::Map;
 use scenery::place;
-use schema::Tag;
 use schema::geometry::Snapshot;
 use schema::settings::WorldSettings;
 use schema::tables::{ActorRow, FrameRow};
+use schema::{ActorKind, Tag};
 use world::{Moment, SceneWorld};
 
 pub(crate) fn named(name: &str) -> Map {
@@ -79,7 +79,7 @@ pub(crate) fn bare(map: &Map, centre: [f64; 3], half_m: f64) -> SceneWorld {
         ..WorldSettings::default()
     };
     let mut actors = place(map, &settings, 5, &[centre], 10).unwrap();
-    actors.retain(|a| a.kind == "surface");
+    actors.retain(|a| a.kind == ActorKind::Surface);
     SceneWorld::new(map, &actors).unwrap()
 }
 
