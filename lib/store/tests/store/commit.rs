@@ -2,7 +2,8 @@
 
 use std::io::Write;
 
-use schema::tables::{GnssRow, LidarRow};
+use schema::table::{Column, Row};
+use schema::tables::{GnssRow, LidarRow, SignalRow};
 use store::{Attempt, Problem, Scope, StoreError, TableOptions, keys, verify};
 
 use crate::common::{Bench, SCOPE, STAGE, gnss, identity, key, on_every_backend, run, run_half};
@@ -11,6 +12,7 @@ on_every_backend!(
     rows_come_back_and_checksums_hold,
     parts_of_an_object_are_read_alone,
     lists_keep_one_frame_per_group,
+    a_text_that_means_nothing_is_named_with_its_place,
     a_killed_try_keeps_its_finished_units,
     a_try_killed_after_its_manifest_is_tidied,
     leftovers_of_the_plan_are_found_all_over_the_store,
@@ -80,6 +82,26 @@ fn lists_keep_one_frame_per_group(bench: &Bench) {
         .collect();
     assert_eq!(groups.iter().map(Vec::len).collect::<Vec<_>>(), [1; 5]);
     assert_eq!(groups.concat(), rows);
+}
+
+fn a_text_that_means_nothing_is_named_with_its_place(bench: &Bench) {
+    // More rows than are read at once.
+    let signals = SignalRow::to_columns(&vec![SignalRow::default(); 10_000]);
+    let mut columns: Vec<_> = SignalRow::fields().iter().map(|field| field.name).zip(signals).collect();
+    let Some((_, Column::Str(texts))) = columns.iter_mut().find(|(name, _)| *name == "state") else {
+        panic!("states are texts");
+    };
+    texts[9_000] = "Blue".into();
+    let mut attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is new");
+    unit.columns("scenes/0007/log/signals.parquet", columns).expect("writes");
+    unit.finish().expect("commits");
+    let manifest = attempt.commit().expect("commits");
+    let error = bench.store.read_rows::<SignalRow>(&manifest, "scenes/0007/log/signals.parquet");
+    let error = error.expect_err("no light is blue").to_string();
+    for part in ["scenes/0007/log/signals.parquet", "column `state`, row 9000: `Blue` is no signal state"] {
+        assert!(error.contains(part), "{error}");
+    }
 }
 
 fn a_killed_try_keeps_its_finished_units(broken: &Bench) {
