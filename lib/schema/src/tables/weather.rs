@@ -21,7 +21,7 @@ macro_rules! weather_parameters {
             wetness = 0.0,
             /// Fog, percent.
             fog_density = 0.0,
-            /// Where fog starts, metres.
+            /// Where fog starts, m.
             fog_distance_m = 100.0,
             /// How fog thins with height: 0 not at all, 5 lies on the ground.
             fog_falloff = 1.0,
