@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Parser, ValueEnum};
 
-/// Arguments of a stage binary.
+/// A stage of Convoy's pipeline: does what is missing or stale, for all scenes of the plan or for some.
 #[derive(Clone, Debug, Parser)]
 #[command(
     version,

@@ -139,3 +139,37 @@ fn a_store_of_another_format_is_left_alone() {
     assert_eq!(run.all(&SCENES).expect_err("is of another format").exit_code(), EXIT_USAGE);
     assert!(store.read(&SCENES[1].failure("bev-gt")).expect("asks").is_none());
 }
+
+#[test]
+fn what_older_code_made_is_kept_when_told_so() {
+    let settings = config::example_settings();
+    let store = Store::open("memory:").expect("is a place");
+    simulated(&store, &settings);
+    let run = run_of(&settings, &store, |job| write(job, 10));
+    assert_eq!(run.all(&SCENES).expect("runs"), EXIT_DONE);
+    let of = |scope: Scope| store.manifest(scope, "bev-gt").expect("reads").expect("is there");
+    for scope in &SCENES[1..] {
+        let older = Manifest { code_version: "0.0.9+older".into(), ..of(*scope) };
+        store.write_json(&scope.manifest("bev-gt"), "test", &older).expect("writes");
+    }
+    let stale = State::Stale(Staleness::Code);
+    assert_eq!(states(&run), [State::Done, stale.clone(), stale.clone()]);
+
+    let digest = of(SCENES[1]).digest();
+    let accepting = Run { accept_code: true, ..run_of(&settings, &store, |_| panic!("is not run")) };
+    assert_eq!(accepting.all(&SCENES[..2]).expect("keeps"), EXIT_DONE);
+    assert_eq!(states(&run), [State::Done, State::Done, stale], "recorded, for who does not ask again");
+    let kept = of(SCENES[1]);
+    assert_eq!((kept.code_version.as_str(), kept.accepted_by.len()), ("0.0.9+older", 1));
+    assert_eq!(kept.digest(), digest, "what was made from it holds");
+    assert!(of(SCENES[0]).accepted_by.is_empty(), "it is of this code");
+
+    // Where something else changed, too, it is made anew.
+    let mut finer = settings.clone();
+    finer.bev.cell_m *= 0.5;
+    let again = Run { accept_code: true, ..run_of(&finer, &store, |job| write(job, 20)) };
+    assert_eq!(again.all(&SCENES[2..]).expect("runs"), EXIT_DONE);
+    let made = of(SCENES[2]);
+    assert_eq!((made.outputs[0].bytes, made.accepted_by.len()), (20, 0));
+    assert_eq!(made.code_version, crate::code_version("bev-gt"));
+}
