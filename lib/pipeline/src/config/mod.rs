@@ -290,32 +290,6 @@ mod tests {
     }
 
     #[test]
-    fn every_listed_key_of_the_original_is_known() {
-        let keys = simbev2x_keys();
-        assert!(keys.len() > 110, "{}", keys.len());
-        for (key, _) in keys {
-            let text = match key.split_once('.') {
-                Some((mapping, key)) => format!("{mapping}: {{{key}: 1}}\n"),
-                None => format!("{key}: 1\n"),
-            };
-            // A wrong value may be a fault; an unknown key is a warning.
-            let Ok(translation) = yaml::translate(&text, "x.yaml") else { continue };
-            let unknown = translation.warnings.iter().any(|w| w.message.contains("no such key"));
-            let ineffective = translation.toml.is_empty() && translation.warnings.is_empty();
-            let conditional = [
-                "dynamic_settings_adjustments",
-                "random_street_light_failure",
-                "npc_spawn_radius",
-                "actor_active_distance",
-            ];
-            let quiet =
-                ["replacement_scene_config", "use_scene_number_for_random_seed", "_weather", "_scene_config"];
-            let may_be_quiet = conditional.iter().chain(&quiet).any(|q| key.contains(q)) || key.contains('.');
-            assert!(!unknown && (!ineffective || may_be_quiet), "{key}: {translation:?}");
-        }
-    }
-
-    #[test]
     fn yaml_of_the_original_is_read() {
         let text = "\
 mode: replace
