@@ -92,10 +92,11 @@ check-towns: build
 traffic-report:
 	$(CARGO) run --release --locked -p convoy-traffic --example traffic-report -- $(ARGS)
 
-# The tests across stages run the real programs, so these are built first.
+# The tests across stages run the real programs. These are built together with the tests: built by themselves, other
+# people's crates have fewer features, and all that stands on them would be built twice.
 test:
-	$(CARGO) build --locked --workspace --bins
-	$(CARGO) nextest run --locked --workspace || { $(CARGO) nextest --version >/dev/null 2>&1 && exit 1; $(CARGO) test --locked --workspace --all-targets; }
+	$(CARGO) build --locked --workspace --bins --tests
+	$(CARGO) nextest run --locked --workspace --tests || { $(CARGO) nextest --version >/dev/null 2>&1 && exit 1; $(CARGO) test --locked --workspace --tests; }
 	$(CARGO) test --locked --workspace --doc
 	@$(PYTHON) -c 'import numpy, pyarrow' 2>/dev/null \
 		|| echo "note: skipped the check that stock readers open a store: it needs numpy and pyarrow for $(PYTHON)"

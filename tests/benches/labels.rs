@@ -9,12 +9,10 @@ use frames::{Agent, Pose, World};
 use renderer::VoxelRenderer;
 use schema::settings::{BevSettings, OccupancySettings};
 use schema::tables::BoxRow;
+use testkit::small_town;
 use validity::{Evidence, PointCloud, validate};
 use voxelgrid::VoxelGrid;
 use voxels::{CpuVoxelRenderer, GridPlacement};
-
-#[path = "../scenes/small_town.rs"]
-mod scene;
 
 fn main() {
     divan::main();
@@ -26,14 +24,14 @@ fn agent() -> Pose<World, Agent> {
 
 #[divan::bench]
 fn bev_400x400(bencher: Bencher<'_, '_>) {
-    let town = scene::town();
+    let town = small_town();
     let mut rasterizer = BevRasterizer::new(&BevSettings::default()).expect("default settings");
     bencher.bench_local(|| rasterizer.rasterize(&town, &agent(), Areas::default()).to_bytes());
 }
 
 #[divan::bench]
 fn voxels_1280x1280x80(bencher: Bencher<'_, '_>) {
-    let town = scene::town();
+    let town = small_town();
     let triangles: usize = town.instances.iter().map(|i| town.mesh(i).triangles.len()).sum();
     let placement = GridPlacement::new(&OccupancySettings::default()).expect("default settings");
     let mut cpu = CpuVoxelRenderer::default();
@@ -46,7 +44,7 @@ fn voxels_1280x1280x80(bencher: Bencher<'_, '_>) {
 
 #[divan::bench]
 fn fill_1280x1280x80(bencher: Bencher<'_, '_>) {
-    let town = scene::town();
+    let town = small_town();
     let hollow =
         voxels::voxelize(&town, &agent(), &OccupancySettings::default(), None).expect("default settings");
     let mut filler = Filler::default();
@@ -57,7 +55,7 @@ fn fill_1280x1280x80(bencher: Bencher<'_, '_>) {
 
 #[divan::bench]
 fn count_voxels(bencher: Bencher<'_, '_>) {
-    let grid = voxels::voxelize(&scene::town(), &agent(), &OccupancySettings::default(), None)
+    let grid = voxels::voxelize(&small_town(), &agent(), &OccupancySettings::default(), None)
         .expect("default settings");
     bencher.bench_local(|| grid.count());
 }

@@ -10,10 +10,8 @@ use fill::fill;
 use frames::{Agent, Pose, World};
 use nalgebra::Point3;
 use schema::settings::{BevSettings, OccupancySettings};
+use testkit::small_town;
 use voxels::{oblique_view, top_view, voxelize};
-
-#[path = "../scenes/small_town.rs"]
-mod scene;
 
 fn save(path: &Path, width: usize, height: usize, rgb: &[u8]) -> Result<(), Box<dyn Error>> {
     let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), width as u32, height as u32);
@@ -25,7 +23,7 @@ fn save(path: &Path, width: usize, height: usize, rgb: &[u8]) -> Result<(), Box<
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());
     let folder = Path::new(&folder);
-    let town = scene::town();
+    let town = small_town();
     let world_from_agent = Pose::<World, Agent>::from_xyz_rpy([-20.0, -2.0, -0.1], [0.002, -0.006, 0.05]);
 
     let corners = |x: [f64; 2], y: [f64; 2]| {

@@ -1,6 +1,7 @@
 //! Helpers for tests across stages: where the programs are, how to run them, what a store holds.
 
 use std::collections::BTreeMap;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::{env, fs};
@@ -34,9 +35,10 @@ pub struct Bench {
     pub folder: tempfile::TempDir,
 }
 
-/// The smallest dataset with everything in it: one second, one vehicle, one RSU, thumbnail cameras.
-pub const TINY: &str = r#"
-name = "tiny"
+/// A scene of one second with little in it.
+macro_rules! small {
+    () => {
+        r#"name = "tiny"
 seed = 11
 
 [scenes.train]
@@ -61,7 +63,17 @@ count = 12
 
 [world]
 radius_m = 120
+"#
+    };
+}
 
+/// The smallest dataset, with the sensors that agents usually carry: one second, one vehicle, one RSU.
+pub const SMALL: &str = small!();
+
+/// [`SMALL`] by day, with every sensor at the size of a thumbnail.
+pub const TINY: &str = concat!(
+    small!(),
+    r#"
 [weather.initial]
 sun_altitude_deg = 30
 
@@ -90,7 +102,26 @@ columns = 256
 
 [rsu.occupancy]
 voxel_m = 0.5
-"#;
+"#
+);
+
+/// Runs a script of `tests` in Python with some arguments, and expects that it finds nothing wrong. With exit code 77 it
+/// says that it could not look at everything: a note.
+///
+/// # Panics
+/// It finds something wrong, or there is no Python with these packages and `CONVOY_REQUIRE` names it.
+#[track_caller]
+pub fn check_in_python(script: &str, packages: &[&str], args: &[&Path]) {
+    let Some(python) = testkit::python(packages) else { return };
+    let output = Command::new(python).arg(workspace().join("tests").join(script)).args(args).output();
+    let outcome = Outcome::of(&output.expect("Python starts"));
+    if outcome.code == 77 {
+        // Past the harness, which keeps the output of tests that pass to itself.
+        let _ = writeln!(std::io::stderr(), "{}", outcome.stdout.lines().last().unwrap_or_default());
+    } else {
+        outcome.expect_done();
+    }
+}
 
 impl Bench {
     /// A folder with a configuration.
@@ -179,7 +210,9 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    fn of(output: &Output) -> Self {
+    /// Of a program that has ended.
+    #[must_use]
+    pub fn of(output: &Output) -> Self {
         Self {
             code: output.status.code().unwrap_or(-1),
             stdout: String::from_utf8_lossy(&output.stdout).into_owned(),

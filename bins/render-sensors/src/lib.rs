@@ -32,7 +32,7 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
     let eyes = Eyes { renderer: &renderer, painter: &painter };
     let agents = replay.log.agent_ids().to_vec();
     let frames = replay.log.frame_count();
-    let geo_origin = geo_origin(&replay);
+    let geo_origin = geo_origin(&replay.log.info.geo_reference);
     let progress = job.progress();
     progress.set_total(u64::from(frames) * agents.len() as u64);
 
@@ -56,10 +56,10 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
 }
 
 /// Where the map's origin is on the globe, as far as its projection text says (`+lat_0`, `+lon_0`).
-fn geo_origin(replay: &Replay) -> GeoOrigin {
+fn geo_origin(projection: &str) -> GeoOrigin {
     let number = |name: &str| {
-        let text = &replay.log.info.geo_reference;
-        text.split_whitespace()
+        projection
+            .split_whitespace()
             .find_map(|word| word.strip_prefix(name))
             .and_then(|value| value.parse::<f64>().ok())
             .filter(|value| value.is_finite())
@@ -67,4 +67,28 @@ fn geo_origin(replay: &Replay) -> GeoOrigin {
     let latitude_deg = number("+lat_0=").filter(|lat| lat.abs() < 85.0).unwrap_or(0.0);
     let longitude_deg = number("+lon_0=").filter(|lon| lon.abs() <= 180.0).unwrap_or(0.0);
     GeoOrigin { latitude_deg, longitude_deg, altitude_m: 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_origin_on_the_globe_is_read_from_the_projection() {
+        let of = |text: &str| {
+            let GeoOrigin { latitude_deg, longitude_deg, altitude_m } = geo_origin(text);
+            assert_eq!(altitude_m, 0.0, "{text}");
+            [latitude_deg, longitude_deg]
+        };
+        assert_eq!(of("+proj=tmerc +lat_0=48.9977 +lon_0=-8.0026 +k=1 +datum=WGS84"), [48.9977, -8.0026]);
+        // In any order, and each by itself.
+        assert_eq!(of("  +lon_0=1.8e2\n+lat_0=-84.5"), [-84.5, 180.0]);
+        assert_eq!(of("+proj=utm +lon_0=9"), [0.0, 9.0]);
+        // What is no place on the globe counts as nothing; the projection fails near the poles.
+        for text in
+            ["", "lat_0=4 lon_0=5", "+lat_0= +lon_0=east", "+lat_0=NaN +lon_0=inf", "+lat_0=85 +lon_0=180.5"]
+        {
+            assert_eq!(of(text), [0.0, 0.0], "{text}");
+        }
+    }
 }

@@ -328,7 +328,4 @@ impl GridFrame {
 }
 
 #[cfg(test)]
-#[path = "../../../tests/scenes/small_town.rs"]
-mod scene;
-#[cfg(test)]
 mod tests;

@@ -2,15 +2,15 @@
 
 use frames::{FOOTPRINT_LOOP, Object, OrientedBox};
 use proptest::prelude::*;
+use testkit::{WorldBuilder, box_mesh, sheet};
 
 use super::*;
-use crate::scene::{self, Builder};
 
 fn settings() -> BevSettings {
     BevSettings { enabled: true, cells: 100, cell_m: 0.4 }
 }
 
-fn mask_of(builder: &Builder, pose: &Pose<World, Agent>, areas: Areas<'_>) -> BevMask {
+fn mask_of(builder: &WorldBuilder, pose: &Pose<World, Agent>, areas: Areas<'_>) -> BevMask {
     let near = pose.xyz();
     BevRasterizer::new(&settings()).expect("settings").rasterize(&builder.snapshot(near), pose, areas)
 }
@@ -37,8 +37,8 @@ fn inside_m(corners: &[Point3<f64>], p: Point3<f64>) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-fn flat(b: &mut Builder, tag: Tag, x: [f32; 2], y: [f32; 2], z: f64) {
-    b.add(scene::sheet(tag, x, y, 5.0, |_, _| 0.0), 1, [0.0, 0.0, z], [0.0; 3]);
+fn flat(b: &mut WorldBuilder, tag: Tag, x: [f32; 2], y: [f32; 2], z: f64) {
+    b.add(sheet(tag, x, y, 5.0, |_, _| 0.0), 1, [0.0, 0.0, z], [0.0; 3]);
 }
 
 proptest! {
@@ -48,8 +48,8 @@ proptest! {
         x in -18.0..18.0f64, y in -18.0..18.0f64, yaw in -3.0..3.0f64, agent_yaw in -3.0..3.0f64, tilt in -0.1..0.1f64,
     ) {
         let place = [x + 7000.0, y - 300.0, 12.0];
-        let mut b = Builder::default();
-        b.add(scene::box_mesh(Tag::Car, [4.6, 1.9, 1.5], 2), 4, place, [0.0, 0.0, yaw]);
+        let mut b = WorldBuilder::default();
+        b.add(box_mesh(Tag::Car, [4.6, 1.9, 1.5], 2), 4, place, [0.0, 0.0, yaw]);
         // The mask ignores the agent's own tilt.
         let pose = at([7000.0, -300.0, 12.0], [tilt, -tilt, agent_yaw]);
         let mask = mask_of(&b, &pose, Areas::default());
@@ -67,9 +67,9 @@ proptest! {
 
     #[test]
     fn small_things_never_vanish(x in -13.0..13.0f64, y in -13.0..13.0f64, yaw in -3.0..3.0f64) {
-        let mut b = Builder::default();
+        let mut b = WorldBuilder::default();
         flat(&mut b, Tag::Road, [-30.0, 30.0], [-30.0, 30.0], 0.0);
-        b.add(scene::box_mesh(Tag::Pedestrian, [0.2, 0.1, 1.7], 1), 4, [x, y, 0.0], [0.0; 3]);
+        b.add(box_mesh(Tag::Pedestrian, [0.2, 0.1, 1.7], 1), 4, [x, y, 0.0], [0.0; 3]);
         let pose = at([0.0; 3], [0.0, 0.0, yaw]);
         let mask = mask_of(&b, &pose, Areas::default());
         let cells = mask.counts()[BevClass::Pedestrian as usize];
@@ -87,8 +87,8 @@ proptest! {
 
 #[test]
 fn rows_run_backwards_and_columns_to_the_right() {
-    let mut b = Builder::default();
-    b.add(scene::box_mesh(Tag::Bus, [1.0, 1.0, 3.0], 1), 1, [15.0, 5.0, 0.0], [0.0; 3]);
+    let mut b = WorldBuilder::default();
+    b.add(box_mesh(Tag::Bus, [1.0, 1.0, 3.0], 1), 1, [15.0, 5.0, 0.0], [0.0; 3]);
     let mask = mask_of(&b, &at([0.0; 3], [0.0; 3]), Areas::default());
     // 15 m ahead of 20: row 5 / 0.4 = 12.5; 5 m left of 20: column 15 / 0.4 = 37.5.
     assert!(mask.get(BevClass::Bus, 12, 37));
@@ -103,7 +103,7 @@ fn rows_run_backwards_and_columns_to_the_right() {
 
 #[test]
 fn lines_sidewalks_and_areas_are_where_they_are() {
-    let mut b = Builder::default();
+    let mut b = WorldBuilder::default();
     flat(&mut b, Tag::Road, [-30.0, 30.0], [-4.0, 4.0], 0.0);
     flat(&mut b, Tag::Sidewalk, [-30.0, 30.0], [4.0, 8.0], 0.15);
     flat(&mut b, Tag::RoadLine, [-30.0, 30.0], [0.15, 0.27], 0.005);
@@ -123,23 +123,18 @@ fn lines_sidewalks_and_areas_are_where_they_are() {
 }
 
 /// A road with a bridge across: the deck 6 m above, traffic on both. Ramps lead up at its far end.
-fn overpass() -> Builder {
-    let mut b = Builder::default();
+fn overpass() -> WorldBuilder {
+    let mut b = WorldBuilder::default();
     flat(&mut b, Tag::Terrain, [-40.0, 40.0], [-40.0, 40.0], -0.2);
     flat(&mut b, Tag::Road, [-40.0, 40.0], [-4.0, 4.0], 0.0);
     flat(&mut b, Tag::Road, [4.0, 12.0], [-40.0, 40.0], 6.0);
     flat(&mut b, Tag::Bridge, [4.0, 12.0], [-40.0, 40.0], 5.2);
     flat(&mut b, Tag::RoadLine, [7.95, 8.05], [-40.0, 40.0], 6.005);
-    b.add(scene::box_mesh(Tag::Car, [4.6, 1.9, 1.5], 1), 10, [8.0, 0.0, 0.0], [0.0; 3]);
-    b.add(scene::box_mesh(Tag::Truck, [8.0, 2.4, 4.6], 1), 11, [-2.0, 2.0, 0.0], [0.0; 3]);
-    b.add(scene::box_mesh(Tag::Bus, [12.0, 2.4, 3.0], 1), 12, [6.0, 0.0, 6.0], [0.0, 0.0, frames::deg(90.0)]);
+    b.add(box_mesh(Tag::Car, [4.6, 1.9, 1.5], 1), 10, [8.0, 0.0, 0.0], [0.0; 3]);
+    b.add(box_mesh(Tag::Truck, [8.0, 2.4, 4.6], 1), 11, [-2.0, 2.0, 0.0], [0.0; 3]);
+    b.add(box_mesh(Tag::Bus, [12.0, 2.4, 3.0], 1), 12, [6.0, 0.0, 6.0], [0.0, 0.0, frames::deg(90.0)]);
     // Half over the edge of the grid.
-    b.add(
-        scene::box_mesh(Tag::Bus, [12.0, 2.4, 3.0], 1),
-        13,
-        [10.0, 21.0, 6.0],
-        [0.0, 0.0, frames::deg(90.0)],
-    );
+    b.add(box_mesh(Tag::Bus, [12.0, 2.4, 3.0], 1), 13, [10.0, 21.0, 6.0], [0.0, 0.0, frames::deg(90.0)]);
     b
 }
 
@@ -167,17 +162,17 @@ fn on_a_bridge_one_sees_the_upper_deck() {
 
 #[test]
 fn a_ramp_leads_up_to_the_layer_it_ends_on() {
-    let mut b = Builder::default();
+    let mut b = WorldBuilder::default();
     flat(&mut b, Tag::Terrain, [-60.0, 60.0], [-60.0, 60.0], -0.2);
     // 30 % up from x = -10 to x = 10, then level 6 m above the terrain.
     b.add(
-        scene::sheet(Tag::Road, [-30.0, 30.0], [-4.0, 4.0], 1.0, |x, _| (0.3 * (x + 10.0)).clamp(0.0, 6.0)),
+        sheet(Tag::Road, [-30.0, 30.0], [-4.0, 4.0], 1.0, |x, _| (0.3 * (x + 10.0)).clamp(0.0, 6.0)),
         2,
         [0.0; 3],
         [0.0; 3],
     );
-    b.add(scene::box_mesh(Tag::Car, [4.6, 1.9, 1.5], 1), 10, [15.0, 0.0, 6.0], [0.0; 3]);
-    b.add(scene::box_mesh(Tag::Truck, [4.6, 1.9, 3.0], 1), 11, [15.0, 0.0, -0.2], [0.0; 3]);
+    b.add(box_mesh(Tag::Car, [4.6, 1.9, 1.5], 1), 10, [15.0, 0.0, 6.0], [0.0; 3]);
+    b.add(box_mesh(Tag::Truck, [4.6, 1.9, 3.0], 1), 11, [15.0, 0.0, -0.2], [0.0; 3]);
     // From the foot of the ramp: the road goes on up the ramp, and the truck under it can't be seen.
     let mask = mask_of(&b, &at([-15.1, 0.0, 0.0], [0.0; 3]), Areas::default());
     let near = mask.counts();

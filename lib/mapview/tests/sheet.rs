@@ -2,9 +2,10 @@
 
 use mapview::{Picture, ViewOptions, Window, draw};
 use opendrive::{
-    Bridge, ContactPoint, Cubic, Geometry, Junction, Lane, LaneSection, LaneType, Map, MarkColour, MarkType,
-    Network, Object, Outline, Road, RoadLink, RoadMark, RoadType, Tunnel,
+    Bridge, ContactPoint, Cubic, Junction, Lane, LaneSection, LaneType, Map, MarkColour, MarkType, Network,
+    Object, Outline, Road, RoadMark, RoadType, Tunnel,
 };
+use testkit::{both_ways, lane, road_link};
 
 const GROUND: [u8; 3] = [226, 234, 210];
 const BUILT_UP: [u8; 3] = [240, 235, 224];
@@ -15,31 +16,16 @@ const SIDEWALK: [u8; 3] = [217, 208, 194];
 const TUNNEL: [u8; 3] = [205, 202, 196];
 const WATER: [u8; 3] = [168, 207, 229];
 
-fn lane(id: i16, lane_type: LaneType, width_m: f64) -> Lane {
-    Lane { id, lane_type, widths: vec![Cubic::constant(width_m)], ..Lane::default() }
-}
-
 /// A straight road with a driving lane of 4 m and a sidewalk of 3 m on each side.
 fn road(id: &str, start: [f64; 2], hdg_rad: f64, length_m: f64, z_m: f64) -> Road {
-    let mut section = LaneSection {
-        left: vec![lane(1, LaneType::Driving, 4.0), lane(2, LaneType::Sidewalk, 3.0)],
-        right: vec![lane(-1, LaneType::Driving, 4.0), lane(-2, LaneType::Sidewalk, 3.0)],
-        ..LaneSection::default()
-    };
+    let mut section = both_ways(&[(LaneType::Driving, 4.0), (LaneType::Sidewalk, 3.0)]);
     section.centre.marks = vec![RoadMark {
         mark_type: MarkType::Broken,
         colour: MarkColour::Yellow,
         width_m: Some(0.5),
         ..RoadMark::default()
     }];
-    Road {
-        id: id.to_owned(),
-        length_m,
-        plan_view: vec![Geometry { x_m: start[0], y_m: start[1], hdg_rad, length_m, ..Geometry::default() }],
-        elevation: vec![Cubic::constant(z_m)],
-        sections: vec![section],
-        ..Road::default()
-    }
+    Road { elevation: vec![Cubic::constant(z_m)], ..testkit::road(id, start, hdg_rad, length_m, section) }
 }
 
 /// One road east at height 0, and one north over or under it.
@@ -184,7 +170,7 @@ fn way() -> Road {
         ..LaneSection::default()
     }];
     own.junction = Some("9".into());
-    own.predecessor = Some(RoadLink::Road { id: "1".into(), contact: ContactPoint::End });
+    own.predecessor = road_link("1", ContactPoint::End);
     own
 }
 

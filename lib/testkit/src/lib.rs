@@ -17,6 +17,7 @@ mod maps;
 mod meshes;
 mod need;
 mod roads;
+mod town;
 
 pub use maps::{map_files, maps_folder, real_map, real_maps};
 pub use meshes::{MeshBuilder, block, instance, plane, snapshot};
@@ -25,3 +26,4 @@ pub use roads::{
     both_ways, crossing, crossing_network, lane, map, map_from_text, one_way, road, road_link, straight,
     straight_road, town_street,
 };
+pub use town::{WorldBuilder, box_mesh, sheet, small_town};

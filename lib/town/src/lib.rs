@@ -42,7 +42,7 @@ mod terrain;
 mod water;
 
 #[cfg(test)]
-#[path = "../tests/check/mod.rs"]
+#[path = "../tests/town/check/mod.rs"]
 mod check;
 #[cfg(test)]
 mod proofs;

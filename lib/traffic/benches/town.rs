@@ -2,7 +2,7 @@
 //! the same town with a quarter and a half of them, for how cost grows. Time of 100 or 200 steps (20 times real time is
 //! 2.5 ms a step), and of the preparation alone.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/traffic/common/mod.rs"]
 mod common;
 
 use std::ops::ControlFlow;

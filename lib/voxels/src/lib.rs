@@ -36,7 +36,4 @@ pub use picture::{oblique_view, top_view};
 pub use placement::{GridPlacement, VoxelError, voxelize};
 
 #[cfg(test)]
-#[path = "../../../tests/scenes/small_town.rs"]
-mod scene;
-#[cfg(test)]
 mod tests;

@@ -9,9 +9,9 @@ use renderer::{RenderError, VoxelBlock, VoxelRenderer};
 use schema::Tag;
 use schema::geometry::{Snapshot, TriMesh};
 use schema::settings::OccupancySettings;
+use testkit::{WorldBuilder, box_mesh, sheet, small_town};
 use voxelgrid::VoxelGrid;
 
-use crate::scene::{self, Builder};
 use crate::{CpuVoxelRenderer, GridPlacement, voxelize};
 
 fn small() -> OccupancySettings {
@@ -91,7 +91,7 @@ fn brute_force(
 
 /// A mesh of loose triangles of one tag.
 fn loose(tag: Tag, corners: &[[f32; 3]]) -> TriMesh {
-    let mut mesh = scene::box_mesh(tag, [1.0; 3], 1);
+    let mut mesh = box_mesh(tag, [1.0; 3], 1);
     mesh.positions = corners.iter().map(|&c| c.into()).collect();
     mesh.triangles = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     mesh.triangle_part = vec![0; mesh.triangles.len()];
@@ -111,7 +111,7 @@ proptest! {
         tiny in proptest::collection::vec((corner(), corner(), corner()), 6),
         rpy in (-0.3..0.3f64, -0.3..0.3f64, -3.0..3.0f64),
     ) {
-        let mut b = Builder::default();
+        let mut b = WorldBuilder::default();
         b.add(loose(Tag::Wall, &corners), 1, [1000.0, -500.0, 30.0], [0.1, 0.2, 0.3]);
         // Triangles smaller than a cell too.
         let tiny: Vec<[f32; 3]> = tiny
@@ -135,7 +135,7 @@ proptest! {
         use Tag::*;
         let tags = [Car, Truck, Bus, RoadLine, Wall, Building];
         let build = |order: &mut dyn Iterator<Item = usize>| {
-            let mut b = Builder::default();
+            let mut b = WorldBuilder::default();
             order.for_each(|t| b.add(loose(tags[t], &corners[3 * t..3 * t + 3]), 1, [0.0; 3], [0.0; 3]));
             b.snapshot([0.0; 3])
         };
@@ -153,10 +153,10 @@ proptest! {
 
 #[test]
 fn flat_ground_is_one_layer_and_a_box_is_its_shell() {
-    let mut b = Builder::default();
-    b.add(scene::sheet(Tag::Road, [-5.0, 5.0], [-5.0, 5.0], 10.0, |_, _| 0.0), 1, [0.0; 3], [0.0; 3]);
+    let mut b = WorldBuilder::default();
+    b.add(sheet(Tag::Road, [-5.0, 5.0], [-5.0, 5.0], 10.0, |_, _| 0.0), 1, [0.0; 3], [0.0; 3]);
     // From 0.12 to 0.87 in all horizontal directions: 6 cells across; 0.2 to 0.9 above the ground: 4 cells high.
-    b.add(scene::box_mesh(Tag::Car, [0.75, 0.75, 0.7], 3), 2, [0.495, 0.495, 0.2], [0.0; 3]);
+    b.add(box_mesh(Tag::Car, [0.75, 0.75, 0.7], 3), 2, [0.495, 0.495, 0.2], [0.0; 3]);
     let settings = OccupancySettings { voxel_m: 0.125, ..small() };
     let grid = voxelize(&b.snapshot([0.0; 3]), &at([0.0; 3], [0.0; 3]), &settings, None).expect("settings");
     assert_eq!(grid.shape, [32, 32, 24]);
@@ -173,8 +173,8 @@ fn flat_ground_is_one_layer_and_a_box_is_its_shell() {
 
 #[test]
 fn the_grid_turns_with_its_agent_and_can_leave_it_out() {
-    let mut b = Builder::default();
-    b.add(scene::box_mesh(Tag::Car, [0.1; 3], 1), 7, [10.0, 1.0, 0.0], [0.0; 3]);
+    let mut b = WorldBuilder::default();
+    b.add(box_mesh(Tag::Car, [0.1; 3], 1), 7, [10.0, 1.0, 0.0], [0.0; 3]);
     let snapshot = b.snapshot([10.0, 0.0, 0.0]);
     // Facing north, an object one metre north is ahead: large i, middle j.
     let pose = at([10.0, 0.0, 0.0], [0.0, 0.0, frames::deg(90.0)]);
@@ -189,7 +189,7 @@ fn the_grid_turns_with_its_agent_and_can_leave_it_out() {
 
 #[test]
 fn bytes_do_not_depend_on_threads_nor_on_what_the_memory_held() {
-    let town = scene::town();
+    let town = small_town();
     let settings = OccupancySettings { voxel_m: 0.4, ..OccupancySettings::default() };
     let pose = at([-20.0, -2.0, 0.0], [0.01, 0.02, 0.3]);
     let mut cpu = CpuVoxelRenderer::default();
@@ -264,15 +264,15 @@ impl VoxelRenderer for EveryCell {
 #[test]
 fn another_renderer_fills_the_same_cells() {
     // Nothing lies on the face of a cell, so rounding decides nothing.
-    let mut b = Builder::default();
+    let mut b = WorldBuilder::default();
     b.add(
-        scene::sheet(Tag::Road, [-5.03, 5.07], [-5.01, 5.02], 2.0, |x, y| 0.013 + 0.07 * x - 0.05 * y),
+        sheet(Tag::Road, [-5.03, 5.07], [-5.01, 5.02], 2.0, |x, y| 0.013 + 0.07 * x - 0.05 * y),
         1,
         [0.0; 3],
         [0.0; 3],
     );
-    b.add(scene::box_mesh(Tag::Car, [0.751, 0.433, 0.7], 2), 2, [0.4951, 0.311, 0.2017], [0.1, 0.2, 0.3]);
-    b.add(scene::box_mesh(Tag::Wall, [0.131, 0.833, 0.9], 1), 3, [-0.913, 0.211, 0.107], [0.0, 0.1, 1.0]);
+    b.add(box_mesh(Tag::Car, [0.751, 0.433, 0.7], 2), 2, [0.4951, 0.311, 0.2017], [0.1, 0.2, 0.3]);
+    b.add(box_mesh(Tag::Wall, [0.131, 0.833, 0.9], 1), 3, [-0.913, 0.211, 0.107], [0.0, 0.1, 1.0]);
     let snapshot = b.snapshot([0.0; 3]);
     let placement = GridPlacement::new(&small()).expect("settings");
     let block = |x: f64, yaw: f64, without| {
@@ -295,7 +295,7 @@ fn another_renderer_fills_the_same_cells() {
 
 #[test]
 fn meshes_that_were_not_prepared_are_an_error() {
-    let town = scene::town();
+    let town = small_town();
     let placement = GridPlacement::new(&small()).expect("settings");
     let made = placement.voxelize(
         &CpuVoxelRenderer::default(),

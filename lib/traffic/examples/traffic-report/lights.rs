@@ -2,7 +2,7 @@
 
 use opendrive::LaneId;
 
-use crate::film::{DT, Film};
+use super::film::{DT, Film};
 
 /// The first vehicles of a queue lose time by setting off; those after this many flow.
 const LOST: usize = 3;

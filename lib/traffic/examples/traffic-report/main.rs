@@ -5,7 +5,7 @@
 //! to list single faults; `--dump FOLDER` to write every track as CSV, for drawing.
 #![allow(clippy::print_stdout, clippy::print_stderr)] // It is a report.
 
-#[path = "../../tests/common/mod.rs"]
+#[path = "../../tests/traffic/common/mod.rs"]
 mod common;
 mod film;
 mod lights;

@@ -3,7 +3,7 @@
 use frames::math::sin_cos;
 use opendrive::LaneId;
 
-use crate::film::{Body, DT, Film, SAMPLE};
+use super::film::{Body, DT, Film, SAMPLE};
 
 /// A lane without a limit counts as one of this, m/s.
 const DEFAULT_LIMIT_MPS: f64 = 50.0 / 3.6;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::film::{Body, DT, Film, SAMPLE};
+use super::film::{Body, DT, Film, SAMPLE};
 
 /// Slower than this is standing, m/s.
 const STANDING_MPS: f64 = 0.1;
@@ -326,7 +326,7 @@ fn reach_aside_m(body: &Body, i: usize) -> f64 {
     let directions: Vec<f64> =
         points.windows(9).step_by(8).map(|w| frames::math::atan2(w[8].y - w[0].y, w[8].x - w[0].x)).collect();
     let turns =
-        directions.windows(2).map(|d| frames::wrap_pi(d[1] - d[0]).abs() / (8.0 * crate::film::POINT_M));
+        directions.windows(2).map(|d| frames::wrap_pi(d[1] - d[0]).abs() / (8.0 * super::film::POINT_M));
     let axle_to_front_m = 0.5 * (body.size_m[0] + body.wheelbase_m);
     0.5 * (body.size_m[1] + turns.fold(0.0, f64::max) * axle_to_front_m * axle_to_front_m)
 }

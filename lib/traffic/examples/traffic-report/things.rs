@@ -9,7 +9,7 @@ use schema::ActorKind;
 use schema::geometry::Surface;
 use schema::tables::ActorRow;
 
-use crate::film::{Body, Film};
+use super::film::{Body, Film};
 
 /// What of a thing is lower than this over its foot is in the way, metres.
 const HIGH_M: f64 = 1.6;

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use frames::math::sin_cos;
 
-use crate::film::{Body, Film, Snap};
+use super::film::{Body, Film, Snap};
 
 /// Walkers that touch one another by less than this do not, and vehicles that miss something by less do touch: rounding,
 /// and what the solver keeps free between bodies that push each other, metres.

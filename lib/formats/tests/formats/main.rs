@@ -1,0 +1,4 @@
+//! Archives: read by numpy, broken on purpose.
+
+mod hostile;
+mod numpy;

@@ -1,0 +1,5 @@
+//! Plans: rules that hold in each of them, shares and means over many.
+
+mod hazards;
+mod plan;
+mod statistics;

@@ -1,0 +1,12 @@
+//! Traffic in motion: drivers, signals, walkers, hazards; the facts that a log states; the report's measures.
+
+mod common;
+mod facts;
+mod hazards;
+mod junctions;
+mod motion;
+mod overlook;
+mod report;
+mod simulation;
+mod sleep;
+mod walkers;

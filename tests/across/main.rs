@@ -1,0 +1,14 @@
+//! Tests across stages, on the real programs, and of the generated pages.
+
+mod crates;
+mod crosswalks;
+mod docs;
+mod failures;
+mod growth;
+mod hazards;
+mod help;
+mod maps;
+mod masks;
+mod pipeline;
+mod rigs;
+mod towns;

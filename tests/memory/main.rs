@@ -1,0 +1,115 @@
+//! Stages hold a few frames at a time, whatever the scene's length: no more memory for many frames than for some.
+//!
+//! One test in a program of its own: the allocator counts for all threads.
+
+use std::collections::BTreeMap;
+
+use counts::PartialCounts;
+use formats::Scalar;
+use framewise::{FrameArray, FrameArrays, in_frame_order};
+use peak_alloc::PeakAlloc;
+use pipeline::{Progress, ProgressMode, StageError};
+use rayon::ThreadPoolBuilder;
+use schema::tables::LidarRow;
+use store::{Attempt, Identity, Scope, Store, TableOptions};
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
+
+const THREADS: usize = 2;
+const SOME: u32 = 20;
+const MANY: u32 = 300;
+const FRAME_BYTES: usize = 256 << 10;
+
+/// Bytes that do not compress.
+fn noise(frame: u32) -> impl Iterator<Item = u32> {
+    let mut state = u64::from(frame) + 1;
+    std::iter::repeat_with(move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 32) as u32
+    })
+}
+
+/// Masks and voxel grids are written so.
+struct Grids;
+
+impl FrameArrays for Grids {
+    type Memory = Vec<u8>;
+
+    fn memory(&self) -> Result<Vec<u8>, StageError> {
+        Ok(vec![0; FRAME_BYTES])
+    }
+
+    fn array<'m>(
+        &self,
+        memory: &'m mut Vec<u8>,
+        frame: u32,
+        _: &mut PartialCounts,
+    ) -> Result<FrameArray<'m>, StageError> {
+        memory.iter_mut().zip(noise(frame)).for_each(|(byte, word)| *byte = word as u8);
+        Ok(FrameArray { scalar: Scalar::U8, shape: vec![FRAME_BYTES], bytes: memory.as_slice().into() })
+    }
+}
+
+/// An array a frame.
+fn arrays(attempt: &mut Attempt, frames: u32) -> Result<(), StageError> {
+    let mut unit = attempt.unit("vehicle_0")?.expect("is not there yet");
+    let progress = Progress::start(ProgressMode::None, "test".into(), 0);
+    framewise::write_arrays(&mut unit, "scenes/0000/bev/vehicle_0.npz", frames, &progress, &Grids)?;
+    Ok(unit.finish()?)
+}
+
+/// A row group a frame, as sensors are written.
+fn tables(attempt: &mut Attempt, frames: u32) -> Result<(), StageError> {
+    let mut unit = attempt.unit("vehicle_0")?.expect("is not there yet");
+    let options = TableOptions::compressed_frames(Vec::new());
+    let mut table = unit.table::<LidarRow>("scenes/0000/sensors/vehicle_0/LIDAR.parquet", options)?;
+    let progress = Progress::start(ProgressMode::None, "test".into(), 0);
+    let points = FRAME_BYTES / 16;
+    let sense = |frame: u32| {
+        let column = |k: u32| noise(4 * frame + k).map(|word| word as f32).take(points).collect();
+        Ok(LidarRow {
+            frame,
+            x: column(0),
+            y: column(1),
+            z: column(2),
+            intensity: column(3),
+            ..LidarRow::default()
+        })
+    };
+    in_frame_order(frames, &progress, sense, |_, row| Ok(table.push(&[row])?))?;
+    unit.add(table.finish()?);
+    Ok(unit.finish()?)
+}
+
+/// Most bytes that were allocated at a time, beyond those from before.
+fn peak(frames: u32, write: fn(&mut Attempt, u32) -> Result<(), StageError>) -> usize {
+    let folder = tempfile::tempdir().expect("a folder");
+    let store = Store::open(folder.path()).expect("is a folder");
+    let identity = Identity {
+        stage: "test".into(),
+        scope: Scope::Scene(0),
+        code_version: "test".into(),
+        config_hash: "c".into(),
+        inputs: BTreeMap::new(),
+    };
+    let mut attempt = Attempt::start(&store, identity, false).expect("starts");
+    let before = MEMORY.current_usage();
+    MEMORY.reset_peak_usage();
+    write(&mut attempt, frames).expect("writes");
+    MEMORY.peak_usage() - before
+}
+
+#[test]
+fn frames_are_not_gathered() {
+    let pool = ThreadPoolBuilder::new().num_threads(THREADS).build().expect("threads");
+    for (name, write) in [("arrays", arrays as fn(&mut Attempt, u32) -> _), ("tables", tables)] {
+        // What is made once and kept.
+        pool.install(|| peak(1, write));
+        let [some, many] = [SOME, MANY].map(|frames| pool.install(|| peak(frames, write)));
+        // A table keeps what it says of each row group: a few kilobytes.
+        let gathered = (MANY - SOME) as usize * FRAME_BYTES;
+        assert!(many < some + gathered / 20, "{name}: {some} bytes for {SOME} frames, {many} for {MANY}");
+        assert!(some < THREADS * 12 * FRAME_BYTES, "{name}: {some} bytes");
+    }
+}
