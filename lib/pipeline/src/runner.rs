@@ -384,12 +384,13 @@ impl<S: StageSettings> Run<'_, S> {
     /// Keeps what older code made, if it did: the manifest says so from here on.
     fn accept(&self, scope: Scope) -> Result<(), StageError> {
         let code = crate::code_version(S::STAGE);
-        if let Some(mut manifest) = self.store.manifest(scope, S::STAGE)?
-            && !manifest.is_of_code(code)
+        if let Some(read) = self.store.manifest(scope, S::STAGE)?
+            && !read.is_of_code(code)
         {
-            tracing::info!("{}: keeps what code {} made", self.label(scope), manifest.code_version);
+            tracing::info!("{}: keeps what code {} made", self.label(scope), read.code_version);
+            let mut manifest = read.clone();
             manifest.accepted_by.push(code.to_owned());
-            self.store.write_json(&scope.manifest(S::STAGE), S::STAGE, &manifest)?;
+            self.store.replace_manifest(scope, &read, &manifest)?;
         }
         Ok(())
     }

@@ -106,7 +106,7 @@ impl Attempt {
     /// stage's other shards do not depend on. What was made from these stays as it is.
     ///
     /// # Errors
-    /// The store cannot be read or written, or the stage is not done.
+    /// The store cannot be read or written, the stage is not done, or another process does it again at this moment.
     pub fn amend(
         store: &Store,
         scope: Scope,
@@ -114,17 +114,17 @@ impl Attempt {
         key: &str,
         bytes: &[u8],
     ) -> Result<(), StoreError> {
-        let manifest_key = scope.manifest(stage);
-        let mut manifest = store
+        let read = store
             .manifest(scope, stage)?
-            .ok_or_else(|| StoreError::Missing { path: store.location(&manifest_key) })?;
+            .ok_or_else(|| StoreError::Missing { path: store.location(&scope.manifest(stage)) })?;
         let mut file = FileWriter::create(store, key, stage)?;
         file.write_bytes(bytes)?;
         let shard = file.finish(1)?.commit()?;
+        let mut manifest = read.clone();
         manifest.outputs.retain(|output| output.key != key);
         manifest.outputs.push(shard);
         manifest.outputs.sort_by(|a, b| a.key.cmp(&b.key));
-        store.write_json(&manifest_key, stage, &manifest)
+        store.replace_manifest(scope, &read, &manifest)
     }
 
     /// Takes the old manifest away: from here on its shards are replaced one by one.

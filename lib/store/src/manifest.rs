@@ -160,6 +160,18 @@ impl Store {
         Err(StoreError::Contested { path: self.location(key) })
     }
 
+    /// Puts a manifest in the place of one that its writer has read: another process may have done the stage again since.
+    ///
+    /// # Errors
+    /// The backend cannot write, or another manifest, or none, stands there now.
+    pub fn replace_manifest(&self, scope: Scope, read: &Manifest, new: &Manifest) -> Result<(), StoreError> {
+        let key = scope.manifest(&read.stage);
+        if self.manifest_at(&key)?.as_ref() != Some(read) {
+            return Err(StoreError::Contested { path: self.location(&key) });
+        }
+        self.write_json(&key, &read.stage, new)
+    }
+
     /// Whether every output of a manifest is there in its size. (Contents are checked by [`crate::verify`].)
     ///
     /// # Errors

@@ -4,12 +4,13 @@ use std::io::Write;
 
 use schema::table::{Column, Row};
 use schema::tables::{GnssRow, LidarRow, SignalRow};
-use store::{Attempt, Problem, Scope, StoreError, TableOptions, keys, verify};
+use store::{Attempt, Manifest, Problem, Scope, StoreError, TableOptions, keys, verify};
 
 use crate::common::{Bench, SCOPE, STAGE, gnss, identity, key, on_every_backend, run, run_half};
 
 on_every_backend!(
     rows_come_back_and_checksums_hold,
+    columns_that_nobody_asks_for_are_not_read,
     parts_of_an_object_are_read_alone,
     lists_keep_one_frame_per_group,
     a_text_that_means_nothing_is_named_with_its_place,
@@ -26,6 +27,7 @@ on_every_backend!(
     two_processes_of_one_mind_agree,
     two_processes_at_odds_leave_no_manifest,
     an_object_is_replaced_whole,
+    a_manifest_is_replaced_only_as_it_was_read,
 );
 
 const TWO: [&str; 2] = ["vehicle_0", "vehicle_1"];
@@ -40,6 +42,23 @@ fn rows_come_back_and_checksums_hold(bench: &Bench) {
     assert_eq!((checked.manifests, checked.shards, checked.findings), (1, 2, vec![]));
     let manifest = SCOPE.manifest(STAGE);
     assert_eq!(bench.tree().into_keys().collect::<Vec<_>>(), [manifest, key("vehicle_0"), key("vehicle_1")]);
+}
+
+schema::columns! {
+    /// How high.
+    Altitude of GnssRow { altitude_m: f64 }
+}
+
+fn columns_that_nobody_asks_for_are_not_read(bench: &Bench) {
+    let manifest = run(&bench.store, "c", false, &TWO[..1]).expect("runs");
+    // The first column follows the four letters that a file begins with.
+    let mut bytes = bench.bytes(&key("vehicle_0"));
+    bytes[4..24].fill(0xff);
+    bench.put(&key("vehicle_0"), &bytes);
+    let whole: Result<Vec<GnssRow>, _> = bench.store.read_rows(&manifest, &key("vehicle_0"));
+    assert!(matches!(whole, Err(StoreError::Corrupt { .. })), "{whole:?}");
+    let some: Vec<Altitude> = bench.store.read_rows(&manifest, &key("vehicle_0")).expect("reads");
+    assert_eq!(some, gnss(40).iter().map(|r| Altitude { altitude_m: r.altitude_m }).collect::<Vec<_>>());
 }
 
 fn parts_of_an_object_are_read_alone(bench: &Bench) {
@@ -293,4 +312,17 @@ fn an_object_is_replaced_whole(bench: &Bench) {
     assert_eq!(bench.tree()["a"], b"first", "what is dropped is discarded");
     bench.put("a", b"2");
     assert_eq!(bench.bytes("a"), b"2");
+}
+
+fn a_manifest_is_replaced_only_as_it_was_read(bench: &Bench) {
+    let store = &bench.store;
+    let read = run(store, "c", false, &TWO).expect("runs");
+    let accepted = Manifest { accepted_by: vec!["newer".into()], ..read.clone() };
+    store.replace_manifest(SCOPE, &read, &accepted).expect("nobody else writes");
+    assert_eq!(store.manifest(SCOPE, STAGE).expect("reads").as_ref(), Some(&accepted));
+    // Somebody has made the stage again since.
+    let again = run(store, "c", true, &TWO).expect("runs");
+    let error = store.replace_manifest(SCOPE, &accepted, &read).expect_err("another one stands");
+    assert!(matches!(error, StoreError::Contested { .. }) && error.is_transient(), "{error}");
+    assert_eq!(store.manifest(SCOPE, STAGE).expect("reads"), Some(again));
 }
