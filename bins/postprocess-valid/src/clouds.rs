@@ -7,12 +7,25 @@ use schema::settings::Mount;
 use schema::settings::stages::{RangeRig, RangeSensor};
 use schema::table::{Framed, Row};
 use schema::tables::{LidarRow, RadarRow};
+use schema::{columns, framed};
 use validity::{PointCloud, radar_to_cartesian};
+
+columns! {
+    /// Where a lidar's returns are.
+    LidarPoints of LidarRow { frame: u32, x: Vec<f32>, y: Vec<f32>, z: Vec<f32> }
+}
+
+columns! {
+    /// Where a radar's returns are.
+    RadarPoints of RadarRow { frame: u32, depth: Vec<f32>, altitude: Vec<f32>, azimuth: Vec<f32> }
+}
+
+framed!(LidarPoints, RadarPoints);
 
 /// The open tables of an agent's range sensors.
 pub(crate) struct Clouds {
-    lidars: Vec<(Mount, SensorFrames<LidarRow>)>,
-    radars: Vec<(Mount, SensorFrames<RadarRow>)>,
+    lidars: Vec<(Mount, SensorFrames<LidarPoints>)>,
+    radars: Vec<(Mount, SensorFrames<RadarPoints>)>,
 }
 
 /// Points of one frame, in sensor frames.

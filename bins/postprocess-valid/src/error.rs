@@ -10,8 +10,13 @@ pub(crate) enum InputError {
     #[error("{0}")]
     Scene(#[from] SceneError),
     /// A box of nobody.
-    #[error("has boxes of an agent or frame that does not exist")]
+    #[error(
+        "has boxes out of order, or of an agent or frame that does not exist (run simulate-and-log with --force)"
+    )]
     Boxes,
+    /// Pixels stand after those of a later frame.
+    #[error("visible: row {row} is out of order (run render-sensors with --force)")]
+    Visible { row: usize },
     /// A voxel grid is of another kind.
     #[error("{path}: frame {frame}: is no three-dimensional array of bytes")]
     NoGrid { path: String, frame: u32 },

@@ -4,10 +4,9 @@ mod clouds;
 mod error;
 mod filling;
 
-use std::collections::BTreeMap;
-
+use frames::{Agent, Pose, World};
 use pipeline::{At, Job, Stage, StageError};
-use scene::{SceneLog, SceneReader};
+use scene::{FrameRanges, SceneError, SceneLog, SceneReader};
 use schema::AgentId;
 use schema::settings::stages::{RangeRig, ValiditySettings};
 use schema::tables::{BoxRow, VISIBLE_TABLE, ValidBoxRow, VisibleRow};
@@ -40,60 +39,70 @@ fn run(job: &mut Job<'_, ValiditySettings>) -> Result<(), StageError> {
     Ok(())
 }
 
-/// One row per row of the boxes, in the same order.
+/// One row per row of the boxes, in the same order: by frame, then agent.
 fn validate_all(
     job: &Job<'_, ValiditySettings>,
     scene: &SceneReader,
     log: &SceneLog,
     settings: &ValiditySettings,
 ) -> Result<Vec<ValidBoxRow>, StageError> {
-    let progress = job.progress();
+    let (progress, frames) = (job.progress(), log.frame_count());
     let boxes: Vec<BoxRow> = scene.rows().at(|| job.place())?;
-    let mut valid: Vec<Option<ValidBoxRow>> = vec![None; boxes.len()];
-    for (position, &agent) in log.agent_ids().iter().enumerate() {
-        let place = || job.place().agent(agent);
-        let name = agent.to_string();
+    let odd = || Err(InputError::Boxes).at(|| job.place().in_file(scene.location("boxes.parquet")));
+    let Ok(ranges) = FrameRanges::new(&boxes, 0, frames) else { return odd() };
+    let mut witnesses = Vec::new();
+    for &agent in log.agent_ids() {
         let rig = settings.rigs.of(agent);
-        let mut by_frame: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-        for (row, _) in boxes.iter().enumerate().filter(|(_, b)| b.agent == name) {
-            by_frame.entry(boxes[row].frame).or_default().push(row);
-        }
-        let pixels = visible_of(scene, agent, rig).at(place)?;
-        let none = BTreeMap::new();
-        let mut clouds = Clouds::open(scene, agent, rig, log.frame_count()).at(place)?;
-        for frame in 0..log.frame_count() {
-            let readings = clouds.next_frame().at(|| place().frame(frame))?;
-            let rows = by_frame.get(&frame).map_or(&[][..], Vec::as_slice);
-            let of_frame: Vec<BoxRow> = rows.iter().map(|&r| boxes[r].clone()).collect();
-            let (lidars, radars) = readings.in_world(&log.world_from_agent(position, frame));
-            let evidence = Evidence {
-                lidars: &lidars,
-                radars: &radars,
-                num_pixels: pixels.get(&frame).unwrap_or(&none),
-                valid_by_image: settings.valid_by_image,
-            };
-            for (&row, judged) in rows.iter().zip(validity::validate(&of_frame, &evidence)) {
-                valid[row] = Some(judged);
-            }
+        witnesses.push(Witness::open(scene, agent, rig, frames).at(|| job.place().agent(agent))?);
+    }
+    let mut valid = Vec::with_capacity(boxes.len());
+    for frame in 0..frames {
+        let mut rest = &boxes[ranges.of(frame.into())];
+        for (position, witness) in witnesses.iter_mut().enumerate() {
+            let own = rest.partition_point(|b| b.agent == witness.name);
+            let at = log.world_from_agent(position, frame);
+            let agent = witness.agent;
+            let place = || job.place().agent(agent).frame(frame);
+            valid.extend(witness.judge(frame, &rest[..own], &at, settings.valid_by_image).at(place)?);
+            rest = &rest[own..];
             progress.advance(1)?;
         }
     }
-    let judged: Option<Vec<ValidBoxRow>> = valid.into_iter().collect();
-    judged.ok_or(InputError::Boxes).at(|| job.place().in_file(scene.location("boxes.parquet")))
+    if valid.len() == boxes.len() { Ok(valid) } else { odd() }
 }
 
-/// Pixels per object and tag, by frame.
-fn visible_of(
-    scene: &SceneReader,
+/// What an agent's sensors saw, frame by frame.
+struct Witness {
     agent: AgentId,
-    rig: &RangeRig,
-) -> Result<BTreeMap<u32, PixelCounts>, InputError> {
-    let mut visible: BTreeMap<u32, PixelCounts> = BTreeMap::new();
-    if rig.instance {
-        let rows: Vec<VisibleRow> = scene::agent_rows(scene, agent, VISIBLE_TABLE)?;
-        for row in rows {
-            visible.entry(row.frame).or_default().insert((row.id, row.tag), row.pixels);
-        }
+    name: String,
+    clouds: Clouds,
+    /// Pixels by object and tag, by frame.
+    visible: Vec<VisibleRow>,
+    frames: FrameRanges,
+}
+
+impl Witness {
+    fn open(scene: &SceneReader, agent: AgentId, rig: &RangeRig, frames: u32) -> Result<Self, InputError> {
+        let visible: Vec<VisibleRow> =
+            if rig.instance { scene::agent_rows(scene, agent, VISIBLE_TABLE)? } else { Vec::new() };
+        let ranges = FrameRanges::new(&visible, 0, frames).map_err(|row| InputError::Visible { row })?;
+        let clouds = Clouds::open(scene, agent, rig, frames)?;
+        Ok(Self { agent, name: agent.to_string(), clouds, visible, frames: ranges })
     }
-    Ok(visible)
+
+    /// Judges the agent's boxes of the next frame.
+    fn judge(
+        &mut self,
+        frame: u32,
+        boxes: &[BoxRow],
+        world_from_agent: &Pose<World, Agent>,
+        valid_by_image: bool,
+    ) -> Result<Vec<ValidBoxRow>, SceneError> {
+        let readings = self.clouds.next_frame()?;
+        let (lidars, radars) = readings.in_world(world_from_agent);
+        let seen = &self.visible[self.frames.of(frame.into())];
+        let num_pixels: PixelCounts = seen.iter().map(|row| ((row.id, row.tag), row.pixels)).collect();
+        let evidence = Evidence { lidars: &lidars, radars: &radars, num_pixels: &num_pixels, valid_by_image };
+        Ok(validity::validate(boxes, &evidence))
+    }
 }

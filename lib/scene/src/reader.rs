@@ -89,7 +89,7 @@ impl SceneReader {
         format!("{}.parquet", R::TABLE)
     }
 
-    /// A whole table, by its row type.
+    /// A whole table, by its row type; a row type of some of its columns ([`schema::columns!`]) reads no others.
     ///
     /// # Errors
     /// Its stage has not made it, or it is not as the manifest says.

@@ -342,16 +342,57 @@ macro_rules! table {
             $( $(#[doc = $field_doc])+ pub $field: $type, )+
         }
 
+        $crate::impl_row! {
+            $name in $table; by $stage; concat!($($doc),+);
+            $( $field: $type = concat!($($field_doc),+); )+
+        }
+    };
+}
+
+/// Defines a row type of some columns of a table, for who needs no others: these alone are read.
+///
+/// ```
+/// use schema::table::Row;
+/// use schema::tables::LidarRow;
+///
+/// schema::columns! {
+///     /// How far away returns are, along the sensor's axis.
+///     Ahead of LidarRow { frame: u32, x: Vec<f32> }
+/// }
+/// assert_eq!((Ahead::TABLE, Ahead::fields().len()), (LidarRow::TABLE, 2));
+/// ```
+#[macro_export]
+macro_rules! columns {
+    ($(#[doc = $doc:literal])+ $name:ident of $row:ty { $( $field:ident : $type:ty ),+ $(,)? }) => {
+        $(#[doc = $doc])+
+        #[derive(Clone, Debug, Default, PartialEq)]
+        pub(crate) struct $name {
+            $( pub(crate) $field: $type, )+
+        }
+
+        $crate::impl_row! {
+            $name in <$row as $crate::table::Row>::TABLE; by <$row as $crate::table::Row>::STAGE;
+            concat!($($doc),+);
+            $( $field: $type = ""; )+
+        }
+    };
+}
+
+/// Makes a struct a [`Row`].
+#[doc(hidden)]
+#[macro_export]
+macro_rules! impl_row {
+    (
+        $name:ident in $table:expr; by $stage:expr; $doc:expr;
+        $( $field:ident : $type:ty = $field_doc:expr; )+
+    ) => {
         impl $crate::table::Row for $name {
             const TABLE: &'static str = $table;
             const STAGE: &'static str = $stage;
-            const DOC: &'static str = concat!($($doc),+);
+            const DOC: &'static str = $doc;
 
             fn fields() -> Vec<$crate::table::Field> {
-                vec![$( $crate::table::Field {
-                    name: stringify!($field),
-                    doc: concat!($($field_doc),+),
-                } ),+]
+                vec![$( $crate::table::Field { name: stringify!($field), doc: $field_doc } ),+]
             }
 
             fn to_columns(rows: &[Self]) -> Vec<$crate::table::Column> {

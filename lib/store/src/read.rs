@@ -1,8 +1,10 @@
 //! Reading tables, whole or group by group.
 
+use std::collections::BTreeSet;
 use std::marker::PhantomData;
 
 use arrow_array::RecordBatch;
+use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use schema::table::{Column, ColumnError, Row};
 use serde::de::DeserializeOwned;
@@ -25,7 +27,7 @@ impl Store {
         Ok(rows)
     }
 
-    /// A table that a manifest names, some rows at a time.
+    /// A table that a manifest names, some rows at a time. Columns that the row type does not name are not read.
     ///
     /// # Errors
     /// As [`Store::read_rows`]; later groups report their own.
@@ -37,7 +39,12 @@ impl Store {
         let largest = (0..groups).map(|g| builder.metadata().row_group(g).num_rows()).max().unwrap_or(0);
         // A batch never spans more than a few thousand rows, nor several frames of a sensor.
         let batch = usize::try_from(largest).unwrap_or(1).clamp(1, 8192);
-        let reader = builder.with_batch_size(batch).build().map_err(|e| chunks.error(&e))?;
+        let named: BTreeSet<&str> = R::fields().iter().map(|field| field.name).collect();
+        let columns = builder.parquet_schema().root_schema().get_fields();
+        let wanted: Vec<usize> = (0..columns.len()).filter(|i| named.contains(columns[*i].name())).collect();
+        let columns = ProjectionMask::roots(builder.parquet_schema(), wanted);
+        let reader =
+            builder.with_projection(columns).with_batch_size(batch).build().map_err(|e| chunks.error(&e))?;
         Ok(RowGroups { reader, chunks, before: 0, row: PhantomData })
     }
 
