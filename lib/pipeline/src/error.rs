@@ -79,20 +79,10 @@ impl StageError {
         Self::Usage(cause.into())
     }
 
-    /// The error and its causes on one line, outermost first. A cause that the text before it tells already is left
-    /// out.
+    /// The error and its causes on one line; see [`report`].
     #[must_use]
     pub fn report(&self) -> String {
-        let mut text = self.to_string();
-        let mut cause = self.source();
-        while let Some(inner) = cause {
-            let inner_text = inner.to_string();
-            if !text.contains(&inner_text) {
-                text = format!("{text}: {inner_text}");
-            }
-            cause = inner.source();
-        }
-        text
+        report(self)
     }
 
     /// The exit code of a stage that ends with this error. Only [`EXIT_SOME_FAILED`] is the scene's own fault.
@@ -100,8 +90,6 @@ impl StageError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Stopped => EXIT_TRY_AGAIN,
-            Self::Store(e) if e.is_transient() => EXIT_TRY_AGAIN,
-            Self::Store(e) if e.is_usage() => EXIT_USAGE,
             Self::Usage(_) => EXIT_USAGE,
             Self::Store(_)
             | Self::NotReady(_)
@@ -109,7 +97,20 @@ impl StageError {
             | Self::Failed { .. }
             | Self::Undeclared { .. }
             | Self::Unlisted { .. }
-            | Self::Panic { .. } => EXIT_SOME_FAILED,
+            | Self::Panic { .. } => match self.store_error() {
+                Some(e) if e.is_transient() => EXIT_TRY_AGAIN,
+                Some(e) if e.is_usage() => EXIT_USAGE,
+                _ => EXIT_SOME_FAILED,
+            },
+        }
+    }
+
+    /// The store's error at the bottom, however many readers (of scenes, maps, logs) have wrapped it.
+    fn store_error(&self) -> Option<&StoreError> {
+        match self {
+            // Transparent: its own source is what lies below the store's error.
+            Self::Store(error) => Some(error),
+            other => causes(other).find_map(|cause| cause.downcast_ref()),
         }
     }
 
@@ -117,6 +118,24 @@ impl StageError {
     pub(crate) fn is_failure(&self) -> bool {
         !matches!(self, Self::NotReady(_))
     }
+}
+
+/// What an error comes from, nearest first.
+fn causes(error: &dyn Error) -> impl Iterator<Item = &(dyn Error + 'static)> {
+    std::iter::successors(error.source(), |&cause| cause.source())
+}
+
+/// An error and its causes on one line, outermost first. A cause that the text before it tells already is left out.
+#[must_use]
+pub fn report(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    for cause in causes(error) {
+        let inner = cause.to_string();
+        if !text.contains(&inner) {
+            text = format!("{text}: {inner}");
+        }
+    }
+    text
 }
 
 /// Where in a dataset something went wrong; what is not known is left out.
@@ -251,5 +270,33 @@ mod tests {
         assert_eq!(StageError::from(other).exit_code(), EXIT_USAGE);
         assert_eq!(StageError::usage("no such map").exit_code(), EXIT_USAGE);
         assert_eq!(StageError::Panic { message: "x".into() }.exit_code(), EXIT_SOME_FAILED);
+    }
+
+    /// As readers of scenes, maps and logs wrap the store's errors.
+    #[derive(Debug, thiserror::Error)]
+    #[error("{0}")]
+    struct Wrapped<E: Error + 'static>(#[source] E);
+
+    #[test]
+    fn the_stores_faults_keep_their_exit_code_however_deep_they_lie() {
+        let late = || StoreError::read("f", "read", std::io::ErrorKind::TimedOut.into());
+        let newer = || StoreError::Format { path: "m".into(), found: 2, expected: 1 };
+        let broken = || StoreError::Corrupt { path: "f".into(), problem: "is no Parquet file".into() };
+        for (fault, code) in [
+            (&late as &dyn Fn() -> StoreError, EXIT_TRY_AGAIN),
+            (&newer, EXIT_USAGE),
+            (&broken, EXIT_SOME_FAILED),
+        ] {
+            let text = fault().to_string();
+            let wrapped = [
+                Err::<(), _>(fault()).at(|| Place::scene(3)),
+                Err(Wrapped(fault())).at(|| Place::scene(3)),
+                Err(Wrapped(Wrapped(fault()))).at(|| Place::scene(3)),
+            ];
+            for error in wrapped.map(|result| result.expect_err("fails")) {
+                assert_eq!(error.exit_code(), code, "{error:?}");
+                assert_eq!(error.report(), format!("scene 3: {text}"));
+            }
+        }
     }
 }

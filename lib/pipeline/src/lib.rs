@@ -18,7 +18,7 @@ mod views;
 pub use args::{ProgressMode, SceneList, StageArgs};
 pub use code_version::code_version;
 pub use config::{ConfigKey, Fault, config_keys, load as load_config, parse as parse_config, simbev2x_keys};
-pub use error::{At, Place, StageError};
+pub use error::{At, Place, StageError, report};
 pub use graph::{Graph, StageSpec, UnitKind};
 pub use interrupt::{listen as listen_for_signals, stopped as was_stopped};
 pub use progress::Progress;
