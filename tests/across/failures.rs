@@ -1,6 +1,6 @@
 //! Bad input: one clear message each, the right exit code, nothing lost.
 
-use convoy_tests::{Bench, TINY, program};
+use convoy_tests::{Bench, Outcome, TINY, program};
 
 #[test]
 fn three_mistakes_give_three_messages() {
@@ -216,6 +216,47 @@ fn shards_make_the_same_dataset_as_one_run() {
     assert_eq!(whole.digests(), by_array.digests());
     let nowhere = by_array.run(stages[0], &["--shard", "2"]);
     assert!(nowhere.code == 2 && nowhere.stderr.contains("SLURM_ARRAY_TASK_ID"), "{nowhere:?}");
+}
+
+/// Whatever keeps a file of `convoy` from being written, the exit code is that of a stage that cannot write: the limit on
+/// the size of files stands for quotas and full disks.
+#[test]
+fn convoy_ends_like_a_stage_when_it_cannot_write() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let town = folder.path().join("town.xodr");
+    // Without the signal, the write itself fails (EFBIG).
+    let script = "trap '' XFSZ; ulimit -f 1; exec \"$@\"";
+    let mut command = std::process::Command::new("sh");
+    command.args(["-c", script, "sh"]).arg(program("convoy"));
+    command.args(["town", "--name", "convoy/demo", "--out"]).arg(&town);
+    let outcome = Outcome::of(&command.output().expect("sh starts"));
+    assert_eq!(outcome.code, 75, "{outcome:?}");
+    assert!(outcome.stderr.contains("town.xodr: cannot write: File too large"), "{outcome:?}");
+    assert!(!town.exists());
+    // A folder that cannot be made.
+    std::fs::write(folder.path().join("file"), "").expect("writes");
+    let mut command = std::process::Command::new(program("convoy"));
+    command.args(["town", "--name", "convoy/demo", "--out"]).arg(folder.path().join("file/town.xodr"));
+    let outcome = Outcome::of(&command.output().expect("starts"));
+    assert_eq!(outcome.code, 75, "{outcome:?}");
+}
+
+/// What a reader of scenes finds in a store of another version is told as a stage would tell it.
+#[test]
+fn convoy_ends_like_a_stage_when_a_store_is_of_another_version() {
+    let bench = Bench::new(TINY);
+    bench.run("spawn-planner", &[]).expect_done();
+    bench.run("simulate-and-log", &[]).expect_done();
+    let path = bench.store().join("scenes/0000/_manifests/simulate-and-log.json");
+    let manifest = std::fs::read_to_string(&path).expect("is there");
+    let version = format!("\"format_version\": {}", schema::FORMAT_VERSION);
+    assert!(manifest.contains(&version), "{manifest}");
+    std::fs::write(&path, manifest.replace(&version, "\"format_version\": 99")).expect("writes");
+    let mut film = std::process::Command::new(program("convoy"));
+    film.args(["scene-video", "--scene", "0", "--store"]).arg(bench.store());
+    film.arg("--out").arg(bench.folder.path().join("film.png"));
+    let outcome = Outcome::of(&film.output().expect("starts"));
+    assert!(outcome.code == 2 && outcome.stderr.contains("store format 99"), "{outcome:?}");
 }
 
 #[test]

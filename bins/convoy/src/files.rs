@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use indicatif::DecimalBytes;
-use pipeline::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, say};
+use pipeline::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, StageError, report, say};
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
@@ -11,21 +11,15 @@ pub(crate) enum Fault {
     /// Something that the user can correct.
     #[error("{0}")]
     Usage(String),
-    /// A file cannot be used.
-    #[error("{}: {message}", path.display())]
-    File { path: PathBuf, message: String },
-    /// A file cannot be written or read.
-    #[error("{}: {source}", path.display())]
-    Io { path: PathBuf, source: std::io::Error },
-    /// A store cannot be opened.
+    /// A file that was named cannot be read.
+    #[error("{}: cannot read: {source}", path.display())]
+    Read { path: PathBuf, source: std::io::Error },
+    /// A file cannot be written: as with a store's, another try may succeed once there is room.
+    #[error("{}: cannot write: {source}", path.display())]
+    Write { path: PathBuf, source: std::io::Error },
+    /// What a store or a file holds cannot be used; as stages say it.
     #[error(transparent)]
-    Store(#[from] pipeline::StageError),
-    /// A scene cannot be read.
-    #[error(transparent)]
-    Scene(#[from] scene::SceneError),
-    /// A map of a store cannot be read.
-    #[error(transparent)]
-    Map(#[from] mapstore::MapError),
+    Stage(#[from] StageError),
     /// A town cannot be built.
     #[error("{name}: {source}")]
     Town { name: String, source: town::TownError },
@@ -35,10 +29,10 @@ impl Fault {
     fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) | Self::Town { .. } => EXIT_USAGE,
-            Self::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => EXIT_USAGE,
-            Self::Io { source, .. } if source.kind() == std::io::ErrorKind::StorageFull => EXIT_TRY_AGAIN,
-            Self::Io { .. } | Self::File { .. } | Self::Scene(_) | Self::Map(_) => EXIT_SOME_FAILED,
-            Self::Store(error) => error.exit_code(),
+            Self::Read { source, .. } if source.kind() == std::io::ErrorKind::NotFound => EXIT_USAGE,
+            Self::Read { .. } => EXIT_SOME_FAILED,
+            Self::Write { .. } => EXIT_TRY_AGAIN,
+            Self::Stage(error) => error.exit_code(),
         }
     }
 }
@@ -48,10 +42,7 @@ pub(crate) fn exit_code(result: Result<(), Fault>) -> u8 {
     match result {
         Ok(()) => EXIT_DONE,
         Err(fault) => {
-            match &fault {
-                Fault::Store(error) => tracing::error!("{}", error.report()),
-                other => tracing::error!("{other}"),
-            }
+            tracing::error!("{}", report(&fault));
             fault.exit_code()
         }
     }
@@ -66,7 +57,7 @@ pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
 
 /// Writes a file whole or not at all, making its folder where needed.
 pub(crate) fn save(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
-    let io = |source| Fault::Io { path: path.to_owned(), source };
+    let io = |source| Fault::Write { path: path.to_owned(), source };
     let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(io)?;
     let mut file = tempfile::NamedTempFile::new_in(folder).map_err(io)?;

@@ -8,6 +8,7 @@ use frames::{Object, Pose, World};
 use mapview::{Film, FilmWriter, Light, Look, StopBar, Thing, ViewOptions, Window, frame_png};
 use nalgebra::Point3;
 use opendrive::{LaneHit, Map};
+use pipeline::{At, Place, StageError};
 use scene::{SceneError, SceneLog, SceneReader};
 use schema::tables::{ActorRow, SignalRow};
 use schema::{ActorKind, ActorRole, AgentId, AgentKind, Attribute, SignalState, lights};
@@ -73,44 +74,44 @@ fn film(
     if out.extension().is_none_or(|e| e != "png") {
         return Err(Fault::Usage(format!("{}: an animated picture must end in .png", out.display())));
     }
-    let store = Store::open(folder).map_err(pipeline::StageError::from)?;
-    let reader = SceneReader::open(&store, scene, &[schema::scene_info::LOG_STAGE])?;
-    let log = SceneLog::read(&reader).map_err(|e| match e {
-        SceneError::NotMade { stage, .. } => {
-            Fault::Usage(format!("{}: scene {scene} has no log: run {stage}", folder.display()))
+    let store = Store::open(folder).map_err(StageError::from)?;
+    let reader = SceneReader::open(&store, scene, &[schema::scene_info::LOG_STAGE]).at(Place::default)?;
+    let log = match SceneLog::read(&reader) {
+        Err(SceneError::NotMade { stage, .. }) => {
+            let message = format!("{}: scene {scene} has no log: run {stage}", folder.display());
+            return Err(Fault::Usage(message));
         }
-        other => other.into(),
-    })?;
-    let map = mapstore::read(&store, &log.info.map, &log.info.map_hash)?;
+        other => other.at(Place::default)?,
+    };
+    let map = mapstore::read(&store, &log.info.map, &log.info.map_hash).at(Place::default)?;
     let options = ViewOptions {
         window: options.window.or_else(|| Some(around_agents(&log))),
         title: Some(format!("{} scene {scene:04} {}", log.info.map, log.info.split)),
         ..options
     };
-    let picture = |e: mapview::RasterError| Fault::File { path: out.to_owned(), message: e.to_string() };
+    let picture = || Place::file(out.to_string_lossy());
     let cast = Cast::new(&log, &map);
     let standing: Vec<Thing> = log
         .actors
         .iter()
         .filter_map(|actor| Some(Thing { covered: is_covered(&map, actor.xyz_m), ..standing(actor)? }))
         .collect();
-    let film = Film::new(&map, &options, &standing).map_err(picture)?;
+    let film = Film::new(&map, &options, &standing).at(picture)?;
     let shown: Vec<u32> = (0..log.frame_count()).step_by(every as usize).collect();
     let millis = (1000.0 * f64::from(every) * schema::FRAME_PERIOD_S).round().clamp(1.0, 60_000.0) as u16;
     let mut bytes = Vec::new();
-    let mut writer =
-        FilmWriter::new(&mut bytes, film.size_px(), shown.len() as u32, millis).map_err(picture)?;
+    let mut writer = FilmWriter::new(&mut bytes, film.size_px(), shown.len() as u32, millis).at(picture)?;
     for frame in shown {
         let (bars, things) = cast.at(&log, frame);
         let time_s = f64::from(frame) * schema::FRAME_PERIOD_S;
         let pixels = film.frame(&bars, &things, &format!("{time_s:.2} s"));
         if let Some(folder) = frames {
-            let png = frame_png(&pixels, film.size_px()).map_err(picture)?;
+            let png = frame_png(&pixels, film.size_px()).at(picture)?;
             save(&folder.join(format!("{frame:04}.png")), &png)?;
         }
-        writer.push(pixels).map_err(picture)?;
+        writer.push(pixels).at(picture)?;
     }
-    writer.finish().map_err(picture)?;
+    writer.finish().at(picture)?;
     write_file(out, &bytes)
 }
 

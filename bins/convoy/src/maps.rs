@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use mapview::{ViewOptions, Window};
 use opendrive::{Map, Network};
+use pipeline::{At, Place};
 use town::TownParameters;
 
 use crate::files::{Fault, exit_code, write_file};
@@ -106,7 +107,7 @@ fn named(name: &str) -> Result<TownParameters, Fault> {
 /// The parameters of a town that is named, or described in a file.
 fn parameters_of(name: Option<String>, file: Option<PathBuf>) -> Result<TownParameters, Fault> {
     let Some(path) = file else { return named(&name.unwrap_or_default()) };
-    let text = std::fs::read_to_string(&path).map_err(|source| Fault::Io { path: path.clone(), source })?;
+    let text = std::fs::read_to_string(&path).map_err(|source| Fault::Read { path: path.clone(), source })?;
     TownParameters::from_toml(&text)
         .map_err(|source| Fault::Town { name: path.display().to_string(), source })
 }
@@ -159,10 +160,9 @@ fn map_picture(map: &Path, out: &Path, mut options: ViewOptions) -> Result<(), F
     let network = if let Some(parameters) = town::named(&name) {
         generate(&parameters)?
     } else {
-        let io = |source| Fault::Io { path: map.to_owned(), source };
+        let io = |source| Fault::Read { path: map.to_owned(), source };
         let bytes = std::fs::read(map).map_err(io)?;
-        let file = |e: opendrive::ReadError| Fault::File { path: map.to_owned(), message: e.to_string() };
-        let network = opendrive::read_bytes(&bytes).map_err(file)?;
+        let network = opendrive::read_bytes(&bytes).at(|| Place::file(name.as_ref()))?;
         if network.header.name.trim().is_empty() {
             let stem = map.file_name().unwrap_or_default().to_string_lossy();
             options.title = stem.split('.').next().map(str::to_owned);
@@ -194,9 +194,7 @@ fn draw(network: Network, path: &Path, options: &ViewOptions) -> Result<(), Faul
     let picture = mapview::draw(&Map::new(network), options);
     let bytes = match kind {
         Kind::Svg => picture.to_svg().into_bytes(),
-        Kind::Png => {
-            picture.to_png().map_err(|e| Fault::File { path: path.to_owned(), message: e.to_string() })?
-        }
+        Kind::Png => picture.to_png().at(|| Place::file(path.to_string_lossy()))?,
     };
     write_file(path, &bytes)
 }

@@ -262,11 +262,11 @@ fn verify(store: &std::path::Path) -> u8 {
         let stages = all_stages(&store)?;
         store::verify(&store, &stages, |_| {})
     });
-    let result = match verified {
+    let result = match verified.map_err(StageError::from) {
         Ok(result) => result,
         Err(e) => {
-            tracing::error!("{e}");
-            return if e.is_usage() { EXIT_USAGE } else { EXIT_SOME_FAILED };
+            tracing::error!("{}", e.report());
+            return e.exit_code();
         }
     };
     for finding in &result.findings {
