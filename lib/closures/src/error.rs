@@ -39,4 +39,14 @@ pub enum ClosureError {
         /// What it depends on.
         dependency: String,
     },
+    /// A file imports all that a crate counted by file has: which of its files it uses cannot be told.
+    #[error(
+        "{file}: imports {path}, a whole vocabulary: name what it uses, so that changes of the rest leave stages done"
+    )]
+    Glob {
+        /// The file.
+        file: String,
+        /// The import.
+        path: String,
+    },
 }

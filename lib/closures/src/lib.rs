@@ -6,12 +6,12 @@
 //!   marked as outside: `[package.metadata.convoy] closure = "outside"`. What these hand to a stage (settings, arguments) is
 //!   hashed as a value in the manifests, or never reaches its bytes (progress, exit codes).
 //! * of crates marked `closure = "by-file"` (vocabularies: many small files that know little of one another) only the files
-//!   that define a name which the rest of the closure speaks of ([`reach`]). So a new table or settings key makes just those
+//!   that define a name which the rest of the closure imports or writes as a path ([`reach`]). So a new table or settings key makes just those
 //!   stages stale that know it.
 //! * of other people's crates, the versions and checksums in `Cargo.lock` of those in the stage's own tree, and the
 //!   features that the workspace asks of them.
 //!
-//! Tests are no part of it: files called `tests.rs` and `#[cfg(test)] mod tests { ... }` at the end of a file are left out.
+//! Tests are no part of it: files called `tests.rs` and `#[cfg(test)] mod tests { ... }` are left out.
 //!
 //! Read from the manifests directly rather than with `cargo_metadata`: that starts cargo within a build and wants every
 //! package of the lock file downloaded, those of other platforms too.
@@ -19,6 +19,7 @@
 mod error;
 mod lock;
 mod manifest;
+mod paths;
 mod reach;
 mod sources;
 mod words;
@@ -68,11 +69,11 @@ pub fn watched(root: &Path) -> Vec<PathBuf> {
     ["Cargo.toml", "Cargo.lock", "bins", "lib"].map(|name| root.join(name)).into()
 }
 
-fn closure(
-    workspace: &Workspace,
+fn closure<'a>(
+    workspace: &'a Workspace,
     lock: &Lock,
     sources: &BTreeMap<&str, Vec<Source>>,
-    program: &Package,
+    program: &'a Package,
 ) -> Result<Closure, ClosureError> {
     let (mut whole, mut by_file, mut foreign) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
     let mut open = vec![program.folder.as_str()];
@@ -97,7 +98,10 @@ fn closure(
         }
     }
     let mut files = sources_of(sources, &whole);
-    files.extend(reach::reached(&files, sources_of(sources, &by_file)));
+    let is_by_file =
+        |(name, folder): (&'a String, &String)| by_file.contains(folder.as_str()).then_some(name.as_str());
+    let vocabularies = workspace.own.iter().filter_map(is_by_file).collect();
+    files.extend(reach::reached(&files, &vocabularies, sources_of(sources, &by_file))?);
     files.sort_by(|a, b| a.name.cmp(&b.name));
     let mut packages = BTreeSet::new();
     for (user, dependency) in foreign {

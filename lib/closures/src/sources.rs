@@ -5,7 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use crate::ClosureError;
-use crate::words::{names_of, words_of};
+use crate::paths::paths_of;
+use crate::words::names_of;
 
 /// A source without its tests.
 #[derive(Debug)]
@@ -13,8 +14,8 @@ pub(crate) struct Source {
     /// Relative to the workspace.
     pub(crate) name: String,
     pub(crate) bytes: Vec<u8>,
-    /// Words of its code; none of what is no code.
-    pub(crate) words: BTreeSet<String>,
+    /// Paths in its code; none of what is no code.
+    pub(crate) paths: BTreeSet<Vec<String>>,
     /// Names that it gives to others, where its crate counts by file; otherwise it always counts.
     pub(crate) names: Option<BTreeSet<String>>,
 }
@@ -22,9 +23,9 @@ pub(crate) struct Source {
 impl Source {
     pub(crate) fn new(name: String, bytes: Vec<u8>, by_file: bool) -> Self {
         let is_code = name.ends_with(".rs");
-        let words = if is_code { words_of(&bytes) } else { BTreeSet::new() };
+        let paths = if is_code { paths_of(&bytes) } else { BTreeSet::new() };
         let names = (is_code && by_file).then(|| names_of(&bytes));
-        Self { name, bytes, words, names }
+        Self { name, bytes, paths, names }
     }
 }
 
@@ -56,21 +57,16 @@ pub(crate) fn of_crate(root: &Path, folder: &str, by_file: bool) -> Result<Vec<S
     Ok(found)
 }
 
-/// The text before `#[cfg(test)] mod tests { ... }`, where that ends the file.
+/// The text without `#[cfg(test)] mod tests { ... }`.
 fn without_tests(bytes: Vec<u8>) -> Vec<u8> {
     const MARK: &str = "\n#[cfg(test)]\nmod tests {\n";
+    const END: &str = "\n}\n";
     let Ok(text) = str::from_utf8(&bytes) else { return bytes };
-    match text.rfind(MARK) {
-        // The first line that starts with a brace closes the module.
-        Some(at)
-            if text[at + MARK.len()..]
-                .find("\n}")
-                .is_some_and(|end| at + MARK.len() + end + 3 >= text.len()) =>
-        {
-            text.as_bytes()[..at].to_vec()
-        }
-        _ => bytes,
-    }
+    let Some(at) = text.rfind(MARK) else { return bytes };
+    // The first line that begins with a brace closes the module.
+    let Some(length) = text[at + MARK.len()..].find(END) else { return bytes };
+    let rest = &text[at + MARK.len() + length + END.len()..];
+    [&text[..at], rest].concat().into_bytes()
 }
 
 #[cfg(test)]
@@ -78,13 +74,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_tests_at_the_end_are_left_out() {
+    fn only_tests_are_left_out() {
         let cut = |text: &str| String::from_utf8(without_tests(text.as_bytes().to_vec())).expect("text");
         let code = "fn one() {}\n";
         let tests = "\n#[cfg(test)]\nmod tests {\n    fn t() {\n    }\n}\n";
         assert_eq!(cut(&format!("{code}{tests}")), code);
-        let more = format!("{code}{tests}fn two() {{}}\n");
-        assert_eq!(cut(&more), more, "code after tests counts");
+        assert_eq!(cut(&format!("{code}{tests}fn two() {{}}\n")), "fn one() {}\nfn two() {}\n");
         assert_eq!(cut(code), code);
     }
 }

@@ -1,41 +1,45 @@
-//! Words of code, and the names that a file gives to others.
+//! The names that a file gives to others.
 
 use std::collections::BTreeSet;
 
 /// Lines that are no comments.
-fn code_lines(bytes: &[u8]) -> impl Iterator<Item = &str> {
+pub(crate) fn code_lines(bytes: &[u8]) -> impl Iterator<Item = &str> {
     str::from_utf8(bytes).unwrap_or_default().lines().filter(|line| !line.trim_start().starts_with("//"))
 }
 
-fn is_word(c: char) -> bool {
+pub(crate) fn is_word(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_'
-}
-
-/// Words of the code of a file.
-pub(crate) fn words_of(bytes: &[u8]) -> BTreeSet<String> {
-    let words = code_lines(bytes).flat_map(|line| line.split(|c| !is_word(c)));
-    let words: BTreeSet<&str> =
-        words.filter(|word| word.starts_with(|c: char| c.is_ascii_alphabetic())).collect();
-    words.into_iter().map(str::to_owned).collect()
 }
 
 /// Words before the name of an item.
 const BEFORE: [&str; 8] = ["pub", "const", "static", "unsafe", "async", "extern", "default", "mut"];
 /// Words that say what kind of item follows.
-const KINDS: [&str; 7] = ["struct", "enum", "trait", "type", "union", "fn", "macro_rules"];
+const KINDS: [&str; 6] = ["struct", "enum", "trait", "type", "union", "fn"];
 
-/// Names that a file gives to the rest: its public items, the rows of its `table!`s, and the types that it adds methods to. A
-/// file of module declarations and re-exports gives none.
+/// Names that a file gives to the rest: its public items, the macros that it exports, the rows of its `table!`s, and the
+/// types that it adds methods to. A file of module declarations and re-exports gives none.
 pub(crate) fn names_of(bytes: &[u8]) -> BTreeSet<String> {
-    let mut names = BTreeSet::new();
+    let (mut names, mut own_macros) = (BTreeSet::new(), BTreeSet::new());
+    let mut is_exported = false;
     for line in code_lines(bytes) {
         let is_top = !line.starts_with(char::is_whitespace);
         let words: Vec<&str> = line.split(|c| !is_word(c)).filter(|w| !w.is_empty()).collect();
         // `pub(crate)` and the like.
         let words: Vec<&str> = words.into_iter().filter(|w| !["crate", "super", "in"].contains(w)).collect();
         let Some(kind) = words.iter().position(|w| !BEFORE.contains(w)) else { continue };
-        let is_public = words[0] == "pub" || words[kind] == "macro_rules";
+        let is_public = words[0] == "pub";
+        let was_exported = std::mem::replace(&mut is_exported, line.trim() == "#[macro_export]");
         match (words[kind], words.get(kind + 1)) {
+            ("macro_rules", Some(name)) if was_exported => {
+                names.insert((*name).to_owned());
+            }
+            ("macro_rules", Some(name)) => {
+                own_macros.insert((*name).to_owned());
+            }
+            // `pub(crate) use name;`: the other way to give a macro away.
+            ("use", Some(name)) if is_public && words.len() == kind + 2 && own_macros.contains(*name) => {
+                names.insert((*name).to_owned());
+            }
             (word, Some(name)) if is_public && KINDS.contains(&word) && (is_top || word != "fn") => {
                 names.insert((*name).to_owned());
             }
@@ -91,14 +95,17 @@ mod tests {
         let text = "//! Head.\nuse crate::Other;\npub mod inner;\npub(crate) struct One;\npub const TWO: u8 = 2;\n\
                     pub enum Three {\n    Four,\n}\nimpl Five {\n    pub fn six() {}\n    const EIGHT: u8 = 8;\n}\n\
                     impl<T: Copy> Nine for Ten<T> {}\nimpl<T: Into<Vec<Copy>>> Fifteen<T> {}\npub fn eleven() {}\npub const fn twelve() {}\nconst fn own() {}\n\
-                    table! {\n    Thirteen in \"log/actors\" {\n        id: u16,\n    }\n}\nmacro_rules! fourteen {\n";
+                    table! {\n    Thirteen in \"log/actors\" {\n        id: u16,\n    }\n}\nmacro_rules! own_macro {\n}\n#[macro_export]\nmacro_rules! fourteen {\n}\nmacro_rules! sixteen {\n}\npub(crate) use sixteen;\n";
         let names = names_of(text.as_bytes());
-        let expected =
-            ["One", "TWO", "Three", "Five", "Ten", "eleven", "twelve", "Thirteen", "fourteen", "Fifteen"];
+        let expected = [
+            "One", "TWO", "Three", "Five", "Ten", "eleven", "twelve", "Thirteen", "fourteen", "Fifteen",
+            "sixteen",
+        ];
         for name in expected {
             assert!(names.contains(name), "{name} in {names:?}");
         }
-        for name in ["Other", "inner", "Four", "six", "EIGHT", "Nine", "T", "Copy", "own", "id"] {
+        for name in ["Other", "inner", "Four", "six", "EIGHT", "Nine", "T", "Copy", "own", "id", "own_macro"]
+        {
             assert!(!names.contains(name), "{name} in {names:?}");
         }
     }
