@@ -26,6 +26,7 @@ pub mod models;
 pub mod scene_info;
 pub mod settings;
 mod signal_state;
+pub mod street_lamps;
 pub mod table;
 pub mod tables;
 mod tag;

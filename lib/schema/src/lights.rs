@@ -1,7 +1,4 @@
-//! Which lamps of an object burn, as bits of a `u32`; which street lamps never do.
-
-use crate::ActorKind;
-use crate::tables::ActorRow;
+//! Which lamps of an object burn, as bits of a `u32`; colour and strength of lights.
 
 /// Position lamps.
 pub const POSITION: u32 = 1;
@@ -39,29 +36,3 @@ pub const STREET_LAMP_RGB: [u8; 3] = [255, 226, 183];
 pub const WINDOW_RGB: [u8; 3] = [255, 214, 170];
 /// Lit windows of a building.
 pub const BUILDING: u32 = 1 << 20;
-
-/// Bit of a street lamp's variant: it never burns.
-const FAILED: u32 = 1 << 8;
-
-/// Whether an actor is a street lamp.
-#[must_use]
-pub fn is_street_lamp(actor: &ActorRow) -> bool {
-    actor.kind == ActorKind::Pole && actor.model == "pole.lamp"
-}
-
-/// Marks a street lamp as one that has failed: it never burns.
-pub fn mark_failed(lamp: &mut ActorRow) {
-    lamp.variant |= FAILED;
-}
-
-/// Whether an actor is a street lamp that never burns.
-#[must_use]
-pub fn has_failed(actor: &ActorRow) -> bool {
-    is_street_lamp(actor) && actor.variant & FAILED != 0
-}
-
-/// The number that varies the shape of an actor: its variant, without what a street lamp's says of its light.
-#[must_use]
-pub fn shape_variant(actor: &ActorRow) -> u32 {
-    if is_street_lamp(actor) { actor.variant & !FAILED } else { actor.variant }
-}

@@ -10,7 +10,7 @@ use glam::{Affine3A, Mat3A, Quat, Vec3A};
 use opendrive::Map;
 use schema::geometry::{Instance, Snapshot, TriMesh};
 use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
-use schema::{ActorKind, ObjectId, SignalState, lights};
+use schema::{ActorKind, ObjectId, SignalState, lights, street_lamps};
 use surfaces::Area;
 
 use crate::error::WorldError;
@@ -113,7 +113,7 @@ impl Library {
         let size = [actor.length_m, actor.width_m, actor.height_m];
         // Road-side units may carry any model name: their body is a pole.
         let model = if actor.kind == ActorKind::Rsu { "pole.rsu" } else { actor.model.as_str() };
-        let variant = lights::shape_variant(actor);
+        let variant = street_lamps::shape_variant(actor);
         let key = (model.to_owned(), size.map(f64::to_bits), variant);
         if let Some(known) = self.models.get(&key) {
             return Some(known.clone());
@@ -197,7 +197,9 @@ impl SceneWorld {
             ActorKind::TrafficLight => StaticLights::Signal,
             ActorKind::Building => StaticLights::Building,
             _ if actor.model == WORK_LIGHT => StaticLights::Work,
-            _ if lights::is_street_lamp(actor) && !lights::has_failed(actor) => StaticLights::StreetLamp,
+            _ if street_lamps::is_street_lamp(actor) && !street_lamps::has_failed(actor) => {
+                StaticLights::StreetLamp
+            }
             _ => StaticLights::None,
         };
         let glow = match lights {

@@ -208,7 +208,8 @@ fn lamps_and_windows_have_the_light_of_the_log() {
         let of = |id| snapshot.instances.iter().find(|i| i.object == id).map(|i| (i.lights, i.glow)).unwrap();
         ids.into_iter().map(of).collect()
     };
-    let lamps: Vec<u16> = actors.iter().filter(|a| schema::lights::is_street_lamp(a)).map(|a| a.id).collect();
+    let lamps: Vec<u16> =
+        actors.iter().filter(|a| schema::street_lamps::is_street_lamp(a)).map(|a| a.id).collect();
     let house = actors.iter().find(|a| a.kind == ActorKind::Building).unwrap().id;
     let row = |id, kind, works, flux_lm, color: [u8; 3]| LampRow {
         id,
