@@ -1,5 +1,7 @@
 //! What a plan will cost: frames exactly, bytes and hours by rates measured on whole datasets.
 
+mod rates;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use indicatif::{DecimalBytes, HumanCount};
@@ -8,7 +10,7 @@ use schema::settings::{CameraSettings, DatasetSettings, Split};
 use schema::{AgentId, AgentKind};
 
 /// Bytes as stored, measured on four datasets of 240 agent-frames each (the demo town and three of CARLA's). Busy places
-/// take more: good within a factor of two. Images and sensors know their own ([`schema::images`], `Rig::reading_costs`).
+/// take more: good within a factor of two.
 mod bytes {
     pub(super) const BEV_CELL: f64 = 0.08;
     /// One grid, by column of voxels: what is stored is a surface.
@@ -60,7 +62,7 @@ impl Forecast {
         let rigs = settings.rigs();
         let rig = rigs.of(agent);
         self.cameras(&rig.camera, rig.cameras.len() as u64 * frames);
-        for cost in rig.reading_costs() {
+        for cost in rates::reading_costs(rig) {
             self.output(cost.output, frames, cost.bytes);
             self.core_s += frames as f64 * cost.core_s;
         }
@@ -82,9 +84,9 @@ impl Forecast {
         let pixels = f64::from(camera.width) * f64::from(camera.height);
         let mut per_pixel_s = if camera.images.is_empty() { 0.0 } else { core_seconds::VISIBILITY_PX };
         for kind in camera.images.iter() {
-            let spec = kind.spec();
-            self.output(spec.plural, images, pixels * spec.stored_bytes_px);
-            per_pixel_s += spec.core_s_px;
+            let cost = rates::pixel_cost(kind);
+            self.output(kind.spec().plural, images, pixels * cost.bytes);
+            per_pixel_s += cost.core_s;
         }
         self.core_s += images as f64 * pixels * per_pixel_s;
     }

@@ -1,8 +1,9 @@
 //! Kinds of images that cameras make: the one list of them.
 //!
-//! A kind's entry below says all that others need: its tables, how it is kept, the flag that switches it on, what it costs.
-//! Configuration, tables, counts, forecasts and docs follow from it. `sensors` says how the image is made and what its rows
-//! are: rows stand not here, because who plans a dataset knows kinds of images and no tables of sensors.
+//! A kind's entry below says all that others need: its tables, how it is kept, the flag that switches it on.
+//! Configuration, tables, counts and docs follow from it. `sensors` says how the image is made and what its rows
+//! are: rows stand not here, because who plans a dataset knows kinds of images and no tables of sensors. What it costs
+//! stands in `forecast`.
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
@@ -32,10 +33,6 @@ pub struct ImageSpec {
     pub by_default: bool,
     /// Its name in the plural, for people.
     pub plural: &'static str,
-    /// Bytes a pixel as stored, measured on four datasets of 640 x 360 images; larger images take fewer.
-    pub stored_bytes_px: f64,
-    /// Seconds of one core a pixel to make and encode it from what was seen, from the table of docs/performance.md.
-    pub core_s_px: f64,
 }
 
 /// A type that stands for a kind of image.
@@ -53,8 +50,6 @@ macro_rules! image_kinds {
             flag: $flag:literal,
             by_default: $by_default:literal,
             plural: $plural:literal,
-            stored_bytes_px: $bytes:literal,
-            core_s_px: $core_s:literal,
         }
     )+) => {
         /// A kind of image.
@@ -76,8 +71,6 @@ macro_rules! image_kinds {
                         flag: $flag,
                         by_default: $by_default,
                         plural: $plural,
-                        stored_bytes_px: $bytes,
-                        core_s_px: $core_s,
                     }, )+
                 }
             }
@@ -103,8 +96,6 @@ image_kinds! {
         flag: "rgb",
         by_default: true,
         plural: "RGB images",
-        stored_bytes_px: 0.13,
-        core_s_px: 175e-9,
     }
     /// The colour of the tag.
     Semantic {
@@ -113,8 +104,6 @@ image_kinds! {
         flag: "semantic",
         by_default: false,
         plural: "semantic images",
-        stored_bytes_px: 0.09,
-        core_s_px: 15e-9,
     }
     /// Red the tag, green the object id's low byte, blue its high byte.
     Instance {
@@ -123,8 +112,6 @@ image_kinds! {
         flag: "instance",
         by_default: true,
         plural: "instance images",
-        stored_bytes_px: 0.07,
-        core_s_px: 15e-9,
     }
     /// 24-bit planar depth, red lowest, 1000 m at 2^24 - 1.
     Depth {
@@ -133,8 +120,6 @@ image_kinds! {
         flag: "depth",
         by_default: false,
         plural: "depth images",
-        stored_bytes_px: 0.45,
-        core_s_px: 15e-9,
     }
     /// Optical flow: motion on the screen since the last frame.
     Flow {
@@ -143,8 +128,6 @@ image_kinds! {
         flag: "flow",
         by_default: false,
         plural: "flow images",
-        stored_bytes_px: 0.5,
-        core_s_px: 15e-9,
     }
 }
 

@@ -9,17 +9,6 @@ use super::lidar::LidarSpec;
 use super::mount::Mount;
 use super::radar::RadarSpec;
 
-/// What one reading of a sensor takes, within a factor of two: for forecasts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ReadingCost {
-    /// What the readings are called, for people.
-    pub output: &'static str,
-    /// Bytes as stored, measured on four datasets of 240 agent-frames each (the demo town and three of CARLA's).
-    pub bytes: f64,
-    /// Seconds of one core, from the table of docs/performance.md.
-    pub core_s: f64,
-}
-
 /// All sensors of one kind of agent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rig {
@@ -38,23 +27,6 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// What a frame of every sensor takes, cameras aside; receivers of a few numbers cost nothing to speak of.
-    #[must_use]
-    pub fn reading_costs(&self) -> Vec<ReadingCost> {
-        let of_rays = |output, rays: f64, bytes_ray| ReadingCost {
-            output,
-            bytes: rays * bytes_ray,
-            core_s: rays * 0.4e-6,
-        };
-        let lidars = self.lidars.iter().map(|lidar| {
-            let (output, bytes_ray) =
-                if lidar.semantic { ("semantic lidar sweeps", 6.0) } else { ("lidar sweeps", 7.3) };
-            of_rays(output, lidar.scan.rays() as f64, bytes_ray)
-        });
-        let radars = self.radars.iter().map(|radar| of_rays("radar readings", f64::from(radar.rays), 14.0));
-        lidars.chain(radars).collect()
-    }
-
     /// The published vehicle rig: six cameras, a lidar, four radars, GNSS and IMU.
     #[must_use]
     pub fn vehicle() -> Self {

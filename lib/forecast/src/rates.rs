@@ -1,0 +1,47 @@
+//! What readings take, within a factor of two. Bytes as stored, measured on four datasets of 240 agent-frames each (the
+//! demo town and three of CARLA's); seconds of one core, from the table of docs/performance.md.
+
+use schema::ImageKind;
+use schema::settings::Rig;
+
+/// What a pixel of an image takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PixelCost {
+    /// Bytes as stored in images of 640 x 360 pixels; larger images take fewer.
+    pub(crate) bytes: f64,
+    /// Seconds of one core to make and encode it from what was seen.
+    pub(crate) core_s: f64,
+}
+
+pub(crate) const fn pixel_cost(kind: ImageKind) -> PixelCost {
+    let (bytes, core_s) = match kind {
+        ImageKind::Rgb => (0.13, 175e-9),
+        ImageKind::Semantic => (0.09, 15e-9),
+        ImageKind::Instance => (0.07, 15e-9),
+        ImageKind::Depth => (0.45, 15e-9),
+        ImageKind::Flow => (0.5, 15e-9),
+    };
+    PixelCost { bytes, core_s }
+}
+
+/// What one reading of a sensor takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ReadingCost {
+    /// What the readings are called, for people.
+    pub(crate) output: &'static str,
+    pub(crate) bytes: f64,
+    pub(crate) core_s: f64,
+}
+
+/// What a frame of every sensor takes, cameras aside; receivers of a few numbers cost nothing to speak of.
+pub(crate) fn reading_costs(rig: &Rig) -> impl Iterator<Item = ReadingCost> {
+    let of_rays =
+        |output, rays: f64, bytes_ray| ReadingCost { output, bytes: rays * bytes_ray, core_s: rays * 0.4e-6 };
+    let lidars = rig.lidars.iter().map(move |lidar| {
+        let (output, bytes_ray) =
+            if lidar.semantic { ("semantic lidar sweeps", 6.0) } else { ("lidar sweeps", 7.3) };
+        of_rays(output, lidar.scan.rays() as f64, bytes_ray)
+    });
+    let radars = rig.radars.iter().map(move |radar| of_rays("radar readings", f64::from(radar.rays), 14.0));
+    lidars.chain(radars)
+}
