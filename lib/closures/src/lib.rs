@@ -6,8 +6,8 @@
 //!   marked as outside: `[package.metadata.convoy] closure = "outside"`. What these hand to a stage (settings, arguments) is
 //!   hashed as a value in the manifests, or never reaches its bytes (progress, exit codes).
 //! * of crates marked `closure = "by-file"` (vocabularies: many small files that know little of one another) only the files
-//!   that define a name which the rest of the closure imports or writes as a path ([`reach`]). So a new table or settings key makes just those
-//!   stages stale that know it.
+//!   that define a name which the rest of the closure imports or writes as a path ([`reach`]), and of their dependencies
+//!   only those that these files speak of. So a new table or settings key makes just those stages stale that know it.
 //! * of other people's crates, the versions and checksums in `Cargo.lock` of those in the stage's own tree, and the
 //!   features that the workspace asks of them.
 //!
@@ -77,31 +77,40 @@ fn closure<'a>(
 ) -> Result<Closure, ClosureError> {
     let (mut whole, mut by_file, mut foreign) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
     let mut open = vec![program.folder.as_str()];
-    let mut seen = BTreeSet::new();
-    while let Some(folder) = open.pop() {
-        if !seen.insert(folder) {
-            continue;
-        }
-        let Some(package) = workspace.packages.get(folder) else { continue };
-        match package.kind {
-            Kind::Outside => continue,
-            Kind::Whole => whole.insert(folder),
-            Kind::ByFile => by_file.insert(folder),
-        };
-        for dependency in &package.dependencies {
-            match workspace.own.get(dependency) {
-                Some(folder) => open.push(folder),
-                None => {
-                    foreign.insert((package.package.as_str(), dependency.as_str()));
+    let mut files;
+    loop {
+        // Of crates counted by file, dependencies count below: for the files that are reached.
+        while let Some(folder) = open.pop() {
+            let Some(package) = workspace.packages.get(folder) else { continue };
+            match package.kind {
+                Kind::Whole if whole.insert(folder) => {
+                    open.extend(depend(workspace, package, &mut foreign, |_| true))
                 }
+                Kind::ByFile => {
+                    by_file.insert(folder);
+                }
+                Kind::Whole | Kind::Outside => {}
             }
         }
+        files = sources_of(sources, &whole);
+        let vocabularies = workspace.names_of(&by_file);
+        let reached = reach::reached(&files, &vocabularies, sources_of(sources, &by_file))?;
+        for folder in &by_file {
+            let Some(package) = workspace.packages.get(*folder) else { continue };
+            let prefix = format!("{folder}/");
+            let own = || reached.iter().filter(|file| file.name.starts_with(&prefix));
+            let is_used = |dependency: &str| own().any(|file| file.speaks_of(dependency));
+            let below = depend(workspace, package, &mut foreign, is_used);
+            open.extend(
+                below.into_iter().filter(|folder| !whole.contains(folder) && !by_file.contains(folder)),
+            );
+        }
+        open.retain(|folder| workspace.packages.get(*folder).is_some_and(|p| p.kind != Kind::Outside));
+        if open.is_empty() {
+            files.extend(reached);
+            break;
+        }
     }
-    let mut files = sources_of(sources, &whole);
-    let is_by_file =
-        |(name, folder): (&'a String, &String)| by_file.contains(folder.as_str()).then_some(name.as_str());
-    let vocabularies = workspace.own.iter().filter_map(is_by_file).collect();
-    files.extend(reach::reached(&files, &vocabularies, sources_of(sources, &by_file))?);
     files.sort_by(|a, b| a.name.cmp(&b.name));
     let mut packages = BTreeSet::new();
     for (user, dependency) in foreign {
@@ -120,6 +129,25 @@ fn closure<'a>(
     let crates = whole.into_iter().chain(by_file).map(str::to_owned).collect();
     let files = files.into_iter().map(|source| source.name.clone()).collect();
     Ok(Closure { crates, files, packages, digest: hasher.finalize().to_hex().to_string() })
+}
+
+/// Folders of our crates that a crate depends on; other people's go to `foreign`, with the crate.
+fn depend<'a>(
+    workspace: &'a Workspace,
+    package: &'a Package,
+    foreign: &mut BTreeSet<(&'a str, &'a str)>,
+    counts: impl Fn(&str) -> bool,
+) -> Vec<&'a str> {
+    let mut own = Vec::new();
+    for dependency in package.dependencies.iter().filter(|name| counts(name)) {
+        match workspace.own.get(dependency) {
+            Some(folder) => own.push(folder.as_str()),
+            None => {
+                foreign.insert((package.package.as_str(), dependency.as_str()));
+            }
+        }
+    }
+    own
 }
 
 fn sources_of<'a>(sources: &'a BTreeMap<&str, Vec<Source>>, folders: &BTreeSet<&'a str>) -> Vec<&'a Source> {

@@ -1,6 +1,6 @@
 //! Manifests of the workspace.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
@@ -72,6 +72,12 @@ impl Workspace {
             }
         }
         Ok(Self { packages, own, asked })
+    }
+
+    /// The names that others have for crates, by their folders.
+    pub(crate) fn names_of<'a>(&'a self, folders: &BTreeSet<&str>) -> BTreeSet<&'a str> {
+        let own = self.own.iter().filter(|(_, folder)| folders.contains(folder.as_str()));
+        own.map(|(name, _)| name.as_str()).collect()
     }
 
     /// What the workspace asks of a dependency: version and features.

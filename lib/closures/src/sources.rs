@@ -27,6 +27,12 @@ impl Source {
         let names = (is_code && by_file).then(|| names_of(&bytes));
         Self { name, bytes, paths, names }
     }
+
+    /// Whether its code has a path into a crate, which its manifest may write with hyphens.
+    pub(crate) fn speaks_of(&self, dependency: &str) -> bool {
+        let name = dependency.replace('-', "_");
+        self.paths.iter().any(|path| path.contains(&name))
+    }
 }
 
 /// Every source of a crate, and its manifest.

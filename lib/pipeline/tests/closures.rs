@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use pipeline::Graph;
 
 /// Sources of crates that count by file.
-const BY_FILE: [&str; 2] = ["lib/scene/src/", "lib/schema/src/"];
+const BY_FILE: [&str; 3] = ["lib/framewise/src/", "lib/scene/src/", "lib/schema/src/"];
 const TABLE: &str = "lib/pipeline/tests/closures.txt";
 
 fn workspace() -> PathBuf {

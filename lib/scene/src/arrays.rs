@@ -59,6 +59,6 @@ impl ArrayReader {
 fn wrong(path: &str, scene: u32, stage: &'static str, frame: Option<u32>, error: NpzError) -> SceneError {
     match error {
         NpzError::Io(source) => StoreError::read(path, "read", source).into(),
-        source => SceneError::Array { path: path.to_owned(), scene, frame, stage, source },
+        other => SceneError::Array { path: path.to_owned(), scene, frame, stage, source: Box::new(other) },
     }
 }

@@ -1,6 +1,7 @@
 //! What can be wrong with a scene of a store.
 
-use formats::NpzError;
+use std::error::Error;
+
 use store::StoreError;
 
 /// A scene cannot be read.
@@ -74,8 +75,8 @@ pub enum SceneError {
         frame: Option<u32>,
         /// The stage that made it.
         stage: &'static str,
-        /// What is wrong.
-        source: NpzError,
+        /// What is wrong. Of any type: who reads no arrays is not built from their format.
+        source: Box<dyn Error + Send + Sync>,
     },
     /// A sensor's table says nothing of the sensor.
     #[error("{path}: says nothing of the sensor's pose (run the stage again with --force)")]
