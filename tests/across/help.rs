@@ -21,17 +21,8 @@ fn help(name: &str, args: &[&str]) -> String {
 
 #[test]
 fn stages_explain_themselves() {
-    for stage in [
-        "spawn-planner",
-        "simulate-and-log",
-        "render-sensors",
-        "bev-gt",
-        "occupancy-gt",
-        "postprocess-valid",
-        "merge-tracks",
-        "stats",
-    ] {
-        insta::assert_snapshot!(stage, help(stage, &[]));
+    for stage in pipeline::Graph::get().stages {
+        insta::assert_snapshot!(stage.name, help(stage.name, &[]));
     }
 }
 
