@@ -70,3 +70,47 @@ fn configuration_page_names_every_key() {
     }
     check("configuration.md", &text);
 }
+
+/// What stands between backquotes in the text of a page, outside blocks of code.
+fn quoted(page: &str) -> impl Iterator<Item = &str> {
+    let outside = page.split("```").step_by(2).flat_map(str::lines);
+    outside.flat_map(|line| line.split('`').skip(1).step_by(2))
+}
+
+/// A path of files: no pattern, no placeholder (`lib/NAME`).
+fn is_path(text: &str) -> bool {
+    let is_placeholder = |part: &str| !part.is_empty() && part.chars().all(|c| c.is_ascii_uppercase());
+    text.contains('/')
+        && text.chars().all(|c| c.is_ascii_alphanumeric() || "/._-".contains(c))
+        && !text.split(['/', '.']).any(is_placeholder)
+}
+
+/// Paths that begin with a folder of the workspace or of the page's own one.
+#[test]
+fn pages_name_files_that_exist() {
+    let root = workspace();
+    let is_foreign = |entry: &walkdir::DirEntry| {
+        let name = entry.file_name().to_string_lossy();
+        entry.depth() == 1 && (name == "target" || name == "shared" || name == ".git")
+    };
+    let files = walkdir::WalkDir::new(&root).sort_by_file_name().into_iter().filter_entry(|e| !is_foreign(e));
+    let pages = files.filter_map(Result::ok).filter(|f| f.path().extension().is_some_and(|e| e == "md"));
+    let (mut checked, mut missing) = (0, Vec::new());
+    for page in pages {
+        let text = fs::read_to_string(page.path()).expect("reads");
+        let folder = page.path().parent().expect("is in a folder");
+        for path in quoted(&text).filter(|text| is_path(text)) {
+            let first = path.split('/').next().unwrap_or_default();
+            let bases: Vec<_> = [root.as_path(), folder]
+                .into_iter()
+                .filter(|base| first != ".." && base.join(first).is_dir())
+                .collect();
+            checked += usize::from(!bases.is_empty());
+            if !bases.is_empty() && !bases.iter().any(|base| base.join(path).exists()) {
+                missing.push(format!("{}: {path}", page.path().display()));
+            }
+        }
+    }
+    assert_eq!(missing, [""; 0]);
+    assert!(checked > 100, "{checked}");
+}
