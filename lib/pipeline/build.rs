@@ -1,6 +1,6 @@
 //! Writes what this program was built with: the stage graph of `pipeline.toml` and the code version of every stage.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::PathBuf;
 use std::{env, fs};
@@ -41,14 +41,20 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// The graph as a Rust expression.
 fn stages(graph: &Graph) -> Result<String, String> {
     let mut text = String::from("&[\n");
-    let mut seen = BTreeSet::new();
+    let mut seen: Vec<&String> = Vec::new();
     for Spec { name, unit, reads, writes } in &graph.stage {
-        if let Some(later) = reads.iter().find(|read| !seen.contains(*read)) {
-            return Err(format!("pipeline.toml: {name} reads {later}, which does not stand before it"));
-        }
-        if !seen.insert(name) {
+        let position = |read: &String| {
+            let found = seen.iter().position(|stage| *stage == read);
+            found.ok_or_else(|| format!("pipeline.toml: {name} reads {read}, which does not stand before it"))
+        };
+        let inputs: Vec<usize> = reads.iter().map(position).collect::<Result<_, _>>()?;
+        if seen.contains(&name) {
             return Err(format!("pipeline.toml: {name} stands there twice"));
         }
+        if (unit == "plan") != seen.is_empty() {
+            return Err(format!("pipeline.toml: {name}: the first stage, and no other, makes the plan"));
+        }
+        seen.push(name);
         let kind = match unit.as_str() {
             "plan" => "Plan",
             "scene" => "Scene",
@@ -58,7 +64,7 @@ fn stages(graph: &Graph) -> Result<String, String> {
             }
         };
         text += &format!(
-            "    StageSpec {{ name: {name:?}, unit: UnitKind::{kind}, reads: &{reads:?}, writes: &{writes:?} }},\n"
+            "    StageSpec {{ name: {name:?}, unit: UnitKind::{kind}, inputs: &{inputs:?}, writes: &{writes:?} }},\n"
         );
     }
     Ok(text + "]\n")

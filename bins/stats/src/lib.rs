@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use analysis::{DatasetFacts, MeasureTotals, compute_tables, draw_figures, report_html, to_csv};
-use pipeline::{At, Graph, Job, Place, Stage, StageError, UnitKind};
+use pipeline::{At, Graph, Job, Place, Stage, StageError, StageSpec, UnitKind};
 use scene::SceneReader;
 use schema::scene_info::{self, SceneInfo};
 use schema::settings::stages::StatisticsSettings;
@@ -67,8 +67,8 @@ fn done_stages(
     job: &Job<'_, StatisticsSettings>,
     planned: &[u32],
 ) -> Result<BTreeMap<u32, Vec<Manifest>>, StageError> {
-    let stages = Graph::get().stages.iter().filter(|s| s.unit == UnitKind::Scene).map(|s| s.name);
-    let stages: Vec<&str> = stages.collect();
+    let stages = Graph::get().stages.iter().filter(|s| s.unit == UnitKind::Scene);
+    let stages: Vec<&'static StageSpec> = stages.collect();
     let mut done = BTreeMap::new();
     for &scene in planned {
         let manifests = stages.iter().map(|stage| job.manifest_if_done(stage, scene));

@@ -18,8 +18,8 @@ pub struct StageSpec {
     pub name: &'static str,
     /// What one manifest covers.
     pub unit: UnitKind,
-    /// Stages whose outputs it reads.
-    pub reads: &'static [&'static str],
+    /// Positions in the graph of the stages whose outputs it reads.
+    inputs: &'static [usize],
     /// What it writes, in a scene's folder (or the store's): files, and folders ending in `/`.
     pub writes: &'static [&'static str],
 }
@@ -41,6 +41,13 @@ impl Graph {
         &GRAPH
     }
 
+    /// The stage that makes the plan.
+    #[must_use]
+    pub fn planner(&self) -> &'static StageSpec {
+        // The build script refuses a graph that begins with another one.
+        &self.stages[0]
+    }
+
     /// A stage by name.
     #[must_use]
     pub fn stage(&self, name: &str) -> Option<&'static StageSpec> {
@@ -49,6 +56,11 @@ impl Graph {
 }
 
 impl StageSpec {
+    /// The stages whose outputs it reads.
+    pub fn inputs(&self) -> impl Iterator<Item = &'static StageSpec> + use<> {
+        self.inputs.iter().map(|&position| &GRAPH.stages[position])
+    }
+
     /// Whether the stage may write a shard, by its path in the scene's folder (or the store's). Stages of scenes may
     /// leave partial counts, `stats/NAME...`.
     #[must_use]

@@ -139,11 +139,14 @@ impl<S: StageSettings> Job<'_, S> {
     ///
     /// # Errors
     /// The store cannot be read.
-    pub fn manifest_if_done(&self, stage: &str, scene: u32) -> Result<Option<Manifest>, StageError> {
-        let Some(spec) = Graph::get().stage(stage) else { return Ok(None) };
+    pub fn manifest_if_done(
+        &self,
+        stage: &'static StageSpec,
+        scene: u32,
+    ) -> Result<Option<Manifest>, StageError> {
         let scope = Scope::Scene(scene);
-        if state_of(self.store, self.whole, spec, scope)? == State::Done {
-            return Ok(self.store.manifest(scope, stage)?);
+        if state_of(self.store, self.whole, stage, scope)? == State::Done {
+            return Ok(self.store.manifest(scope, stage.name)?);
         }
         Ok(None)
     }
@@ -280,7 +283,7 @@ impl<S: StageSettings> Run<'_, S> {
             UnitKind::Stats => return Ok(vec![Scope::Stats]),
             UnitKind::Scene => {}
         }
-        let planner = &Graph::get().stages[0];
+        let planner = Graph::get().planner();
         let Some(scenes) = planned_scenes(&self.store)? else {
             let place = self.store.location("");
             return Err(StageError::usage(format!("{place} holds no plan: run {} first", planner.name)));
@@ -308,7 +311,7 @@ impl<S: StageSettings> Run<'_, S> {
 
     /// Whether a plan of this configuration stands, where the stage needs one.
     fn is_planned(&self) -> Result<bool, StageError> {
-        let planner = &Graph::get().stages[0];
+        let planner = Graph::get().planner();
         let stands = || state_of(&self.store, self.settings, planner, Scope::Plan);
         Ok(self.spec.unit != UnitKind::Scene || stands()? == State::Done)
     }

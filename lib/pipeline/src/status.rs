@@ -145,7 +145,7 @@ fn manifest_or_stale(
 /// # Errors
 /// The store cannot be read.
 pub fn planned_scenes(store: &Store) -> Result<Option<Vec<u32>>, StoreError> {
-    let Some(planner) = Graph::get().stages.first() else { return Ok(None) };
+    let planner = Graph::get().planner();
     let manifest = manifest_or_stale(store, Scope::Plan, planner.name)?.unwrap_or_default();
     Ok(manifest.map(|m| {
         m.sections
@@ -164,8 +164,8 @@ pub(crate) fn inputs(
     code: CodeRule,
 ) -> Result<Result<Inputs, NotReady>, StateError> {
     let mut inputs = Inputs { digests: BTreeMap::new(), manifests: BTreeMap::new() };
-    for &name in spec.reads {
-        let Some(read) = Graph::get().stage(name) else { continue };
+    for read in spec.inputs() {
+        let name = read.name;
         match (spec.unit, read.unit) {
             (UnitKind::Scene, UnitKind::Plan) => {
                 let plan = match manifest_or_stale(store, Scope::Plan, name)? {
