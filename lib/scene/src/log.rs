@@ -114,19 +114,6 @@ impl SceneLog {
         Pose::from_xyz_wxyz(row.xyz_m, row.quaternion)
     }
 
-    /// An agent's pose one period before a frame; an RSU's never changes.
-    #[must_use]
-    pub fn previous_world_from_agent(&self, position: usize, frame: u32) -> Pose<World, Agent> {
-        if frame > 0 {
-            return self.world_from_agent(position, frame - 1);
-        }
-        let now = self.agent(position, frame);
-        self.states_at(-1).iter().find(|s| s.id == now.id).map_or_else(
-            || self.world_from_agent(position, frame),
-            |s| Pose::from_xyz_wxyz(s.xyz_m, s.quaternion),
-        )
-    }
-
     /// States of the moving objects at a frame, from -1, by id.
     #[must_use]
     pub fn states_at(&self, frame: i64) -> &[StateRow] {

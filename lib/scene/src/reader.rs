@@ -89,22 +89,45 @@ impl SceneReader {
         format!("{}.parquet", R::TABLE)
     }
 
-    /// A whole table, by its row type; a row type of some of its columns ([`schema::columns!`]) reads no others.
+    /// A whole table, by its row type; a row type of some of its columns ([`schema::columns!`]) reads no others. Rows of
+    /// which every agent or sensor has a table, and those of the plan, do not compile: for the former there are
+    /// [`crate::agent_rows`] and [`crate::SensorFrames`].
     ///
     /// # Errors
     /// Its stage has not made it, or it is not as the manifest says.
     pub fn rows<R: Row>(&self) -> Result<Vec<R>, SceneError> {
+        const { assert!(is_one_of_scene(R::TABLE), "a scene has not one table of these rows") };
         let manifest = self.manifest(R::STAGE)?;
         Ok(self.store.read_rows(manifest, &keys::scene(self.scene, &Self::file_of::<R>()))?)
     }
+}
 
-    /// Outputs of a stage below a folder of the scene: their names in it.
-    ///
-    /// # Errors
-    /// The stage has not made its part.
-    pub fn files(&self, stage: &'static str, folder: &str) -> Result<Vec<String>, SceneError> {
-        let prefix = keys::scene(self.scene, folder);
-        let outputs = self.manifest(stage)?.outputs.iter();
-        Ok(outputs.filter_map(|o| o.key.strip_prefix(&prefix)).map(str::to_owned).collect())
+/// Whether a scene has one table of this name: it stands not in the plan, and no name of an agent or sensor belongs into it.
+const fn is_one_of_scene(table: &str) -> bool {
+    let name = table.as_bytes();
+    if let [b'p', b'l', b'a', b'n', b'/', ..] | [b'm', b'a', b'p', b's', b'/', ..] = name {
+        return false;
+    }
+    let mut i = 0;
+    while i < name.len() {
+        if name[i] == b'{' {
+            return false;
+        }
+        i += 1;
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use schema::tables::{BoxRow, LidarRow, PlanSceneRow};
+
+    use super::*;
+
+    #[test]
+    fn tables_of_agents_sensors_and_the_plan_are_not_one_of_a_scene() {
+        assert!(is_one_of_scene(BoxRow::TABLE));
+        assert!(!is_one_of_scene(LidarRow::TABLE) && LidarRow::TABLE.contains('{'));
+        assert!(!is_one_of_scene(PlanSceneRow::TABLE));
     }
 }
