@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Dependencies point one way: each crate may depend only on the crates named after it here, and no files of a crate need one
-# another in a circle (tests/layers).
+# Dependencies point one way: each crate may depend only on the crates named after it here, a program on the readers and
+# on cores as they are listed, and on no other program; and no files of a crate need one another in a circle (tests/layers).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -43,18 +43,37 @@ declare -A allowed=(
     [framewise]="counts formats pipeline scene schema store"
     [replay]="mapstore opendrive scene schema world"
 )
+# What every program may use: it reads, calls a core and commits. Then its cores.
+readers="frames pipeline scene schema store"
+declare -A cores=(
+    [spawn-planner]="forecast mapstore opendrive plan town vectormap"
+    [simulate-and-log]="annotation counts mapstore opendrive random scenery surfaces traffic"
+    [render-sensors]="counts framewise renderer replay sensors visibility"
+    [bev-gt]="bev counts formats framewise replay"
+    [occupancy-gt]="counts formats framewise renderer replay voxelgrid voxels"
+    [postprocess-valid]="counts fill formats framewise validity voxelgrid"
+    [merge-tracks]="tracks"
+    [stats]="analysis"
+    [convoy]="driver mapstore mapview opendrive town"
+)
 bad=0
-for manifest in lib/*/Cargo.toml; do
-    crate=$(basename "$(dirname "$manifest")")
-    if [[ ! -v "allowed[$crate]" ]]; then
+for manifest in lib/*/Cargo.toml bins/*/Cargo.toml; do
+    folder=$(dirname "$manifest")
+    crate=$(basename "$folder")
+    if [[ $folder == lib/* && -v "allowed[$crate]" ]]; then
+        may=${allowed[$crate]}
+    elif [[ $folder == bins/* && -v "cores[$crate]" ]]; then
+        may="$readers ${cores[$crate]}"
+    else
         echo "$manifest: crate $crate has no place in tests/check_layers.sh"
         bad=1
         continue
     fi
-    used=$(awk '/^\[/{inside = ($0 == "[dependencies]")} inside && /\.workspace/{sub(/\..*/, ""); print}' "$manifest")
+    # `name.workspace = true`, `name = { ... }`; tests and benchmarks may use what they like.
+    used=$(awk '/^\[/{inside = /^\[(build-)?dependencies\]/} inside && /^[a-z]/{sub(/[. =].*/, ""); print}' "$manifest")
     for dependency in $used; do
-        [[ -d "lib/$dependency" ]] || continue
-        if [[ " ${allowed[$crate]} " != *" $dependency "* ]]; then
+        [[ -d "lib/$dependency" || -d "bins/$dependency" ]] || continue
+        if [[ " $may " != *" $dependency "* ]]; then
             echo "$manifest: $crate must not depend on $dependency"
             bad=1
         fi
