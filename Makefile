@@ -7,6 +7,7 @@ JOBS   ?=
 SCENES ?=
 STAGE  ?=
 FORCE  ?=
+EVERY  ?=
 NAME   ?=
 SEED   ?=
 DEST   ?=
@@ -17,16 +18,18 @@ MAPS_ARG    = $(if $(MAPS),--maps $(MAPS))
 THREADS_ARG = $(if $(JOBS),--threads $(JOBS))
 SCENES_ARG  = $(if $(SCENES),--scenes $(SCENES))
 FORCE_ARG   = $(if $(FORCE),--force)
+EVERY_ARG   = $(if $(EVERY),--every $(EVERY))
 SEED_ARG    = $(if $(SEED),--seed $(SEED))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset forecast stage scene-video stats status verify town towns town-pictures check-towns traffic-report build test soak lint bench bench-kernels docs help
+.PHONY: dataset forecast stage scene-video stats status verify check town towns town-pictures check-towns traffic-report build test soak lint bench bench-kernels docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
 	@echo "make forecast                      (same arguments: scenes, frames, bytes and hours to expect)"
 	@echo "make stage STAGE=render-sensors [SCENES=3,7-9] [FORCE=1]"
 	@echo "make status | stats | verify        (same CONFIG and STORE)"
+	@echo "make check [STORE=dataset] [SCENES=3,7-9] [EVERY=10]    (labels against each other; EVERY: some frames only)"
 	@echo "make town NAME=convoy/demo [SEED=7] [DEST=folder]       (a road network of our own, with its picture)"
 	@echo "make towns DEST=folder                                  (all of them)"
 	@echo "make scene-video SCENE=0 [STORE=dataset] [OUT=film.png] (a scene's log from above, animated)"
@@ -58,6 +61,10 @@ status: build
 # Hashes every shard again and names what is missing, truncated or changed.
 verify: build
 	$(BIN)/convoy verify --store $(STORE)
+
+# Holds the labels of a store against each other, from its files alone: make check STORE=dataset [SCENES=0] [EVERY=10].
+check: build
+	$(BIN)/convoy check --store $(STORE) $(SCENES_ARG) $(EVERY_ARG) $(THREADS_ARG)
 
 # One of our towns as OpenDRIVE, with a picture.
 town: build

@@ -27,6 +27,11 @@ fn stages_explain_themselves() {
 }
 
 #[test]
+fn the_checker_explains_itself() {
+    insta::assert_snapshot!("check", help("check", &[]));
+}
+
+#[test]
 fn convoy_explains_itself_and_its_commands() {
     let text = help("convoy", &[]);
     insta::assert_snapshot!("convoy", text);

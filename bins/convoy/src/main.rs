@@ -1,4 +1,4 @@
-//! Runs all stages in order, shows their state, verifies a store; writes towns, draws maps and scenes.
+//! Runs all stages in order, shows their state, verifies and checks a store; writes towns, draws maps and scenes.
 
 mod files;
 mod film;
@@ -23,6 +23,8 @@ struct Args {
 enum Command {
     #[command(flatten)]
     Store(StoreCommand),
+    /// Checks the labels of a store against each other, from its files alone; exit code 1 when something is wrong.
+    Check(check::CheckArgs),
     #[command(flatten)]
     Map(MapCommand),
     #[command(flatten)]
@@ -34,6 +36,7 @@ fn main() -> ExitCode {
     pipeline::init_logging();
     ExitCode::from(match args.command {
         Command::Store(command) => driver::drive(command),
+        Command::Check(args) => check::run(&args),
         Command::Map(command) => maps::run(command),
         Command::Film(command) => film::run(command),
     })

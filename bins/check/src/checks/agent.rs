@@ -1,0 +1,261 @@
+//! One agent of a scene: opens its files, checks frame by frame.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use schema::{BevClass, Tag};
+
+use super::bev::Masks;
+use super::boxes::{self, Labelled};
+use super::cameras::{self, Camera, Sight};
+use super::clouds::{self, Cloud, Kind, Ranger};
+use super::counts::{self, Evidence, Visible};
+use super::voxels::Grids;
+use super::{flow, inertial, ranging, tables};
+use crate::config::{AgentConfig, Config};
+use crate::files::{Npz, Table, Unreadable};
+use crate::ledger::Ledger;
+use crate::rules::Rule;
+use crate::scene::{AgentTrack, Scene};
+
+/// An agent with its open files.
+struct Agent<'a> {
+    scene: &'a Scene,
+    config: &'a Config,
+    track: &'a AgentTrack,
+    boxes: &'a [Vec<Labelled>],
+    cameras: Vec<Camera>,
+    rangers: Vec<Ranger>,
+    visible: Option<Visible>,
+    masks: Option<Masks>,
+    grids: Option<Grids>,
+    is_validated: bool,
+}
+
+/// Points that its sensors returned.
+type Points = BTreeMap<(&'static str, String), u64>;
+
+/// Checks all that belongs to an agent; its boxes by frame. `every`: of large files only each so many frames are looked at.
+pub(crate) fn check(
+    scene: &Scene,
+    config: &Config,
+    name: &str,
+    every: u32,
+    ledger: &mut Ledger,
+) -> Vec<Vec<Labelled>> {
+    let Some(track) = scene.agents.get(name) else { return Vec::new() };
+    let read = boxes::read(scene, config, name, track, ledger);
+    let boxes = ledger.read(read).unwrap_or_default();
+    let has = |stage: &str| scene.done.contains(stage);
+    let about = config.agent(name);
+    let mut agent = Agent {
+        scene,
+        config,
+        track,
+        boxes: &boxes,
+        cameras: Vec::new(),
+        rangers: Vec::new(),
+        visible: None,
+        masks: None,
+        grids: None,
+        is_validated: has("postprocess-valid"),
+    };
+    if has("render-sensors") {
+        agent.open_sensors(name, &about, ledger);
+        inertial::check(scene, name, track, &about, ledger);
+    } else {
+        for rule in [Rule::ImageIds, Rule::PointIds, Rule::DepthLidar, Rule::Flow, Rule::Gnss, Rule::Imu] {
+            ledger.skip(rule, "sensors are not rendered");
+        }
+    }
+    agent.open_masks(name, ledger);
+    agent.open_grids(name, &about, ledger);
+    let place = format!("scene {} {name}", scene.number);
+    let frames: Vec<usize> = (0..track.rows.len().min(boxes.len())).step_by(every as usize).collect();
+    let found: Vec<(Ledger, Points)> = frames
+        .par_iter()
+        .map(|&frame| {
+            let mut ledger = Ledger::at(&place);
+            let points = agent.check_frame(frame, &mut ledger);
+            (ledger, points)
+        })
+        .collect();
+    let (mut sum, mut points) = (Ledger::at(&place), Points::new());
+    for (part, found) in found {
+        sum.take(part);
+        for (sensor, count) in found {
+            *points.entry(sensor).or_default() += count;
+        }
+    }
+    if every == 1 {
+        let checked = check_partials(scene, name, &points, &mut sum);
+        sum.read(checked);
+    } else {
+        sum.skip(Rule::Counts, format!("sums over frames: only every {every}th frame is looked at"));
+    }
+    ledger.take(sum);
+    boxes
+}
+
+impl Agent<'_> {
+    fn open_sensors(&mut self, name: &str, about: &AgentConfig, ledger: &mut Ledger) {
+        self.cameras = cameras::open(self.scene, about, name, ledger);
+        self.rangers = clouds::open(self.scene, about, name, ledger);
+        if about.takes("instance") && !self.cameras.is_empty() {
+            self.visible = ledger.read(counts::read_visible(self.scene, name));
+        } else {
+            for rule in [Rule::ImageIds, Rule::BoxPixels, Rule::Pictures] {
+                ledger.skip(rule, format!("{name}: no instance images are kept"));
+            }
+        }
+        for (taken, rule) in [
+            ("semantic", Rule::Semantic),
+            ("depth", Rule::DepthLidar),
+            ("flow", Rule::Flow),
+            ("flow", Rule::FlowIds),
+        ] {
+            if !about.takes(taken) {
+                ledger.skip(rule, format!("{name}: no {taken} images are kept"));
+            }
+        }
+        let mut wanted: Vec<String> = Vec::new();
+        wanted.extend(about.gnss().map(|_| "GNSS".to_owned()));
+        wanted.extend(about.imu().map(|_| "IMU".to_owned()));
+        tables::wanted(&self.scene.file(&format!("sensors/{name}")), &wanted, ledger);
+    }
+
+    fn open_masks(&mut self, name: &str, ledger: &mut Ledger) {
+        match self.config.bev() {
+            Some(size) if self.scene.done.contains("bev-gt") => {
+                let archive = ledger.read(Npz::open(&self.scene.file(&format!("bev/{name}.npz"))));
+                let rule = self.config.foreign_bev_rule();
+                self.masks = archive.map(|archive| Masks::new(archive, size, rule));
+            }
+            _ => {
+                for rule in [Rule::BevObjects, Rule::BevPresent, Rule::BevGround, Rule::BevHazard] {
+                    ledger.skip(rule, format!("{name}: there are no masks"));
+                }
+            }
+        }
+    }
+
+    fn open_grids(&mut self, name: &str, about: &AgentConfig, ledger: &mut Ledger) {
+        if !(about.grid.enabled && self.scene.done.contains("occupancy-gt")) {
+            ledger.skip(Rule::VoxelPoints, format!("{name}: there are no voxel grids"));
+            ledger.skip(Rule::VoxelFill, format!("{name}: there are no voxel grids"));
+            return;
+        }
+        let plain = ledger.read(Npz::open(&self.scene.file(&format!("occupancy/{name}.npz"))));
+        let filled = self
+            .is_validated
+            .then(|| ledger.read(Npz::open(&self.scene.file(&format!("occupancy_filled/{name}.npz")))));
+        if filled.is_none() {
+            ledger.skip(Rule::VoxelFill, format!("{name}: grids are not filled yet"));
+        }
+        self.grids = plain.map(|plain| Grids::new(about.grid, plain, filled.flatten()));
+    }
+
+    fn check_frame(&self, frame: usize, ledger: &mut Ledger) -> Points {
+        let pose = self.track.rows[frame].world_from_agent;
+        let (boxes, own) = (&self.boxes[frame], self.track.id);
+        let clouds: Vec<Cloud<'_>> =
+            self.rangers.iter().filter_map(|ranger| ledger.read(ranger.frame(frame, &pose))).collect();
+        let mut points = Points::new();
+        for cloud in &clouds {
+            cloud.check(self.scene, boxes, frame, ledger);
+            cloud.ranger.check_reach(cloud, frame, ledger);
+            ranging::check_velocity(self.scene, self.track, cloud, frame, ledger);
+            let measure = if cloud.ranger.kind == Kind::Radar { "radar_points" } else { "lidar_points" };
+            points.insert((measure, cloud.ranger.name.clone()), cloud.points.len() as u64);
+        }
+        let sights: Vec<Sight<'_>> =
+            self.cameras.iter().map(|camera| camera.look(frame, &pose, ledger)).collect();
+        for sight in &sights {
+            self.check_sight(sight, &clouds, frame, ledger);
+        }
+        if let Some(visible) = &self.visible {
+            counts::check_visible(visible, &sights, frame, ledger);
+        }
+        if self.is_validated {
+            let evidence = Evidence {
+                clouds: &clouds,
+                sights: self.visible.is_some().then_some(&sights),
+                valid_by_image: self.config.valid_by_image(),
+            };
+            counts::check(boxes, &evidence, frame, ledger);
+        } else {
+            ledger.skip(Rule::Counts, "boxes are not validated yet");
+        }
+        if let Some(masks) = &self.masks {
+            masks.check(self.scene, frame, &pose, (boxes, &clouds), ledger);
+        }
+        if let Some(grids) = &self.grids {
+            grids.check(frame, &pose, &clouds, own, ledger);
+        }
+        points
+    }
+
+    fn check_sight(&self, sight: &Sight<'_>, clouds: &[Cloud<'_>], frame: usize, ledger: &mut Ledger) {
+        let own = self.track.id;
+        sight.check_ids(self.scene, frame, ledger);
+        sight.check_boxes(&self.boxes[frame], own, frame, ledger);
+        sight.camera.check_others(sight, frame, ledger);
+        for cloud in clouds.iter().filter(|cloud| cloud.ranger.kind != Kind::Radar) {
+            ranging::check_depth(sight, cloud, own, frame, ledger);
+        }
+        let camera = sight.camera;
+        let Some(pose) =
+            camera.flow.as_ref().and_then(|_| self.scene.agent_pose(self.track, frame as i64 - 1))
+        else {
+            return;
+        };
+        // Before frame 0 there is no picture, but the log knows where everything was.
+        let before = if frame > 0 { camera.look(frame - 1, &pose, ledger) } else { camera.blind(&pose) };
+        flow::check(self.scene, sight, &before, own, frame, ledger);
+    }
+}
+
+/// What stages counted of an agent against what was counted here.
+fn check_partials(scene: &Scene, name: &str, points: &Points, ledger: &mut Ledger) -> Result<(), Unreadable> {
+    let mut wanted: BTreeMap<(String, String), u64> = BTreeMap::new();
+    for ((measure, sensor), count) in points {
+        wanted.insert(((*measure).to_owned(), sensor.clone()), *count);
+    }
+    let shares = ledger.shares.clone();
+    if shares.bev_grids > 0 {
+        for class in BevClass::ALL {
+            wanted.insert(("bev_cells".into(), class.name().into()), shares.bev_cells[class as usize]);
+        }
+        wanted.insert(("bev_grids".into(), String::new()), shares.bev_grids);
+    }
+    if shares.voxel_grids > 0 {
+        for tag in Tag::ALL {
+            wanted.insert(("voxel_cells".into(), tag.name().into()), shares.voxels[tag as usize]);
+            if shares.filled.iter().any(|&cells| cells > 0) {
+                wanted.insert(("voxel_cells_filled".into(), tag.name().into()), shares.filled[tag as usize]);
+            }
+        }
+        wanted.insert(("voxel_grids".into(), String::new()), shares.voxel_grids);
+    }
+    let mut told: BTreeMap<(String, String), u64> = BTreeMap::new();
+    for stage in ["render-sensors", "bev-gt", "occupancy-gt", "postprocess-valid"] {
+        let path = scene.file(&format!("stats/{stage}.{name}.parquet"));
+        if !(scene.done.contains(stage) && path.is_file()) {
+            continue;
+        }
+        for rows in Table::open(&path)?.batches()? {
+            let (measures, classes, counts) =
+                (rows.texts("measure")?, rows.texts("class")?, rows.ints("count")?);
+            for ((measure, class), count) in measures.into_iter().zip(classes).zip(counts) {
+                *told.entry((measure, class)).or_default() += count.unsigned_abs();
+            }
+        }
+    }
+    for (key, wanted) in wanted {
+        let said = told.get(&key).copied().unwrap_or(0);
+        ledger.expect(Rule::Counts, said == wanted, || {
+            format!("partial statistics: {} {} is {said}, counted {wanted}", key.0, key.1)
+        });
+    }
+    Ok(())
+}

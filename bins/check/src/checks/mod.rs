@@ -1,0 +1,16 @@
+//! The checks, each over a part of a scene.
+
+pub(crate) mod agent;
+mod bev;
+mod boxes;
+mod cameras;
+mod clouds;
+mod counts;
+mod flow;
+mod inertial;
+pub(crate) mod log;
+mod ranging;
+pub(crate) mod statistics;
+pub(crate) mod tables;
+pub(crate) mod tracks;
+mod voxels;

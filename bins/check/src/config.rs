@@ -1,0 +1,207 @@
+//! The configuration as `dataset.json` has it: what sensors there are and what exempts from a check.
+
+use serde_json::Value;
+
+use crate::space::{Motion, V3};
+
+/// The resolved configuration.
+#[derive(Clone, Debug)]
+pub(crate) struct Config(Value);
+
+/// Where a sensor is mounted, and what it is called.
+#[derive(Clone, Debug)]
+pub(crate) struct Mounted {
+    pub(crate) name: String,
+    pub(crate) agent_from_sensor: Motion,
+}
+
+/// A lidar.
+#[derive(Clone, Debug)]
+pub(crate) struct LidarConfig {
+    pub(crate) mounted: Mounted,
+    pub(crate) range_m: f64,
+    pub(crate) channels: u64,
+    /// Standard deviation of the distance, m.
+    pub(crate) noise_m: f64,
+    pub(crate) semantic: bool,
+}
+
+/// A radar.
+#[derive(Clone, Debug)]
+pub(crate) struct RadarConfig {
+    pub(crate) mounted: Mounted,
+    pub(crate) range_m: f64,
+    pub(crate) horizontal_fov_rad: f64,
+    pub(crate) vertical_fov_rad: f64,
+}
+
+/// A voxel grid.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GridConfig {
+    pub(crate) enabled: bool,
+    pub(crate) range_m: f64,
+    pub(crate) voxel_m: f64,
+    pub(crate) lower_m: f64,
+    pub(crate) upper_m: f64,
+    pub(crate) mount_z_m: f64,
+    pub(crate) ignore_self: bool,
+}
+
+/// What an agent carries.
+#[derive(Clone, Debug)]
+pub(crate) struct AgentConfig {
+    rig: Value,
+    pub(crate) grid: GridConfig,
+}
+
+fn number(value: &Value, key: &str) -> f64 {
+    value[key].as_f64().unwrap_or(f64::NAN)
+}
+
+fn vector(value: &Value) -> V3 {
+    [0, 1, 2].map(|i| value[i].as_f64().unwrap_or(f64::NAN))
+}
+
+fn mounted(sensor: &Value) -> Mounted {
+    let mount = &sensor["mount"];
+    Mounted {
+        name: sensor["name"].as_str().unwrap_or_default().to_owned(),
+        agent_from_sensor: Motion::of_angles(vector(&mount["xyz_m"]), vector(&mount["rpy_rad"])),
+    }
+}
+
+impl Config {
+    /// Of the text of `dataset.json`; none if it has no configuration.
+    pub(crate) fn of(dataset: &Value) -> Option<Self> {
+        let config = dataset.get("config")?;
+        config.get("vehicle_rig")?;
+        Some(Self(config.clone()))
+    }
+
+    pub(crate) fn name(&self) -> &str {
+        self.0["name"].as_str().unwrap_or("dataset")
+    }
+
+    /// What an agent carries: its own rig, or that of its kind.
+    pub(crate) fn agent(&self, name: &str) -> AgentConfig {
+        let own = self.0["own_rigs"].as_array().into_iter().flatten().find(|own| {
+            own["agents"].as_array().is_some_and(|agents| agents.iter().any(|agent| agent == name))
+        });
+        let kind = if name.starts_with("rsu_") { "rsu" } else { "vehicle" };
+        let (rig, grid) = own.map_or_else(
+            || (&self.0[format!("{kind}_rig")], &self.0[format!("{kind}_occupancy")]),
+            |own| (&own["rig"], &own["occupancy"]),
+        );
+        let grid = GridConfig {
+            enabled: grid["enabled"].as_bool().unwrap_or(false),
+            range_m: number(grid, "range_m"),
+            voxel_m: number(grid, "voxel_m"),
+            lower_m: number(grid, "lower_m"),
+            upper_m: number(grid, "upper_m"),
+            mount_z_m: number(grid, "mount_z_m"),
+            ignore_self: grid["ignore_self"].as_bool().unwrap_or(false),
+        };
+        AgentConfig { rig: rig.clone(), grid }
+    }
+
+    pub(crate) fn box_radius_m(&self) -> f64 {
+        number(&self.0["annotation"], "box_radius_m")
+    }
+
+    pub(crate) fn valid_by_image(&self) -> bool {
+        self.0["annotation"]["valid_by_image"].as_bool().unwrap_or(true)
+    }
+
+    /// Cells along a side and their size, m; none when no masks are written.
+    pub(crate) fn bev(&self) -> Option<(usize, f64)> {
+        let bev = &self.0["bev"];
+        let cells = usize::try_from(bev["cells"].as_u64()?).ok()?;
+        (bev["enabled"] != Value::Bool(false)).then(|| (cells, number(bev, "cell_m")))
+    }
+
+    /// The rule that masks follow, when it is not ours.
+    pub(crate) fn foreign_bev_rule(&self) -> Option<&str> {
+        self.0["bev"]["rule"].as_str().filter(|rule| *rule != "exact")
+    }
+}
+
+impl AgentConfig {
+    fn list(&self, key: &str) -> impl Iterator<Item = &Value> {
+        self.rig[key].as_array().into_iter().flatten()
+    }
+
+    /// Names and poses (FLU) of its cameras.
+    pub(crate) fn cameras(&self) -> Vec<Mounted> {
+        self.list("cameras").map(mounted).collect()
+    }
+
+    /// Width, height and focal length in pixels of its cameras.
+    pub(crate) fn picture(&self) -> (usize, usize, f64) {
+        let camera = &self.rig["camera"];
+        let width = camera["width"].as_u64().unwrap_or(0) as usize;
+        let focal = 0.5 * width as f64 / libm::tan(0.5 * number(camera, "horizontal_fov_rad"));
+        (width, camera["height"].as_u64().unwrap_or(0) as usize, focal)
+    }
+
+    /// Whether its cameras take a kind of image: `rgb`, `semantic`, `instance`, `depth`, `flow`.
+    pub(crate) fn takes(&self, kind: &str) -> bool {
+        self.rig["camera"][kind].as_bool().unwrap_or(false)
+    }
+
+    pub(crate) fn lidars(&self) -> Vec<LidarConfig> {
+        let lidar = |lidar: &Value| LidarConfig {
+            mounted: mounted(lidar),
+            range_m: number(lidar, "range_m"),
+            channels: lidar["scan"]["channels"].as_u64().unwrap_or(0),
+            noise_m: number(lidar, "noise_m"),
+            semantic: lidar["semantic"].as_bool().unwrap_or(false),
+        };
+        self.list("lidars").map(lidar).collect()
+    }
+
+    pub(crate) fn radars(&self) -> Vec<RadarConfig> {
+        let radar = |radar: &Value| RadarConfig {
+            mounted: mounted(radar),
+            range_m: number(radar, "range_m"),
+            horizontal_fov_rad: number(radar, "horizontal_fov_rad"),
+            vertical_fov_rad: number(radar, "vertical_fov_rad"),
+        };
+        self.list("radars").map(radar).collect()
+    }
+
+    /// The receiver's place, and its noise: latitude and longitude (degrees), altitude (m).
+    pub(crate) fn gnss(&self) -> Option<(Motion, V3)> {
+        let gnss = self.rig.get("gnss").filter(|gnss| gnss.is_object())?;
+        let noise = &gnss["noise_deg"];
+        let noise = [noise[0].as_f64()?, noise[1].as_f64()?, gnss["noise_altitude_m"].as_f64()?];
+        Some((mounted(gnss).agent_from_sensor, noise))
+    }
+
+    /// The unit's place, and its noise: acceleration (m/s2), bias and noise of rates (rad/s).
+    pub(crate) fn imu(&self) -> Option<(Motion, V3)> {
+        let imu = self.rig.get("imu").filter(|imu| imu.is_object())?;
+        let keys = ["noise_accel_mps2", "gyro_bias_radps", "noise_gyro_radps"];
+        Some((mounted(imu).agent_from_sensor, keys.map(|key| number(imu, key))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn an_agents_own_rig_goes_before_that_of_its_kind() {
+        let rig = |noise: f64| json!({"lidars": [{"name": "LIDAR", "mount": {"xyz_m": [0, 0, 2], "rpy_rad": [0, 0, 0]}, "range_m": 9, "noise_m": noise, "semantic": false, "scan": {"channels": 4}}], "gnss": null});
+        let dataset = json!({"config": {
+            "vehicle_rig": rig(0.1), "rsu_rig": rig(0.2), "vehicle_occupancy": {"enabled": true}, "rsu_occupancy": {},
+            "own_rigs": [{"agents": ["vehicle_1"], "rig": rig(0.3), "occupancy": {}}]}});
+        let config = Config::of(&dataset).expect("is one");
+        let noise = |agent: &str| config.agent(agent).lidars()[0].noise_m;
+        assert_eq!(["vehicle_0", "rsu_1", "vehicle_1"].map(noise), [0.1, 0.2, 0.3]);
+        assert!(config.agent("vehicle_0").grid.enabled && !config.agent("vehicle_1").grid.enabled);
+        assert!(config.agent("vehicle_0").gnss().is_none());
+        assert_eq!(config.agent("rsu_0").lidars()[0].mounted.agent_from_sensor.origin, [0.0, 0.0, 2.0]);
+        assert!(Config::of(&json!({})).is_none());
+    }
+}

@@ -1,0 +1,186 @@
+//! Checks the labels of a finished store against each other.
+//!
+//! Only files are read, and nothing is shared with the programs that made them but the numbers and names of `schema`: tables
+//! by `parquet`, arrays by `rawzip` and a header parser of its own, images by `png`; rotations, projections and counts are
+//! written anew here. What exempts from a check is read from the configuration and from columns, and told.
+
+mod checks;
+mod config;
+mod files;
+mod ledger;
+mod published;
+mod report;
+mod rules;
+mod scene;
+mod shares;
+mod space;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use rayon::prelude::*;
+
+use config::Config;
+use files::read_json;
+use ledger::Ledger;
+use rules::Rule;
+use scene::Scene;
+
+/// Exit codes: nothing wrong, something wrong, no such store or arguments.
+const CODES: [u8; 3] = [0, 1, 2];
+
+/// What to check.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// The store: a folder.
+    #[arg(long, value_name = "DIR")]
+    store: PathBuf,
+    /// Only these scenes, as 0,3,5-9.
+    #[arg(long, value_name = "LIST")]
+    scenes: Option<String>,
+    /// Of each agent's sensors and arrays look at every so many frames; sums over frames are not compared then.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    every: u32,
+    /// Worker threads; as many as there are cores by default.
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+}
+
+/// Checks a store and prints the report; the exit code: 1 when something is wrong, 2 when there is no such store.
+#[must_use]
+pub fn run(args: &CheckArgs) -> u8 {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0)).build();
+    let outcome = match pool {
+        Ok(pool) => pool.install(|| check(args)),
+        Err(fault) => Err(fault.to_string()),
+    };
+    match outcome {
+        Ok((text, is_clean)) => {
+            say(&text);
+            CODES[usize::from(!is_clean)]
+        }
+        Err(fault) => {
+            complain(&fault);
+            CODES[2]
+        }
+    }
+}
+
+#[allow(clippy::print_stdout)] // The report is what the program is for.
+fn say(text: &str) {
+    print!("{text}");
+}
+
+#[allow(clippy::print_stderr)] // It has no other words.
+fn complain(fault: &str) {
+    eprintln!("error: {fault}");
+}
+
+/// The report on a store, and whether it is clean.
+fn check(args: &CheckArgs) -> Result<(String, bool), String> {
+    let store = args.store.as_path();
+    let dataset = read_json(&store.join("dataset.json")).map_err(|e| e.to_string())?;
+    let config = Config::of(&dataset).ok_or_else(|| format!("{}: has no configuration", store.display()))?;
+    let there = scene_numbers(store);
+    let wanted = args.scenes.as_deref().map(scene_list).transpose()?;
+    let scenes: Vec<u32> =
+        there.iter().copied().filter(|s| wanted.as_ref().is_none_or(|wanted| wanted.contains(s))).collect();
+    if scenes.is_empty() {
+        return Err(format!("{}: has no such scenes", store.display()));
+    }
+    let mut ledger = Ledger::at("dataset");
+    let (mut frames, mut agent_frames) = (0, 0);
+    for &number in &scenes {
+        let (found, counted) = check_scene(store, &config, number, args.every);
+        frames += counted[0];
+        agent_frames += counted[1];
+        ledger.take(found);
+    }
+    let complete = scenes.len() == there.len() && args.every == 1;
+    if !store.join("stats/boxes_per_class.parquet").is_file() {
+        ledger.skip(Rule::Statistics, "there are none yet");
+    } else if complete {
+        checks::statistics::check(store, &mut ledger);
+    } else {
+        ledger.skip(Rule::Statistics, "not all scenes and frames are looked at");
+    }
+    let heading = format!(
+        "{} ({}): {} scenes, {frames} frames, {agent_frames} agent-frames",
+        store.display(),
+        config.name(),
+        scenes.len()
+    );
+    Ok((report::report(&heading, &ledger), ledger.is_clean()))
+}
+
+/// Checks a scene; how many frames and agent-frames it has.
+fn check_scene(store: &Path, config: &Config, number: u32, every: u32) -> (Ledger, [u64; 2]) {
+    let mut ledger = Ledger::at(format!("scene {number}"));
+    let Some(scene) = Scene::open(store, number, &mut ledger) else { return (ledger, [0; 2]) };
+    checks::log::check(&scene, &mut ledger);
+    let tables: Vec<Ledger> = scene
+        .outputs
+        .par_iter()
+        .map(|(path, rows)| {
+            let mut part = Ledger::at(format!("scene {number}"));
+            checks::tables::check(path, *rows, scene.frames, every, &mut part);
+            part
+        })
+        .collect();
+    tables.into_iter().for_each(|part| ledger.take(part));
+    let names: Vec<&String> = scene.agents.keys().collect();
+    let agents: Vec<_> = names
+        .into_par_iter()
+        .map(|name| {
+            let mut part = Ledger::at(format!("scene {number} {name}"));
+            let boxes = checks::agent::check(&scene, config, name, every, &mut part);
+            (name.clone(), boxes, part)
+        })
+        .collect();
+    let mut lists = BTreeMap::new();
+    for (name, boxes, part) in agents {
+        ledger.take(part);
+        lists.insert(name, boxes);
+    }
+    checks::tracks::check(&scene, &lists, &mut ledger);
+    let frames = u64::from(scene.frames);
+    (ledger, [frames, frames * scene.agents.len() as u64])
+}
+
+/// Numbers of the scenes that a store has folders of, ascending.
+fn scene_numbers(store: &Path) -> Vec<u32> {
+    let entries = std::fs::read_dir(store.join("scenes")).into_iter().flatten().flatten();
+    let mut numbers: Vec<u32> = entries.filter_map(|e| e.file_name().to_str()?.parse().ok()).collect();
+    numbers.sort_unstable();
+    numbers
+}
+
+/// Numbers as in `0,3,5-9`.
+fn scene_list(text: &str) -> Result<Vec<u32>, String> {
+    let mut numbers = Vec::new();
+    for part in text.split(',') {
+        let (first, last) = part.split_once('-').unwrap_or((part, part));
+        let parse = |number: &str| number.trim().parse::<u32>().map_err(|e| format!("--scenes {text}: {e}"));
+        numbers.extend(parse(first)?..=parse(last)?);
+    }
+    Ok(numbers)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scenes_are_listed_singly_and_in_ranges() {
+        assert_eq!(scene_list("0,3,5-7"), Ok(vec![0, 3, 5, 6, 7]));
+        assert!(scene_list("0,x").is_err());
+    }
+
+    #[test]
+    fn a_folder_without_a_dataset_is_no_store() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let args = CheckArgs { store: folder.path().to_owned(), scenes: None, every: 1, threads: Some(1) };
+        assert_eq!(run(&args), 2);
+    }
+}

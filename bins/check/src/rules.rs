@@ -1,0 +1,75 @@
+//! What is checked, and how exactly.
+
+macro_rules! rules {
+    ($( $rule:ident $name:literal: $says:literal, )+) => {
+        /// A check.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub(crate) enum Rule {
+            $( #[doc = $says] $rule, )+
+        }
+
+        impl Rule {
+            /// All checks, in the order of the report.
+            pub(crate) const ALL: &[Self] = &[$( Self::$rule ),+];
+
+            /// Its name in reports.
+            pub(crate) fn name(self) -> &'static str {
+                match self {
+                    $( Self::$rule => $name, )+
+                }
+            }
+
+            /// What must hold, with its tolerance.
+            pub(crate) fn says(self) -> &'static str {
+                match self {
+                    $( Self::$rule => $says, )+
+                }
+            }
+        }
+    };
+}
+
+rules! {
+    Files "files": "every file that a manifest or the configuration names is there and can be read",
+    Numbers "numbers": "no number is NaN or infinite",
+    Times "times": "frames count from 0 without a gap, frame k is at k x 0.05 s within 1 ns, for every agent and sensor",
+    Units "units": "every value lies in its unit's range, every word in its vocabulary, lists of a row are equally long",
+    Calibration "calibration": "poses and intrinsics in sensor files are those of the configuration within 1e-9",
+    Poses "poses": "agents are where the log has them within 1e-6; objects move as their velocities say within 0.5 m/s and 0.5 rad/s",
+    BoxList "box list": "an agent lists exactly the objects that annotation asks for nearer than the radius, within 1 mm",
+    BoxShape "box shape": "corners, centre, size, rotation, velocity, distance, angle, tags (or some of them) and state of a box are those of the log within 1e-5",
+    ImageIds "image ids": "an instance image shows only ids of the log, each with a tag of its list; 0 is sky",
+    PointIds "point ids": "lidar and radar return only ids of the log, each with a tag of its list",
+    Semantic "semantic": "a semantic image shows the colours of the instance image's tags",
+    Pictures "pictures": "images have the size that their calibration states, visible.parquet the pixels of the instance images",
+    BoxPixels "box pixels": "an object's pixels lie within its projected box and 2 pixels around it (open doors 1.3 m further)",
+    BoxPoints "box points": "a return of an object lies in its box and 0.1 m around it (open doors 1.3 m further)",
+    DepthLidar "depth": "depth equals lidar range within 5 cm + 0.5 %, for more than half of the returns of an object whose pixel and 8 neighbours show it",
+    Flow "flow": "flow equals the motion of object and camera in the log within 0.1 pixels + 2 %, for 9 of 10 pixels of a fixed object and half of those of a vehicle, whose wheels turn",
+    FlowIds "flow ids": "a pixel amid its object, moved back by its flow, finds it within 1 pixel in the previous frame, or something nearer, for half of an object, which may be a fence",
+    VoxelPoints "voxels": "a return without noise lies in a voxel of its tag, or of one that goes before it, within 5 mm",
+    VoxelFill "filling": "filled grids hold every voxel of the unfilled ones, and more only there",
+    BevObjects "bev objects": "an object's cells lie in the footprint of a box with its tag and half a cell's diagonal around it",
+    BevPresent "bev presence": "a box on the agent's own ground has a cell in its footprint and a cell around it",
+    BevGround "bev ground": "returns from roads and sidewalks lie on cells of their class or within 1.5 cells of one",
+    BevHazard "bev hazards": "hazard cells lie in an area of scene.json and a cell around it",
+    Counts "counts": "points (edges within 1e-4 m either way), pixels, flags and difficulties of boxes and partial statistics equal a recount",
+    Tracks "tracks": "merged lists and tracks equal a recount from the agents' lists",
+    Gnss "gnss": "fixes equal the pose within 6.5 standard deviations, exactly (1e-6 m) without noise",
+    Imu "imu": "readings equal the change of the pose within 6.5 standard deviations, exactly (1e-4) without noise",
+    RadarVelocity "radar velocity": "a return's velocity is that of the body hit within 0.05 m/s",
+    Statistics "statistics": "the dataset's tables of boxes, cells and voxels equal a recount",
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unlike() {
+        let mut names: Vec<_> = Rule::ALL.iter().map(|rule| rule.name()).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), Rule::ALL.len());
+    }
+}

@@ -1,0 +1,256 @@
+//! What a scene's log says, read once for all checks of the scene.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::files::{Batch, Table, Unreadable, read_json};
+use crate::ledger::Ledger;
+use crate::rules::Rule;
+use crate::space::{Motion, V3};
+
+/// An object, as `log/actors` has it.
+#[derive(Clone, Debug)]
+pub(crate) struct Actor {
+    pub(crate) model: String,
+    pub(crate) role: String,
+    pub(crate) tags: Vec<u8>,
+    /// Length, width, height, m.
+    pub(crate) size_m: V3,
+    pub(crate) fixed: bool,
+    /// Where it is at frame 0.
+    pub(crate) world_from_object: Motion,
+    pub(crate) attributes: Value,
+}
+
+/// An object at a frame, as `log/states` has it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct State {
+    pub(crate) world_from_object: Motion,
+    pub(crate) velocity_mps: V3,
+    pub(crate) turning_radps: V3,
+    /// Whether a door stands open.
+    pub(crate) open_door: bool,
+}
+
+/// An agent at a frame, as `agents` has it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AgentRow {
+    pub(crate) world_from_agent: Motion,
+    pub(crate) velocity_mps: V3,
+    pub(crate) turning_radps: V3,
+}
+
+/// An agent of the scene.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct AgentTrack {
+    pub(crate) id: u16,
+    /// By frame.
+    pub(crate) rows: Vec<AgentRow>,
+}
+
+/// A scene of a store.
+pub(crate) struct Scene {
+    pub(crate) folder: PathBuf,
+    pub(crate) number: u32,
+    pub(crate) frames: u32,
+    /// `log/scene.json`.
+    pub(crate) facts: Value,
+    /// By id.
+    pub(crate) actors: BTreeMap<u16, Actor>,
+    /// Moving objects by frame, from frame -1.
+    states: Vec<HashMap<u16, State>>,
+    /// State of traffic lights by frame and id.
+    pub(crate) signals: HashMap<(i64, u16), String>,
+    /// By name.
+    pub(crate) agents: BTreeMap<String, AgentTrack>,
+    /// Stages whose manifest stands.
+    pub(crate) done: BTreeSet<String>,
+    /// Files that these name, with their rows if they are tables.
+    pub(crate) outputs: Vec<(PathBuf, usize)>,
+}
+
+impl Scene {
+    /// Reads a scene's log; none (and a finding) where it cannot be read.
+    pub(crate) fn open(store: &Path, number: u32, ledger: &mut Ledger) -> Option<Self> {
+        let folder = store.join(format!("scenes/{number:04}"));
+        let (done, outputs) = manifests(store, &folder, ledger);
+        if !done.contains("simulate-and-log") {
+            ledger.skip(Rule::Files, format!("scene {number}: it is not simulated"));
+            return None;
+        }
+        let facts = ledger.read(read_json(&folder.join("log/scene.json")))?;
+        let mut scene = Self {
+            number,
+            frames: u32::try_from(facts["frames"].as_u64().unwrap_or(0)).unwrap_or(0),
+            facts,
+            actors: BTreeMap::new(),
+            states: Vec::new(),
+            signals: HashMap::new(),
+            agents: BTreeMap::new(),
+            done,
+            outputs,
+            folder,
+        };
+        let read = scene.read_actors(ledger).and_then(|()| scene.read_states(ledger));
+        let read = read.and_then(|()| scene.read_agents(ledger)).and_then(|()| scene.read_signals());
+        ledger.read(read)?;
+        Some(scene)
+    }
+
+    /// A file of the scene.
+    pub(crate) fn file(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    /// A moving object at a frame, from -1.
+    pub(crate) fn state(&self, id: u16, frame: i64) -> Option<&State> {
+        self.states.get(usize::try_from(frame + 1).ok()?)?.get(&id)
+    }
+
+    /// Where an object is at a frame, from -1.
+    pub(crate) fn pose(&self, id: u16, frame: i64) -> Option<Motion> {
+        let actor = self.actors.get(&id)?;
+        if actor.fixed {
+            Some(actor.world_from_object)
+        } else {
+            self.state(id, frame).map(|state| state.world_from_object)
+        }
+    }
+
+    /// Where an agent is at a frame, from -1.
+    pub(crate) fn agent_pose(&self, agent: &AgentTrack, frame: i64) -> Option<Motion> {
+        match usize::try_from(frame) {
+            Ok(frame) => agent.rows.get(frame).map(|row| row.world_from_agent),
+            Err(_) => self.pose(agent.id, frame),
+        }
+    }
+
+    /// All objects that move, at a frame.
+    pub(crate) fn moving(&self, frame: i64) -> impl Iterator<Item = (u16, &State)> {
+        let states = usize::try_from(frame + 1).ok().and_then(|at| self.states.get(at));
+        states.into_iter().flatten().map(|(&id, state)| (id, state))
+    }
+
+    fn read_actors(&mut self, ledger: &mut Ledger) -> Result<(), Unreadable> {
+        for rows in Table::open(&self.file("log/actors.parquet"))?.batches()? {
+            let (ids, tags) = (rows.ints("id")?, rows.int_lists("semantic_tags")?);
+            let (models, roles) = (rows.texts("model")?, rows.texts("role")?);
+            let sizes = ["length_m", "width_m", "height_m"].map(|side| rows.reals(side));
+            let [lengths, widths, heights] = sizes;
+            let (lengths, widths, heights) = (lengths?, widths?, heights?);
+            let (poses, fixed, attributes) = (poses(&rows)?, rows.flags("fixed")?, rows.texts("attributes")?);
+            for (k, &id) in ids.iter().enumerate() {
+                let actor = Actor {
+                    model: models[k].clone(),
+                    role: roles[k].clone(),
+                    tags: tags[k].iter().map(|&tag| tag as u8).collect(),
+                    size_m: [lengths[k], widths[k], heights[k]],
+                    fixed: fixed[k],
+                    world_from_object: poses[k],
+                    attributes: serde_json::from_str(&attributes[k]).unwrap_or(Value::Null),
+                };
+                let id = u16::try_from(id).unwrap_or(0);
+                let is_new = id != 0 && self.actors.insert(id, actor).is_none();
+                ledger.expect(Rule::ImageIds, is_new, || format!("log/actors: id {id} is 0 or there twice"));
+            }
+        }
+        Ok(())
+    }
+
+    fn read_states(&mut self, ledger: &mut Ledger) -> Result<(), Unreadable> {
+        self.states = vec![HashMap::new(); self.frames as usize + 1];
+        for rows in Table::open(&self.file("log/states.parquet"))?.batches()? {
+            let (frames, ids, poses) = (rows.ints("frame")?, rows.ints("id")?, poses(&rows)?);
+            let (velocities, turning) =
+                (rows.vectors("velocity_mps")?, rows.vectors("angular_velocity_radps")?);
+            let doors = rows.vectors::<4>("door_rad")?;
+            for k in 0..rows.len() {
+                let id = u16::try_from(ids[k]).unwrap_or(0);
+                let known = self.actors.get(&id).is_some_and(|actor| !actor.fixed);
+                ledger.expect(Rule::ImageIds, known, || format!("log/states: {id} is no moving object"));
+                let state = State {
+                    world_from_object: poses[k],
+                    velocity_mps: velocities[k],
+                    turning_radps: turning[k],
+                    open_door: doors[k].iter().any(|&door| door > 0.0),
+                };
+                let place = usize::try_from(frames[k] + 1).ok().and_then(|at| self.states.get_mut(at));
+                let is_new = place.is_some_and(|place| place.insert(id, state).is_none());
+                let frame = frames[k];
+                ledger.expect(Rule::Times, is_new, || {
+                    format!("log/states: frame {frame} of object {id} is beyond the scene or there twice")
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn read_agents(&mut self, ledger: &mut Ledger) -> Result<(), Unreadable> {
+        for rows in Table::open(&self.file("agents.parquet"))?.batches()? {
+            let (frames, names, ids) = (rows.ints("frame")?, rows.texts("agent")?, rows.ints("id")?);
+            let poses = poses(&rows)?;
+            let (velocities, turning) =
+                (rows.vectors("velocity_mps")?, rows.vectors("angular_velocity_radps")?);
+            for k in 0..rows.len() {
+                let track = self.agents.entry(names[k].clone()).or_default();
+                let follows = frames[k] == track.rows.len() as i64;
+                ledger.expect(Rule::Times, follows, || {
+                    format!("agents: {} has frame {} after {} frames", names[k], frames[k], track.rows.len())
+                });
+                track.id = u16::try_from(ids[k]).unwrap_or(0);
+                track.rows.push(AgentRow {
+                    world_from_agent: poses[k],
+                    velocity_mps: velocities[k],
+                    turning_radps: turning[k],
+                });
+            }
+        }
+        for (name, track) in &self.agents {
+            let all = track.rows.len() == self.frames as usize;
+            ledger.expect(Rule::Times, all, || format!("agents: {name} has {} frames", track.rows.len()));
+            let role = self.actors.get(&track.id).map(|actor| actor.role.as_str());
+            ledger.expect(Rule::ImageIds, role == Some(name), || {
+                format!("agents: {name} is object {}, whose role is {role:?}", track.id)
+            });
+        }
+        Ok(())
+    }
+
+    fn read_signals(&mut self) -> Result<(), Unreadable> {
+        for rows in Table::open(&self.file("log/signals.parquet"))?.batches()? {
+            let (frames, ids, states) = (rows.ints("frame")?, rows.ints("id")?, rows.texts("state")?);
+            for (k, state) in states.into_iter().enumerate() {
+                self.signals.insert((frames[k], u16::try_from(ids[k]).unwrap_or(0)), state);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Columns `xyz_m` and `quaternion` of a table.
+fn poses(rows: &Batch) -> Result<Vec<Motion>, Unreadable> {
+    let (places, turns) = (rows.vectors::<3>("xyz_m")?, rows.vectors::<4>("quaternion")?);
+    Ok(places.into_iter().zip(turns).map(|(xyz, q)| Motion::of_quaternion(xyz, q)).collect())
+}
+
+/// Stages that are done and the files that their manifests name.
+fn manifests(store: &Path, folder: &Path, ledger: &mut Ledger) -> (BTreeSet<String>, Vec<(PathBuf, usize)>) {
+    let (mut done, mut outputs) = (BTreeSet::new(), Vec::new());
+    let entries = std::fs::read_dir(folder.join("_manifests")).into_iter().flatten().flatten();
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+    paths.retain(|path| {
+        path.extension().is_some_and(|e| e == "json") && !path.to_string_lossy().contains(".redo.")
+    });
+    paths.sort();
+    for path in paths {
+        let Some(manifest) = ledger.read(read_json(&path)) else { continue };
+        done.extend(manifest["stage"].as_str().map(str::to_owned));
+        for output in manifest["outputs"].as_array().into_iter().flatten() {
+            let rows = usize::try_from(output["rows"].as_u64().unwrap_or(0)).unwrap_or(0);
+            outputs.extend(output["key"].as_str().map(|key| (store.join(key), rows)));
+        }
+    }
+    (done, outputs)
+}

@@ -1,0 +1,163 @@
+//! Vectors and rigid motions, written anew: the programs that made the store have others.
+
+/// A point or vector, x y z.
+pub(crate) type V3 = [f64; 3];
+
+pub(crate) fn add(a: V3, b: V3) -> V3 {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+pub(crate) fn sub(a: V3, b: V3) -> V3 {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+pub(crate) fn scale(a: V3, by: f64) -> V3 {
+    a.map(|x| x * by)
+}
+
+pub(crate) fn dot(a: V3, b: V3) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(crate) fn cross(a: V3, b: V3) -> V3 {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+pub(crate) fn norm(a: V3) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// Distance of two points.
+pub(crate) fn apart(a: V3, b: V3) -> f64 {
+    norm(sub(a, b))
+}
+
+/// A rotation and a way: `outer = rotation inner + translation`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Motion {
+    /// Rows of the rotation matrix.
+    pub(crate) rows: [V3; 3],
+    /// Origin of the inner frame in the outer one.
+    pub(crate) origin: V3,
+}
+
+impl Motion {
+    /// From a position and a quaternion w, x, y, z.
+    pub(crate) fn of_quaternion(origin: V3, [w, x, y, z]: [f64; 4]) -> Self {
+        let rows = [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+        ];
+        Self { rows, origin }
+    }
+
+    /// From a position and roll, pitch, yaw: Rz(yaw) Ry(pitch) Rx(roll).
+    pub(crate) fn of_angles(origin: V3, [roll, pitch, yaw]: V3) -> Self {
+        let (sr, cr) = libm::sincos(roll);
+        let (sp, cp) = libm::sincos(pitch);
+        let (sy, cy) = libm::sincos(yaw);
+        let rows = [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ];
+        Self { rows, origin }
+    }
+
+    /// A direction of the inner frame in the outer one.
+    pub(crate) fn turn(&self, v: V3) -> V3 {
+        self.rows.map(|row| dot(row, v))
+    }
+
+    /// A direction of the outer frame in the inner one.
+    pub(crate) fn turn_back(&self, v: V3) -> V3 {
+        let [a, b, c] = self.rows;
+        [0, 1, 2].map(|i| a[i] * v[0] + b[i] * v[1] + c[i] * v[2])
+    }
+
+    /// A point of the inner frame in the outer one.
+    pub(crate) fn outward(&self, p: V3) -> V3 {
+        add(self.turn(p), self.origin)
+    }
+
+    /// A point of the outer frame in the inner one.
+    pub(crate) fn inward(&self, p: V3) -> V3 {
+        self.turn_back(sub(p, self.origin))
+    }
+
+    /// This one after `inner`: `a.then(b)` takes b's inner frame to a's outer one.
+    pub(crate) fn then(&self, inner: &Self) -> Self {
+        let column = |i: usize| self.turn(inner.rows.map(|row| row[i]));
+        let (a, b, c) = (column(0), column(1), column(2));
+        Self { rows: [0, 1, 2].map(|i| [a[i], b[i], c[i]]), origin: self.outward(inner.origin) }
+    }
+
+    /// The x axis of the inner frame in the outer one.
+    pub(crate) fn ahead(&self) -> V3 {
+        self.rows.map(|row| row[0])
+    }
+
+    /// The greatest difference of two rotations' entries: near zero it is the angle between them, rad.
+    pub(crate) fn turned_from(&self, other: &Self) -> f64 {
+        let pairs = self.rows.iter().flatten().zip(other.rows.iter().flatten());
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, worse)
+    }
+}
+
+/// The greater number; NaN is the worst.
+pub(crate) fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+}
+
+/// Whether a deviation is within a tolerance; NaN is not.
+pub(crate) fn within(deviation: f64, tolerance: f64) -> bool {
+    deviation.abs() <= tolerance
+}
+
+/// An angle as its equal in (-pi, pi].
+pub(crate) fn wrapped(angle_rad: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    let turns = ((angle_rad - PI) / TAU).ceil();
+    angle_rad - TAU * turns
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    fn close(a: V3, b: V3) -> bool {
+        apart(a, b) < 1e-12
+    }
+
+    #[test]
+    fn a_quarter_turn_is_the_same_by_quaternion_and_by_angle() {
+        let half = 0.5_f64.sqrt();
+        let yaw = Motion::of_quaternion([1.0, 2.0, 3.0], [half, 0.0, 0.0, half]);
+        assert!(close(yaw.turn([1.0, 0.0, 0.0]), [0.0, 1.0, 0.0]), "left is counter-clockwise");
+        assert!(close(yaw.outward([1.0, 0.0, 0.0]), [1.0, 3.0, 3.0]));
+        assert!(close(yaw.inward([1.0, 3.0, 3.0]), [1.0, 0.0, 0.0]));
+        assert!(yaw.turned_from(&Motion::of_angles([0.0; 3], [0.0, 0.0, FRAC_PI_2])) < 1e-12);
+        let pitch = Motion::of_angles([0.0; 3], [0.0, FRAC_PI_2, 0.0]);
+        assert!(close(pitch.ahead(), [0.0, 0.0, -1.0]), "positive pitch is nose down");
+        let roll = Motion::of_angles([0.0; 3], [FRAC_PI_2, 0.0, 0.0]);
+        assert!(close(roll.turn([0.0, 1.0, 0.0]), [0.0, 0.0, 1.0]));
+    }
+
+    #[test]
+    fn motions_follow_one_another() {
+        let a = Motion::of_angles([1.0, 0.0, 0.0], [0.3, -0.2, 1.1]);
+        let b = Motion::of_angles([0.0, 4.0, -1.0], [-0.1, 0.4, 2.0]);
+        let p = [0.3, -7.0, 2.0];
+        assert!(close(a.then(&b).outward(p), a.outward(b.outward(p))));
+        assert!(close(b.inward(a.inward(a.then(&b).outward(p))), p));
+    }
+
+    #[test]
+    fn angles_wrap_to_half_a_turn() {
+        assert!((wrapped(3.0 * PI) - PI).abs() < 1e-12);
+        assert!((wrapped(-FRAC_PI_2) + FRAC_PI_2).abs() < 1e-12);
+        assert!((wrapped(-PI) - PI).abs() < 1e-12);
+    }
+}
