@@ -1,7 +1,8 @@
 //! The merging stage: one list of unique objects per frame, tracks over the scene.
 
-use pipeline::{At, Job, Stage, StageError, TrackSettings};
+use pipeline::{At, Job, Stage, StageError};
 use scene::SceneReader;
+use schema::settings::TrackSettings;
 use schema::tables::{BoxRow, ValidBoxRow};
 use store::keys;
 
@@ -9,17 +10,22 @@ use store::keys;
 pub const STAGE: Stage<TrackSettings> = Stage::new(run);
 
 fn run(job: &mut Job<'_, TrackSettings>) -> Result<(), StageError> {
-    let (number, place) = (job.scene(), job.place());
+    let (number, place, settings) = (job.scene(), job.place(), job.settings().clone());
     let scene = SceneReader::new(job.store(), number, job.inputs());
     let boxes: Vec<BoxRow> = scene.rows().at(|| place.clone())?;
     let valid: Vec<ValidBoxRow> = scene.rows().at(|| place.clone())?;
     let frames = scene.info().at(|| place.clone())?.frames;
 
-    let (objects, tracks) = tracks::merge(&boxes, &valid).at(|| place.clone())?;
-    let counts = tracks::count(&objects, frames);
+    let merged = tracks::merge(&boxes, &valid).at(|| place.clone())?;
+    let counts = tracks::count(&merged.frames, frames);
     if let Some(mut unit) = job.unit("tracks")? {
-        unit.rows(&keys::scene(number, "tracks.parquet"), &tracks)?;
-        unit.rows(&keys::scene(number, "tracks_frames.parquet"), &objects)?;
+        unit.rows(&keys::scene(number, "tracks.parquet"), &merged.tracks)?;
+        unit.rows(&keys::scene(number, "tracks_frames.parquet"), &merged.frames)?;
+        unit.rows(&keys::scene(number, "tracks_agents.parquet"), &merged.sightings)?;
+        if settings.windows {
+            let windows = tracks::windows(&merged.frames, &settings);
+            unit.rows(&keys::scene(number, "tracks_windows.parquet"), &windows)?;
+        }
         unit.rows(&keys::partial_stats(number, Stage::<TrackSettings>::NAME), &counts.rows())?;
         unit.finish()?;
     }

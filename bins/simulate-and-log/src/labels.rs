@@ -104,6 +104,7 @@ fn observe<'a>(
             velocity_mps: state.velocity_mps,
             angular_velocity_radps: state.angular_velocity_radps,
             signal_state,
+            dormant: state.dormant,
         },
         None => ObservedObject {
             actor,
@@ -111,6 +112,7 @@ fn observe<'a>(
             velocity_mps: [0.0; 3],
             angular_velocity_radps: [0.0; 3],
             signal_state,
+            dormant: false,
         },
     }
 }

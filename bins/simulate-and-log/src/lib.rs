@@ -6,14 +6,15 @@ mod info;
 mod labels;
 mod lamps;
 mod plan;
+mod signals;
 
 use std::ops::ControlFlow;
 
 use pipeline::{At, Job, Place, Progress, Stage, StageError};
 use random::Stream;
-use schema::ObjectId;
 use schema::settings::stages::SimulationSettings;
 use schema::tables::PlanSceneRow;
+use schema::{ActorKind, Attribute, ObjectId};
 use store::keys;
 use traffic::{SceneInput, SimulationLog};
 
@@ -55,9 +56,15 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     for actor in &mut log.actors {
         let mut draw = Stream::new(plan.seed, scene.into(), "simulate/variant", actor.id.into());
         actor.variant = draw.next_u32() % VARIANTS;
+        if actor.kind == ActorKind::Walker
+            && let Some(model) = schema::models::find(&actor.model)
+        {
+            actor.attributes.say(Attribute::Gender, model.gender(actor.variant));
+        }
     }
     let mut actors = fixed;
     actors.extend(log.actors.iter().cloned());
+    signals::describe(&map, &log.signal_groups, &settings.traffic, &mut actors);
     check_ids(&actors.iter().map(|a| a.id).collect::<Vec<_>>()).at(|| place.clone())?;
     ground::stand(&map, &mut actors, &mut log.states).at(|| place.clone())?;
 

@@ -50,7 +50,7 @@ pub(crate) fn pick(colours: &[[f32; 3]], word: u32) -> [f32; 3] {
 
 /// A walker; the variant dresses them.
 pub(crate) fn walker(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
-    let woman = model.name == "walker.woman" || (model.name == "walker.child" && variant % 2 == 1);
+    let woman = model.gender(variant) == "female";
     let elder = model.name == "walker.elder";
     let cloth = |rgb: [f32; 3]| Part::new(Tag::Pedestrian, Surface::Cloth, rgb);
     let (worker, police) = (model.special == "worker", model.special == "police");

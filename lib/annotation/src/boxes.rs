@@ -3,7 +3,7 @@
 use frames::{Agent, Object, OrientedBox, Pose, World, math};
 use nalgebra::Vector3;
 use schema::tables::{ActorRow, BoxRow};
-use schema::{AgentId, DetectionClass, ObjectId, SignalState, Tag};
+use schema::{ActorRole, AgentId, DetectionClass, ObjectId, SignalState, Tag};
 
 /// Traffic-light housings are annotated when their half height exceeds this, metres.
 const LIGHT_MIN_HALF_HEIGHT_M: f64 = 0.3;
@@ -39,6 +39,8 @@ pub struct ObservedObject<'a> {
     pub angular_velocity_radps: [f32; 3],
     /// State of a traffic light.
     pub signal_state: Option<SignalState>,
+    /// Whether it is not simulated at the moment.
+    pub dormant: bool,
 }
 
 /// The boxes of a frame: for each agent (in [`AgentId`] order), the objects with a detection class whose origin is
@@ -64,7 +66,7 @@ pub fn collect(
         let forward = observer.world_from_agent.forward();
         let agent_origin = observer.world_from_agent.translation();
         for candidate in &candidates {
-            let to_object = candidate.object.world_from_object.translation() - agent_origin;
+            let to_object = candidate.location() - agent_origin;
             let distance_m = to_object.norm();
             // A NaN distance is not below the radius either.
             if distance_m < radius_m {
@@ -119,6 +121,14 @@ impl<'a> Annotated<'a> {
         Some(Self { object, class, tags, bounds })
     }
 
+    /// Where the object is said to be: its origin, of people the middle of the body.
+    fn location(&self) -> Vector3<f64> {
+        if self.class == DetectionClass::Pedestrian {
+            return self.bounds.centre().coords;
+        }
+        self.object.world_from_object.translation()
+    }
+
     fn row(&self, frame: u32, agent: String, distance_m: f64, angle_rad: Option<f64>) -> BoxRow {
         let actor = self.object.actor;
         let mut corners_m = [0.0; 24];
@@ -141,6 +151,10 @@ impl<'a> Annotated<'a> {
             distance_m,
             angle_rad,
             signal_state: self.object.signal_state,
+            is_alive: actor.role != ActorRole::Scenery,
+            is_active: actor.role != ActorRole::Scenery && !self.object.dormant,
+            is_dormant: self.object.dormant,
+            opendrive_id: actor.opendrive_id.clone(),
             attributes: actor.attributes.clone(),
         }
     }
@@ -185,6 +199,7 @@ mod tests {
             velocity_mps: [1.0, 0.0, 0.0],
             angular_velocity_radps: [0.0; 3],
             signal_state: None,
+            dormant: false,
         }
     }
 
@@ -221,6 +236,34 @@ mod tests {
         assert_eq!(rows[0].frame, 7);
         assert_eq!(&rows[0].corners_m[..3], &[-2.0, 1.0, 0.0], "corner 0 is rear, left, bottom");
         assert_eq!(rows[0].center_m, [0.0, 0.0, 0.75]);
+    }
+
+    #[test]
+    fn people_are_where_the_middle_of_their_body_is() {
+        let mut walker = actor(3, &[Tag::Pedestrian]);
+        walker.height_m = 1.8;
+        let car = actor(4, &[Tag::Car]);
+        let rows = collect(
+            0,
+            &[observer(0, 1, 0.0)],
+            &[walker, car].each_ref().map(|a| at(a, [3.0, 4.0, 0.0])),
+            50.0,
+        );
+        assert!((rows[0].distance_m - (25.0_f64 + 0.81).sqrt()).abs() < 1e-12);
+        assert_eq!(rows[1].distance_m, 5.0);
+    }
+
+    #[test]
+    fn scenery_is_no_actor_and_sleepers_are_not_active() {
+        let mut parked = actor(2, &[Tag::Car]);
+        parked.role = ActorRole::Scenery;
+        let mut driven = actor(3, &[Tag::Car]);
+        driven.role = ActorRole::Background;
+        let sleeper = ObservedObject { dormant: true, ..at(&driven, [9.0, 0.0, 0.0]) };
+        let objects = [at(&parked, [3.0, 0.0, 0.0]), sleeper, at(&driven, [6.0, 0.0, 0.0])];
+        let rows = collect(0, &[observer(0, 1, 0.0)], &objects, 50.0);
+        let facts: Vec<_> = rows.iter().map(|r| (r.is_alive, r.is_active, r.is_dormant)).collect();
+        assert_eq!(facts, [(false, false, false), (true, false, true), (true, true, false)]);
     }
 
     #[test]

@@ -24,7 +24,7 @@ pub use interrupt::{listen as listen_for_signals, stopped as was_stopped};
 pub use progress::Progress;
 pub use runner::{Forecast, Job, Stage, init_logging, run_stage, say, settings_or_faults};
 pub use status::{NotReady, Staleness, State, StateError, planned_scenes, state_of};
-pub use views::{StageSettings, TrackSettings, ViewError, config_hash};
+pub use views::{StageSettings, ViewError, config_hash};
 
 /// Exit code: everything was done.
 pub const EXIT_DONE: u8 = 0;

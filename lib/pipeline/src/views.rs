@@ -5,7 +5,7 @@ use schema::settings::stages::{
     PlanSettings, RangeRig, RangeSensor, SensorSettings, SimulationSettings, StatisticsSettings,
     ValiditySettings,
 };
-use schema::settings::{BevSettings, DatasetSettings, OccupancySettings, PerAgent, Rig};
+use schema::settings::{BevSettings, DatasetSettings, OccupancySettings, PerAgent, Rig, TrackSettings};
 use serde::Serialize;
 
 use crate::graph::StageSpec;
@@ -17,18 +17,6 @@ pub trait StageSettings: Serialize + Sized {
 
     /// Takes the part out of the whole.
     fn of(all: &DatasetSettings) -> Self;
-}
-
-/// What `merge-tracks` sees: nothing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct TrackSettings;
-
-impl StageSettings for TrackSettings {
-    const STAGE: &'static str = "merge-tracks";
-
-    fn of(_: &DatasetSettings) -> Self {
-        Self
-    }
 }
 
 impl StageSettings for PlanSettings {
@@ -107,6 +95,14 @@ fn range_rig(rig: &Rig) -> RangeRig {
         lidars: plain.map(|s| RangeSensor { name: s.name.clone(), mount: s.mount }).collect(),
         radars: rig.radars.iter().map(|s| RangeSensor { name: s.name.clone(), mount: s.mount }).collect(),
         instance: rig.camera.images.has(ImageKind::Instance),
+    }
+}
+
+impl StageSettings for TrackSettings {
+    const STAGE: &'static str = "merge-tracks";
+
+    fn of(all: &DatasetSettings) -> Self {
+        all.tracks.clone()
     }
 }
 
@@ -209,6 +205,7 @@ mod tests {
         assert_eq!(stale(|s| s.vehicle_occupancy.range_m = 32.0), voxels);
         assert_eq!(stale(|s| s.bev.cells = 200), ["bev-gt", "stats"]);
         assert_eq!(stale(|s| s.bev.cell_m = 0.2), ["bev-gt"]);
+        assert_eq!(stale(|s| s.tracks.future_s = 3.0), ["merge-tracks"]);
         assert_eq!(stale(|s| s.name = "other".into()), ["stats"]);
         assert_eq!(stale(|s| s.annotation.valid_by_image ^= true), ["postprocess-valid"]);
         assert_eq!(stale(|s| s.annotation.box_radius_m = 90.0), ["simulate-and-log"]);

@@ -46,6 +46,18 @@ keys! {
     BaseType = "base_type",
     /// `emergency`, `taxi`, `wheelchair`, ..., or nothing.
     SpecialType = "special_type",
+    /// How many wheels a vehicle has.
+    NumberOfWheels = "number_of_wheels",
+    /// Whether a vehicle has lamps.
+    HasLights = "has_lights",
+    /// Whether a vehicle has doors that open.
+    HasDynamicDoors = "has_dynamic_doors",
+    /// Generation of the model: 2 for all of ours, after the detail of their meshes.
+    Generation = "generation",
+    /// `female` or `male`.
+    Gender = "gender",
+    /// `adult`, `child` or `elderly`.
+    Age = "age",
     /// Whether its driver ignores lights, signs, vehicles and walkers.
     Reckless = "reckless",
     /// Whether its driver ignores lights and signs.
@@ -54,6 +66,20 @@ keys! {
     CrossesAnywhere = "crosses_anywhere",
     /// Whether a walker sits in a wheelchair.
     UseWheelchair = "use_wheelchair",
+    /// Whether a walker of this model may sit in a wheelchair.
+    CanUseWheelchair = "can_use_wheelchair",
+    /// Whether a walker cannot be hurt: never.
+    IsInvincible = "is_invincible",
+    /// How fast a walker goes, m/s.
+    Speed = "speed",
+    /// How long a traffic light shows green, s.
+    GreenTime = "green_time",
+    /// How long it shows yellow then, s.
+    YellowTime = "yellow_time",
+    /// How long all lights of the junction show red then, s; its own red lasts until its next turn.
+    RedTime = "red_time",
+    /// Number of a traffic light among those of its junction.
+    PoleIndex = "pole_index",
     /// What a sign says.
     SignType = "sign_type",
     /// The number on a sign.
@@ -80,8 +106,13 @@ impl Attributes {
     /// These facts and one more.
     #[must_use]
     pub fn with(mut self, attribute: Attribute, value: impl fmt::Display) -> Self {
-        self.0.push((attribute, value.to_string()));
+        self.say(attribute, value);
         self
+    }
+
+    /// Says one more.
+    pub fn say(&mut self, attribute: Attribute, value: impl fmt::Display) {
+        self.0.push((attribute, value.to_string()));
     }
 
     /// What is said about something.
@@ -164,8 +195,9 @@ mod tests {
 
     #[test]
     fn keys_are_those_of_the_format() {
-        let keys = "base_type special_type reckless distracted crosses_anywhere use_wheelchair sign_type value \
-                    ground_z_m hazard";
+        let keys = "base_type special_type number_of_wheels has_lights has_dynamic_doors generation gender age \
+                    reckless distracted crosses_anywhere use_wheelchair can_use_wheelchair is_invincible speed \
+                    green_time yellow_time red_time pole_index sign_type value ground_z_m hazard";
         assert_eq!(KNOWN.iter().map(|(_, key)| *key).collect::<Vec<_>>().join(" "), keys);
         for (attribute, key) in KNOWN {
             assert_eq!((attribute.key(), &Attribute::from_key(key)), (*key, attribute));

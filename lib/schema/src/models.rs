@@ -2,7 +2,7 @@
 //!
 //! Dimensions are of ordinary vehicles of each kind, taken from makers' public data sheets and rounded.
 
-use crate::Tag;
+use crate::{Attribute, Attributes, Tag};
 
 /// What a model is, for planning and driving.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +91,56 @@ impl Model {
             _ => 0,
         }
     }
+
+    /// What people look like.
+    #[must_use]
+    pub fn gender(&self, variant: u32) -> &'static str {
+        match self.name {
+            "walker.woman" => "female",
+            "walker.child" if variant % 2 == 1 => "female",
+            _ => "male",
+        }
+    }
+
+    /// What is true of every object of the model, for its attributes. ([`Model::gender`] depends on the object.)
+    #[must_use]
+    pub fn facts(&self) -> Attributes {
+        let facts = Attributes::new()
+            .with(Attribute::BaseType, self.base.name())
+            .with(Attribute::SpecialType, self.special);
+        match self.base {
+            BaseType::Pedestrian => {
+                let age = match self.name {
+                    "walker.child" => "child",
+                    "walker.elder" => "elderly",
+                    _ => "adult",
+                };
+                let sits = self.special == "wheelchair";
+                facts
+                    .with(Attribute::Age, age)
+                    .with(Attribute::Generation, GENERATION)
+                    .with(Attribute::CanUseWheelchair, sits)
+                    .with(Attribute::UseWheelchair, sits)
+                    .with(Attribute::IsInvincible, false)
+            }
+            BaseType::Cone | BaseType::Barrier => facts,
+            _ => {
+                let wheels = match self.base {
+                    BaseType::Motorcycle | BaseType::Bicycle => 2,
+                    _ => 4,
+                };
+                facts
+                    .with(Attribute::NumberOfWheels, wheels)
+                    .with(Attribute::HasLights, self.base != BaseType::Bicycle)
+                    .with(Attribute::HasDynamicDoors, self.doors() > 0)
+                    .with(Attribute::Generation, GENERATION)
+            }
+        }
+    }
 }
+
+/// See [`Attribute::Generation`].
+const GENERATION: u32 = 2;
 
 const fn model(
     name: &'static str,
@@ -192,6 +241,26 @@ pub fn wheelchair() -> Option<&'static Model> {
 mod tests {
     use super::*;
     use crate::DetectionClass;
+
+    #[test]
+    fn facts_are_those_of_the_kind() {
+        let fact =
+            |name: &str, attribute| find(name).expect("a model").facts().get(&attribute).map(str::to_owned);
+        assert_eq!(fact("bicycle.city", Attribute::NumberOfWheels).as_deref(), Some("2"));
+        assert_eq!(fact("bicycle.city", Attribute::HasLights).as_deref(), Some("false"));
+        assert_eq!(fact("bus.city", Attribute::HasDynamicDoors).as_deref(), Some("false"));
+        assert_eq!(fact("car.police", Attribute::SpecialType).as_deref(), Some("emergency"));
+        assert_eq!(fact("car.police", Attribute::HasDynamicDoors).as_deref(), Some("true"));
+        // Statistics need this of every pedestrian: workers and bystanders, too.
+        for model in MODELS.iter().filter(|m| m.base == BaseType::Pedestrian) {
+            let sits = fact(model.name, Attribute::UseWheelchair);
+            assert_eq!(sits.as_deref(), Some(if model.special == "wheelchair" { "true" } else { "false" }));
+        }
+        assert_eq!(fact("walker.child", Attribute::Age).as_deref(), Some("child"));
+        assert_eq!(fact("cone.big", Attribute::NumberOfWheels), None);
+        let child = find("walker.child").expect("a model");
+        assert_eq!([0, 1].map(|variant| child.gender(variant)), ["male", "female"]);
+    }
 
     #[test]
     fn names_are_unique_and_every_model_has_a_class() {

@@ -4,12 +4,17 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 use schema::difficulty::difficulty_of;
-use schema::tables::{BoxRow, TrackFrameRow, TrackRow, ValidBoxRow};
+use schema::tables::{BoxRow, SightingRow, TrackFrameRow, TrackRow, ValidBoxRow};
 use schema::{AgentId, ObjectId};
 
 mod count;
+mod sightings;
+mod windows;
 
 pub use count::count;
+pub use windows::windows;
+
+use sightings::Sightings;
 
 /// The tables don't belong together.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -44,18 +49,25 @@ pub enum TrackError {
     },
 }
 
+/// The objects of a scene over all agents.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Merged {
+    /// Objects, by frame, then id.
+    pub frames: Vec<TrackFrameRow>,
+    /// Tracks, by id.
+    pub tracks: Vec<TrackRow>,
+    /// When each agent saw each object, by id, then agent.
+    pub sightings: Vec<SightingRow>,
+}
+
 /// Merges the boxes of all agents of a scene. The two tables are paired row by row; their order does not matter.
 ///
 /// Per frame and object, the record of the first agent (vehicles by number, then RSUs) is taken; points of all
-/// agents add up, valid flags are OR-ed, and the difficulty follows from the points alone. Rows come by frame,
-/// then id; tracks by id.
+/// agents add up, valid flags are OR-ed, and the difficulty follows from the points alone.
 ///
 /// # Errors
 /// The tables are not of the same boxes, or an agent's name is none.
-pub fn merge(
-    boxes: &[BoxRow],
-    valid: &[ValidBoxRow],
-) -> Result<(Vec<TrackFrameRow>, Vec<TrackRow>), TrackError> {
+pub fn merge(boxes: &[BoxRow], valid: &[ValidBoxRow]) -> Result<Merged, TrackError> {
     if boxes.len() != valid.len() {
         return Err(TrackError::Lengths { boxes: boxes.len(), valid: valid.len() });
     }
@@ -71,14 +83,17 @@ pub fn merge(
 
     let mut frames = Vec::new();
     let mut tracks: BTreeMap<ObjectId, Track> = BTreeMap::new();
+    let mut sightings = Sightings::default();
     for same in order.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
         let records = same.iter().map(|&(_, _, agent, row)| (agent, &boxes[row], &valid[row]));
+        records.clone().for_each(|(agent, listed, judged)| sightings.add(agent, listed, judged));
         if let Some((row, seen_by)) = merge_object(records) {
             tracks.entry(row.id).or_insert_with(|| Track::new(&boxes[same[0].3])).add(&row, &seen_by);
             frames.push(row);
         }
     }
-    Ok((frames, tracks.into_values().map(|track| track.row).collect()))
+    let tracks = tracks.into_values().map(|track| track.row).collect();
+    Ok(Merged { frames, tracks, sightings: sightings.rows() })
 }
 
 /// One object at one frame, from the records of the agents that list it, in order.
@@ -112,6 +127,10 @@ fn merge_object<'a>(
         difficulty: difficulty_of(&first.class, None, lidar.saturating_add(radar)).name().to_owned(),
         seen_by: seen_by.iter().map(AgentId::to_string).collect(),
         signal_state: first.signal_state,
+        is_alive: first.is_alive,
+        is_active: first.is_active,
+        is_dormant: first.is_dormant,
+        opendrive_id: first.opendrive_id.clone(),
         attributes: first.attributes.clone(),
     };
     Some((row, seen_by))
@@ -131,6 +150,7 @@ impl Track {
                 id: first.id,
                 class: first.class.clone(),
                 model: first.model.clone(),
+                size_m: first.size_m,
                 first_frame: first.frame,
                 ..TrackRow::default()
             },
@@ -148,7 +168,12 @@ impl Track {
         self.last_center_m = frame.center_m;
         row.last_frame = frame.frame;
         row.frames += 1;
-        row.valid_frames += u32::from(frame.valid_flag);
+        if frame.valid_flag {
+            let number = i32::try_from(frame.frame).ok();
+            row.valid_frames += 1;
+            row.first_valid_frame = row.first_valid_frame.or(number);
+            row.last_valid_frame = number;
+        }
         row.num_lidar_pts += u64::from(frame.num_lidar_pts);
         row.num_radar_pts += u64::from(frame.num_radar_pts);
         let speed_mps = Vector3::from(frame.velocity_mps.map(f64::from)).norm();
@@ -193,14 +218,14 @@ mod tests {
         (b, v)
     }
 
-    fn merged(pairs: &[(BoxRow, ValidBoxRow)]) -> (Vec<TrackFrameRow>, Vec<TrackRow>) {
+    fn merged(pairs: &[(BoxRow, ValidBoxRow)]) -> Merged {
         let (boxes, valid): (Vec<_>, Vec<_>) = pairs.iter().cloned().unzip();
         merge(&boxes, &valid).expect("paired")
     }
 
     #[test]
     fn the_first_agent_gives_the_record_and_all_give_points() {
-        let (frames, tracks) = merged(&[
+        let Merged { frames, tracks, .. } = merged(&[
             pair(0, "rsu_0", 4, 30, false, 9.0),
             pair(0, "vehicle_10", 4, 40, true, 8.0),
             pair(0, "vehicle_2", 4, 7, true, 7.0),
@@ -217,7 +242,7 @@ mod tests {
 
     #[test]
     fn tracks_count_frames_and_way() {
-        let (_, tracks) = merged(&[
+        let Merged { tracks, sightings, .. } = merged(&[
             pair(0, "vehicle_0", 4, 0, false, 0.0),
             pair(1, "vehicle_0", 4, 5, true, 2.0),
             pair(7, "rsu_0", 4, 0, true, 100.0),
@@ -228,6 +253,28 @@ mod tests {
         assert_eq!(t.path_m, 3.0, "the jump over the gap is no way");
         assert_eq!(t.seen_by, ["vehicle_0", "rsu_0"]);
         assert_eq!((t.num_lidar_pts, t.num_radar_pts), (5, 4));
+        assert_eq!((t.first_valid_frame, t.last_valid_frame), (Some(1), Some(7)));
+        let spans = |row: &SightingRow| (row.agent.clone(), row.first_frame, row.last_frame, row.frames);
+        let spans: Vec<_> = sightings.iter().map(spans).collect();
+        assert_eq!(spans, [("vehicle_0".into(), 0, 1, 2), ("rsu_0".into(), 7, 8, 2)]);
+    }
+
+    #[test]
+    fn sightings_are_spans_without_a_break() {
+        let seen = [true, true, false, true, false, false, true, true];
+        let pairs: Vec<_> =
+            seen.iter().zip(0..).map(|(valid, k)| pair(10 + k, "vehicle_1", 4, 2, *valid, 0.0)).collect();
+        let row = &merged(&pairs).sightings[0];
+        assert_eq!(
+            (row.seen_from.as_slice(), row.seen_to.as_slice()),
+            (&[10, 13, 16][..], &[11, 13, 17][..])
+        );
+        assert_eq!((row.num_lidar_pts, row.num_radar_pts, row.min_distance_m), (16, 8, 500.0));
+        // Between two frames that are not neighbours there is a break, too.
+        let gap = merged(&[pair(1, "rsu_0", 4, 2, true, 0.0), pair(5, "rsu_0", 4, 2, true, 0.0)]);
+        assert_eq!(gap.sightings[0].seen_from, [1, 5]);
+        let never = merged(&[pair(1, "rsu_0", 4, 0, false, 0.0)]);
+        assert_eq!((never.tracks[0].first_valid_frame, never.sightings[0].seen_to.len()), (None, 0));
     }
 
     #[test]
@@ -255,9 +302,11 @@ mod tests {
                 .iter()
                 .map(|(&(frame, agent, id), &(points, valid))| pair(frame, &AgentId::vehicle(agent).to_string(), id, points, valid, f64::from(agent)))
                 .collect();
-            let (frames, tracks) = merged(&pairs);
+            let all = merged(&pairs);
             let backwards: Vec<_> = pairs.iter().rev().cloned().collect();
-            prop_assert_eq!(merged(&backwards), (frames.clone(), tracks.clone()));
+            prop_assert_eq!(&merged(&backwards), &all);
+            let Merged { frames, tracks, sightings } = all;
+            prop_assert_eq!(sightings.iter().map(|r| r.frames as usize).sum::<usize>(), pairs.len());
             let points: u64 = rows.values().map(|v| u64::from(v.0)).sum();
             prop_assert_eq!(frames.iter().map(|r| u64::from(r.num_lidar_pts)).sum::<u64>(), points);
             prop_assert_eq!(tracks.iter().map(|r| r.num_lidar_pts).sum::<u64>(), points);

@@ -398,6 +398,7 @@ impl<'a> Simulation<'a> {
                 phase_rad: motion.rolled_m() / vehicle.model().wheel_radius_m.max(0.05),
                 lights: vehicle_lamps(&self.net, vehicle, lamps),
                 door_rad: vehicle.doors().angles_rad(),
+                dormant: vehicle.wake() == Wake::Asleep,
             };
             rows.push(snapshot.row(frame));
         }
@@ -410,6 +411,7 @@ impl<'a> Simulation<'a> {
                 phase_rad: walker.gait_phase_rad(),
                 lights: 0,
                 door_rad: [0.0; 4],
+                dormant: walker.is_asleep(),
             };
             rows.push(snapshot.row(frame));
         }

@@ -14,7 +14,7 @@ pub use yaml_keys::simbev2x_keys;
 
 use std::path::Path;
 
-use schema::settings::{AnnotationSettings, BevSettings, DatasetSettings};
+use schema::settings::{AnnotationSettings, BevSettings, DatasetSettings, TrackSettings};
 
 pub use reader::{ConfigKey, Fault};
 use reader::{Section, with_document};
@@ -64,6 +64,7 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
     let seed = root.integer("seed", 27, 0, i64::MAX, "seed of every random stream") as u64;
     let (scenes, redraw) = scenario::scenes(root);
     let annotation = annotation(&root.section("annotation", "which objects are annotated"));
+    let tracks = tracks(&root.section("tracks", "objects followed over a scene"));
     let bev = bev(&root.section("bev", "bird's-eye-view masks"));
     let (vehicle_rig, vehicle_occupancy) =
         rigs::vehicle(&root.section("vehicle", "sensors and voxel grid of every data-collection vehicle"));
@@ -86,6 +87,7 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
         rsu_rig,
         own_rigs,
         annotation,
+        tracks,
         bev,
         vehicle_occupancy,
         rsu_occupancy,
@@ -113,6 +115,24 @@ fn annotation(section: &Section<'_>) -> AnnotationSettings {
             "valid_by_image",
             d.valid_by_image,
             "an object without points is valid when an instance image shows it",
+        ),
+    }
+}
+
+fn tracks(section: &Section<'_>) -> TrackSettings {
+    let d = TrackSettings::default();
+    let time = |key: &str, default: f64, low: f64, doc: &str| section.number(key, default, low, 60.0, doc);
+    let windows = "write windows of the past and the future of what may move, for forecasting";
+    TrackSettings {
+        windows: section.flag("windows", d.windows, windows),
+        past_s: time("past_s", d.past_s, 0.0, "how far a window reaches back, s"),
+        future_s: time("future_s", d.future_s, 0.0, "how far a window reaches ahead, s"),
+        step_s: time("step_s", d.step_s, schema::FRAME_PERIOD_S, "time between two places of a window, s"),
+        every_s: time(
+            "every_s",
+            d.every_s,
+            schema::FRAME_PERIOD_S,
+            "time between two windows of an object, s",
         ),
     }
 }

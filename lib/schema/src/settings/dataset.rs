@@ -5,8 +5,8 @@ use serde::Serialize;
 
 use super::{
     AgentSettings, AnnotationSettings, BevSettings, HazardSettings, LightSettings, OccupancySettings,
-    PerAgent, Rig, SceneCount, TimingSettings, TrafficSettings, WalkerSettings, WeatherSettings,
-    WorldSettings,
+    PerAgent, Rig, SceneCount, TimingSettings, TrackSettings, TrafficSettings, WalkerSettings,
+    WeatherSettings, WorldSettings,
 };
 /// Everything that determines a dataset, besides maps and code.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -43,6 +43,8 @@ pub struct DatasetSettings {
     pub own_rigs: Vec<OwnRig>,
     /// Which objects are annotated.
     pub annotation: AnnotationSettings,
+    /// Objects followed over a scene.
+    pub tracks: TrackSettings,
     /// BEV masks.
     pub bev: BevSettings,
     /// Voxel grids of vehicles.
@@ -72,6 +74,7 @@ impl DatasetSettings {
             rsu_rig: Rig::rsu(),
             own_rigs: Vec::new(),
             annotation: AnnotationSettings::default(),
+            tracks: TrackSettings::default(),
             bev: BevSettings::default(),
             vehicle_occupancy: OccupancySettings::default(),
             rsu_occupancy: OccupancySettings::default(),

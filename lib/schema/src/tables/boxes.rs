@@ -29,12 +29,20 @@ table! {
         velocity_mps: [f32; 3],
         /// Angular velocity in the world, rad/s.
         angular_velocity_radps: [f32; 3],
-        /// 3-D distance from the agent's origin to the object's origin, m.
+        /// 3-D distance from the agent's origin to the object's, m: the middle of its footprint, of people that of the body.
         distance_m: f64,
         /// Angle from the agent's forward axis to the object, rad, positive left; null for the agent itself.
         angle_rad: Option<f64>,
         /// State of a traffic light, else null.
         signal_state: Option<SignalState>,
+        /// Whether it is an actor; scenery is none.
+        is_alive: bool,
+        /// Whether it is an actor that is simulated at this frame.
+        is_active: bool,
+        /// Whether it is an actor that is not simulated at this frame, as all agents are far away.
+        is_dormant: bool,
+        /// OpenDRIVE id of its signal or object.
+        opendrive_id: Option<String>,
         /// Further facts of the object as JSON, as in `log/actors`.
         attributes: Attributes,
     }

@@ -46,6 +46,8 @@ pub fn every_table() -> Vec<TableDoc> {
         describe_table::<ValidBoxRow>(),
         describe_table::<TrackRow>(),
         describe_table::<TrackFrameRow>(),
+        describe_table::<SightingRow>(),
+        describe_table::<WindowRow>(),
         describe_table::<PartialRow>(),
     ]
 }

@@ -64,6 +64,8 @@ table! {
         lights: u32,
         /// How far the doors stand open, rad: front left, front right, rear left, rear right. Boxes do not include open doors.
         door_rad: [f32; 4],
+        /// Whether it stands still because all agents are farther away than `traffic.active_distance_m`.
+        dormant: bool,
     }
 }
 

@@ -24,5 +24,5 @@ pub use map::{VectorKind, VectorMapRow};
 pub use plan::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
 pub use sensor::*;
 pub use stats::PartialRow;
-pub use tracks::{TrackFrameRow, TrackRow};
+pub use tracks::{SightingRow, TrackFrameRow, TrackRow, WindowRow};
 pub use weather::Weather;

@@ -86,9 +86,7 @@ impl Thing {
         Self {
             tags: tags(model.base),
             color,
-            facts: Attributes::new()
-                .with(Attribute::BaseType, model.base.name())
-                .with(Attribute::SpecialType, model.special),
+            facts: model.facts(),
             solid: model.base != BaseType::Cone,
             ..Self::new(kind, (model.name, model.size_m), at)
         }
@@ -172,6 +170,7 @@ impl Thing {
             phase_rad: 0.0,
             lights: self.lamps | weather_lamps,
             door_rad: self.doors,
+            dormant: false,
         }
     }
 }

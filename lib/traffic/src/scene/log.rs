@@ -25,9 +25,9 @@ const RSU_SIZE_M: [f64; 3] = [0.3, 0.3, 3.4];
 
 fn vehicle_actor(id: ObjectId, start: &Start) -> ActorRow {
     let pose = Pose::from_xyz_rpy(start.point.coords.into(), [0.0, 0.0, start.yaw_rad]);
-    let facts = Attributes::new()
-        .with(Attribute::BaseType, start.model.base.name())
-        .with(Attribute::SpecialType, start.model.special)
+    let facts = start
+        .model
+        .facts()
         .with(Attribute::Reckless, start.driver.reckless)
         .with(Attribute::Distracted, start.driver.distracted);
     moving(id, ActorKind::Vehicle, start.role, start.model, &start.color, &pose, facts)
@@ -35,9 +35,11 @@ fn vehicle_actor(id: ObjectId, start: &Start) -> ActorRow {
 
 fn walker_actor(id: ObjectId, walker: &Walker, crosses_anywhere: bool) -> ActorRow {
     let pose = walker.world_from_object();
-    let facts = Attributes::new()
+    let facts = walker
+        .model()
+        .facts()
         .with(Attribute::CrossesAnywhere, crosses_anywhere)
-        .with(Attribute::UseWheelchair, walker.model().special == "wheelchair");
+        .with(Attribute::Speed, format_args!("{:.3}", walker.wished_speed_mps()));
     moving(id, ActorKind::Walker, ActorRole::Walker, walker.model(), &walker.color(), &pose, facts)
 }
 

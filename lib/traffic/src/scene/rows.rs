@@ -50,6 +50,7 @@ pub(crate) struct Snapshot {
     pub(crate) phase_rad: f64,
     pub(crate) lights: u32,
     pub(crate) door_rad: [f32; 4],
+    pub(crate) dormant: bool,
 }
 
 impl Snapshot {
@@ -69,6 +70,7 @@ impl Snapshot {
             phase_rad: self.phase_rad as f32,
             lights: self.lights,
             door_rad: self.door_rad,
+            dormant: self.dormant,
         }
     }
 }
@@ -131,6 +133,7 @@ mod tests {
             phase_rad: 0.0,
             lights: 0,
             door_rad: [0.0; 4],
+            dormant: false,
         };
         let rate = state.row(0).angular_velocity_radps;
         assert!(rate[0].abs() < 1e-6 && rate[1].abs() < 1e-6 && (rate[2] - 0.4).abs() < 1e-6, "{rate:?}");

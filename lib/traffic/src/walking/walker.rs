@@ -170,6 +170,10 @@ impl Walker {
         self.velocity_mps
     }
 
+    pub(crate) fn wished_speed_mps(&self) -> f64 {
+        self.speed_mps
+    }
+
     pub(crate) fn is_asleep(&self) -> bool {
         self.asleep
     }
