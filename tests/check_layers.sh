@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Dependencies point one way: each crate may depend only on the crates named after it here, a program on the readers and
-# on cores as they are listed, and on no other program; and no files of a crate need one another in a circle (tests/layers).
+# on cores as they are listed (`convoy` has the checker in it); and no files of a crate need one another in a circle (tests/layers).
 # `bins/check` shares nothing with the programs that it checks.
 set -euo pipefail
 cd "$(dirname "$0")/.."
