@@ -29,6 +29,15 @@ pub trait Renderer: Send + Sync {
     fn place<'a>(&'a self, snapshot: &'a Snapshot) -> Result<Box<dyn Scene + 'a>, RenderError>;
 }
 
+/// A look at some instances as if there were no others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Alone<'a> {
+    /// The camera.
+    pub camera: PinholeCamera,
+    /// Numbers of the instances, ascending.
+    pub instances: &'a [u32],
+}
+
 /// The instances of one frame over a renderer's meshes.
 ///
 /// Questions come in batches, because a device answers many at once for little more than the price of one: ask for
@@ -45,6 +54,12 @@ pub trait Scene: Send + Sync {
     /// # Errors
     /// The device failed.
     fn look(&self, cameras: &[PinholeCamera]) -> Result<Vec<VisibilityBuffer>, RenderError>;
+
+    /// What each camera would see if there were nothing but some instances: how much of an object others hide.
+    ///
+    /// # Errors
+    /// The device failed.
+    fn look_at(&self, shots: &[Alone<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError>;
 
     /// The closest surface along every ray, in the batches' order. What a ray hits does not depend on its batch.
     ///

@@ -2,7 +2,7 @@
 
 use schema::settings::Rig;
 
-use crate::camera::{VisibleObjects, visit_images};
+use crate::camera::{Boxes2d, VisibleObjects, visit_images};
 use crate::gnss::Gnss;
 use crate::imu::Imu;
 use crate::lidar::{PlainLidar, SemanticLidar};
@@ -37,6 +37,9 @@ pub fn visit_sensors<V: SensorVisitor>(
     }
     if let Some(visible) = VisibleObjects::of(rig) {
         visitor.visit(visible)?;
+    }
+    if let Some(boxes) = Boxes2d::of(rig) {
+        visitor.visit(boxes)?;
     }
     Ok(())
 }

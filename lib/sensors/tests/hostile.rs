@@ -9,7 +9,7 @@ use frames::{Agent, Pose, World};
 use glam::{Affine3A, Vec3};
 use nalgebra::Vector3;
 use random::Stream;
-use renderer::{Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer};
+use renderer::{Alone, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer};
 use schema::geometry::{Snapshot, TriMesh};
 use schema::settings::{CameraSettings, GnssSpec, ImuSpec, LidarSpec, Rig, ScanPattern};
 use schema::tables::Weather;
@@ -163,6 +163,10 @@ impl Scene for Nothing<'_> {
     }
 
     fn look(&self, _: &[PinholeCamera]) -> Result<Vec<VisibilityBuffer>, RenderError> {
+        unplugged()
+    }
+
+    fn look_at(&self, _: &[Alone<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
         unplugged()
     }
 

@@ -3,7 +3,7 @@
 use frames::Aabb;
 use glam::Vec3;
 use rayon::prelude::*;
-use renderer::{Hits, PinholeCamera, RayBatch, RenderError, Scene, VisibilityBuffer};
+use renderer::{Alone, Hits, PinholeCamera, RayBatch, RenderError, Scene, VisibilityBuffer};
 use schema::geometry::Snapshot;
 
 use crate::bvh::{Bvh, QUICK, Stack};
@@ -31,7 +31,16 @@ impl Scene for CpuScene<'_> {
     }
 
     fn look(&self, cameras: &[PinholeCamera]) -> Result<Vec<VisibilityBuffer>, RenderError> {
-        Ok(cameras.par_iter().map(|camera| rasterize(&self.placed, camera)).collect())
+        let all = || (0..).zip(&self.placed);
+        Ok(cameras.par_iter().map(|camera| rasterize(all(), camera)).collect())
+    }
+
+    fn look_at(&self, shots: &[Alone<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
+        let some = |shot: &Alone<'_>| {
+            let placed = shot.instances.iter().filter_map(|&i| Some((i, self.placed.get(i as usize)?)));
+            rasterize(placed, &shot.camera)
+        };
+        Ok(shots.par_iter().map(some).collect())
     }
 
     fn trace(&self, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {

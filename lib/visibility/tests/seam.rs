@@ -6,7 +6,7 @@ mod common;
 use common::brute::BruteRenderer;
 use common::*;
 use glam::Vec3;
-use renderer::{RayBatch, RenderError, Renderer, SKY, Scene, Surfaces};
+use renderer::{Alone, RayBatch, RenderError, Renderer, SKY, Scene, Surfaces};
 use schema::geometry::Snapshot;
 use visibility::CpuRenderer;
 
@@ -27,7 +27,7 @@ fn with_both(world: &Snapshot, run: impl FnOnce(&dyn Scene, &dyn Scene)) {
 
 #[test]
 fn both_see_the_same_ids_depths_and_surfaces() {
-    let mut covered = 0;
+    let (mut covered, mut alone) = (0, 0);
     for number in 0..2 {
         let world = world(number);
         let mut s = stream("seam/cameras", number);
@@ -53,9 +53,17 @@ fn both_see_the_same_ids_depths_and_surfaces() {
                 assert_eq!(a.at(20, 13), b.at(20, 13));
                 covered += ours.instance.iter().filter(|&&i| i != SKY).count();
             }
+            let some: Vec<u32> = (0..world.instances.len() as u32).step_by(3).collect();
+            let shots: Vec<Alone<'_>> =
+                cameras.iter().map(|&camera| Alone { camera, instances: &some }).collect();
+            for (ours, theirs) in cpu.look_at(&shots).unwrap().iter().zip(&brute.look_at(&shots).unwrap()) {
+                assert_eq!((&ours.instance, &ours.triangle), (&theirs.instance, &theirs.triangle));
+                assert!(ours.instance.iter().all(|&i| i == SKY || i % 3 == 0));
+                alone += ours.instance.iter().filter(|&&i| i != SKY).count();
+            }
         });
     }
-    assert!(covered > 1500, "{covered}");
+    assert!(covered > 1500 && alone > 300, "{covered} {alone}");
 }
 
 #[test]

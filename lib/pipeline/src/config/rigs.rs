@@ -112,6 +112,7 @@ fn camera(s: &Section<'_>, d: &CameraSettings) -> CameraSettings {
             100,
             "JPEG quality of the RGB images",
         ) as u8,
+        boxes_2d: s.flag("boxes_2d", d.boxes_2d, "write the boxes of objects in the pictures"),
         images: images(s, d.images),
     }
 }

@@ -19,6 +19,8 @@ pub struct CameraSettings {
     pub f_stop: f64,
     /// JPEG quality of the RGB images, 1 to 100 (80).
     pub jpeg_quality: u8,
+    /// Write the boxes of objects in the pictures (false).
+    pub boxes_2d: bool,
     /// Which images are written: a flag a kind.
     #[serde(flatten)]
     pub images: ImageSet,
@@ -32,6 +34,7 @@ impl Default for CameraSettings {
             horizontal_fov_rad: deg(80.0),
             f_stop: 1.8,
             jpeg_quality: 80,
+            boxes_2d: false,
             images: ImageSet::default(),
         }
     }

@@ -43,6 +43,7 @@ pub fn every_table() -> Vec<TableDoc> {
         describe_table::<GnssRow>(),
         describe_table::<ImuRow>(),
         describe_table::<VisibleRow>(),
+        describe_table::<Box2dRow>(),
         describe_table::<ValidBoxRow>(),
         describe_table::<TrackRow>(),
         describe_table::<TrackFrameRow>(),

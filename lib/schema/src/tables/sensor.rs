@@ -9,6 +9,8 @@ pub const GNSS_TABLE: &str = "GNSS";
 pub const IMU_TABLE: &str = "IMU";
 /// Table of [`VisibleRow`].
 pub const VISIBLE_TABLE: &str = "visible";
+/// Table of [`Box2dRow`].
+pub const BOXES_2D_TABLE: &str = "boxes_2d";
 
 table! {
     /// Encoded images of one camera, of one of the kinds listed below; PNG with 8-bit red, green and blue.
@@ -156,4 +158,31 @@ table! {
     }
 }
 
-framed!(CameraRow, FlowRow, LidarRow, SemanticLidarRow, RadarRow, GnssRow, ImuRow, VisibleRow);
+table! {
+    /// Boxes in the pictures: one row per frame, camera and object with a detection class that the camera shows. A box is
+    /// left, top, right, bottom in pixels from the picture's corner; pixel (0, 0) reaches from 0 to 1. Parts of other tags
+    /// (the pole of a traffic light) are not in it.
+    Box2dRow in "sensors/{agent}/boxes_2d" by "render-sensors" {
+        /// Frame number.
+        frame: u32,
+        /// Name of the camera.
+        camera: String,
+        /// Object id.
+        id: u16,
+        /// Detection class.
+        class: String,
+        /// Pixels that show it.
+        pixels: u32,
+        /// Box around these pixels.
+        visible_px: [f32; 4],
+        /// Box around all of the object that is before the camera, hidden or outside of the picture or not; no farther outside
+        /// than the picture is wide and high.
+        amodal_px: [f32; 4],
+        /// Share of its pixels in the picture that others hide, 0 to 1.
+        occlusion: f32,
+        /// Share of the amodal box that lies outside of the picture, 0 to 1.
+        truncation: f32,
+    }
+}
+
+framed!(Box2dRow, CameraRow, FlowRow, LidarRow, SemanticLidarRow, RadarRow, GnssRow, ImuRow, VisibleRow);

@@ -1,6 +1,7 @@
 //! Cameras: one look at the scene, and the images that are made of it.
 
 mod antialias;
+mod boxes_2d;
 mod colour;
 mod depth;
 mod encode;
@@ -19,6 +20,7 @@ use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
 use schema::settings::Rig;
 
 use crate::sensor::SensorVisitor;
+pub(crate) use boxes_2d::Boxes2d;
 pub use depth::decode_depth_m;
 pub use image::Image;
 use image::Images;

@@ -16,8 +16,11 @@ use crate::placed::Placed;
 use tile::Tile;
 use view::{TILE_HEIGHT, TILE_WIDTH, View};
 
-/// Sees instances through a pinhole camera, in parallel.
-pub(crate) fn rasterize(placed: &[Option<Placed<'_>>], camera: &PinholeCamera) -> VisibilityBuffer {
+/// Sees instances, given with their numbers, through a pinhole camera, in parallel.
+pub(crate) fn rasterize<'p, 'a: 'p>(
+    placed: impl Iterator<Item = (u32, &'p Option<Placed<'a>>)>,
+    camera: &PinholeCamera,
+) -> VisibilityBuffer {
     let mut buffer = VisibilityBuffer::empty(camera);
     let width = camera.width as usize;
     if width == 0 || camera.height == 0 {

@@ -40,14 +40,17 @@ pub(super) struct View<'a> {
 type TileRange = [usize; 4];
 
 impl<'a> View<'a> {
-    pub(super) fn new(placed: &[Option<Placed<'a>>], camera: &PinholeCamera) -> Self {
+    pub(super) fn new<'p>(
+        placed: impl Iterator<Item = (u32, &'p Option<Placed<'a>>)>,
+        camera: &PinholeCamera,
+    ) -> Self
+    where
+        'a: 'p,
+    {
         let columns = (camera.width as usize).div_ceil(TILE_WIDTH);
         let rows = (camera.height as usize).div_ceil(TILE_HEIGHT);
-        let mut found: Vec<(Seen<'a>, TileRange)> = placed
-            .iter()
-            .enumerate()
-            .filter_map(|(number, placed)| look(number as u32, placed.as_ref()?, camera))
-            .collect();
+        let mut found: Vec<(Seen<'a>, TileRange)> =
+            placed.filter_map(|(number, placed)| look(number, placed.as_ref()?, camera)).collect();
         found.sort_by(|(a, _), (b, _)| {
             a.nearest_m.total_cmp(&b.nearest_m).then_with(|| a.number.cmp(&b.number))
         });

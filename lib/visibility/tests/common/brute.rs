@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Mat3};
-use renderer::{Hit, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer};
+use renderer::{Alone, Hit, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer};
 use schema::geometry::{Snapshot, TriMesh};
 
 #[derive(Default)]
@@ -58,8 +58,18 @@ impl<'a> BruteScene<'a> {
     /// Closest hit: Moeller and Trumbore, "Fast, minimum storage ray-triangle intersection" (1997). Of equals, the
     /// first.
     fn closest(&self, origin: DVec3, direction: DVec3, range: [f64; 2]) -> Option<Hit> {
+        self.closest_of(origin, direction, range, |_| true)
+    }
+
+    fn closest_of(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        range: [f64; 2],
+        counts: impl Fn(u32) -> bool,
+    ) -> Option<Hit> {
         let mut best: Option<(f64, Hit)> = None;
-        for triangle in &self.triangles {
+        for triangle in self.triangles.iter().filter(|t| counts(t.instance)) {
             let [a, b, c] = triangle.corners;
             let (e1, e2) = (b - a, c - a);
             let p = direction.cross(e2);
@@ -83,7 +93,7 @@ impl<'a> BruteScene<'a> {
         best.map(|(_, hit)| hit)
     }
 
-    fn look_through(&self, camera: &PinholeCamera) -> VisibilityBuffer {
+    fn look_through(&self, camera: &PinholeCamera, counts: impl Fn(u32) -> bool) -> VisibilityBuffer {
         let pose = &camera.local_from_optical;
         let local_from_optical = DAffine3 {
             matrix3: Mat3::from(pose.matrix3).as_dmat3(),
@@ -97,7 +107,8 @@ impl<'a> BruteScene<'a> {
                 // Not of unit length: distances along it are planar depths.
                 let direction = local_from_optical.transform_vector3(DVec3::new(column, row, 1.0));
                 let range = [f64::from(camera.near_m), f64::from(camera.far_m)];
-                if let Some(hit) = self.closest(local_from_optical.translation, direction, range) {
+                if let Some(hit) = self.closest_of(local_from_optical.translation, direction, range, &counts)
+                {
                     let index = buffer.index(x, y);
                     buffer.instance[index] = hit.instance;
                     buffer.triangle[index] = hit.triangle;
@@ -115,7 +126,12 @@ impl Scene for BruteScene<'_> {
     }
 
     fn look(&self, cameras: &[PinholeCamera]) -> Result<Vec<VisibilityBuffer>, RenderError> {
-        Ok(cameras.iter().map(|camera| self.look_through(camera)).collect())
+        Ok(cameras.iter().map(|camera| self.look_through(camera, |_| true)).collect())
+    }
+
+    fn look_at(&self, shots: &[Alone<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
+        let alone = |shot: &Alone<'_>| self.look_through(&shot.camera, |i| shot.instances.contains(&i));
+        Ok(shots.iter().map(alone).collect())
     }
 
     fn trace(&self, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {

@@ -1,0 +1,334 @@
+//! Boxes of objects in the pictures: what is seen of them, and what would be.
+
+use std::collections::BTreeMap;
+
+use glam::Vec3;
+use renderer::{Alone, PinholeCamera, SKY, Scene, VisibilityBuffer};
+use schema::geometry::{Instance, Snapshot};
+use schema::settings::Rig;
+use schema::tables::{BOXES_2D_TABLE, Box2dRow};
+use schema::{DetectionClass, ObjectId, Tag};
+
+use super::sight::Sight;
+use crate::error::SensorError;
+use crate::observation::Observation;
+use crate::sensor::{Layout, Sensor, SensorTable};
+
+/// Measures every object with a class in every camera of an agent.
+pub(crate) struct Boxes2d {
+    cameras: Vec<String>,
+}
+
+impl Boxes2d {
+    /// For rigs that want them and have a picture to measure in.
+    pub(crate) fn of(rig: &Rig) -> Option<Self> {
+        let wanted = rig.camera.boxes_2d && !rig.camera.images.is_empty();
+        wanted.then(|| Self { cameras: rig.cameras.iter().map(|camera| camera.name.clone()).collect() })
+    }
+}
+
+impl Sensor for Boxes2d {
+    type Row = Box2dRow;
+
+    fn table(&self) -> SensorTable {
+        SensorTable::new(BOXES_2D_TABLE, None, Layout::Whole)
+    }
+
+    fn sense(&self, at: &Observation<'_>) -> Result<Vec<Box2dRow>, SensorError> {
+        let mut rows = Vec::new();
+        for (camera, sight) in self.cameras.iter().zip(&at.sights) {
+            for shown in measure(at.scene, sight)? {
+                rows.push(Box2dRow { frame: at.frame, camera: camera.clone(), ..shown });
+            }
+        }
+        Ok(rows)
+    }
+}
+
+/// Whether parts of a tag belong to an object's box: those that name its class, and riders.
+fn is_boxed(tag: Tag) -> bool {
+    tag == Tag::Rider || DetectionClass::from_tag(tag).is_some()
+}
+
+/// An object in the picture.
+struct Shown {
+    class: DetectionClass,
+    pixels: u32,
+    visible: Rect,
+}
+
+/// A rectangle of whole pixels: first column and row, and those after the last.
+#[derive(Clone, Copy)]
+struct Rect {
+    low: [u32; 2],
+    high: [u32; 2],
+}
+
+/// The boxes of one sight, by object; frame and camera are not said yet.
+fn measure(scene: &dyn Scene, sight: &Sight) -> Result<Vec<Box2dRow>, SensorError> {
+    let (snapshot, seen) = (scene.snapshot(), &sight.seen);
+    let camera = sight.view.pinhole()?;
+    let shown = shown(snapshot, seen);
+    let mut parts: BTreeMap<ObjectId, Vec<u32>> = shown.keys().map(|id| (*id, Vec::new())).collect();
+    for (number, instance) in (0..).zip(&snapshot.instances) {
+        if let Some(parts) = parts.get_mut(&instance.object) {
+            parts.push(number);
+        }
+    }
+    let measured: Vec<(ObjectId, &Shown, [f32; 4], &[u32])> = parts
+        .iter()
+        .filter_map(|(id, parts)| {
+            let object = shown.get(id)?;
+            let instances = parts.iter().map(|&i| &snapshot.instances[i as usize]);
+            let amodal = silhouette(snapshot, instances, &camera, object.visible);
+            Some((*id, object, amodal, parts.as_slice()))
+        })
+        .collect();
+    let shots: Vec<(Alone<'_>, [u32; 2])> = measured
+        .iter()
+        .map(|(_, _, amodal, instances)| {
+            let (camera, corner) = cropped(&camera, *amodal);
+            (Alone { camera, instances }, corner)
+        })
+        .collect();
+    let alone: Vec<Alone<'_>> = shots.iter().map(|(alone, _)| *alone).collect();
+    let views = scene.look_at(&alone)?;
+    let rows =
+        measured.iter().zip(&shots).zip(&views).map(|(((id, object, amodal, _), (_, corner)), view)| {
+            let hidden = hidden(snapshot, seen, *id, view, *corner);
+            let Rect { low, high } = object.visible;
+            Box2dRow {
+                id: *id,
+                class: object.class.name().to_owned(),
+                pixels: object.pixels,
+                visible_px: [low[0], low[1], high[0], high[1]].map(|v| v as f32),
+                amodal_px: *amodal,
+                occlusion: hidden as f32 / (hidden + object.pixels) as f32,
+                truncation: truncation(*amodal, &camera),
+                ..Box2dRow::default()
+            }
+        });
+    Ok(rows.collect())
+}
+
+/// The tag of what a pixel shows, and whose it is; none of the sky.
+fn part_at(snapshot: &Snapshot, seen: &VisibilityBuffer, pixel: usize) -> Option<(Tag, ObjectId)> {
+    let instance = seen.instance[pixel];
+    (instance != SKY).then(|| {
+        let instance = &snapshot.instances[instance as usize];
+        (snapshot.mesh(instance).part(seen.triangle[pixel] as usize).tag, instance.object)
+    })
+}
+
+/// The objects with a class that a picture shows.
+fn shown(snapshot: &Snapshot, seen: &VisibilityBuffer) -> BTreeMap<ObjectId, Shown> {
+    // A class needs one of its tags in the picture: a rider's alone has none.
+    let mut found: BTreeMap<ObjectId, (Option<DetectionClass>, u32, Rect)> = BTreeMap::new();
+    for y in 0..seen.height {
+        for x in 0..seen.width {
+            let Some((tag, id)) = part_at(snapshot, seen, seen.index(x, y)).filter(|(tag, _)| is_boxed(*tag))
+            else {
+                continue;
+            };
+            let (class, pixels, rect) =
+                found.entry(id).or_insert((None, 0, Rect { low: [x, y], high: [x, y] }));
+            *class = DetectionClass::from_tag(tag).or(*class);
+            *pixels += 1;
+            rect.low = [rect.low[0].min(x), rect.low[1].min(y)];
+            rect.high = [rect.high[0].max(x + 1), rect.high[1].max(y + 1)];
+        }
+    }
+    let classes = classes_of(snapshot, &found.keys().copied().collect::<Vec<_>>());
+    found
+        .into_iter()
+        .filter_map(|(id, (class, pixels, visible))| {
+            Some((id, Shown { class: class.or_else(|| classes.get(&id).copied())?, pixels, visible }))
+        })
+        .collect()
+}
+
+/// The classes of some objects by all their parts, whether they are seen or not.
+fn classes_of(snapshot: &Snapshot, of: &[ObjectId]) -> BTreeMap<ObjectId, DetectionClass> {
+    let mut classes = BTreeMap::new();
+    for instance in snapshot.instances.iter().filter(|i| of.binary_search(&i.object).is_ok()) {
+        let mesh = snapshot.mesh(instance);
+        for class in mesh.parts.iter().filter_map(|part| DetectionClass::from_tag(part.tag)) {
+            classes.insert(instance.object, class);
+        }
+    }
+    classes
+}
+
+/// The box around the picture of some instances' parts, left, top, right, bottom; it holds all pixels of `visible`.
+fn silhouette<'a>(
+    snapshot: &Snapshot,
+    instances: impl Iterator<Item = &'a Instance>,
+    camera: &PinholeCamera,
+    visible: Rect,
+) -> [f32; 4] {
+    let optical_from_local = camera.local_from_optical.inverse();
+    let (mut low, mut high) = (visible.low.map(|v| v as f32), visible.high.map(|v| v as f32));
+    let size = [camera.width as f32, camera.height as f32];
+    let mut add = |p: Vec3| {
+        let at = [camera.fx * p.x / p.z + camera.cx, camera.fy * p.y / p.z + camera.cy];
+        for k in 0..2 {
+            let at = at[k].clamp(-size[k], 2.0 * size[k]);
+            (low[k], high[k]) = (low[k].min(at), high[k].max(at));
+        }
+    };
+    for instance in instances {
+        let (mesh, pose) = (snapshot.mesh(instance), optical_from_local * instance.local_from_object);
+        let points: Vec<Vec3> = mesh.positions.iter().map(|p| pose.transform_point3(*p)).collect();
+        for (index, corners) in mesh.triangles.iter().enumerate() {
+            if !is_boxed(mesh.part(index).tag) {
+                continue;
+            }
+            let corners = corners.map(|i| points[i as usize]);
+            for k in 0..3 {
+                let (a, b) = (corners[k], corners[(k + 1) % 3]);
+                if a.z >= camera.near_m {
+                    add(a);
+                }
+                // An edge through the near plane ends there.
+                if (a.z < camera.near_m) != (b.z < camera.near_m) {
+                    add(a + (b - a) * ((camera.near_m - a.z) / (b.z - a.z)));
+                }
+            }
+        }
+    }
+    [low[0], low[1], high[0], high[1]]
+}
+
+/// The part of a camera's picture that a box lies in, as a camera of its own, and where in the picture it begins.
+fn cropped(camera: &PinholeCamera, [left, top, right, bottom]: [f32; 4]) -> (PinholeCamera, [u32; 2]) {
+    let inside = |v: f32, size: u32| v.clamp(0.0, size as f32);
+    let low = [inside(left, camera.width), inside(top, camera.height)].map(|v| v.floor() as u32);
+    let high = [inside(right, camera.width), inside(bottom, camera.height)].map(|v| v.ceil() as u32);
+    // Halves and whole numbers: every pixel keeps its ray, bit for bit.
+    let crop = PinholeCamera {
+        width: high[0] - low[0],
+        height: high[1] - low[1],
+        cx: camera.cx - low[0] as f32,
+        cy: camera.cy - low[1] as f32,
+        ..*camera
+    };
+    (crop, low)
+}
+
+/// Pixels that would show an object if nothing else were there, and show something else.
+fn hidden(
+    snapshot: &Snapshot,
+    seen: &VisibilityBuffer,
+    id: ObjectId,
+    alone: &VisibilityBuffer,
+    corner: [u32; 2],
+) -> u32 {
+    let mut hidden = 0;
+    for y in 0..alone.height {
+        for x in 0..alone.width {
+            let there = part_at(snapshot, alone, alone.index(x, y)).is_some_and(|(tag, _)| is_boxed(tag));
+            let pixel = seen.index(corner[0] + x, corner[1] + y);
+            let own = |(tag, other): (Tag, ObjectId)| other == id && is_boxed(tag);
+            hidden += u32::from(there && !part_at(snapshot, seen, pixel).is_some_and(own));
+        }
+    }
+    hidden
+}
+
+/// The share of a box that lies outside of the picture.
+fn truncation([left, top, right, bottom]: [f32; 4], camera: &PinholeCamera) -> f32 {
+    let area = |left: f32, top: f32, right: f32, bottom: f32| (right - left) * (bottom - top);
+    let (width, height) = (camera.width as f32, camera.height as f32);
+    let inside = area(left.max(0.0), top.max(0.0), right.min(width), bottom.min(height));
+    (1.0 - inside / area(left, top, right, bottom)).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use frames::Pose;
+    use renderer::Renderer;
+    use schema::settings::{CameraSettings, Mount};
+    use testkit::{WorldBuilder, box_mesh};
+    use visibility::CpuRenderer;
+
+    use super::super::view::CameraView;
+    use super::*;
+
+    /// Boxes in front of a camera at the origin that looks along x, 100 by 60 pixels, focal length 50 pixels.
+    fn boxes_of(world: WorldBuilder) -> Vec<Box2dRow> {
+        let snapshot = world.snapshot([0.0; 3]);
+        let mut renderer = CpuRenderer::default();
+        renderer.prepare(&snapshot.meshes).expect("has no device");
+        let scene = renderer.place(&snapshot).expect("is prepared");
+        let settings = CameraSettings {
+            width: 100,
+            height: 60,
+            horizontal_fov_rad: frames::deg(90.0),
+            ..CameraSettings::default()
+        };
+        let (here, mount) = (Pose::identity(), Mount::upright([0.0; 3], 0.0));
+        let view = CameraView::new(&snapshot.origin, &here, &here, &mount, &settings);
+        let seen = scene.look(&[view.pinhole().expect("a camera")]).expect("has no device").remove(0);
+        measure(&*scene, &Sight { view, seen, picture: None }).expect("has no device")
+    }
+
+    fn thing(world: &mut WorldBuilder, tag: Tag, size: [f32; 3], id: u16, xyz: [f64; 3]) {
+        world.add(box_mesh(tag, size, 2), id, xyz, [0.0; 3]);
+    }
+
+    #[test]
+    fn a_box_alone_is_its_front_face() {
+        let mut world = WorldBuilder::default();
+        // Its front is at x = 10, from y = -1 to 1 and z = -1 to 1: 5 pixels either way from (50, 30).
+        thing(&mut world, Tag::Car, [4.0, 2.0, 2.0], 7, [12.0, 0.0, -1.0]);
+        let got = boxes_of(world);
+        let [row] = got.as_slice() else { panic!("{got:?}") };
+        assert_eq!((row.id, row.class.as_str(), row.pixels), (7, "car", 100));
+        assert_eq!(row.visible_px, [45.0, 25.0, 55.0, 35.0]);
+        assert!(row.amodal_px.iter().zip([45.0, 25.0, 55.0, 35.0]).all(|(a, b)| (a - b).abs() < 1e-3));
+        assert_eq!((row.occlusion, row.truncation < 1e-4), (0.0, true));
+    }
+
+    #[test]
+    fn what_others_hide_is_occluded() {
+        let mut world = WorldBuilder::default();
+        thing(&mut world, Tag::Car, [4.0, 2.0, 2.0], 7, [12.0, 0.0, -1.0]);
+        // A wall of no class at x = 5 hides all that is left of the middle: y above 0.
+        thing(&mut world, Tag::Wall, [0.2, 4.0, 8.0], 8, [5.1, 2.0, -4.0]);
+        let got = boxes_of(world);
+        let [row] = got.as_slice() else { panic!("a wall has no class: {got:?}") };
+        assert_eq!((row.id, row.pixels, row.occlusion), (7, 50, 0.5));
+        assert_eq!(row.visible_px, [50.0, 25.0, 55.0, 35.0]);
+        assert!((row.amodal_px[0] - 45.0).abs() < 1e-3, "{:?}", row.amodal_px);
+    }
+
+    #[test]
+    fn what_is_cut_off_is_truncated_and_what_is_behind_is_clipped() {
+        let mut world = WorldBuilder::default();
+        // The front at x = 10 reaches from y = 8 to 12: columns -10 to 10, of which half are in the picture.
+        thing(&mut world, Tag::Truck, [1e-3, 4.0, 2.0], 3, [10.0, 10.0, -1.0]);
+        // Beside the camera, from behind it to far ahead.
+        thing(&mut world, Tag::Bus, [40.0, 1.0, 3.0], 4, [0.0, -3.0, -1.0]);
+        let got = boxes_of(world);
+        let [truck, bus] = got.as_slice() else { panic!("{got:?}") };
+        assert!((truck.truncation - 0.5).abs() < 1e-3 && truck.occlusion == 0.0, "{truck:?}");
+        assert!((truck.amodal_px[0] + 10.0).abs() < 1e-2, "{truck:?}");
+        // Its near end is beyond the right and lower edge however far away that is.
+        assert_eq!(bus.amodal_px[2], 200.0);
+        assert!(bus.truncation > 0.4 && bus.visible_px[2] == 100.0, "{bus:?}");
+    }
+
+    #[test]
+    fn a_rider_belongs_to_the_bicycle_and_a_pole_to_nobody() {
+        let mut world = WorldBuilder::default();
+        thing(&mut world, Tag::Bicycle, [0.2, 0.2, 1.0], 5, [10.0, 0.0, -1.0]);
+        thing(&mut world, Tag::Rider, [0.2, 0.2, 1.0], 5, [10.0, 0.0, 0.0]);
+        // The lower half hidden: what is seen is the rider alone.
+        thing(&mut world, Tag::Wall, [0.1, 2.0, 4.0], 6, [5.0, 0.0, -4.0]);
+        thing(&mut world, Tag::Pole, [0.2, 0.2, 1.0], 9, [10.0, 2.0, 0.0]);
+        let got = boxes_of(world);
+        let [row] = got.as_slice() else { panic!("{got:?}") };
+        assert_eq!((row.id, row.class.as_str()), (5, "bicycle"));
+        assert!((0.45..0.55).contains(&row.occlusion), "{row:?}");
+    }
+}
