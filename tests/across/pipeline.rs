@@ -93,7 +93,7 @@ fn stale_exactly_where_it_should_be(bench: &Bench) {
     let changed: Vec<&String> = before.keys().filter(|k| before[*k] != after[*k]).collect();
     assert_eq!(changed, ["scenes/0000/_manifests/render-sensors.json"], "the same shards");
 
-    // A damaged manifest is seen and mended, and stops nobody else.
+    // A damaged manifest is seen and made again, and stops nobody else.
     let manifest = bench.store().join("scenes/0000/_manifests/bev-gt.json");
     let whole = bench.digests();
     std::fs::write(&manifest, "{").expect("truncates");
@@ -101,7 +101,7 @@ fn stale_exactly_where_it_should_be(bench: &Bench) {
     bench.run("bev-gt", &[]).expect_done();
     assert_eq!(whole, bench.digests());
 
-    // A truncated shard is seen, named and mended.
+    // A truncated shard is seen, named and made again.
     let shard = bench.store().join("scenes/0000/boxes.parquet");
     let bytes = std::fs::read(&shard).expect("reads");
     std::fs::write(&shard, &bytes[..bytes.len() / 2]).expect("truncates");

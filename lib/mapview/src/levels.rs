@@ -42,12 +42,12 @@ pub(crate) fn assign(stretches: &mut [Stretch]) {
     }
 }
 
-/// Stretch and piece, with the height there.
-type Place = ((usize, usize), f64);
+/// Stretch and piece, with its height.
+type PieceHeight = ((usize, usize), f64);
 
 /// What lies in each cell of a grid over the world: each piece once, with one of its heights there.
-fn cells(stretches: &[Stretch]) -> BTreeMap<[i32; 2], Vec<Place>> {
-    let mut cells: BTreeMap<[i32; 2], Vec<Place>> = BTreeMap::new();
+fn cells(stretches: &[Stretch]) -> BTreeMap<[i32; 2], Vec<PieceHeight>> {
+    let mut cells: BTreeMap<[i32; 2], Vec<PieceHeight>> = BTreeMap::new();
     for (k, stretch) in stretches.iter().enumerate() {
         let Some([right, left]) = stretch.edges() else { continue };
         for (p, piece) in stretch.pieces.iter().enumerate() {

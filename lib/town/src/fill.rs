@@ -10,7 +10,7 @@ use crate::path::{Path, Pose2};
 use crate::profile::Profile;
 
 /// Distance between the places of a road from which gaps are looked for, metres.
-const STATION_M: f64 = 0.25;
+const CROSS_SECTION_M: f64 = 0.25;
 /// Steps in which is looked for the far side of a gap, and the widest gap, metres.
 const STEP_M: f64 = 0.2;
 const WIDEST_M: f64 = 30.0;
@@ -23,7 +23,7 @@ const WORTH_M: f64 = 0.08;
 const UNDER_M: f64 = 0.25;
 /// Wider gaps between the directions of a seam are land, metres.
 const SLIT_M: f64 = 1.0;
-/// So many stations beyond the ends of a gap are paved, too: next to a tangent, gaps below the least one are long.
+/// So many cross sections beyond the ends of a gap are paved, too: next to a tangent, gaps below the least one are long.
 const BEYOND: usize = 2;
 /// A width is left out where a straight line between its neighbours tells as much, metres.
 const TOLERANCE_M: f64 = 0.08;
@@ -105,22 +105,22 @@ fn has_kerb(road: &Road) -> bool {
     outermost.is_some_and(|lane| lane.lane_type != LaneType::Driving)
 }
 
-/// How far the ground beside a road is open at each of its stations, metres: 0 where it is not, where nothing ends the
+/// How far the ground beside a road is open at each of its cross sections, metres: 0 where it is not, where nothing ends the
 /// gap, and where it lies outside the kerbs, which a turn may cut.
 fn gaps(strips: &[Strip], own: usize, hand: Hand, streets: &[Street], kerbs: &[usize]) -> Vec<f64> {
     // The road itself may lie on the other side, too: round a turning circle.
     let covered = |[x, y]: [f64; 2]| {
         streets.iter().any(|street| street.covers(x, y)) || strips.iter().any(|strip| strip.covers(x, y))
     };
-    let last = strips[own].stations.len().saturating_sub(1);
-    let gap = |(i, station): (usize, &Station)| {
+    let last = strips[own].cross_sections.len().saturating_sub(1);
+    let gap = |(i, here): (usize, &CrossSection)| {
         // At its ends a road looks from just inside, where the ground is the junction's.
         let inside_m = match i {
             0 => END_M,
             i if i == last => -END_M,
             _ => 0.0,
         };
-        let from = station.pose.moved(inside_m, station.edge_m(hand));
+        let from = here.pose.moved(inside_m, here.edge_m(hand));
         let [dx, dy] = left_of(from).map(|v| hand * v);
         let paved = |d: f64| covered([from.x_m + d * dx, from.y_m + d * dy]);
         let steps = (WIDEST_M / STEP_M) as u32;
@@ -135,7 +135,7 @@ fn gaps(strips: &[Strip], own: usize, hand: Hand, streets: &[Street], kerbs: &[u
         let outside = || kerbs.iter().any(|kerb| strips[*kerb].is_left_behind(beside));
         far.filter(|d| *d > LEAST_M && !outside()).unwrap_or(0.0)
     };
-    strips[own].stations.iter().enumerate().map(gap).collect()
+    strips[own].cross_sections.iter().enumerate().map(gap).collect()
 }
 
 /// The direction to the left.
@@ -165,8 +165,8 @@ impl Street {
     }
 }
 
-/// A place of a reference line.
-struct Station {
+/// A connecting road, cut across at a place of its reference line.
+struct CrossSection {
     s: f64,
     pose: Pose2,
     /// Of the reference line, 1/m, positive to the left.
@@ -175,7 +175,7 @@ struct Station {
     edges_m: [f64; 2],
 }
 
-impl Station {
+impl CrossSection {
     fn edge_m(&self, hand: Hand) -> f64 {
         self.edges_m[usize::from(hand == LEFT)]
     }
@@ -189,10 +189,10 @@ impl Station {
 
 /// The surface of a connecting road.
 struct Strip {
-    stations: Vec<Station>,
+    cross_sections: Vec<CrossSection>,
     /// The borders of its lanes there, from right to left.
     borders: Vec<Vec<[f64; 2]>>,
-    /// West, south, east, north; of the whole, and between neighbouring stations.
+    /// West, south, east, north; of the whole, and between neighbouring cross sections.
     bounds: [f64; 4],
     parts: Vec<[f64; 4]>,
 }
@@ -205,7 +205,7 @@ impl Strip {
             [&section.left, &section.right]
                 .map(|lanes| lanes.iter().map(|lane| Profile::of(&lane.widths)).collect())
         });
-        let count = (path.length_m / STATION_M).ceil().max(1.0) as u32;
+        let count = (path.length_m / CROSS_SECTION_M).ceil().max(1.0) as u32;
         let lefts = |s: f64| {
             let mut lefts = vec![0.0];
             for (side, sign) in sides.iter().zip([LEFT, RIGHT]) {
@@ -229,36 +229,36 @@ impl Strip {
                 let p = pose.moved(0.0, *left);
                 [p.x_m, p.y_m]
             };
-            (Station { s, pose, curvature, edges_m }, lefts.iter().map(place).collect())
+            (CrossSection { s, pose, curvature, edges_m }, lefts.iter().map(place).collect())
         };
-        let (stations, borders): (Vec<Station>, Vec<Vec<[f64; 2]>>) = (0..=count).map(at).unzip();
+        let (cross_sections, borders): (Vec<CrossSection>, Vec<Vec<[f64; 2]>>) = (0..=count).map(at).unzip();
         let bounds = bounds_of(borders.iter().flatten());
         let parts = borders.windows(2).map(|pair| bounds_of(pair.iter().flatten())).collect();
-        Self { stations, borders, bounds, parts }
+        Self { cross_sections, borders, bounds, parts }
     }
 
     /// Widths of a strip that covers gaps, by s, both in metres.
     fn widths(&self, gaps: &[f64], hand: Hand) -> Vec<(f64, f64)> {
-        let width = |(i, station): (usize, &Station)| {
+        let width = |(i, here): (usize, &CrossSection)| {
             let near = gaps.iter().skip(i.saturating_sub(BEYOND)).take(i.min(BEYOND) + 1 + BEYOND);
             let open = near.into_iter().any(|gap| *gap > 0.0);
             let gap = gaps.get(i).copied().unwrap_or(0.0);
-            (station.s, if open { (gap + UNDER_M).min(station.widest_m(hand)) } else { 0.0 })
+            (here.s, if open { (gap + UNDER_M).min(here.widest_m(hand)) } else { 0.0 })
         };
-        self.stations.iter().enumerate().map(width).collect()
+        self.cross_sections.iter().enumerate().map(width).collect()
     }
 
     /// Whether a point lies beside the road and beyond its right edge.
     fn is_left_behind(&self, [x, y]: [f64; 2]) -> bool {
-        let off = |station: &Station| {
-            let [dx, dy] = [x - station.pose.x_m, y - station.pose.y_m];
+        let off = |here: &CrossSection| {
+            let [dx, dy] = [x - here.pose.x_m, y - here.pose.y_m];
             (dx * dx + dy * dy, [dx, dy])
         };
-        let nearest = self.stations.iter().min_by(|a, b| off(a).0.total_cmp(&off(b).0));
-        nearest.is_some_and(|station| {
-            let ([lx, ly], [dx, dy]) = (left_of(station.pose), off(station).1);
+        let nearest = self.cross_sections.iter().min_by(|a, b| off(a).0.total_cmp(&off(b).0));
+        nearest.is_some_and(|here| {
+            let ([lx, ly], [dx, dy]) = (left_of(here.pose), off(here).1);
             let (ahead, left) = (dx * ly - dy * lx, dx * lx + dy * ly);
-            ahead.abs() < STATION_M && left < station.edges_m[0]
+            ahead.abs() < CROSS_SECTION_M && left < here.edges_m[0]
         })
     }
 

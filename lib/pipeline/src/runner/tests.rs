@@ -81,9 +81,9 @@ fn a_panic_is_the_fault_of_its_scene_alone() {
     let reason = "a bug in Convoy: number 1 of 1 (please report it)".to_owned();
     assert_eq!(second, State::Failed(reason));
 
-    let mended = run_of(&settings, &store, |job| write(job, 10));
-    assert_eq!(mended.all(&SCENES).expect("runs"), EXIT_DONE);
-    assert_eq!(states(&mended), [State::Done, State::Done, State::Done]);
+    let corrected = run_of(&settings, &store, |job| write(job, 10));
+    assert_eq!(corrected.all(&SCENES).expect("runs"), EXIT_DONE);
+    assert_eq!(states(&corrected), [State::Done, State::Done, State::Done]);
     assert!(store.read(&SCENES[1].failure("bev-gt")).expect("asks").is_none(), "is forgotten");
 }
 
