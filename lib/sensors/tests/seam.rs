@@ -2,7 +2,6 @@
 
 mod common;
 
-use common::brute::BruteRenderer;
 use common::{at, block, first_frame, instance, plane, prepared, snapshot};
 use frames::{Agent, Pose, World};
 use glam::Affine3A;
@@ -16,6 +15,7 @@ use schema::{AgentId, ImageKind, ImageSet, Tag};
 use sensors::{
     AgentState, Carrier, CpuPainter, GeoOrigin, Motion, Observation, Sensor, SensorError, SensorVisitor,
 };
+use testkit::BruteRenderer;
 
 /// A road, a house and cars, one of which drives.
 fn corner() -> Snapshot {

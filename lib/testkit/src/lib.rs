@@ -1,4 +1,4 @@
-//! What tests share: real maps, small roads, meshes and snapshots. Only tests, benchmarks and examples depend on it.
+//! What tests share: real maps, small roads, meshes and snapshots, a renderer by brute force. Only tests, benchmarks and examples depend on it.
 //!
 //! What a machine may lack (real maps, Python packages) is asked for here, so that one rule holds everywhere: the test
 //! prints that it skips, and fails instead where `CONVOY_REQUIRE` names what is missing ([`Need`]).
@@ -13,12 +13,14 @@
 //! assert_eq!(map.lane_width(lane, 50.0), Some(3.5));
 //! ```
 
+mod brute;
 mod maps;
 mod meshes;
 mod need;
 mod roads;
 mod town;
 
+pub use brute::BruteRenderer;
 pub use maps::{map_files, maps_folder, real_map, real_maps};
 pub use meshes::{MeshBuilder, block, instance, plane, snapshot};
 pub use need::{Need, python, skip};

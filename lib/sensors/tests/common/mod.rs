@@ -1,5 +1,5 @@
 //! A street made by hand: what tests, benches and the picture example look at.
-#![allow(dead_code)] // Each user needs a part of it.
+#![allow(dead_code, unused_imports)] // Each user needs a part of it.
 
 use std::sync::Arc;
 
@@ -9,12 +9,10 @@ use renderer::{Renderer, Scene};
 use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
 use schema::settings::{CameraSettings, Mount};
 use schema::tables::{CameraRow, Weather};
-use schema::{ImageSet, ObjectId, Tag, lights};
+use schema::{ImageSet, Tag, lights};
 use sensors::{CameraView, CpuPainter, FrameWeather, Image, Lighting, Painter, Picture, Sight, Sky};
+pub(crate) use testkit::{block, instance, plane, snapshot};
 use visibility::CpuRenderer;
-
-#[path = "../../../visibility/tests/common/brute.rs"]
-pub(crate) mod brute;
 
 /// A renderer with a snapshot's meshes.
 pub(crate) fn prepared(snapshot: &Snapshot) -> CpuRenderer {
@@ -145,39 +143,6 @@ impl Builder {
 
 pub(crate) fn at(x: f32, y: f32, z: f32, yaw: f32) -> Affine3A {
     Affine3A::from_translation(Vec3::new(x, y, z)) * Affine3A::from_rotation_z(yaw)
-}
-
-pub(crate) fn instance(mesh: u32, object: ObjectId, pose: Affine3A) -> Instance {
-    Instance {
-        mesh,
-        object,
-        local_from_object: pose,
-        previous_local_from_object: pose,
-        paint: [0.5; 3],
-        lights: 0,
-        glow: [1.0; 3],
-    }
-}
-
-pub(crate) fn snapshot(meshes: Vec<Arc<TriMesh>>, instances: Vec<Instance>) -> Snapshot {
-    Snapshot { origin: LocalOrigin::near([0.0; 3]), meshes: meshes.into(), instances }
-}
-
-/// A flat square around the origin at a height.
-pub(crate) fn plane(half_m: f32, z: f32, tag: Tag, surface: Surface) -> Arc<TriMesh> {
-    let mut b = Builder::default();
-    let part = b.part(tag, surface, [0.1; 3]);
-    let h = half_m;
-    b.quad(part, [Vec3::new(-h, -h, z), Vec3::new(h, -h, z), Vec3::new(h, h, z), Vec3::new(-h, h, z)]);
-    b.done()
-}
-
-/// A box of one surface, standing on the origin.
-pub(crate) fn block(size: [f32; 3], tag: Tag, surface: Surface) -> Arc<TriMesh> {
-    let mut b = Builder::default();
-    let part = b.part(tag, surface, [0.4; 3]);
-    b.cuboid(part, [-0.5 * size[0], -0.5 * size[1], 0.0], [0.5 * size[0], 0.5 * size[1], size[2]]);
-    b.done()
 }
 
 fn ground() -> Arc<TriMesh> {

@@ -1,5 +1,5 @@
 //! Small networks, plans and checks for the tests.
-#![allow(dead_code)] // Each test binary uses its part.
+#![allow(dead_code, unused_imports)] // Each test binary uses its part.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -7,13 +7,15 @@ use std::ops::ControlFlow;
 use frames::math::sin_cos;
 use opendrive::{
     Connection, ContactPoint, Controller, Cubic, Curve, Geometry, Junction, JunctionController, Lane,
-    LaneLink, LaneSection, LaneType, LaneValidity, Map, MarkType, Network, Road, RoadLink, RoadMark,
-    RoadType, Signal, Speed, SpeedUnit,
+    LaneLink, LaneSection, LaneType, LaneValidity, Map, MarkType, Network, Road, RoadLink, RoadMark, Signal,
+    Speed, SpeedUnit,
 };
 use schema::settings::TrafficSettings;
 use schema::settings::stages::SimulationSettings;
 use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, StateRow, Weather};
 use schema::{ActorKind, ActorRole, AgentId, Attributes, HazardKind, SignalState};
+use testkit::lane;
+pub(crate) use testkit::straight;
 use traffic::{SceneInput, SimulationLog, simulate};
 
 pub(crate) fn settings() -> SimulationSettings {
@@ -66,31 +68,8 @@ pub(crate) fn agent(index: usize, xyz_m: [f64; 3], yaw_rad: f64) -> PlanAgentRow
     }
 }
 
-fn lane(id: i16, lane_type: LaneType, width_m: f64) -> Lane {
-    Lane { id, lane_type, widths: vec![Cubic::constant(width_m)], ..Lane::default() }
-}
-
 fn town_road(id: &str, x_m: f64, y_m: f64, hdg_rad: f64, length_m: f64, section: LaneSection) -> Road {
-    Road {
-        id: id.into(),
-        length_m,
-        types: vec![RoadType {
-            s: 0.0,
-            kind: "town".into(),
-            speed: Some(Speed { max: 50.0, unit: SpeedUnit::KilometresPerHour }),
-            ..RoadType::default()
-        }],
-        plan_view: vec![Geometry { x_m, y_m, hdg_rad, length_m, ..Geometry::default() }],
-        sections: vec![section],
-        ..Road::default()
-    }
-}
-
-/// A straight road to the east: a lane and a sidewalk each way.
-pub(crate) fn straight(length_m: f64) -> Map {
-    let side = |sign: i16| vec![lane(sign, LaneType::Driving, 3.5), lane(2 * sign, LaneType::Sidewalk, 3.0)];
-    let section = LaneSection { left: side(1), right: side(-1), ..LaneSection::default() };
-    Map::new(Network { roads: vec![town_road("1", 0.0, 0.0, 0.0, length_m, section)], ..Network::default() })
+    testkit::town_street(id, [x_m, y_m], hdg_rad, length_m, section)
 }
 
 /// A road 300 m to the east of two lanes, of which the file says that the right one goes on as the left one after 100 m.

@@ -1,12 +1,10 @@
 //! The rasteriser against the ray tracer and closed forms.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::*;
 use glam::{Affine3A, Vec3};
 use renderer::{Hit, PinholeCamera, SKY, Scene, Surfaces, VisibilityBuffer};
 use schema::geometry::Snapshot;
+
+use crate::common::*;
 
 /// A camera at the origin that looks along x.
 fn forward(width: u32, height: u32, focal: f32) -> PinholeCamera {

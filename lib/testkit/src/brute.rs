@@ -1,6 +1,5 @@
 //! A renderer that tries every triangle of every instance, in double precision and without any tree, tile or packet:
 //! a second implementation of the seam, to which the first must agree.
-#![allow(dead_code)] // Each test binary uses its share.
 
 use std::sync::Arc;
 
@@ -8,8 +7,9 @@ use glam::{DAffine3, DVec3, Mat3};
 use renderer::{Alone, Hit, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer};
 use schema::geometry::{Snapshot, TriMesh};
 
-#[derive(Default)]
-pub(crate) struct BruteRenderer {
+/// Tries every triangle of every instance, in double precision.
+#[derive(Debug, Default)]
+pub struct BruteRenderer {
     prepared: usize,
 }
 

@@ -1,14 +1,12 @@
 //! The ray tracer against brute force and closed forms.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::brute::BruteRenderer;
-use common::*;
 use glam::{Affine3A, Vec3};
 use proptest::prelude::*;
 use renderer::{Hit, Renderer};
+use testkit::BruteRenderer;
 use visibility::CpuRenderer;
+
+use crate::common::*;
 
 fn ray(origin: Vec3, direction: Vec3) -> Ray {
     Ray { origin, direction, range_m: [0.0, 200.0] }

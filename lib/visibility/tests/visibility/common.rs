@@ -1,16 +1,13 @@
 //! Small worlds for the tests.
-#![allow(dead_code, clippy::unwrap_used)] // Each test binary uses its share.
-
-pub(crate) mod brute;
 
 use std::sync::Arc;
 
-use frames::LocalOrigin;
 use glam::{Affine3A, Mat3, Quat, Vec3};
 use random::Stream;
 use renderer::{Hit, Hits, PinholeCamera, RayBatch, Renderer, Scene, VisibilityBuffer};
 use schema::Tag;
-use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
+use schema::geometry::{Part, Snapshot, Surface, TriMesh};
+pub(crate) use testkit::{instance, snapshot};
 use visibility::CpuRenderer;
 
 pub(crate) fn stream(topic: &str, number: u64) -> Stream {
@@ -90,22 +87,6 @@ pub(crate) fn floor(n: u32, size: f32) -> Arc<TriMesh> {
         .flat_map(|k| [[k, k + n + 1, k + n + 2], [k, k + n + 2, k + 1]])
         .collect();
     mesh(positions, triangles)
-}
-
-pub(crate) fn instance(mesh: u32, object: u16, pose: Affine3A) -> Instance {
-    Instance {
-        mesh,
-        object,
-        local_from_object: pose,
-        previous_local_from_object: pose,
-        paint: [0.5; 3],
-        lights: 0,
-        glow: [1.0; 3],
-    }
-}
-
-pub(crate) fn snapshot(meshes: Vec<Arc<TriMesh>>, instances: Vec<Instance>) -> Snapshot {
-    Snapshot { origin: LocalOrigin::near([0.0; 3]), meshes: meshes.into(), instances }
 }
 
 /// Floor, balls and loose triangles around the origin.

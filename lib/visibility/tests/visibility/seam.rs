@@ -1,14 +1,12 @@
 //! Two renderers behind one seam: the processor's trees, tiles and packets against every triangle one by one.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::brute::BruteRenderer;
-use common::*;
 use glam::Vec3;
 use renderer::{Alone, RayBatch, RenderError, Renderer, SKY, Scene, Surfaces};
 use schema::geometry::Snapshot;
+use testkit::BruteRenderer;
 use visibility::CpuRenderer;
+
+use crate::common::*;
 
 /// Calls with both renderers' scenes of a world.
 fn with_both(world: &Snapshot, run: impl FnOnce(&dyn Scene, &dyn Scene)) {

@@ -1,0 +1,7 @@
+//! The rasteriser and the ray tracer against closed forms, brute force and each other.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+mod raster;
+mod rays;
+mod seam;
