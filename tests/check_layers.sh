@@ -26,6 +26,7 @@ declare -A allowed=(
     [sensors]="frames random renderer schema"
     [annotation]="frames opendrive schema"
     [bev]="counts culling frames schema"
+    [bevmap]="bev opendrive"
     [counts]="schema"
     [culling]="frames schema"
     [fill]="schema voxelgrid"

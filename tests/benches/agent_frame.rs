@@ -10,6 +10,7 @@ use std::time::Instant;
 
 use annotation::boxes::{ObservedObject, Observer};
 use bev::{Areas, BevRasterizer};
+use bevmap::{Paint, Reach};
 use fill::Filler;
 use formats::{DEFAULT_LEVEL, Scalar, encode_member};
 use frames::{Agent, Pose, World};
@@ -257,7 +258,10 @@ impl<'a> Agentframe<'a> {
         let settings = &self.settings.bev;
         let snapshot = self.snapshot(settings.half_extent_m() * 1.5);
         let crosswalks: Vec<_> = self.map.crosswalks().iter().map(|c| c.polygon.clone()).collect();
-        let areas = Areas { crosswalks: &crosswalks, hazards: &[] };
+        let mut reach = Reach::default();
+        reach.add([self.pose.xyz()].into_iter(), settings.half_extent_m() * 1.5);
+        let road_lines = Paint::of(self.map, &reach).road_lines;
+        let areas = Areas { crosswalks: &crosswalks, hazards: &[], road_lines: &road_lines };
         let mut rasterizer = BevRasterizer::new(settings).expect("is a grid");
         let mask = rasterizer.rasterize(&snapshot, &self.pose, areas);
         assert!(mask.counts()[BevClass::Road as usize] > 0, "there is road around a vehicle");

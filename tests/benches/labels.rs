@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use bev::{Areas, BevRasterizer};
+use bev::{Areas, BevRasterizer, LaneAreas, LaneRasterizer, LaneView};
 use divan::{Bencher, counter::ItemsCount};
 use fill::Filler;
 use frames::{Agent, Pose, World};
@@ -26,7 +26,20 @@ fn agent() -> Pose<World, Agent> {
 fn bev_400x400(bencher: Bencher<'_, '_>) {
     let town = small_town();
     let mut rasterizer = BevRasterizer::new(&BevSettings::default()).expect("default settings");
-    bencher.bench_local(|| rasterizer.rasterize(&town, &agent(), Areas::default()).to_bytes());
+    bencher.bench_local(|| {
+        rasterizer.rasterize(&town, &agent(), Areas::default()).to_bytes(&schema::BevClass::ALL)
+    });
+}
+
+/// By the rule `simbev2x`: looks from above and below, closing; no lanes.
+#[divan::bench]
+fn bev_400x400_simbev2x(bencher: Bencher<'_, '_>) {
+    let town = small_town();
+    let mut rasterizer = LaneRasterizer::new(&BevSettings::default()).expect("default settings");
+    let lanes = LaneAreas::default();
+    let chosen_at = agent().xyz().into();
+    let view = LaneView { lanes: &lanes, hazards: &[], footprints: &[], chosen_at };
+    bencher.bench_local(|| rasterizer.rasterize(&town, &agent(), view).to_bytes(&schema::BevClass::ALL));
 }
 
 #[divan::bench]

@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let crosswalks = [corners([-13.0, -9.0], [-8.0, 8.0]), corners([9.0, 13.0], [-8.0, 8.0])];
     let hazards = [corners([20.0, 34.0], [-8.0, -4.0])];
-    let areas = Areas { crosswalks: &crosswalks, hazards: &hazards };
+    let areas = Areas { crosswalks: &crosswalks, hazards: &hazards, ..Areas::default() };
     let mask = BevRasterizer::new(&BevSettings::default())?.rasterize(&town, &world_from_agent, areas);
     save(&folder.join("bev.png"), mask.cells(), mask.cells(), &to_rgb(&mask))?;
 

@@ -10,6 +10,8 @@ use framewise::{FrameArray, FrameArrays, in_frame_order};
 use peak_alloc::PeakAlloc;
 use pipeline::{Progress, ProgressMode, StageError};
 use rayon::ThreadPoolBuilder;
+use schema::AgentId;
+use schema::arrays::{ArrayKind, BEV_MASKS};
 use schema::tables::LidarRow;
 use store::{Attempt, Identity, Scope, Store, TableOptions};
 
@@ -40,14 +42,18 @@ impl FrameArrays for Grids {
         Ok(vec![0; FRAME_BYTES])
     }
 
-    fn array<'m>(
+    fn kinds(&self) -> Vec<&'static ArrayKind> {
+        vec![&BEV_MASKS]
+    }
+
+    fn arrays<'m>(
         &self,
         memory: &'m mut Vec<u8>,
         frame: u32,
         _: &mut PartialCounts,
-    ) -> Result<FrameArray<'m>, StageError> {
+    ) -> Result<Vec<FrameArray<'m>>, StageError> {
         memory.iter_mut().zip(noise(frame)).for_each(|(byte, word)| *byte = word as u8);
-        Ok(FrameArray { scalar: Scalar::U8, shape: vec![FRAME_BYTES], bytes: memory.as_slice().into() })
+        Ok(vec![FrameArray { scalar: Scalar::U8, shape: vec![FRAME_BYTES], bytes: memory.as_slice().into() }])
     }
 }
 
@@ -55,7 +61,7 @@ impl FrameArrays for Grids {
 fn arrays(attempt: &mut Attempt, frames: u32) -> Result<(), StageError> {
     let mut unit = attempt.unit("vehicle_0")?.expect("is not there yet");
     let progress = Progress::start(ProgressMode::None, "test".into(), 0);
-    framewise::write_arrays(&mut unit, "scenes/0000/bev/vehicle_0.npz", frames, &progress, &Grids)?;
+    framewise::write_arrays(&mut unit, (0, AgentId::vehicle(0)), frames, &progress, &Grids)?;
     Ok(unit.finish()?)
 }
 

@@ -7,7 +7,7 @@ use pipeline::{At, Job, Place, Stage, StageError};
 use renderer::VoxelRenderer;
 use replay::Replay;
 use scene::SceneReader;
-use schema::arrays::VOXEL_GRIDS;
+use schema::arrays::{ArrayKind, VOXEL_GRIDS};
 use schema::settings::{OccupancySettings, PerAgent};
 use schema::{AgentId, ObjectId};
 use voxelgrid::{Filling, VoxelGrid};
@@ -29,7 +29,7 @@ fn run(job: &mut Job<'_, Seen>) -> Result<(), StageError> {
         let grids = Grids { replay: &replay, renderer: &renderer, position, agent, settings };
         settings.enabled.then_some(grids)
     };
-    label_agents(job, &replay.log, &VOXEL_GRIDS, grids)
+    label_agents(job, &replay.log, grids)
 }
 
 /// The grids of an agent.
@@ -55,13 +55,17 @@ impl FrameArrays for Grids<'_> {
         Ok((placement, VoxelGrid::default()))
     }
 
+    fn kinds(&self) -> Vec<&'static ArrayKind> {
+        vec![&VOXEL_GRIDS]
+    }
+
     /// `[x, y, z]` tags.
-    fn array<'m>(
+    fn arrays<'m>(
         &self,
         (placement, grid): &'m mut Self::Memory,
         frame: u32,
         counts: &mut PartialCounts,
-    ) -> Result<FrameArray<'m>, StageError> {
+    ) -> Result<Vec<FrameArray<'m>>, StageError> {
         let log = &self.replay.log;
         let pose = log.world_from_agent(self.position, frame);
         let own: Option<ObjectId> = self.settings.ignore_self.then(|| log.agent(self.position, frame).id);
@@ -71,6 +75,6 @@ impl FrameArrays for Grids<'_> {
         let place = || self.place().frame(frame);
         placement.voxelize(self.renderer, &snapshot, &pose, own, grid).at(place)?;
         grid.add_to(counts, &self.agent.to_string(), Filling::Hollow);
-        Ok(FrameArray { scalar: Scalar::U8, shape: grid.shape.to_vec(), bytes: (&grid.data).into() })
+        Ok(vec![FrameArray { scalar: Scalar::U8, shape: grid.shape.to_vec(), bytes: (&grid.data).into() }])
     }
 }

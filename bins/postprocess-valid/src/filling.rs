@@ -7,7 +7,7 @@ use framewise::{FrameArray, FrameArrays, write_arrays};
 use pipeline::{At, Job, Place, StageError};
 use scene::{ArrayReader, SceneReader};
 use schema::AgentId;
-use schema::arrays::{FILLED_VOXEL_GRIDS, VOXEL_GRIDS};
+use schema::arrays::{ArrayKind, FILLED_VOXEL_GRIDS, VOXEL_GRIDS};
 use schema::settings::OccupancySettings;
 use schema::settings::stages::ValiditySettings;
 use store::keys;
@@ -29,8 +29,7 @@ pub(crate) fn fill_agent(
     let frames = grids.open()?.frames();
     let progress = job.progress();
     let Some(mut unit) = job.unit(&format!("occupancy.{agent}"))? else { return Ok(()) };
-    let key = keys::array(scene.scene(), &FILLED_VOXEL_GRIDS, agent);
-    let counts = write_arrays(&mut unit, &key, frames, &progress, &grids)?;
+    let counts = write_arrays(&mut unit, (scene.scene(), agent), frames, &progress, &grids)?;
     let stats = format!("{}.{agent}", FILLED_VOXEL_GRIDS.stage);
     unit.rows(&keys::partial_stats(scene.scene(), &stats), &counts.rows())?;
     unit.finish()?;
@@ -64,13 +63,17 @@ impl FrameArrays for FilledGrids<'_> {
         Ok((self.open()?, Filler::default(), VoxelGrid::default()))
     }
 
+    fn kinds(&self) -> Vec<&'static ArrayKind> {
+        vec![&FILLED_VOXEL_GRIDS]
+    }
+
     /// `[x, y, z]` tags.
-    fn array<'m>(
+    fn arrays<'m>(
         &self,
         (reader, filler, grid): &'m mut Self::Memory,
         frame: u32,
         counts: &mut PartialCounts,
-    ) -> Result<FrameArray<'m>, StageError> {
+    ) -> Result<Vec<FrameArray<'m>>, StageError> {
         let path = reader.path().to_owned();
         let array = reader.read(frame).at(|| self.place())?;
         *grid = grid_of(array).ok_or(InputError::NoGrid { path: path.clone(), frame }).at(|| self.place())?;
@@ -79,7 +82,7 @@ impl FrameArrays for FilledGrids<'_> {
             .map_err(|source| InputError::Fill { path, frame, source })
             .at(|| self.place())?;
         grid.add_to(counts, &self.agent.to_string(), Filling::Filled);
-        Ok(FrameArray { scalar: Scalar::U8, shape: grid.shape.to_vec(), bytes: (&grid.data).into() })
+        Ok(vec![FrameArray { scalar: Scalar::U8, shape: grid.shape.to_vec(), bytes: (&grid.data).into() }])
     }
 }
 

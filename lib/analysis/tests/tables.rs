@@ -180,7 +180,7 @@ fn grids_reproduce_the_published_arithmetic() {
     let tables = tables_of(
         &[],
         &[
-            row("vehicle_0", measures::bev::BEV_GRIDS, "", 0, 588_520),
+            row("vehicle_0", measures::bev::BEV_GRIDS, "exact", 0, 588_520),
             row("vehicle_0", measures::bev::BEV_CELLS, "road", 0, 18_423_410_070),
             row("vehicle_0", measures::bev::BEV_CELLS, "rider", 0, 4_059_365),
             row("vehicle_0", measures::voxels::VOXEL_GRIDS, "", 0, 588_520),
@@ -192,6 +192,7 @@ fn grids_reproduce_the_published_arithmetic() {
             row("vehicle_0", measures::voxels::VOXEL_CELLS_FILLED, "pole", 0, 8_989_939_222),
         ],
     );
+    assert_eq!(csv(&tables, "bev_rules"), "rule,masks\nexact,588520\n");
     let bev = csv(&tables, "bev_cells");
     assert!(bev.contains("\nroad,18423410070,31304.65,19.5654\n"), "{bev}");
     assert!(bev.contains("\nrider,4059365,6.90,0.0043\n"), "{bev}");

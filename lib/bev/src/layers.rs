@@ -2,7 +2,7 @@
 
 use schema::{BevClass, Tag};
 
-use super::raster::Triangle;
+use crate::raster::Triangle;
 
 /// Surfaces at most this far apart on a vertical line are one layer (road, marks, kerb, terrain beneath), metres.
 const LAYER_M: f32 = 1.5;
@@ -79,7 +79,7 @@ impl Layers<'_> {
 
 /// The ground over the grid.
 #[derive(Debug)]
-pub(super) struct Ground {
+pub(crate) struct Ground {
     side: usize,
     cell_m: f32,
     cells: Vec<Cell>,
@@ -87,24 +87,24 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    pub(super) fn new(side: usize, cell_m: f32) -> Self {
+    pub(crate) fn new(side: usize, cell_m: f32) -> Self {
         Self { side, cell_m, cells: vec![Cell::EMPTY; side * side], triangles: Vec::new() }
     }
 
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.cells.fill(Cell::EMPTY);
         self.triangles.clear();
     }
 
     /// Adds a triangle of a ground tag.
-    pub(super) fn add(&mut self, triangle: &Triangle, tag: Tag) {
+    pub(crate) fn add(&mut self, triangle: &Triangle, tag: Tag) {
         let cells = &mut self.cells;
         visit(triangle, tag, self.side, |cell, z, bits| cells[cell].add(z, bits));
         self.triangles.push((*triangle, tag));
     }
 
     /// Chooses one layer per cell when all triangles are added, and returns the classes it shows.
-    pub(super) fn settle(&mut self) -> Vec<u16> {
+    pub(crate) fn settle(&mut self) -> Vec<u16> {
         if self.cells.iter().any(|cell| cell.has_layers()) {
             let layers = self.split();
             self.follow(&layers);
@@ -113,13 +113,23 @@ impl Ground {
     }
 
     /// Height of the shown layer's top above the agent; the agent's own where there is no ground.
-    pub(super) fn level(&self, cell: usize) -> f32 {
+    pub(crate) fn level(&self, cell: usize) -> f32 {
+        self.height(cell).unwrap_or(0.0)
+    }
+
+    /// Height of the shown layer's top above the agent, where there is ground.
+    pub(crate) fn height(&self, cell: usize) -> Option<f32> {
         let cell = self.cells[cell];
-        if cell.is_empty() { 0.0 } else { cell.high }
+        (!cell.is_empty()).then_some(cell.high)
+    }
+
+    /// Size of a cell, metres.
+    pub(crate) fn cell_m(&self) -> f32 {
+        self.cell_m
     }
 
     /// Whether a flat area at some height lies on the shown layer.
-    pub(super) fn is_near(&self, cell: usize, z: f32) -> bool {
+    pub(crate) fn is_near(&self, cell: usize, z: f32) -> bool {
         (z - self.level(cell)).abs() <= AREA_M
     }
 
@@ -222,11 +232,4 @@ fn visit(triangle: &Triangle, tag: Tag, side: usize, mut cell: impl FnMut(usize,
             cell(row * side + column, height.at(row, column), bits);
         }
     });
-    if tag == Tag::RoadLine {
-        triangle.touched(side, |row, columns| {
-            for column in columns {
-                cell(row * side + column, height.at(row, column), 1 << BevClass::RoadLine as u16);
-            }
-        });
-    }
 }

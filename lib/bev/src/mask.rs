@@ -3,6 +3,7 @@
 use counts::PartialCounts;
 use schema::BevClass;
 use schema::measures::bev as measures;
+use schema::settings::BevSettings;
 
 /// A mask of 14 classes over a square grid; a cell may carry several.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,12 +37,12 @@ impl BevMask {
             && self.bits.get(row * self.cells + column).is_some_and(|bits| bits >> class as u16 & 1 == 1)
     }
 
-    /// The mask as an array of bool bytes of shape `[14, cells, cells]`, C order.
+    /// Some classes of the mask as an array of bool bytes of shape `[classes, cells, cells]`, C order.
     #[must_use]
-    pub fn to_bytes(&self) -> Vec<u8> {
-        let mut bytes = Vec::with_capacity(BevClass::COUNT * self.bits.len());
-        for channel in 0..BevClass::COUNT {
-            bytes.extend(self.bits.iter().map(|bits| (bits >> channel & 1) as u8));
+    pub fn to_bytes(&self, classes: &[BevClass]) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(classes.len() * self.bits.len());
+        for &class in classes {
+            bytes.extend(self.bits.iter().map(|bits| (bits >> class as u16 & 1) as u8));
         }
         bytes
     }
@@ -52,11 +53,13 @@ impl BevMask {
         std::array::from_fn(|channel| self.bits.iter().map(|bits| u64::from(bits >> channel & 1)).sum())
     }
 
-    /// Counts the mask as one of an agent: [`measures::BEV_GRIDS`] and the true cells of every class.
-    pub fn add_to(&self, counts: &mut PartialCounts, agent: &str) {
-        counts.add(agent, measures::BEV_GRIDS, "", 0, 1);
-        for (class, cells) in BevClass::ALL.into_iter().zip(self.counts()) {
-            counts.add(agent, measures::BEV_CELLS, class.name(), 0, cells);
+    /// Counts the mask as one of an agent: [`measures::BEV_GRIDS`] of the rule and the true cells of every class that is
+    /// written.
+    pub fn add_to(&self, counts: &mut PartialCounts, agent: &str, settings: &BevSettings) {
+        counts.add(agent, measures::BEV_GRIDS, settings.rule.name(), 0, 1);
+        let cells = self.counts();
+        for class in &settings.classes {
+            counts.add(agent, measures::BEV_CELLS, class.name(), 0, cells[*class as usize]);
         }
     }
 }

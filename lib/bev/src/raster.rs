@@ -9,7 +9,7 @@ const SEAM: f32 = 1e-4;
 
 /// A triangle in grid coordinates that has a point over the grid.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Triangle {
+pub(crate) struct Triangle {
     corners: [Vec3A; 3],
     low: Vec3A,
     high: Vec3A,
@@ -17,7 +17,7 @@ pub(super) struct Triangle {
 
 /// Height over the grid, never outside the triangle's own.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Height {
+pub(crate) struct Height {
     at: Vec3A,
     per_column: f32,
     per_row: f32,
@@ -26,7 +26,7 @@ pub(super) struct Height {
 
 impl Height {
     /// At the centre of a cell.
-    pub(super) fn at(&self, row: usize, column: usize) -> f32 {
+    pub(crate) fn at(&self, row: usize, column: usize) -> f32 {
         let (du, dv) = (column as f32 + 0.5 - self.at.x, row as f32 + 0.5 - self.at.y);
         let z = self.at.z + du * self.per_column + dv * self.per_row;
         z.clamp(self.range[0], self.range[1])
@@ -35,7 +35,7 @@ impl Height {
 
 impl Triangle {
     /// None where its bounding box misses the grid or a corner is no number.
-    pub(super) fn new(corners: [Vec3A; 3], cells: usize) -> Option<Self> {
+    pub(crate) fn new(corners: [Vec3A; 3], cells: usize) -> Option<Self> {
         let [a, b, c] = corners;
         let low = a.min(b).min(c);
         let high = a.max(b).max(c);
@@ -46,18 +46,18 @@ impl Triangle {
     }
 
     /// Whether its bounding box holds a cell's centre: small triangles mostly don't.
-    pub(super) fn may_cover_a_centre(&self) -> bool {
+    pub(crate) fn may_cover_a_centre(&self) -> bool {
         // By the scalar functions, which are one instruction each.
         let holds = |low: f32, high: f32| (low - 0.5 - SEAM).ceil() <= (high - 0.5 + SEAM).floor();
         holds(self.low.x, self.high.x) && holds(self.low.y, self.high.y)
     }
 
     /// Lowest and highest z.
-    pub(super) fn z_range(&self) -> [f32; 2] {
+    pub(crate) fn z_range(&self) -> [f32; 2] {
         [self.low.z, self.high.z]
     }
 
-    pub(super) fn height(&self) -> Height {
+    pub(crate) fn height(&self) -> Height {
         let [a, b, c] = self.corners;
         let range = self.z_range();
         let normal = (b - a).cross(c - a);
@@ -76,7 +76,7 @@ impl Triangle {
     }
 
     /// Calls with the run of cells of each row whose centres it covers.
-    pub(super) fn centres(&self, cells: usize, mut run: impl FnMut(usize, RangeInclusive<usize>)) {
+    pub(crate) fn centres(&self, cells: usize, mut run: impl FnMut(usize, RangeInclusive<usize>)) {
         if !self.may_cover_a_centre() {
             return;
         }
@@ -90,36 +90,6 @@ impl Triangle {
                 edge.cross(&mut span, v);
             }
             if let Some(columns) = indices((span[0] - 0.5 - SEAM).ceil(), span[1] - 0.5 + SEAM, cells) {
-                run(row, columns);
-            }
-        }
-    }
-
-    /// Calls with the run of cells of each row that it has a point in.
-    pub(super) fn touched(&self, cells: usize, mut run: impl FnMut(usize, RangeInclusive<usize>)) {
-        let (low, high) = (self.low.y, self.high.y);
-        let Some(rows) = indices(low.floor(), high, cells) else { return };
-        if low.floor() == high.floor() {
-            // All of it in one row, as most are.
-            if let Some(columns) = indices(self.low.x.floor(), self.high.x, cells) {
-                run(*rows.start(), columns);
-            }
-            return;
-        }
-        let edges = self.edges();
-        for row in rows {
-            let (near, far) = (row as f32, (row + 1) as f32);
-            let mut span = [f32::INFINITY, f32::NEG_INFINITY];
-            for edge in &edges {
-                for corner in [edge.a, edge.b] {
-                    if near <= corner.y && corner.y <= far {
-                        widen(&mut span, corner.x);
-                    }
-                }
-                edge.cross(&mut span, near);
-                edge.cross(&mut span, far);
-            }
-            if let Some(columns) = indices(span[0].floor(), span[1], cells) {
                 run(row, columns);
             }
         }

@@ -4,10 +4,16 @@ use frames::{FOOTPRINT_LOOP, Object, OrientedBox};
 use proptest::prelude::*;
 use testkit::{WorldBuilder, box_mesh, sheet};
 
+use nalgebra::Point3;
+use schema::settings::BevSettings;
+use schema::{BevClass, Tag};
+
+use frames::{Agent, Pose, World};
+
 use super::*;
 
 fn settings() -> BevSettings {
-    BevSettings { enabled: true, cells: 100, cell_m: 0.4 }
+    BevSettings { cells: 100, cell_m: 0.4, ..BevSettings::default() }
 }
 
 fn mask_of(builder: &WorldBuilder, pose: &Pose<World, Agent>, areas: Areas<'_>) -> BevMask {
@@ -66,19 +72,19 @@ proptest! {
     }
 
     #[test]
-    fn small_things_never_vanish(x in -13.0..13.0f64, y in -13.0..13.0f64, yaw in -3.0..3.0f64) {
+    fn small_things_have_the_cell_they_are_in(x in -13.0..13.0f64, y in -13.0..13.0f64, yaw in -3.0..3.0f64) {
         let mut b = WorldBuilder::default();
         flat(&mut b, Tag::Road, [-30.0, 30.0], [-30.0, 30.0], 0.0);
+        // Below half a cell: it covers one centre or none.
         b.add(box_mesh(Tag::Pedestrian, [0.2, 0.1, 1.7], 1), 4, [x, y, 0.0], [0.0; 3]);
         let pose = at([0.0; 3], [0.0, 0.0, yaw]);
         let mask = mask_of(&b, &pose, Areas::default());
-        let cells = mask.counts()[BevClass::Pedestrian as usize];
-        prop_assert!((1..=4).contains(&cells), "{}", cells);
+        prop_assert_eq!(mask.counts()[BevClass::Pedestrian as usize], 1);
+        let away = |row, column| (centre(&pose, row, column) - Point3::new(x, y, 0.0)).xy().norm();
         for row in 0..100 {
             for column in 0..100 {
                 if mask.get(BevClass::Pedestrian, row, column) {
-                    let away = (centre(&pose, row, column) - Point3::new(x, y, 0.0)).xy().norm();
-                    prop_assert!(away < 0.5, "{away} m away");
+                    prop_assert!(away(row, column) < 0.29, "{} m away", away(row, column));
                 }
             }
         }
@@ -93,7 +99,7 @@ fn rows_run_backwards_and_columns_to_the_right() {
     // 15 m ahead of 20: row 5 / 0.4 = 12.5; 5 m left of 20: column 15 / 0.4 = 37.5.
     assert!(mask.get(BevClass::Bus, 12, 37));
     assert_eq!(mask.counts()[BevClass::Bus as usize], 9, "centres 0.2 apart from 0.1 inside: 3 x 3");
-    let bytes = mask.to_bytes();
+    let bytes = mask.to_bytes(&BevClass::ALL);
     assert_eq!(bytes.len(), 14 * 100 * 100);
     assert_eq!(bytes[BevClass::Bus as usize * 10_000 + 12 * 100 + 37], 1);
     assert_eq!(bytes.iter().map(|b| u64::from(*b)).sum::<u64>(), mask.counts().iter().sum::<u64>());
@@ -106,18 +112,23 @@ fn lines_sidewalks_and_areas_are_where_they_are() {
     let mut b = WorldBuilder::default();
     flat(&mut b, Tag::Road, [-30.0, 30.0], [-4.0, 4.0], 0.0);
     flat(&mut b, Tag::Sidewalk, [-30.0, 30.0], [4.0, 8.0], 0.15);
+    // Paint that is no lane marking.
     flat(&mut b, Tag::RoadLine, [-30.0, 30.0], [0.15, 0.27], 0.005);
+    let marking = [[-30.0, 0.2], [-3.0, 0.2], [30.0, 0.2]].map(|p| Point3::new(p[0], p[1], 0.005)).to_vec();
     let area = |x: [f64; 2], y: [f64; 2], z: f64| {
         [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]].map(|p| Point3::new(p[0], p[1], z)).to_vec()
     };
     let crosswalks = [area([5.0, 9.0], [-6.0, 6.0], 0.0)];
     let hazards = [area([-10.0, -6.0], [-4.0, 0.0], 0.1), area([-10.0, -6.0], [-4.0, 0.0], 6.0)];
-    let areas = Areas { crosswalks: &crosswalks, hazards: &hazards };
-    let counts = mask_of(&b, &at([0.0; 3], [0.0; 3]), areas).counts();
+    let road_lines = [marking];
+    let areas = Areas { crosswalks: &crosswalks, hazards: &hazards, road_lines: &road_lines };
+    let mask = mask_of(&b, &at([0.0; 3], [0.0; 3]), areas);
+    let counts = mask.counts();
     let of = |class: BevClass| counts[class as usize];
     assert_eq!(of(BevClass::Road), 100 * 20);
     assert_eq!(of(BevClass::Sidewalk), 100 * 10);
-    assert_eq!(of(BevClass::RoadLine), 100, "0.12 m wide and in one column of 0.4 m");
+    assert_eq!(of(BevClass::RoadLine), 100, "one column");
+    assert!((0..100).all(|row| mask.get(BevClass::RoadLine, row, 49)), "0.2 m left of the middle");
     assert_eq!(of(BevClass::Crosswalk), 10 * 20, "where there is road");
     assert_eq!(of(BevClass::Hazard), 10 * 10);
 }
@@ -129,7 +140,6 @@ fn overpass() -> WorldBuilder {
     flat(&mut b, Tag::Road, [-40.0, 40.0], [-4.0, 4.0], 0.0);
     flat(&mut b, Tag::Road, [4.0, 12.0], [-40.0, 40.0], 6.0);
     flat(&mut b, Tag::Bridge, [4.0, 12.0], [-40.0, 40.0], 5.2);
-    flat(&mut b, Tag::RoadLine, [7.95, 8.05], [-40.0, 40.0], 6.005);
     b.add(box_mesh(Tag::Car, [4.6, 1.9, 1.5], 1), 10, [8.0, 0.0, 0.0], [0.0; 3]);
     b.add(box_mesh(Tag::Truck, [8.0, 2.4, 4.6], 1), 11, [-2.0, 2.0, 0.0], [0.0; 3]);
     b.add(box_mesh(Tag::Bus, [12.0, 2.4, 3.0], 1), 12, [6.0, 0.0, 6.0], [0.0, 0.0, frames::deg(90.0)]);
@@ -138,9 +148,15 @@ fn overpass() -> WorldBuilder {
     b
 }
 
+/// The line in the middle of the deck.
+fn deck_line() -> [Vec<Point3<f64>>; 1] {
+    [vec![Point3::new(8.0, -40.0, 6.005), Point3::new(8.0, 40.0, 6.005)]]
+}
+
 #[test]
 fn under_a_bridge_one_sees_the_lower_deck() {
-    let mask = mask_of(&overpass(), &at([0.0; 3], [0.0; 3]), Areas::default());
+    let areas = Areas { road_lines: &deck_line(), ..Areas::default() };
+    let mask = mask_of(&overpass(), &at([0.0; 3], [0.0; 3]), areas);
     let counts = mask.counts();
     assert_eq!(counts[BevClass::Road as usize], 100 * 20, "the lower road alone");
     assert_eq!(counts[BevClass::RoadLine as usize], 0);
@@ -150,11 +166,12 @@ fn under_a_bridge_one_sees_the_lower_deck() {
 
 #[test]
 fn on_a_bridge_one_sees_the_upper_deck() {
-    let mask = mask_of(&overpass(), &at([8.0, 0.0, 6.0], [0.0; 3]), Areas::default());
+    let areas = Areas { road_lines: &deck_line(), ..Areas::default() };
+    let mask = mask_of(&overpass(), &at([8.0, 0.0, 6.0], [0.0; 3]), areas);
     let counts = mask.counts();
     // Deck: 8 m of 40; lower road: 8 m, but not under the deck.
     assert_eq!(counts[BevClass::Road as usize], 20 * 100 + 80 * 20);
-    assert!(counts[BevClass::RoadLine as usize] >= 100);
+    assert_eq!(counts[BevClass::RoadLine as usize], 100);
     assert_eq!(counts[BevClass::Car as usize], 0, "the car is under the deck");
     let bus_cells = 6 * 30;
     assert!(counts[BevClass::Bus as usize] >= bus_cells, "both buses, one of them half outside");
@@ -188,6 +205,57 @@ fn a_ramp_leads_up_to_the_layer_it_ends_on() {
 #[test]
 fn senseless_grids_are_refused() {
     for (cells, cell_m) in [(0, 0.4), (9000, 0.4), (400, 0.0), (400, f64::NAN)] {
-        assert!(BevRasterizer::new(&BevSettings { enabled: true, cells, cell_m }).is_err());
+        assert!(BevRasterizer::new(&BevSettings { cells, cell_m, ..BevSettings::default() }).is_err());
     }
+}
+
+#[test]
+fn an_open_door_belongs_to_its_car() {
+    let mut b = WorldBuilder::default();
+    flat(&mut b, Tag::Road, [-30.0, 30.0], [-30.0, 30.0], 0.0);
+    // From -2.3 to 2.3 along, -0.95 to 0.95 across; a leaf of 1 m that stands out square at x = 0.6, 0.2 m thick.
+    b.add(box_mesh(Tag::Car, [4.6, 1.9, 1.5], 2), 7, [0.0; 3], [0.0; 3]);
+    let closed = mask_of(&b, &at([0.0; 3], [0.0; 3]), Areas::default()).counts()[BevClass::Car as usize];
+    b.add(box_mesh(Tag::Car, [0.2, 1.0, 1.0], 1), 7, [0.6, 1.45, 0.4], [0.0; 3]);
+    let mask = mask_of(&b, &at([0.0; 3], [0.0; 3]), Areas::default());
+    // Centres at 0.6 ahead, 1.0, 1.4 and 1.8 to the left.
+    assert_eq!(mask.counts()[BevClass::Car as usize], closed + 3);
+    assert!((45..48).all(|column| mask.get(BevClass::Car, 48, column)));
+}
+
+#[test]
+fn layers_beside_the_mask() {
+    let mut b = WorldBuilder::default();
+    flat(&mut b, Tag::Road, [-30.0, 30.0], [-4.0, 4.0], 0.25);
+    b.add(box_mesh(Tag::Car, [4.6, 1.9, 1.5], 1), 300, [8.0, 0.0, 0.25], [0.0; 3]);
+    b.add(box_mesh(Tag::Pedestrian, [0.1, 0.1, 1.7], 1), 5, [0.1, 3.1, 0.25], [0.0; 3]);
+    // Lower than the car: below it, the car's cell stays the car's.
+    b.add(box_mesh(Tag::TrafficCone, [0.5, 0.5, 0.7], 1), 4, [8.2, 0.2, 0.25], [0.0; 3]);
+    let pose = at([0.0; 3], [0.0; 3]);
+    let mut rasterizer = BevRasterizer::new(&BevSettings { ids: true, ..settings() }).expect("settings");
+    let mask = rasterizer.rasterize(&b.snapshot([0.0; 3]), &pose, Areas::default());
+    assert!(mask.get(BevClass::TrafficCone, 29, 49));
+    let ids: Vec<u16> = rasterizer.id_bytes().as_chunks().0.iter().map(|&b| u16::from_le_bytes(b)).collect();
+    // 8.2 m ahead: row 11.8 / 0.4 = 29.5; 0.2 m left: column 49.5.
+    assert_eq!(ids[29 * 100 + 49], 300);
+    // In the cell that holds its middle: 19.9 / 0.4 = 49.75, 16.9 / 0.4 = 42.25.
+    assert_eq!((ids[49 * 100 + 42], mask.counts()[BevClass::Pedestrian as usize]), (5, 1));
+    let shown = mask.bits().iter().map(|bits| bits >> BevClass::TrafficCone as u16 != 0);
+    assert!(ids.iter().map(|&id| id != 0).eq(shown));
+    let heights = rasterizer.height_bytes();
+    let height_m = |at: usize| f32::from_le_bytes(heights.as_chunks().0[at]);
+    assert_eq!(height_m(50 * 100 + 50), 0.25);
+    assert!(height_m(50 * 100 + 5).is_nan(), "beside the road there is nothing");
+
+    let line = |points: &[[f64; 2]]| points.iter().map(|p| Point3::new(p[0], p[1], 0.25)).collect::<Vec<_>>();
+    let (stop, arrow) =
+        ([line(&[[3.0, -3.7], [3.0, 0.1]])], [line(&[[5.0, 1.0], [7.0, 1.0], [7.0, 2.0], [5.0, 2.0]])]);
+    let square = [line(&[[-5.0, 0.2], [-5.0, 3.2], [-10.0, 3.2], [-10.0, 0.2], [-5.0, 0.2]])];
+    let paint =
+        rasterizer.paint_bytes(&pose, PaintAreas { stop_lines: &stop, parking: &square, arrows: &arrow });
+    let count = |channel: usize| paint[channel * 10_000..][..10_000].iter().filter(|&&b| b == 1).count();
+    // Columns 49 to 59; an outline of 13 by 8 cells: rows 62 to 74 or 75, columns 42 to 49; centres 5.0 to 6.6 by 1.0 to 1.8.
+    assert_eq!(count(0), 11);
+    assert!((38..=42).contains(&count(1)), "{}", count(1));
+    assert_eq!(count(2), 5 * 3);
 }

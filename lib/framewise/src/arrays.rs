@@ -1,4 +1,4 @@
-//! Labels that are one array a frame.
+//! Labels that are arrays, one a frame in each archive.
 
 use std::borrow::Cow;
 
@@ -8,7 +8,7 @@ use pipeline::{At, Job, Place, Progress, StageError, StageSettings};
 use scene::SceneLog;
 use schema::AgentId;
 use schema::arrays::ArrayKind;
-use store::{StoreError, Unit, keys};
+use store::{FileWriter, StoreError, Unit, keys};
 
 use crate::order::in_frame_order;
 use crate::pool::BufferPool;
@@ -24,10 +24,18 @@ pub struct FrameArray<'a> {
     pub bytes: Cow<'a, [u8]>,
 }
 
-/// A label of an agent: one array a frame. Any thread may ask for any frame.
+/// A label of an agent: an array a frame in each of some archives. Any thread may ask for any frame.
 pub trait FrameArrays: Sync {
     /// Working memory, which frames hand on to one another.
     type Memory: Send;
+
+    /// The archives, in the order of a frame's arrays.
+    fn kinds(&self) -> Vec<&'static ArrayKind>;
+
+    /// What the archives say of themselves, for who reads them without the configuration: a JSON object, or nothing.
+    fn comment(&self) -> String {
+        String::new()
+    }
 
     /// Fresh working memory.
     ///
@@ -35,61 +43,91 @@ pub trait FrameArrays: Sync {
     /// The settings are impossible, or what is read cannot be opened.
     fn memory(&self) -> Result<Self::Memory, StageError>;
 
-    /// The array of a frame; what is to be counted of it goes into `counts`.
+    /// The arrays of a frame, one of each kind; what is to be counted of them goes into `counts`.
     ///
     /// # Errors
-    /// It cannot be computed.
-    fn array<'m>(
+    /// They cannot be computed.
+    fn arrays<'m>(
         &self,
         memory: &'m mut Self::Memory,
         frame: u32,
         counts: &mut PartialCounts,
-    ) -> Result<FrameArray<'m>, StageError>;
+    ) -> Result<Vec<FrameArray<'m>>, StageError>;
 }
 
-/// Writes the arrays of frames `0..frames` as one archive among a unit's files. Returns what was counted.
+/// An archive in hand.
+struct Archive {
+    writer: NpzWriter<FileWriter>,
+    location: String,
+}
+
+impl Archive {
+    fn start(unit: &Unit<'_>, key: &str, comment: &str) -> Result<Self, StageError> {
+        let file = unit.file(key)?;
+        let location = file.location().to_owned();
+        let mut writer = NpzWriter::new(file);
+        writer.set_comment(comment).map_err(|e| failed(&location, None, e))?;
+        Ok(Self { writer, location })
+    }
+}
+
+fn failed(location: &str, frame: Option<u32>, error: NpzError) -> StageError {
+    match error {
+        NpzError::Io(source) => StoreError::write(location, "write", source).into(),
+        refused => StageError::Failed {
+            place: Box::new(Place { frame, ..Place::file(location) }),
+            source: refused.into(),
+        },
+    }
+}
+
+/// Writes the arrays of frames `0..frames` of an agent, an archive of each kind among a unit's files. Returns what was
+/// counted.
 ///
 /// # Errors
-/// The first error in frame order, a wish to stop, or the archive cannot be written.
+/// The first error in frame order, a wish to stop, or an archive cannot be written.
 pub fn write_arrays<A: FrameArrays>(
     unit: &mut Unit<'_>,
-    key: &str,
+    (scene, agent): (u32, AgentId),
     frames: u32,
     progress: &Progress,
     arrays: &A,
 ) -> Result<PartialCounts, StageError> {
-    let file = unit.file(key)?;
-    let location = file.location().to_owned();
-    let failed = |frame: Option<u32>, error: NpzError| match error {
-        NpzError::Io(source) => StoreError::write(&location, "write", source).into(),
-        refused => StageError::Failed {
-            place: Box::new(Place { frame, ..Place::file(&location) }),
-            source: refused.into(),
-        },
-    };
+    let (kinds, comment) = (arrays.kinds(), arrays.comment());
+    let mut archives = Vec::with_capacity(kinds.len());
+    for kind in &kinds {
+        archives.push(Archive::start(unit, &keys::array(scene, kind, agent), &comment)?);
+    }
+    let locations: Vec<String> = archives.iter().map(|archive| archive.location.clone()).collect();
     let pool = BufferPool::default();
     let one = |frame: u32| {
         let mut memory = pool.take(|| arrays.memory())?;
         let mut counts = PartialCounts::new();
-        let FrameArray { scalar, shape, bytes } = arrays.array(&mut memory, frame, &mut counts)?;
-        let member = encode_member(&frame_member(frame), scalar, &shape, &bytes, DEFAULT_LEVEL)
-            .at(|| Place::file(&location).frame(frame))?;
-        drop(bytes);
+        let mut members = Vec::with_capacity(locations.len());
+        for (array, location) in arrays.arrays(&mut memory, frame, &mut counts)?.into_iter().zip(&locations) {
+            let FrameArray { scalar, shape, bytes } = array;
+            let member = encode_member(&frame_member(frame), scalar, &shape, &bytes, DEFAULT_LEVEL);
+            members.push(member.at(|| Place::file(location).frame(frame))?);
+        }
         pool.give(memory);
-        Ok((member, counts))
+        Ok((members, counts))
     };
-    let mut writer = NpzWriter::new(file);
     let mut counts = PartialCounts::new();
-    in_frame_order(frames, progress, one, |number, (member, of_frame)| {
+    in_frame_order(frames, progress, one, |number, (members, of_frame)| {
         counts.merge(of_frame);
-        writer.append(member).map_err(|e| failed(Some(number), e))
+        for (archive, member) in archives.iter_mut().zip(members) {
+            archive.writer.append(member).map_err(|e| failed(&archive.location, Some(number), e))?;
+        }
+        Ok(())
     })?;
-    let file = writer.finish().map_err(|e| failed(None, e))?;
-    unit.add(file.finish(frames.into())?);
+    for Archive { writer, location } in archives {
+        let file = writer.finish().map_err(|e| failed(&location, None, e))?;
+        unit.add(file.finish(frames.into())?);
+    }
     Ok(counts)
 }
 
-/// A label stage: the arrays of every agent, each agent's archive and counts a unit of their own. `label` gives an agent's
+/// A label stage: the arrays of every agent, each agent's archives and counts a unit of their own. `label` gives an agent's
 /// label by its position in the log, or `None` where it is not wanted.
 ///
 /// # Errors
@@ -97,15 +135,14 @@ pub fn write_arrays<A: FrameArrays>(
 pub fn label_agents<S: StageSettings, L: FrameArrays>(
     job: &mut Job<'_, S>,
     log: &SceneLog,
-    kind: &ArrayKind,
-    label: impl Fn(usize, AgentId) -> Option<L>,
+    mut label: impl FnMut(usize, AgentId) -> Option<L>,
 ) -> Result<(), StageError> {
     let (scene, frames, progress) = (job.scene(), log.frame_count(), job.progress());
     progress.set_total(u64::from(frames) * log.agent_ids().len() as u64);
     for (position, &agent) in log.agent_ids().iter().enumerate() {
         let Some(label) = label(position, agent) else { continue };
         let Some(mut unit) = job.unit(&agent.to_string())? else { continue };
-        let counts = write_arrays(&mut unit, &keys::array(scene, kind, agent), frames, &progress, &label)?;
+        let counts = write_arrays(&mut unit, (scene, agent), frames, &progress, &label)?;
         let stats = keys::partial_stats(scene, &format!("{}.{agent}", S::STAGE));
         unit.rows(&stats, &counts.rows())?;
         unit.finish()?;

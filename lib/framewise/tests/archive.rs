@@ -7,6 +7,8 @@ use counts::PartialCounts;
 use formats::{NpzReader, Scalar, frame_member};
 use framewise::{FrameArray, FrameArrays};
 use pipeline::{At, Place, Progress, ProgressMode, StageError};
+use schema::AgentId;
+use schema::arrays::{ArrayKind, BEV_IDS, BEV_MASKS};
 use store::{Attempt, Identity, Manifest, Memory, Scope, Store, StoreError};
 
 const KEY: &str = "scenes/0007/bev/vehicle_0.npz";
@@ -29,18 +31,23 @@ impl FrameArrays for Grids {
         Ok(Vec::new())
     }
 
-    fn array<'m>(
+    fn kinds(&self) -> Vec<&'static ArrayKind> {
+        vec![&BEV_MASKS, &BEV_IDS]
+    }
+
+    fn arrays<'m>(
         &self,
         memory: &'m mut Vec<u8>,
         frame: u32,
         counts: &mut PartialCounts,
-    ) -> Result<FrameArray<'m>, StageError> {
+    ) -> Result<Vec<FrameArray<'m>>, StageError> {
         if self.broken == Some(frame) {
             return Err("no such grid").at(|| Place::scene(7).frame(frame));
         }
         *memory = grid(frame);
         counts.add("", "grids", "", frame as i32, 1);
-        Ok(FrameArray { scalar: Scalar::U8, shape: vec![500], bytes: memory.as_slice().into() })
+        let other = FrameArray { scalar: Scalar::U8, shape: vec![1], bytes: vec![frame as u8].into() };
+        Ok(vec![FrameArray { scalar: Scalar::U8, shape: vec![500], bytes: memory.as_slice().into() }, other])
     }
 }
 
@@ -55,7 +62,8 @@ fn archive(store: &Store, broken: Option<u32>) -> Result<Manifest, StageError> {
     let mut attempt = Attempt::start(store, identity, false)?;
     let Some(mut unit) = attempt.unit("vehicle_0")? else { return Ok(attempt.commit()?) };
     let progress = Progress::start(ProgressMode::None, "test".into(), 0);
-    let counts = framewise::write_arrays(&mut unit, KEY, FRAMES, &progress, &Grids { broken })?;
+    let counts =
+        framewise::write_arrays(&mut unit, (7, AgentId::vehicle(0)), FRAMES, &progress, &Grids { broken })?;
     let rows: Vec<i32> = counts.rows().iter().map(|row| row.bin).collect();
     assert!(rows.iter().copied().eq(0..FRAMES as i32), "{rows:?}");
     unit.finish()?;
@@ -72,6 +80,9 @@ fn frames_come_back_in_order() {
     for frame in [8, 0, 3] {
         assert_eq!(reader.read(&frame_member(frame)).expect("reads").bytes, grid(frame));
     }
+    let key = "scenes/0007/bev_ids/vehicle_0.npz";
+    let mut ids = NpzReader::new(store.stream_output(&manifest, key).expect("opens")).expect("is an archive");
+    assert_eq!(ids.read(&frame_member(5)).expect("reads").bytes, [5]);
 }
 
 #[test]
@@ -88,7 +99,7 @@ fn a_full_store_is_nobodys_fault_but_the_disks() {
         assert_eq!(source.kind(), std::io::ErrorKind::StorageFull);
         assert!(path.contains("vehicle_0") || path.contains("bev-gt"), "{path}");
         if room > 0 && room < 4000 {
-            assert!(path.ends_with(KEY), "{path}");
+            assert!(path.ends_with(KEY) || path.contains("/bev_ids/"), "{path}");
         }
         assert!(error.report().contains("make room"), "{}", error.report());
         let left = store.backend().list("").expect("lists");

@@ -2,10 +2,10 @@
 
 use schema::ImageKind;
 use schema::settings::stages::{
-    PlanSettings, RangeRig, RangeSensor, SensorSettings, SimulationSettings, StatisticsSettings,
-    ValiditySettings,
+    MaskSettings, PlanSettings, RangeRig, RangeSensor, SensorSettings, SimulationSettings,
+    StatisticsSettings, ValiditySettings,
 };
-use schema::settings::{BevSettings, DatasetSettings, OccupancySettings, PerAgent, Rig, TrackSettings};
+use schema::settings::{DatasetSettings, OccupancySettings, PerAgent, Rig, TrackSettings};
 use serde::Serialize;
 
 use crate::graph::StageSpec;
@@ -61,11 +61,11 @@ impl StageSettings for SensorSettings {
     }
 }
 
-impl StageSettings for BevSettings {
+impl StageSettings for MaskSettings {
     const STAGE: &'static str = "bev-gt";
 
     fn of(all: &DatasetSettings) -> Self {
-        all.bev.clone()
+        Self { bev: all.bev.clone(), warmup_s: all.timing.warmup_s }
     }
 }
 
@@ -127,7 +127,7 @@ const VIEWS: &[View] = &[
     view::<PlanSettings>(),
     view::<SimulationSettings>(),
     view::<SensorSettings>(),
-    view::<BevSettings>(),
+    view::<MaskSettings>(),
     view::<PerAgent<OccupancySettings>>(),
     view::<ValiditySettings>(),
     view::<TrackSettings>(),
@@ -167,7 +167,7 @@ pub fn config_hash(spec: &StageSpec, settings: &DatasetSettings) -> Result<Strin
 #[cfg(test)]
 mod tests {
     use schema::ImageSet;
-    use schema::settings::OwnRig;
+    use schema::settings::{BevRule, OwnRig};
 
     use super::*;
     use crate::graph::Graph;
@@ -206,6 +206,8 @@ mod tests {
         assert_eq!(stale(|s| s.bev.cells = 200), ["bev-gt", "stats"]);
         assert_eq!(stale(|s| s.bev.cell_m = 0.2), ["bev-gt"]);
         assert_eq!(stale(|s| s.tracks.future_s = 3.0), ["merge-tracks"]);
+        assert_eq!(stale(|s| s.bev.rule = BevRule::Simbev2x), ["bev-gt"]);
+        assert_eq!(stale(|s| s.timing.warmup_s = 3.0), ["spawn-planner", "bev-gt"]);
         assert_eq!(stale(|s| s.name = "other".into()), ["stats"]);
         assert_eq!(stale(|s| s.annotation.valid_by_image ^= true), ["postprocess-valid"]);
         assert_eq!(stale(|s| s.annotation.box_radius_m = 90.0), ["simulate-and-log"]);

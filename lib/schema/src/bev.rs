@@ -1,7 +1,10 @@
 //! The 14 bird's-eye-view classes.
 
-/// One channel of a BEV mask; the number is the channel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+use serde::Serialize;
+
+/// One class of a BEV mask; the number is its channel where all are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(into = "&'static str")]
 #[repr(u8)]
 #[allow(missing_docs)] // The names are their own documentation.
 pub enum BevClass {
@@ -25,7 +28,7 @@ impl BevClass {
     /// How many channels there are.
     pub const COUNT: usize = 14;
 
-    /// All classes, by channel.
+    /// All classes, by number.
     pub const ALL: [Self; Self::COUNT] = {
         use BevClass::*;
         [
@@ -52,10 +55,22 @@ impl BevClass {
         NAMES[self as usize]
     }
 
+    /// The class of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|class| class.name() == name)
+    }
+
     /// Colour in pictures of a mask (sRGB).
     #[must_use]
     pub fn rgb(self) -> [u8; 3] {
         RGB[self as usize]
+    }
+}
+
+impl From<BevClass> for &'static str {
+    fn from(class: BevClass) -> Self {
+        class.name()
     }
 }
 

@@ -25,6 +25,15 @@ pub(super) fn bev(counts: &MeasureTotals, cells_per_grid: u64) -> Table {
         .with_numbers("percent_of_grid", 4, rows.iter().map(|row| percent(row.1, all_cells)))
 }
 
+/// The rules by which masks were drawn.
+pub(super) fn bev_rules(counts: &MeasureTotals) -> Table {
+    let rules: Vec<&str> = counts.classes(measures::bev::BEV_GRIDS).filter(|rule| !rule.is_empty()).collect();
+    let note = "exact: by the triangles that sensors see; simbev2x: as SimBEV2X draws masks.";
+    Table::new("bev_rules", Section::Bev, "Masks by rule", note)
+        .with_strings("rule", rules.iter().copied())
+        .with_counts("masks", rules.iter().map(|rule| counts.of(measures::bev::BEV_GRIDS, rule)))
+}
+
 /// Labels that occur, without free space.
 pub(super) fn occupancy(counts: &MeasureTotals) -> Table {
     const FREE: &str = "unlabeled";

@@ -51,6 +51,7 @@ pub fn compute_tables(facts: &DatasetFacts, scenes: &[SceneInfo], counts: &Measu
     tables.extend(scenes::tables(&scenes));
     tables.extend(WEATHER_TABLES.iter().map(|table| weather::transitions(table, &scenes)));
     tables.extend(boxes::tables(counts, frames));
+    tables.push(grids::bev_rules(counts));
     tables.push(grids::bev(counts, facts.bev_cells_per_grid));
     tables.push(grids::occupancy(counts));
     tables.extend(sensors::tables(counts));

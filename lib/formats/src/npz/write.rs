@@ -1,7 +1,7 @@
 //! Members to an archive.
 
 use std::collections::BTreeSet;
-use std::io::Write;
+use std::io::{self, Write};
 
 use rawzip::path::EntryPath;
 use rawzip::{DataDescriptorOutput, ZipArchiveWriter};
@@ -30,14 +30,28 @@ const UNIX_MODE: u32 = 0o100_644;
 // threads, writes to a stream that cannot seek, and has no dependencies.
 #[derive(Debug)]
 pub struct NpzWriter<W: Write> {
-    archive: ZipArchiveWriter<W>,
+    archive: ZipArchiveWriter<Tail<W>>,
     names: BTreeSet<String>,
+    comment: String,
 }
 
 impl<W: Write> NpzWriter<W> {
     /// Starts an archive. The stream should be buffered.
     pub fn new(stream: W) -> Self {
-        Self { archive: ZipArchiveWriter::new(stream), names: BTreeSet::new() }
+        let archive = ZipArchiveWriter::new(Tail { stream, held: Vec::new() });
+        Self { archive, names: BTreeSet::new(), comment: String::new() }
+    }
+
+    /// Gives the archive a comment: what it says of itself. `zipfile.ZipFile(...).comment` shows it, numpy passes over it.
+    ///
+    /// # Errors
+    /// [`NpzError::Invalid`] when it is longer than 65,535 bytes.
+    pub fn set_comment(&mut self, comment: &str) -> Result<(), NpzError> {
+        if u16::try_from(comment.len()).is_err() {
+            return Err(NpzError::invalid("comment", "it is longer than 65,535 bytes"));
+        }
+        comment.clone_into(&mut self.comment);
+        Ok(())
     }
 
     /// Appends a member.
@@ -65,14 +79,74 @@ impl<W: Write> NpzWriter<W> {
     /// # Errors
     /// [`NpzError::Io`] from the stream.
     pub fn finish(self) -> Result<W, NpzError> {
-        self.archive.finish().map_err(|error| NpzError::of_zip("central directory", error))
+        let tail = self.archive.finish().map_err(|error| NpzError::of_zip("central directory", error))?;
+        let mut stream = tail.stream;
+        // `set_comment` has seen to it that the length fits.
+        stream.write_all(&(self.comment.len() as u16).to_le_bytes())?;
+        stream.write_all(self.comment.as_bytes())?;
+        stream.flush()?;
+        Ok(stream)
+    }
+}
+
+/// Holds back the last two bytes of what is written: of an archive they are the length of its comment, for which `rawzip`
+/// writes 0.
+#[derive(Debug)]
+struct Tail<W> {
+    stream: W,
+    held: Vec<u8>,
+}
+
+impl<W: Write> Write for Tail<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let kept = bytes.len().min(2);
+        let (front, back) = bytes.split_at(bytes.len() - kept);
+        let leaves = (self.held.len() + kept).saturating_sub(2);
+        self.stream.write_all(&self.held[..leaves])?;
+        self.held.drain(..leaves);
+        self.stream.write_all(front)?;
+        self.held.extend_from_slice(back);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.stream.flush()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Scalar, encode_member};
+    use crate::{NpzReader, Scalar, encode_member};
+
+    #[test]
+    fn an_archive_ends_with_its_comment() {
+        let archive = |comment: &str| {
+            let mut writer = NpzWriter::new(Vec::new());
+            writer.append(encode_member("a.npy", Scalar::U8, &[1], &[7], 0).expect("valid")).expect("new");
+            writer.set_comment(comment).expect("is short");
+            writer.finish().expect("memory")
+        };
+        let (plain, told) = (archive(""), archive("{\"a\": 1}"));
+        // The end record: its length is the last thing before the comment.
+        assert_eq!(&plain[plain.len() - 22..][..4], b"PK\x05\x06");
+        assert_eq!(plain[..plain.len() - 2], told[..plain.len() - 2]);
+        assert_eq!(told[plain.len() - 2..], *b"\x08\0{\"a\": 1}");
+        let mut reader = NpzReader::new(std::io::Cursor::new(told)).expect("is an archive");
+        assert_eq!(reader.read("a.npy").expect("reads").bytes, [7]);
+        let long = "x".repeat(65_536);
+        assert!(NpzWriter::new(Vec::new()).set_comment(&long).is_err());
+    }
+
+    #[test]
+    fn bytes_pass_in_any_portions() {
+        for size in 1..7 {
+            let bytes: Vec<u8> = (0..20).collect();
+            let mut tail = Tail { stream: Vec::new(), held: Vec::new() };
+            bytes.chunks(size).for_each(|part| tail.write_all(part).expect("memory"));
+            assert_eq!((tail.stream.as_slice(), tail.held.as_slice()), bytes.split_at(18));
+        }
+    }
 
     #[test]
     fn names_are_used_once() {

@@ -14,7 +14,8 @@ pub use yaml_keys::simbev2x_keys;
 
 use std::path::Path;
 
-use schema::settings::{AnnotationSettings, BevSettings, DatasetSettings, TrackSettings};
+use schema::BevClass;
+use schema::settings::{AnnotationSettings, BevRule, BevSettings, DatasetSettings, TrackSettings};
 
 pub use reader::{ConfigKey, Fault};
 use reader::{Section, with_document};
@@ -143,7 +144,66 @@ fn bev(section: &Section<'_>) -> BevSettings {
         enabled: section.flag("enabled", d.enabled, "write BEV masks"),
         cells: section.integer("cells", d.cells.into(), 2, 4096, "rows and columns of the grid") as u32,
         cell_m: section.number("cell_m", d.cell_m, 0.01, 10.0, "cell size, m"),
+        rule: section.choice(
+            "rule",
+            &BevRule::ALL.map(|rule| (rule.name(), rule)),
+            0,
+            "`exact`: by the triangles that sensors see; `simbev2x`: as SimBEV2X draws masks",
+        ),
+        classes: bev_classes(section),
+        lane_step_m: section.number(
+            "lane_step_m",
+            d.lane_step_m,
+            0.05,
+            10.0,
+            "with rule `simbev2x`: lanes are sampled at this distance along their roads, m",
+        ),
+        lane_radius_m: section.optional_number(
+            "lane_radius_m",
+            "35 m for every second of the scene and its warm-up",
+            1.0,
+            100_000.0,
+            "with rule `simbev2x`: lanes this near to an agent's first place are collected, m",
+        ),
+        near_radius_m: section.optional_number(
+            "near_radius_m",
+            "140 m; for grids above 160 m 20 m more than to a corner",
+            1.0,
+            100_000.0,
+            "with rule `simbev2x`: lanes this near to an agent are drawn, m",
+        ),
+        sidewalks_from_above: section.flag(
+            "sidewalks_from_above",
+            d.sidewalks_from_above,
+            "with rule `simbev2x`: a sidewalk seen from far above counts, too",
+        ),
+        paint: section.flag("paint", d.paint, "write masks of stop lines, parking spaces and arrows"),
+        ids: section.flag("ids", d.ids, "write the id of the object over each cell"),
+        heights: section.flag("heights", d.heights, "write the height of the ground in each cell"),
     }
+}
+
+fn bev_classes(section: &Section<'_>) -> Vec<BevClass> {
+    let all = BevClass::ALL.map(|class| class.name().to_owned());
+    let names = section.texts("classes", &all, "channels of the masks, in their order");
+    let mut classes = Vec::new();
+    let path = section.path_of("classes");
+    for name in &names {
+        match BevClass::from_name(name) {
+            Some(class) if classes.contains(&class) => {
+                section.fault_at("classes", format!("`{path}` names `{name}` twice"));
+            }
+            Some(class) => classes.push(class),
+            None => {
+                let problem = format!("`{path}`: `{name}` is no class, expected some of {}", all.join(", "));
+                section.fault_at("classes", problem);
+            }
+        }
+    }
+    if names.is_empty() {
+        section.fault_at("classes", format!("`{path}` is empty: `bev.enabled = false` writes no masks"));
+    }
+    classes
 }
 
 /// Default settings with one scene, for tests.
@@ -293,6 +353,21 @@ mod tests {
     }
 
     #[test]
+    fn masks_have_the_classes_that_are_named() {
+        let text = "[scenes.train]\n\"convoy/demo\" = 1\n[bev]\nrule = \"simbev2x\"\nclasses = [\"car\", \"road\"]\n";
+        let bev = parse(text, "x.toml").expect("is valid").bev;
+        assert_eq!((bev.rule, bev.classes), (BevRule::Simbev2x, vec![BevClass::Car, BevClass::Road]));
+        let with = |bev: &str| faults(&format!("[scenes.train]\n\"convoy/demo\" = 1\n[bev]\n{bev}\n"));
+        let wrong = with("classes = [\"car\", \"cars\", \"car\"]");
+        assert!(
+            wrong.starts_with("bad.toml:4: `bev.classes`: `cars` is no class, expected some of road, "),
+            "{wrong}"
+        );
+        assert!(wrong.ends_with("bad.toml:4: `bev.classes` names `car` twice\n"), "{wrong}");
+        assert!(with("classes = []").contains("`bev.classes` is empty"));
+    }
+
+    #[test]
     fn a_share_of_vehicles_needs_their_number() {
         let text = "[scenes.train]\n\"convoy/demo\" = 1\n[agents]\npenetration = 0.2\n";
         assert!(faults(text).starts_with("bad.toml:3: `agents.penetration` is a share"), "{}", faults(text));
@@ -427,6 +502,13 @@ ignore_signs_percentage: 0.5
             parse_yaml(&text, "x.yaml").expect("is valid").0.traffic.active_distance_m
         };
         assert_eq!([awake("True"), awake("False")], [1600.0, 800.0]);
+        let collected = |adjusted: &str| {
+            let text = format!(
+                "train_scene_config: {{convoy/demo: 1}}\ndynamic_settings_adjustments: {adjusted}\nmapping_area_radius: 800\n"
+            );
+            parse_yaml(&text, "x.yaml").expect("is valid").0.bev.lane_radius_m
+        };
+        assert_eq!([collected("True"), collected("False")], [None, Some(800.0)]);
     }
 
     #[test]

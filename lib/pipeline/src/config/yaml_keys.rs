@@ -14,7 +14,6 @@ pub(crate) enum Rule {
 use Rule::{Nothing, Percent, Same};
 
 const NO_ENGINE: &str = "there is no game engine and no window";
-const EXACT: &str = "labels are computed where they are needed, without sampling radii";
 
 /// Keys by name.
 const RULES: &[(&str, Rule)] = &[
@@ -43,9 +42,8 @@ const RULES: &[(&str, Rule)] = &[
     ("render_gpu", Nothing(NO_ENGINE)),
     ("max_io_workers", Nothing("--threads says how many threads work")),
     ("tile_stream_distance", Nothing("maps are loaded whole")),
-    ("waypoint_distance", Nothing(EXACT)),
-    ("mapping_area_radius", Nothing(EXACT)),
-    ("nearby_mapping_area_radius", Nothing(EXACT)),
+    ("waypoint_distance", Same("bev.lane_step_m")),
+    ("nearby_mapping_area_radius", Same("bev.near_radius_m")),
     ("spawn_point_separation_distance", Same("agents.spawn_separation_m")),
     ("bbox_collection_radius", Same("annotation.box_radius_m")),
     ("bev_camera_height", Nothing("masks are drawn from geometry, without a camera")),
@@ -54,7 +52,7 @@ const RULES: &[(&str, Rule)] = &[
     ("bev_res", Same("bev.cell_m")),
     ("spectator_height", Nothing(NO_ENGINE)),
     ("spectator_vehicle_index", Nothing(NO_ENGINE)),
-    ("use_bev_for_sidewalks", Nothing("sidewalks are exact without it")),
+    ("use_bev_for_sidewalks", Same("bev.sidewalks_from_above")),
     ("use_cityscapes_palette", Nothing("masks have no colours")),
     // Traffic.
     ("ignore_lights_percentage", Percent("traffic.ignore_lights")),
@@ -105,6 +103,7 @@ const SPECIAL: &[(&str, &str)] = &[
     ("timestep", "no effect: a frame is 0.05 s"),
     ("dynamic_settings_adjustments", "False: `traffic.spawn_radius_m` is `npc_spawn_radius`"),
     ("npc_spawn_radius", "`traffic.spawn_radius_m`, without `dynamic_settings_adjustments`"),
+    ("mapping_area_radius", "`bev.lane_radius_m`, without `dynamic_settings_adjustments`"),
     ("actor_active_distance", "`traffic.active_distance_m`, without `dynamic_settings_adjustments`"),
     ("random_street_light_failure", "False: `lights.street_lamp_failure` is 0"),
     ("street_light_failure_percentage", "`lights.street_lamp_failure`, as a share"),

@@ -70,11 +70,15 @@ pub(crate) fn translate(
                 to.put(at, "lights.street_lamp_failure", "0".into());
             }
         }
-        "npc_spawn_radius" | "actor_active_distance" => {
-            let ours = if key == "npc_spawn_radius" { "spawn_radius_m" } else { "active_distance_m" };
+        "npc_spawn_radius" | "actor_active_distance" | "mapping_area_radius" => {
+            let ours = match key {
+                "npc_spawn_radius" => "traffic.spawn_radius_m",
+                "actor_active_distance" => "traffic.active_distance_m",
+                _ => "bev.lane_radius_m",
+            };
             if other("dynamic_settings_adjustments").and_then(flag) == Some(false) {
                 let metres = number(value).map_or_else(|| "\"?\"".into(), decimal);
-                to.put(at, &format!("traffic.{ours}"), metres);
+                to.put(at, ours, metres);
             }
         }
         "street_light_failure_percentage" => {

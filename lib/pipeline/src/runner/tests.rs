@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::sync::Arc;
 
-use schema::settings::BevSettings;
+use schema::settings::stages::MaskSettings;
 use store::{Backend, Memory};
 
 use super::*;
@@ -33,12 +33,12 @@ fn simulated(store: &Store, settings: &DatasetSettings) {
 fn run_of<'a>(
     settings: &'a DatasetSettings,
     store: &Store,
-    run: fn(&mut Job<'_, BevSettings>) -> Result<(), StageError>,
-) -> Run<'a, BevSettings> {
+    run: fn(&mut Job<'_, MaskSettings>) -> Result<(), StageError>,
+) -> Run<'a, MaskSettings> {
     Run {
         stage: Stage::new(run),
         spec: Graph::get().stage("bev-gt").expect("is a stage"),
-        view: BevSettings::of(settings),
+        view: MaskSettings::of(settings),
         settings,
         store: store.clone(),
         maps: None,
@@ -50,11 +50,11 @@ fn run_of<'a>(
 
 const SCENES: [Scope; 3] = [Scope::Scene(0), Scope::Scene(1), Scope::Scene(2)];
 
-fn states(run: &Run<'_, BevSettings>) -> [State; 3] {
+fn states(run: &Run<'_, MaskSettings>) -> [State; 3] {
     SCENES.map(|scope| run.state(scope, &BTreeMap::new()).expect("is known"))
 }
 
-fn write(job: &mut Job<'_, BevSettings>, bytes: usize) -> Result<(), StageError> {
+fn write(job: &mut Job<'_, MaskSettings>, bytes: usize) -> Result<(), StageError> {
     let key = store::keys::scene(job.scene(), "bev/vehicle_0.npz");
     if let Some(mut unit) = job.unit("vehicle_0")? {
         unit.bytes(&key, &vec![7; bytes], 1)?;

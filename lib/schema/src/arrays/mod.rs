@@ -6,7 +6,7 @@ mod kind;
 mod occupancy;
 mod occupancy_filled;
 
-pub use bev::BEV_MASKS;
+pub use bev::{BEV_HEIGHTS, BEV_IDS, BEV_MASKS, BEV_PAINT};
 pub use kind::ArrayKind;
 pub use occupancy::VOXEL_GRIDS;
 pub use occupancy_filled::FILLED_VOXEL_GRIDS;

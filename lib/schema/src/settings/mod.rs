@@ -29,7 +29,7 @@ mod world;
 
 pub use agents::{AgentSettings, GivenStart, SpawnMode};
 pub use annotation::AnnotationSettings;
-pub use bev::BevSettings;
+pub use bev::{BevRule, BevSettings};
 pub use camera::{CameraSettings, CameraSpec};
 pub use dataset::{DatasetSettings, OwnRig};
 pub use hazards::HazardSettings;

@@ -1,0 +1,7 @@
+#![doc = include_str!("../README.md")]
+
+mod lanes;
+mod paint;
+
+pub use lanes::LaneCollector;
+pub use paint::{Paint, Reach};
