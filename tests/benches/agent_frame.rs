@@ -282,11 +282,11 @@ impl<'a> Agentframe<'a> {
         let voxels = best(3, || voxelize(&mut grid));
         let mut filler = Filler::default();
         let mut work = grid.clone();
-        filler.fill(&mut work, settings.voxel_m).expect("is filled");
+        filler.fill(&mut work, settings.voxel_m, settings.fill_rule).expect("is filled");
         let mut fill = f64::INFINITY;
         for _ in 0..3 {
             work.data.copy_from_slice(&grid.data);
-            fill = fill.min(best(1, || filler.fill(&mut work, settings.voxel_m)));
+            fill = fill.min(best(1, || filler.fill(&mut work, settings.voxel_m, settings.fill_rule)));
         }
         let npz = best(3, || encode_member("0000.npy", Scalar::U8, &grid.shape, &grid.data, DEFAULT_LEVEL));
         [voxels, fill, npz]

@@ -7,12 +7,12 @@ use divan::{Bencher, counter::ItemsCount};
 use fill::Filler;
 use frames::{Agent, Pose, World};
 use renderer::VoxelRenderer;
-use schema::settings::{BevSettings, OccupancySettings};
+use schema::settings::{BevSettings, FillingRule, OccupancySettings, SweepSettings};
 use schema::tables::BoxRow;
 use testkit::small_town;
 use validity::{Evidence, PointCloud, validate};
 use voxelgrid::VoxelGrid;
-use voxels::{CpuVoxelRenderer, GridPlacement};
+use voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
 
 fn main() {
     divan::main();
@@ -55,15 +55,39 @@ fn voxels_1280x1280x80(bencher: Bencher<'_, '_>) {
     bencher.counter(ItemsCount::new(triangles)).bench_local(voxelize);
 }
 
+/// The same with whose each cell is and how it moves.
 #[divan::bench]
-fn fill_1280x1280x80(bencher: Bencher<'_, '_>) {
+fn voxel_rows_1280x1280x80(bencher: Bencher<'_, '_>) {
+    let town = small_town();
+    let placement = GridPlacement::new(&OccupancySettings::default()).expect("default settings");
+    let mut cpu = CpuVoxelRenderer::default();
+    cpu.prepare(&town.meshes).expect("has no device");
+    let block = placement.block(&town.origin, &agent(), None);
+    let wanted = Wanted { places: true, ids: true, flow: true };
+    bencher.bench_local(|| cpu.cell_rows(&town, &block, wanted).expect("is prepared"));
+}
+
+#[divan::bench]
+fn voxel_sweeps_1280x1280x80(bencher: Bencher<'_, '_>) {
+    let town = small_town();
+    let placement = GridPlacement::new(&OccupancySettings::default()).expect("default settings");
+    let mut cpu = CpuVoxelRenderer::default();
+    cpu.prepare(&town.meshes).expect("has no device");
+    let block = placement.block(&town.origin, &agent(), None);
+    let mut cells = Vec::new();
+    bencher.bench_local(|| cpu.sweep(&town, &block, &SweepSettings::default(), &mut cells).is_ok());
+}
+
+#[divan::bench(args = FillingRule::ALL.map(FillingRule::name))]
+fn fill_1280x1280x80(bencher: Bencher<'_, '_>, rule: &str) {
+    let rule = FillingRule::ALL.into_iter().find(|of| of.name() == rule).expect("is one of them");
     let town = small_town();
     let hollow =
         voxels::voxelize(&town, &agent(), &OccupancySettings::default(), None).expect("default settings");
     let mut filler = Filler::default();
     bencher
         .with_inputs(|| hollow.clone())
-        .bench_local_refs(|grid| filler.fill(grid, 0.1).expect("a usual grid"));
+        .bench_local_refs(|grid| filler.fill(grid, 0.1, rule).expect("a usual grid"));
 }
 
 #[divan::bench]

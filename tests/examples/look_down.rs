@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     save(&folder.join("voxels-top.png"), width, height, &rgb)?;
     let (width, height, rgb) = oblique_view(&grid);
     save(&folder.join("voxels-oblique.png"), width, height, &rgb)?;
-    fill(&mut grid, settings.voxel_m)?;
+    fill(&mut grid, settings.voxel_m, settings.fill_rule)?;
     // Cut open: the upper half of the cells taken away.
     let [_, _, nz] = grid.shape;
     for column in grid.data.chunks_exact_mut(nz) {

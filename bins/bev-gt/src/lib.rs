@@ -25,7 +25,6 @@ fn run(job: &mut Job<'_, MaskSettings>) -> Result<(), StageError> {
     let scene = SceneReader::new(job.store(), job.scene(), job.inputs());
     let replay = Replay::open(&scene).at(|| job.place())?;
     let areas = SceneAreas::of(&replay, &settings);
-    let comment = settings.describe().at(|| job.place())?;
     let by_lanes = settings.rule == BevRule::Simbev2x;
     let mut footprints = if by_lanes { footprints(&scene).at(|| job.place())? } else { Default::default() };
     let mut collector = by_lanes.then(|| LaneCollector::new(&replay.map, settings.lane_step_m));
@@ -39,14 +38,6 @@ fn run(job: &mut Job<'_, MaskSettings>) -> Result<(), StageError> {
             }
             None => Rule::Exact,
         };
-        Some(Masks {
-            replay: &replay,
-            position,
-            agent,
-            settings: &settings,
-            areas: &areas,
-            rule,
-            comment: &comment,
-        })
+        Some(Masks { replay: &replay, position, agent, settings: &settings, areas: &areas, rule })
     })
 }

@@ -28,8 +28,6 @@ pub(crate) struct Masks<'a> {
     pub(crate) settings: &'a BevSettings,
     pub(crate) areas: &'a SceneAreas,
     pub(crate) rule: Rule,
-    /// What the archives say of themselves.
-    pub(crate) comment: &'a str,
 }
 
 impl FrameArrays for Masks<'_> {
@@ -41,8 +39,8 @@ impl FrameArrays for Masks<'_> {
         wanted.into_iter().filter(|(wanted, _)| *wanted).map(|(_, kind)| kind).collect()
     }
 
-    fn comment(&self) -> String {
-        self.comment.to_owned()
+    fn comment(&self) -> Result<String, StageError> {
+        self.settings.describe().at(|| Place::default().agent(self.agent))
     }
 
     fn memory(&self) -> Result<Self::Memory, StageError> {

@@ -7,11 +7,11 @@ use pipeline::{At, Job, Place, Stage, StageError};
 use renderer::VoxelRenderer;
 use replay::Replay;
 use scene::SceneReader;
-use schema::arrays::{ArrayKind, VOXEL_GRIDS};
+use schema::arrays::{ArrayKind, VOXEL_CELLS, VOXEL_FLOW, VOXEL_GRIDS, VOXEL_IDS};
 use schema::settings::{OccupancySettings, PerAgent};
-use schema::{AgentId, ObjectId};
-use voxelgrid::{Filling, VoxelGrid};
-use voxels::{CpuVoxelRenderer, GridPlacement};
+use schema::{AgentId, ObjectId, Tag};
+use voxelgrid::{Filling, VoxelGrid, add_cells};
+use voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
 
 /// The stage.
 pub const STAGE: Stage<Seen> = Stage::new(run);
@@ -35,7 +35,7 @@ fn run(job: &mut Job<'_, Seen>) -> Result<(), StageError> {
 /// The grids of an agent.
 struct Grids<'a> {
     replay: &'a Replay,
-    renderer: &'a dyn VoxelRenderer,
+    renderer: &'a CpuVoxelRenderer,
     position: usize,
     agent: AgentId,
     settings: &'a OccupancySettings,
@@ -50,31 +50,71 @@ impl Grids<'_> {
 impl FrameArrays for Grids<'_> {
     type Memory = (GridPlacement, VoxelGrid);
 
+    fn kinds(&self) -> Vec<&'static ArrayKind> {
+        let OccupancySettings { sparse, ids, flow, .. } = *self.settings;
+        let all = [(!sparse, &VOXEL_GRIDS), (sparse, &VOXEL_CELLS), (ids, &VOXEL_IDS), (flow, &VOXEL_FLOW)];
+        all.into_iter().filter(|(wanted, _)| *wanted).map(|(_, kind)| kind).collect()
+    }
+
+    fn comment(&self) -> Result<String, StageError> {
+        self.settings.describe().at(|| self.place())
+    }
+
     fn memory(&self) -> Result<Self::Memory, StageError> {
         let placement = GridPlacement::new(self.settings).at(|| self.place())?;
         Ok((placement, VoxelGrid::default()))
     }
 
-    fn kinds(&self) -> Vec<&'static ArrayKind> {
-        vec![&VOXEL_GRIDS]
-    }
-
-    /// `[x, y, z]` tags.
+    /// `[x, y, z]` tags or `[n, 4]` occupied cells; objects and velocities of the occupied cells.
     fn arrays<'m>(
         &self,
         (placement, grid): &'m mut Self::Memory,
         frame: u32,
         counts: &mut PartialCounts,
     ) -> Result<Vec<FrameArray<'m>>, StageError> {
-        let log = &self.replay.log;
+        let (log, settings) = (&self.replay.log, self.settings);
         let pose = log.world_from_agent(self.position, frame);
-        let own: Option<ObjectId> = self.settings.ignore_self.then(|| log.agent(self.position, frame).id);
-        let height_m = self.settings.upper_m.abs().max(self.settings.lower_m.abs());
-        let radius_m = self.settings.range_m * std::f64::consts::SQRT_2 + height_m;
+        let own: Option<ObjectId> = settings.ignore_self.then(|| log.agent(self.position, frame).id);
+        let height_m = settings.upper_m.abs().max(settings.lower_m.abs());
+        let radius_m = settings.range_m * std::f64::consts::SQRT_2 + height_m;
         let snapshot = self.replay.snapshot(frame, pose.xyz(), radius_m);
         let place = || self.place().frame(frame);
-        placement.voxelize(self.renderer, &snapshot, &pose, own, grid).at(place)?;
-        grid.add_to(counts, &self.agent.to_string(), Filling::Hollow);
-        Ok(vec![FrameArray { scalar: Scalar::U8, shape: grid.shape.to_vec(), bytes: (&grid.data).into() }])
+        let agent = self.agent.to_string();
+        let block = placement.block(&snapshot.origin, &pose, own);
+        let OccupancySettings { sparse, ids, flow, .. } = *settings;
+        let mut arrays = Vec::new();
+        if !sparse {
+            if settings.full_sweep {
+                placement.voxelize(self.renderer, &snapshot, &pose, own, grid).at(place)?;
+            } else {
+                grid.shape = placement.shape();
+                self.renderer.sweep(&snapshot, &block, &settings.sweeps, &mut grid.data).at(place)?;
+            }
+            grid.add_to(counts, &agent, Filling::Hollow);
+            arrays.push(FrameArray {
+                scalar: Scalar::U8,
+                shape: grid.shape.to_vec(),
+                bytes: (&grid.data).into(),
+            });
+        }
+        let wanted = Wanted { places: sparse, ids, flow };
+        if wanted != Wanted::default() {
+            let rows = self.renderer.cell_rows(&snapshot, &block, wanted).at(place)?;
+            let mut cells = rows.counts;
+            let occupied: u64 = cells.iter().sum();
+            let n = occupied as usize;
+            if sparse {
+                cells[Tag::Unlabeled as usize] = settings.cells() - occupied;
+                add_cells(cells, counts, &agent, Filling::Hollow);
+                arrays.push(FrameArray { scalar: Scalar::U16, shape: vec![n, 4], bytes: rows.places.into() });
+            }
+            if ids {
+                arrays.push(FrameArray { scalar: Scalar::U16, shape: vec![n], bytes: rows.ids.into() });
+            }
+            if flow {
+                arrays.push(FrameArray { scalar: Scalar::F32, shape: vec![n, 3], bytes: rows.flow.into() });
+            }
+        }
+        Ok(arrays)
     }
 }

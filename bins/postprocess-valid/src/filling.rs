@@ -59,6 +59,10 @@ impl FilledGrids<'_> {
 impl FrameArrays for FilledGrids<'_> {
     type Memory = (ArrayReader, Filler, VoxelGrid);
 
+    fn comment(&self) -> Result<String, StageError> {
+        self.settings.describe().at(|| self.place())
+    }
+
     fn memory(&self) -> Result<Self::Memory, StageError> {
         Ok((self.open()?, Filler::default(), VoxelGrid::default()))
     }
@@ -78,7 +82,7 @@ impl FrameArrays for FilledGrids<'_> {
         let array = reader.read(frame).at(|| self.place())?;
         *grid = grid_of(array).ok_or(InputError::NoGrid { path: path.clone(), frame }).at(|| self.place())?;
         filler
-            .fill(grid, self.settings.voxel_m)
+            .fill(grid, self.settings.voxel_m, self.settings.fill_rule)
             .map_err(|source| InputError::Fill { path, frame, source })
             .at(|| self.place())?;
         grid.add_to(counts, &self.agent.to_string(), Filling::Filled);

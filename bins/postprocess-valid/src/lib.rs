@@ -24,7 +24,11 @@ fn run(job: &mut Job<'_, ValiditySettings>) -> Result<(), StageError> {
     let scene = SceneReader::new(job.store(), job.scene(), job.inputs());
     let log = SceneLog::read(&scene).at(|| place.clone())?;
     let agents = log.agent_ids();
-    let occupied: Vec<&AgentId> = agents.iter().filter(|a| settings.occupancy.of(**a).enabled).collect();
+    let has_grid = |agent: &&AgentId| {
+        let grid = settings.occupancy.of(**agent);
+        grid.enabled && grid.is_filled()
+    };
+    let occupied: Vec<&AgentId> = agents.iter().filter(has_grid).collect();
     let passes = (agents.len() + occupied.len()) as u64;
     job.progress().set_total(u64::from(log.frame_count()) * passes);
 

@@ -1,18 +1,28 @@
 //! Filling the hollow insides of objects in a voxel grid, class by class, exactly.
 //!
-//! Surfaces leave closed objects hollow. For each class in [`ORDER`], a free cell becomes that class when
+//! Surfaces leave closed objects hollow. Three rules fill them ([`FillingRule`]).
+//!
+//! `chunk`: for each class in [`ORDER`], a free cell becomes that class when
 //! the first occupied cell in all six axis directions is of the class, and the class occurs in the cell's chunk.
 //! Each pass reads the grid as the last one left it, so the order of the classes is part of the result.
 //!
-//! A column of cells along z is a bit mask here. "The first occupied cell below (above) is of the class" is
+//! `paper`: a free cell takes the label, whatever it is, that the first occupied cell in all six axis directions has. All cells
+//! read the grid as it was.
+//!
+//! `solid`: free cells that no way over faces leads out of, to the grid's border, take the label that most cell faces
+//! around them have (of equally many the smaller), if that is a class of [`ORDER`].
+//!
+//! For the first two a column of cells along z is a bit mask here. "The first occupied cell below (above) is of the class" is
 //! one addition whose carries run through free cells; the four horizontal directions are sweeps that carry a
 //! mask from column to column, over the rows where a candidate is left.
 
 mod bits;
 mod order;
+mod solid;
 mod sweep;
 
-use schema::settings::OccupancySettings;
+use schema::Tag;
+use schema::settings::{FillingRule, OccupancySettings};
 
 pub use order::ORDER;
 use voxelgrid::VoxelGrid;
@@ -53,6 +63,7 @@ pub struct Filler {
     usual: sweep::Columns<2>,
     wide: sweep::Columns<4>,
     widest: sweep::Columns<8>,
+    rooms: solid::Rooms,
 }
 
 impl Filler {
@@ -60,7 +71,7 @@ impl Filler {
     ///
     /// # Errors
     /// The grid has more than 512 layers, or data of another size than its shape.
-    pub fn fill(&mut self, grid: &mut VoxelGrid, voxel_m: f64) -> Result<(), FillError> {
+    pub fn fill(&mut self, grid: &mut VoxelGrid, voxel_m: f64, rule: FillingRule) -> Result<(), FillError> {
         let layers = grid.shape[2];
         if grid.shape.iter().product::<usize>() != grid.data.len() {
             return Err(FillError::Shape { shape: grid.shape, cells: grid.data.len() });
@@ -69,11 +80,12 @@ impl Filler {
             return Ok(());
         }
         match layers {
-            0..=64 => run(&mut self.narrow, grid, voxel_m),
-            65..=128 => run(&mut self.usual, grid, voxel_m),
-            129..=256 => run(&mut self.wide, grid, voxel_m),
-            257..=OccupancySettings::MAX_LAYERS => run(&mut self.widest, grid, voxel_m),
-            _ => return Err(FillError::Layers { layers }),
+            _ if layers > OccupancySettings::MAX_LAYERS => return Err(FillError::Layers { layers }),
+            _ if rule == FillingRule::Solid => self.rooms.fill(grid),
+            0..=64 => run(&mut self.narrow, grid, voxel_m, rule),
+            65..=128 => run(&mut self.usual, grid, voxel_m, rule),
+            129..=256 => run(&mut self.wide, grid, voxel_m, rule),
+            _ => run(&mut self.widest, grid, voxel_m, rule),
         }
         Ok(())
     }
@@ -83,15 +95,27 @@ impl Filler {
 ///
 /// # Errors
 /// As [`Filler::fill`].
-pub fn fill(grid: &mut VoxelGrid, voxel_m: f64) -> Result<(), FillError> {
-    Filler::default().fill(grid, voxel_m)
+pub fn fill(grid: &mut VoxelGrid, voxel_m: f64, rule: FillingRule) -> Result<(), FillError> {
+    Filler::default().fill(grid, voxel_m, rule)
 }
 
-fn run<const W: usize>(columns: &mut sweep::Columns<W>, grid: &mut VoxelGrid, voxel_m: f64) {
-    columns.read(grid);
+fn run<const W: usize>(
+    columns: &mut sweep::Columns<W>,
+    grid: &mut VoxelGrid,
+    voxel_m: f64,
+    rule: FillingRule,
+) {
+    if rule == FillingRule::Paper {
+        columns.read(grid, &order::EVERY);
+        for tag in Tag::ALL.into_iter().filter(|tag| *tag != Tag::Unlabeled) {
+            columns.fill_class(tag as usize - 1, tag, grid.shape, false, grid);
+        }
+        return;
+    }
+    columns.read(grid, &order::ORDERED);
     for (class, (tag, chunk)) in ORDER.into_iter().enumerate() {
         let chunk = chunk_cells(chunk, voxel_m, grid.shape);
-        columns.fill_class(class, tag, chunk, grid);
+        columns.fill_class(class, tag, chunk, true, grid);
     }
 }
 

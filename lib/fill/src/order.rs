@@ -35,15 +35,34 @@ pub const ORDER: [(Tag, [usize; 3]); 20] = {
     ]
 };
 
-/// Index in [`ORDER`] of every label, 255 where it is never filled.
-pub(crate) const CLASS_OF: [u8; 256] = {
-    let mut class = [255_u8; 256];
+/// The classes that are filled one by one.
+#[derive(Debug)]
+pub(crate) struct Classes {
+    /// Number of every label's class, 255 where it has none.
+    pub(crate) of: [u8; 256],
+    pub(crate) count: usize,
+}
+
+/// Those of [`ORDER`], in its order.
+pub(crate) const ORDERED: Classes = {
+    let mut of = [255_u8; 256];
     let mut at = 0;
     while at < ORDER.len() {
-        class[ORDER[at].0 as usize] = at as u8;
+        of[ORDER[at].0 as usize] = at as u8;
         at += 1;
     }
-    class
+    Classes { of, count: ORDER.len() }
+};
+
+/// All labels but free space: the class of a label is one less.
+pub(crate) const EVERY: Classes = {
+    let mut of = [255_u8; 256];
+    let mut label = 1;
+    while label < Tag::COUNT {
+        of[label] = label as u8 - 1;
+        label += 1;
+    }
+    Classes { of, count: Tag::COUNT - 1 }
 };
 
 /// The bits of one chunk's layers.

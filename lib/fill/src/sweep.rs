@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use schema::Tag;
 
 use super::bits::Bits;
-use super::order::{CLASS_OF, ORDER, layer_chunks};
+use super::order::{Classes, layer_chunks};
 use voxelgrid::VoxelGrid;
 
 /// Columns along y that one sweep along x carries at a time.
@@ -27,7 +27,7 @@ struct Entry<const W: usize> {
 pub(super) struct Columns<const W: usize> {
     /// Free cells of each column (i-major).
     free: Vec<Bits<W>>,
-    /// Per class of [`ORDER`], the columns that hold it, in column order.
+    /// Per class, the columns that hold it, in column order.
     entries: Vec<Vec<Entry<W>>>,
     /// The class at hand as dense masks; zero outside a pass.
     dense: Vec<Bits<W>>,
@@ -36,11 +36,14 @@ pub(super) struct Columns<const W: usize> {
 }
 
 /// What a reading task finds: the free cells of its columns, the entries by class.
-struct Read<const W: usize>(Vec<Vec<Entry<W>>>);
+struct Read<'c, const W: usize> {
+    classes: &'c Classes,
+    entries: Vec<Vec<Entry<W>>>,
+}
 
 impl<const W: usize> Columns<W> {
     /// Reads the grid.
-    pub(super) fn read(&mut self, grid: &VoxelGrid) {
+    pub(super) fn read(&mut self, grid: &VoxelGrid, classes: &Classes) {
         let [nx, ny, nz] = grid.shape;
         for masks in [&mut self.free, &mut self.dense, &mut self.candidates] {
             if masks.len() != nx * ny {
@@ -48,13 +51,13 @@ impl<const W: usize> Columns<W> {
                 masks.resize(nx * ny, Bits::ZERO);
             }
         }
-        let parts: Vec<Read<W>> = self
+        let parts: Vec<Read<'_, W>> = self
             .free
             .par_chunks_mut(READ_SLICES * ny)
             .zip(grid.data.par_chunks(READ_SLICES * ny * nz))
             .enumerate()
             .map(|(part, (free, cells))| {
-                let mut found = Read(vec![Vec::new(); ORDER.len()]);
+                let mut found = Read { classes, entries: vec![Vec::new(); classes.count] };
                 for (at, (free, column)) in free.iter_mut().zip(cells.chunks_exact(nz)).enumerate() {
                     let (i, j) = (part * READ_SLICES + at / ny, at % ny);
                     *free = found.column(i as u32, j as u32, column);
@@ -62,15 +65,22 @@ impl<const W: usize> Columns<W> {
                 found
             })
             .collect();
-        self.entries.resize_with(ORDER.len(), Vec::new);
+        self.entries.resize_with(classes.count, Vec::new);
         for (class, entries) in self.entries.iter_mut().enumerate() {
             entries.clear();
-            parts.iter().for_each(|part| entries.extend_from_slice(&part.0[class]));
+            parts.iter().for_each(|part| entries.extend_from_slice(&part.entries[class]));
         }
     }
 
-    /// One pass: fills the class and writes it into the grid.
-    pub(super) fn fill_class(&mut self, class: usize, tag: Tag, chunk: [usize; 3], grid: &mut VoxelGrid) {
+    /// One pass: fills the class and writes it into the grid. Later passes see what it has filled where it `claims` it.
+    pub(super) fn fill_class(
+        &mut self,
+        class: usize,
+        tag: Tag,
+        chunk: [usize; 3],
+        claims: bool,
+        grid: &mut VoxelGrid,
+    ) {
         let [_, ny, nz] = grid.shape;
         let Some(entries) = self.entries.get(class).filter(|entries| !entries.is_empty()) else { return };
         let active = Active::new(entries, chunk, grid.shape);
@@ -96,7 +106,9 @@ impl<const W: usize> Columns<W> {
         let reach = Reach::of(entries, &columns, ny);
         self.sweep_y(&reach, ny);
         for (at, filled) in self.sweep_x(&reach, ny).into_iter().flatten() {
-            self.free[at] = self.free[at] & !filled;
+            if claims {
+                self.free[at] = self.free[at] & !filled;
+            }
             let start = at * nz;
             filled.ones().for_each(|k| grid.data[start + k] = tag as u8);
         }
@@ -182,7 +194,7 @@ impl<const W: usize> Columns<W> {
     }
 }
 
-impl<const W: usize> Read<W> {
+impl<const W: usize> Read<'_, W> {
     /// Notes the classes of a column and returns its free cells.
     fn column(&mut self, i: u32, j: u32, column: &[u8]) -> Bits<W> {
         let mut free = Bits::range_below(column.len());
@@ -200,8 +212,8 @@ impl<const W: usize> Read<W> {
         for (k, &label) in cells.iter().enumerate().filter(|(_, label)| **label != 0) {
             let k = start + k;
             free.0[k / 64] &= !(1 << (k % 64));
-            let class = usize::from(CLASS_OF[usize::from(label)]);
-            if let Some(entries) = self.0.get_mut(class) {
+            let class = usize::from(self.classes.of[usize::from(label)]);
+            if let Some(entries) = self.entries.get_mut(class) {
                 match entries.last_mut() {
                     Some(last) if last.i == i && last.j == j => last.cells.set(k),
                     _ => {

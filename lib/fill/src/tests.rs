@@ -1,6 +1,6 @@
 //! Against marching rays cell by cell, and the rule's own consequences.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use proptest::prelude::*;
 use schema::Tag;
@@ -50,6 +50,73 @@ fn brute_force(grid: &VoxelGrid, voxel_m: f64) -> VoxelGrid {
     out
 }
 
+/// The paper's rule: march from every free cell in six directions, reading the grid as it was.
+fn paper(grid: &VoxelGrid) -> VoxelGrid {
+    let mut out = grid.clone();
+    for cell in cells(grid).filter(|cell| grid.data[grid.index(cell[0], cell[1], cell[2])] == 0) {
+        let march = |axis: usize, step: isize| {
+            let mut at = cell;
+            loop {
+                at[axis] = at[axis].checked_add_signed(step).filter(|n| *n < grid.shape[axis])?;
+                let label = grid.data[grid.index(at[0], at[1], at[2])];
+                if label != 0 {
+                    return Some(label);
+                }
+            }
+        };
+        let met: BTreeSet<Option<u8>> = (0..3).flat_map(|axis| [march(axis, -1), march(axis, 1)]).collect();
+        if let (1, Some(Some(label))) = (met.len(), met.first()) {
+            let at = out.index(cell[0], cell[1], cell[2]);
+            out.data[at] = *label;
+        }
+    }
+    out
+}
+
+/// Whatever is closed is full: from every free cell a walk that ends at the border, or a room.
+fn solid(grid: &VoxelGrid) -> VoxelGrid {
+    let mut out = grid.clone();
+    let mut seen = BTreeSet::new();
+    for start in cells(grid) {
+        if grid.data[grid.index(start[0], start[1], start[2])] != 0 || seen.contains(&start) {
+            continue;
+        }
+        let (mut room, mut todo, mut open) = (Vec::new(), vec![start], false);
+        let mut faces: BTreeMap<u8, usize> = BTreeMap::new();
+        seen.insert(start);
+        while let Some(cell) = todo.pop() {
+            room.push(cell);
+            for axis in 0..3 {
+                for step in [-1, 1] {
+                    let mut next = cell;
+                    let Some(n) = cell[axis].checked_add_signed(step).filter(|n| *n < grid.shape[axis])
+                    else {
+                        open = true;
+                        continue;
+                    };
+                    next[axis] = n;
+                    match grid.data[grid.index(next[0], next[1], next[2])] {
+                        0 => todo.extend(seen.insert(next).then_some(next)),
+                        label => *faces.entry(label).or_default() += 1,
+                    }
+                }
+            }
+        }
+        let most = faces.iter().max_by(|a, b| a.1.cmp(b.1).then(b.0.cmp(a.0))).map(|(label, _)| *label);
+        let label = most.filter(|most| !open && ORDER.iter().any(|(tag, _)| *tag as u8 == *most));
+        for cell in label.iter().flat_map(|_| &room) {
+            let at = out.index(cell[0], cell[1], cell[2]);
+            out.data[at] = label.unwrap_or(0);
+        }
+    }
+    out
+}
+
+fn cells(grid: &VoxelGrid) -> impl Iterator<Item = [usize; 3]> {
+    let [nx, ny, nz] = grid.shape;
+    (0..nx).flat_map(move |i| (0..ny).flat_map(move |j| (0..nz).map(move |k| [i, j, k])))
+}
+
 /// Paints the shell of the cube `from..to` in all axes.
 fn shell(grid: &mut VoxelGrid, tag: Tag, from: usize, to: usize) {
     for i in from..to {
@@ -66,7 +133,7 @@ fn shell(grid: &mut VoxelGrid, tag: Tag, from: usize, to: usize) {
 
 fn filled(grid: &VoxelGrid) -> VoxelGrid {
     let mut out = grid.clone();
-    fill(&mut out, 0.1).expect("a usual grid");
+    fill(&mut out, 0.1, FillingRule::Chunk).expect("a usual grid");
     out
 }
 
@@ -118,6 +185,39 @@ fn a_house_leaves_the_inside_of_a_car_to_the_car() {
 }
 
 #[test]
+fn each_rule_fills_what_it_says() {
+    let counts = |grid: &VoxelGrid, rule| {
+        let mut out = grid.clone();
+        fill(&mut out, 0.1, rule).expect("a usual grid");
+        let of = out.count();
+        [Tag::Pedestrian, Tag::Wall].map(|tag| of[tag as usize])
+    };
+    // A shell of 20 cells: chunks of 8 leave a hole of 512 in the middle, the others none.
+    let mut grid = VoxelGrid::free([40, 40, 40]);
+    shell(&mut grid, Tag::Pedestrian, 3, 23);
+    assert_eq!(counts(&grid, FillingRule::Paper), [8000, 0]);
+    assert_eq!(counts(&grid, FillingRule::Solid), [8000, 0]);
+    // A dent: a free cell whose way up leads out. For the paper it stays, and so does what lies below it within the hole;
+    // open is open.
+    let top = grid.index(10, 10, 22);
+    grid.data[top] = 0;
+    assert_eq!(counts(&grid, FillingRule::Paper), [8000 - 19, 0], "the column below the hole");
+    assert_eq!(counts(&grid, FillingRule::Solid), [20 * 20 * 20 - 18 * 18 * 18 - 1, 0]);
+    // Walls are filled by the paper alone.
+    let mut walls = VoxelGrid::free([40, 40, 40]);
+    shell(&mut walls, Tag::Wall, 0, 10);
+    assert_eq!(counts(&walls, FillingRule::Paper), [0, 1000]);
+    assert_eq!(counts(&walls, FillingRule::Solid), [0, 1000 - 512]);
+    // An L-shaped room, round the corner of which no ray sees the same class all around.
+    let mut nested = VoxelGrid::free([40, 40, 40]);
+    shell(&mut nested, Tag::Pedestrian, 0, 20);
+    shell(&mut nested, Tag::Wall, 5, 12);
+    let [people, _] = counts(&nested, FillingRule::Solid);
+    assert_eq!(people, 8000 - 343, "the room around the wall; the wall's own room has walls");
+    assert!(counts(&nested, FillingRule::Paper)[0] < people);
+}
+
+#[test]
 fn roads_and_walls_are_never_filled() {
     for tag in
         [Tag::Road, Tag::Sidewalk, Tag::Wall, Tag::Fence, Tag::Terrain, Tag::Other, Tag::Water, Tag::Ground]
@@ -140,10 +240,10 @@ fn chunks_grow_as_cells_shrink() {
 #[test]
 fn unfit_grids_are_refused() {
     let mut tall = VoxelGrid::free([1, 1, 513]);
-    assert_eq!(fill(&mut tall, 0.1), Err(FillError::Layers { layers: 513 }));
+    assert_eq!(fill(&mut tall, 0.1, FillingRule::Chunk), Err(FillError::Layers { layers: 513 }));
     let mut torn = VoxelGrid { shape: [2, 2, 2], data: vec![0; 7] };
-    assert!(matches!(fill(&mut torn, 0.1), Err(FillError::Shape { cells: 7, .. })));
-    assert_eq!(fill(&mut VoxelGrid::default(), 0.1), Ok(()));
+    assert!(matches!(fill(&mut torn, 0.1, FillingRule::Chunk), Err(FillError::Shape { cells: 7, .. })));
+    assert_eq!(fill(&mut VoxelGrid::default(), 0.1, FillingRule::Chunk), Ok(()));
 }
 
 #[test]
@@ -157,7 +257,7 @@ fn a_filler_forgets_the_last_grid() {
     shell(&mut third, Tag::Pole, 5, 14);
     for grid in [first, second, third] {
         let mut got = grid.clone();
-        filler.fill(&mut got, 0.1).expect("a usual grid");
+        filler.fill(&mut got, 0.1, FillingRule::Chunk).expect("a usual grid");
         assert_eq!(got, filled(&grid));
     }
 }
@@ -193,7 +293,14 @@ proptest! {
         }
         let mut got = grid.clone();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| fill(&mut got, 0.1)).expect("a usual grid");
+        pool.install(|| fill(&mut got, 0.1, FillingRule::Chunk)).expect("a usual grid");
         prop_assert!(got == brute_force(&grid, 0.1));
+        let with = |rule| {
+            let mut got = grid.clone();
+            pool.install(|| fill(&mut got, 0.1, rule)).expect("a usual grid");
+            got
+        };
+        prop_assert!(with(FillingRule::Paper) == paper(&grid));
+        prop_assert!(with(FillingRule::Solid) == solid(&grid));
     }
 }

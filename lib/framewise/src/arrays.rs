@@ -33,8 +33,11 @@ pub trait FrameArrays: Sync {
     fn kinds(&self) -> Vec<&'static ArrayKind>;
 
     /// What the archives say of themselves, for who reads them without the configuration: a JSON object, or nothing.
-    fn comment(&self) -> String {
-        String::new()
+    ///
+    /// # Errors
+    /// It cannot be written down.
+    fn comment(&self) -> Result<String, StageError> {
+        Ok(String::new())
     }
 
     /// Fresh working memory.
@@ -93,7 +96,7 @@ pub fn write_arrays<A: FrameArrays>(
     progress: &Progress,
     arrays: &A,
 ) -> Result<PartialCounts, StageError> {
-    let (kinds, comment) = (arrays.kinds(), arrays.comment());
+    let (kinds, comment) = (arrays.kinds(), arrays.comment()?);
     let mut archives = Vec::with_capacity(kinds.len());
     for kind in &kinds {
         archives.push(Archive::start(unit, &keys::array(scene, kind, agent), &comment)?);

@@ -54,17 +54,22 @@ impl VoxelGrid {
     /// Counts the grid as one of an agent: cells per label (free space too), for labels that occur. A hollow grid also
     /// counts as one of [`measures::VOXEL_GRIDS`].
     pub fn add_to(&self, counts: &mut PartialCounts, agent: &str, filling: Filling) {
-        let measure = match filling {
-            Filling::Hollow => {
-                counts.add(agent, measures::VOXEL_GRIDS, "", 0, 1);
-                measures::VOXEL_CELLS
-            }
-            Filling::Filled => measures::VOXEL_CELLS_FILLED,
-        };
-        for (tag, cells) in Tag::ALL.into_iter().zip(self.count()) {
-            if cells > 0 {
-                counts.add(agent, measure, tag.name(), 0, cells);
-            }
+        add_cells(self.count(), counts, agent, filling);
+    }
+}
+
+/// Counts a grid of so many cells per label, as [`VoxelGrid::add_to`] does.
+pub fn add_cells(cells: [u64; Tag::COUNT], counts: &mut PartialCounts, agent: &str, filling: Filling) {
+    let measure = match filling {
+        Filling::Hollow => {
+            counts.add(agent, measures::VOXEL_GRIDS, "", 0, 1);
+            measures::VOXEL_CELLS
+        }
+        Filling::Filled => measures::VOXEL_CELLS_FILLED,
+    };
+    for (tag, cells) in Tag::ALL.into_iter().zip(cells) {
+        if cells > 0 {
+            counts.add(agent, measure, tag.name(), 0, cells);
         }
     }
 }

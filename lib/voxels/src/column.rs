@@ -5,8 +5,8 @@ use std::ops::Range;
 use glam::{Vec3, Vec3A};
 use schema::Tag;
 
-/// Priority and tie-break of every label in one number: of two, the greater wins.
-const RANK: [u8; 256] = {
+/// Priority and tie-break of every label in one number, 1 to 31: of two, the greater wins.
+pub(super) const RANK: [u8; 256] = {
     // Labels outside the table never occur in a grid; they rank with "free".
     let mut rank = [0_u8; 256];
     let mut tag = 1;
@@ -64,12 +64,17 @@ struct Polygon {
 /// Lowest and highest value.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Span {
-    low: f32,
-    high: f32,
+    pub(super) low: f32,
+    pub(super) high: f32,
 }
 
 impl Span {
     pub(super) const EMPTY: Self = Self { low: f32::INFINITY, high: f32::NEG_INFINITY };
+
+    /// The cells of a column of so many that it has a point in.
+    pub(super) fn cells(self, count: usize) -> Range<usize> {
+        cells(self.low, self.high, count)
+    }
 
     fn add(&mut self, value: f32) {
         // Values are finite here, so plain comparisons do.
@@ -101,6 +106,11 @@ fn between(a: f32, b: f32, from: f32, to: f32, at: f32) -> f32 {
 }
 
 impl GridTriangle {
+    /// The same triangle with its coordinates in another order.
+    pub(super) fn permuted(self, axes: [usize; 3]) -> Self {
+        Self { corners: self.corners.map(|c| Vec3::from_array(axes.map(|axis| c[axis]))), tag: self.tag }
+    }
+
     /// None where the label never writes or a corner is no number.
     pub(super) fn new(corners: [Vec3A; 3], tag: Tag) -> Option<Self> {
         let finite = corners.iter().all(|c| c.is_finite());
@@ -112,11 +122,11 @@ impl GridTriangle {
         Span { low: a.min(b).min(c), high: a.max(b).max(c) }
     }
 
-    /// Whether its bounding box has a point in a grid of this size.
-    pub(super) fn reaches(&self, size: Vec3A) -> bool {
+    /// Whether its bounding box has a point in a grid of this size or nearer to it than `margin` cells.
+    pub(super) fn reaches_about(&self, size: Vec3A, margin: f32) -> bool {
         (0..3).all(|axis| {
             let span = self.span(axis);
-            span.high >= 0.0 && span.low < size[axis]
+            span.high >= -margin && span.low < size[axis] + margin
         })
     }
 
@@ -129,17 +139,39 @@ impl GridTriangle {
     /// Labels the cells it touches in some slices; `slab` holds exactly these slices' cells, `heights` is room
     /// for one span per column of a slice.
     pub(super) fn write(&self, slices: Range<usize>, nz: usize, slab: &mut [u8], heights: &mut [Span]) {
+        let mut writer = Writer { slab, nz, rank: self.rank(), tag: self.tag };
+        self.columns(slices, heights, |column, span| writer.write(column, span));
+    }
+
+    /// Which of two labels wins: the greater.
+    pub(super) fn rank(&self) -> u8 {
+        RANK[usize::from(self.tag)]
+    }
+
+    /// Its label.
+    pub(super) fn tag(&self) -> u8 {
+        self.tag
+    }
+
+    /// Calls with each column that it has a point in, in some slices (counted from the first of them), and the heights that it
+    /// reaches from and to there; `heights` is room for one span per column of a slice.
+    #[inline]
+    pub(super) fn columns(
+        &self,
+        slices: Range<usize>,
+        heights: &mut [Span],
+        mut column: impl FnMut(usize, Span),
+    ) {
         let ny = heights.len();
         let x = self.span(0);
         let touched = cells(x.low, x.high, slices.end);
-        let mut column = Writer { slab, nz, rank: RANK[usize::from(self.tag)], tag: self.tag };
         for i in touched.start.max(slices.start)..touched.end {
             let row = (i - slices.start) * ny;
             let piece = self.between_x(i as f32, (i + 1) as f32);
             let y = piece.span(1);
             let columns = cells(y.low, y.high, ny);
             if columns.len() == 1 && y.low >= 0.0 && y.high < (columns.start + 1) as f32 {
-                column.write(row + columns.start, piece.span(2));
+                column(row + columns.start, piece.span(2));
                 continue;
             }
             // The part of a flat piece over one column has its lowest and highest points on the piece's border, so
@@ -147,7 +179,7 @@ impl GridTriangle {
             heights[columns.clone()].fill(Span::EMPTY);
             piece.walk_border(&columns, heights);
             for j in columns {
-                column.write(row + j, heights[j]);
+                column(row + j, heights[j]);
             }
         }
     }

@@ -10,6 +10,9 @@
 //! planes of constant x; walking that border finds exactly the cells that separating axes would, at a small part
 //! of the cost.
 //!
+//! [`CpuVoxelRenderer::cell_rows`] lists the same cells with their objects and velocities, slab by slab, so that grids of any size
+//! fit; [`CpuVoxelRenderer::sweep`] gives the shells that sweeps along the axes meet first.
+//!
 //! [`CpuVoxelRenderer`] does this behind the seam of [`renderer::VoxelRenderer`]; [`GridPlacement`] says where the grid of an
 //! agent is.
 //!
@@ -30,10 +33,13 @@ mod column;
 mod cpu;
 mod picture;
 mod placement;
+mod rows;
+mod sweeps;
 
 pub use cpu::CpuVoxelRenderer;
 pub use picture::{oblique_view, top_view};
 pub use placement::{GridPlacement, VoxelError, voxelize};
+pub use rows::{CellRows, Wanted};
 
 #[cfg(test)]
 mod tests;

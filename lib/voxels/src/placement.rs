@@ -55,6 +55,12 @@ impl GridPlacement {
         VoxelBlock { cells_from_local, shape: self.shape, without }
     }
 
+    /// Cells along x, y, z.
+    #[must_use]
+    pub fn shape(&self) -> [usize; 3] {
+        self.shape
+    }
+
     /// Writes the grid around an agent into `grid`, whose memory is used again. The object `without` is left out.
     ///
     /// # Errors

@@ -217,7 +217,7 @@ pub(crate) fn example_settings() -> DatasetSettings {
 mod tests {
     use super::*;
     use schema::AgentId;
-    use schema::settings::Split;
+    use schema::settings::{Split, ZFill};
 
     fn faults(text: &str) -> String {
         let faults = parse(text, "bad.toml").expect_err("has faults");
@@ -415,7 +415,7 @@ use_rsu_lidar: False
 rsu_radar_properties: {points_per_second: '24000'}
 imu_properties: {noise_accel_stddev_x: '2e-4', noise_accel_stddev_y: '2e-4', noise_accel_stddev_z: '3e-4'}
 use_voxel_detector: true
-voxel_detector_properties: {ignore_self: 'True', full_sweep: 'True'}
+voxel_detector_properties: {ignore_self: 'True', full_sweep: 'False', use_x_back: 'True', z_fill_mode: 'BoxSweep', chunk_x: '4'}
 data_collection_vehicle_spawn_points:
   Town01:
     - [[10.0, 20.0, 0.5], [0, 0, 90]]
@@ -443,6 +443,10 @@ ignore_signs_percentage: 0.5
         assert!(s.rsu_rig.lidars.is_empty() && s.rsu_rig.radars.iter().all(|r| r.rays == 1200));
         assert!((frames::to_deg(s.rsu_rig.camera.horizontal_fov_rad) - 100.0).abs() < 1e-9);
         assert!(s.vehicle_occupancy.ignore_self && !s.rsu_occupancy.ignore_self);
+        assert!(!s.vehicle_occupancy.full_sweep && s.rsu_occupancy.full_sweep);
+        let sweeps = &s.vehicle_occupancy.sweeps;
+        assert_eq!((sweeps.z_top, sweeps.x_back, sweeps.x_front), (true, true, false));
+        assert_eq!(sweeps.z_fill, ZFill::BoxSweep);
         assert_eq!(
             (s.agents.starts[0].xyz_m, s.agents.starts[0].map.as_str()),
             ([10.0, -20.0, 0.5], "Town01")
@@ -456,7 +460,7 @@ ignore_signs_percentage: 0.5
         x.yaml:21: `initial_weather.snow`: no such weather parameter, ignored
         x.yaml:23: `rotation_frequency`: the lidar turns once a frame, 20 times a second
         x.yaml:27: there is one value for `vehicle.imu.noise_accel_mps2`: 0.0002 counts, 0.0003 does not
-        x.yaml:29: `voxel_detector_properties.full_sweep` has no effect here
+        x.yaml:29: `voxel_detector_properties.chunk_x` has no effect here
         x.yaml:33: `colour_of_the_sky`: no such key here, ignored
         ");
     }

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use frames::{deg, to_deg};
 use schema::settings::{
-    CameraSettings, CameraSpec, GnssSpec, ImuSpec, LidarSpec, Mount, OccupancySettings, OwnRig, RadarSpec,
-    Rig, ScanPattern,
+    CameraSettings, CameraSpec, FillingRule, GnssSpec, ImuSpec, LidarSpec, Mount, OccupancySettings, OwnRig,
+    RadarSpec, Rig, ScanPattern, SweepSettings, ZFill,
 };
 use schema::tables::{GNSS_TABLE, IMU_TABLE, VISIBLE_TABLE};
 use schema::{AgentId, AgentKind, ImageKind, ImageSet};
@@ -336,6 +336,26 @@ fn occupancy(parent: &Section<'_>) -> OccupancySettings {
             "grid origin above the agent's origin, m",
         ),
         ignore_self: s.flag("ignore_self", d.ignore_self, "leave out the carrying agent's own body"),
+        full_sweep: s.flag(
+            "full_sweep",
+            d.full_sweep,
+            "test every cell for what touches it; else sweeps along the grid's axes find what is met first",
+        ),
+        sweeps: sweeps(&s, &d.sweeps),
+        sparse: s.flag(
+            "sparse",
+            d.sparse,
+            "list occupied cells (`occupancy_cells/`) instead of writing whole grids; they are not filled then",
+        ),
+        ids: s.flag("ids", d.ids, "write whose each occupied cell is (`occupancy_ids/`)"),
+        flow: s.flag("flow", d.flow, "write the velocity of each occupied cell (`occupancy_flow/`)"),
+        fill_rule: s.choice(
+            "fill_rule",
+            &FillingRule::ALL.map(|rule| (rule.name(), rule)),
+            0,
+            "how insides are filled: `chunk` by class in chunks, as SimBEV2X does; `paper` where all six directions meet one \
+             label first; `solid` whatever is closed",
+        ),
     };
     if settings.lower_m >= settings.upper_m {
         s.fault_at_any(&["lower_m", "upper_m"], format!("`{}` is not below upper_m", s.path_of("lower_m")));
@@ -344,4 +364,25 @@ fn occupancy(parent: &Section<'_>) -> OccupancySettings {
         s.fault_at_any(&keys, format!("`{}`: {problem}", s.path()));
     }
     settings
+}
+
+fn sweeps(s: &Section<'_>, d: &SweepSettings) -> SweepSettings {
+    let from = |key: &str, default: bool, from: &str| {
+        s.flag(key, default, &format!("without `full_sweep`: sweep columns from the {from}"))
+    };
+    SweepSettings {
+        z_top: from("use_z_top", d.z_top, "top"),
+        z_bottom: from("use_z_bottom", d.z_bottom, "bottom"),
+        x_front: from("use_x_front", d.x_front, "front"),
+        x_back: from("use_x_back", d.x_back, "back"),
+        y_left: from("use_y_left", d.y_left, "left"),
+        y_right: from("use_y_right", d.y_right, "right"),
+        z_fill: s.choice(
+            "z_fill_mode",
+            &ZFill::ALL.map(|mode| (mode.name(), mode)),
+            0,
+            "between what sweeps from top and bottom meet: nothing; `scanline` one label where both have it; `boxsweep` what \
+             touches each cell",
+        ),
+    }
 }

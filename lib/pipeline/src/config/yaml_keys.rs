@@ -101,7 +101,10 @@ const SPECIAL: &[(&str, &str)] = &[
     ("use_scene_number_for_random_seed", "no effect: every scene has a seed, from its number"),
     ("random_seed_offset", "`seed`"),
     ("timestep", "no effect: a frame is 0.05 s"),
-    ("dynamic_settings_adjustments", "False: `traffic.spawn_radius_m` is `npc_spawn_radius`"),
+    (
+        "dynamic_settings_adjustments",
+        "False: `traffic.spawn_radius_m` is `npc_spawn_radius`, `bev.lane_radius_m` is `mapping_area_radius`",
+    ),
     ("npc_spawn_radius", "`traffic.spawn_radius_m`, without `dynamic_settings_adjustments`"),
     ("mapping_area_radius", "`bev.lane_radius_m`, without `dynamic_settings_adjustments`"),
     ("actor_active_distance", "`traffic.active_distance_m`, without `dynamic_settings_adjustments`"),
@@ -215,6 +218,14 @@ pub(crate) const PROPERTY_KEYS: &[(&str, &str, &str)] = &[
     ("imu_properties", "noise_gyro_stddev_y", "imu.noise_gyro_radps"),
     ("imu_properties", "noise_gyro_stddev_z", "imu.noise_gyro_radps"),
     ("voxel_detector_properties", "ignore_self", "occupancy.ignore_self"),
+    ("voxel_detector_properties", "full_sweep", "occupancy.full_sweep"),
+    ("voxel_detector_properties", "use_z_top", "occupancy.use_z_top"),
+    ("voxel_detector_properties", "use_z_bottom", "occupancy.use_z_bottom"),
+    ("voxel_detector_properties", "use_x_front", "occupancy.use_x_front"),
+    ("voxel_detector_properties", "use_x_back", "occupancy.use_x_back"),
+    ("voxel_detector_properties", "use_y_left", "occupancy.use_y_left"),
+    ("voxel_detector_properties", "use_y_right", "occupancy.use_y_right"),
+    ("voxel_detector_properties", "z_fill_mode", "occupancy.z_fill_mode"),
 ];
 
 /// Body styles that come nearest to the vehicles of the published dataset, by a part of their names.
@@ -325,7 +336,7 @@ mod tests {
                 without += 1;
             }
         }
-        assert_eq!((translating, without), (91, 25));
+        assert_eq!((translating, without), (102, 21));
     }
 
     #[test]
@@ -342,16 +353,25 @@ mod tests {
             ("use_scene_number_for_random_seed", "False", ""),
             ("random_seed_offset", "31", "seed = 31\n"),
             ("timestep", "0.1", ""),
-            ("dynamic_settings_adjustments", "False", "traffic.spawn_radius_m = 600\n"),
+            (
+                "dynamic_settings_adjustments",
+                "False",
+                "traffic.spawn_radius_m = 600\nbev.lane_radius_m = 1600\n",
+            ),
             (
                 "npc_spawn_radius",
                 "450\ndynamic_settings_adjustments: False",
-                "traffic.spawn_radius_m = 450\n",
+                "traffic.spawn_radius_m = 450\nbev.lane_radius_m = 1600\n",
+            ),
+            (
+                "mapping_area_radius",
+                "700\nnpc_spawn_radius: 450\ndynamic_settings_adjustments: False",
+                "bev.lane_radius_m = 700\ntraffic.spawn_radius_m = 450\n",
             ),
             (
                 "actor_active_distance",
                 "800\nnpc_spawn_radius: 450\ndynamic_settings_adjustments: False",
-                "traffic.active_distance_m = 800\ntraffic.spawn_radius_m = 450\n",
+                "traffic.active_distance_m = 800\ntraffic.spawn_radius_m = 450\nbev.lane_radius_m = 1600\n",
             ),
             ("random_street_light_failure", "False", "lights.street_lamp_failure = 0\n"),
             ("street_light_failure_percentage", "25", "lights.street_lamp_failure = 0.25\n"),

@@ -59,10 +59,15 @@ pub(crate) fn translate(
                 to.warn(at, format!("`{key}`: a frame is always {} s", 1.0 / RATE_HZ));
             }
         }
-        // These two say whether another key counts, and its default does where that key is absent.
+        // These say whether another key counts, and its default does where that key is absent.
         "dynamic_settings_adjustments" => {
-            if flag(value) == Some(false) && other("npc_spawn_radius").is_none() {
-                to.put(at, "traffic.spawn_radius_m", "600".into());
+            if flag(value) == Some(false) {
+                if other("npc_spawn_radius").is_none() {
+                    to.put(at, "traffic.spawn_radius_m", "600".into());
+                }
+                if other("mapping_area_radius").is_none() {
+                    to.put(at, "bev.lane_radius_m", "1600".into());
+                }
             }
         }
         "random_street_light_failure" => {
@@ -201,8 +206,11 @@ fn sensor(
         match ours {
             Some("") => {}
             Some(ours) => {
-                let text = flag(value).map(|f| f.to_string()).or_else(|| number(value).map(decimal));
-                to.put(at, &format!("{agent}.{ours}"), text.unwrap_or_else(|| "\"?\"".into()));
+                // Flags and numbers come as texts, too; words (`BoxSweep`) are small here.
+                let word = || text(value).map(|word| quoted(&word.trim().to_ascii_lowercase()));
+                let plain = flag(value).map(|f| f.to_string()).or_else(|| number(value).map(decimal));
+                let value = plain.or_else(word).unwrap_or_else(|| "\"?\"".into());
+                to.put(at, &format!("{agent}.{ours}"), value);
             }
             None => to.warn(at, format!("`{key}.{name}` has no effect here")),
         }

@@ -8,5 +8,5 @@ mod occupancy_filled;
 
 pub use bev::{BEV_HEIGHTS, BEV_IDS, BEV_MASKS, BEV_PAINT};
 pub use kind::ArrayKind;
-pub use occupancy::VOXEL_GRIDS;
+pub use occupancy::{VOXEL_CELLS, VOXEL_FLOW, VOXEL_GRIDS, VOXEL_IDS};
 pub use occupancy_filled::FILLED_VOXEL_GRIDS;

@@ -37,7 +37,7 @@ pub use inertial::{GnssSpec, ImuSpec};
 pub use lidar::{LidarSpec, ScanPattern};
 pub use lights::LightSettings;
 pub use mount::Mount;
-pub use occupancy::OccupancySettings;
+pub use occupancy::{FillingRule, OccupancySettings, SweepSettings, ZFill};
 pub use per_agent::PerAgent;
 pub use radar::RadarSpec;
 pub use rig::*;
