@@ -10,10 +10,14 @@ use framewise::{FrameArray, FrameArrays, in_frame_order};
 use peak_alloc::PeakAlloc;
 use pipeline::{Progress, ProgressMode, StageError};
 use rayon::ThreadPoolBuilder;
-use schema::AgentId;
+use renderer::VoxelRenderer;
 use schema::arrays::{ArrayKind, BEV_MASKS};
+use schema::settings::OccupancySettings;
 use schema::tables::LidarRow;
+use schema::{AgentId, Tag};
 use store::{Attempt, Identity, Scope, Store, TableOptions};
+use testkit::{WorldBuilder, sheet};
+use voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
 
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
@@ -118,4 +122,26 @@ fn frames_are_not_gathered() {
         assert!(many < some + gathered / 20, "{name}: {some} bytes for {SOME} frames, {many} for {MANY}");
         assert!(some < THREADS * 12 * FRAME_BYTES, "{name}: {some} bytes");
     }
+    pool.install(a_fine_grid_is_never_whole);
+}
+
+/// 6,400 x 6,400 x 400 cells of 2 cm, a million of them occupied: eight slices of the grid a thread, and what is listed.
+fn a_fine_grid_is_never_whole() {
+    let mut world = WorldBuilder::default();
+    world.add(sheet(Tag::Road, [-10.0, 10.0], [-10.0, 10.0], 1.0, |x, _| 0.02 * x), 1, [0.0; 3], [0.0; 3]);
+    let snapshot = world.snapshot([0.0; 3]);
+    let settings = OccupancySettings { voxel_m: 0.02, sparse: true, ..OccupancySettings::default() };
+    let mut renderer = CpuVoxelRenderer::default();
+    renderer.prepare(&snapshot.meshes).expect("has no device");
+    let placement = GridPlacement::new(&settings).expect("is possible");
+    let here = frames::Pose::from_xyz_rpy([0.0; 3], [0.0, 0.0, 0.3]);
+    let block = placement.block(&snapshot.origin, &here, None);
+    let before = MEMORY.current_usage();
+    MEMORY.reset_peak_usage();
+    let wanted = Wanted { places: true, ..Wanted::default() };
+    let rows = renderer.cell_rows(&snapshot, &block, wanted).expect("is prepared");
+    let peak = MEMORY.peak_usage() - before;
+    assert!(rows.counts[Tag::Road as usize] > 1_000_000 && rows.places.len() > 8_000_000);
+    let slab = 8 * 6400 * (400 * size_of::<u32>() + size_of::<[usize; 2]>());
+    assert!(peak < THREADS * slab + 6 * rows.places.len(), "{peak} bytes");
 }

@@ -1,5 +1,7 @@
 //! Occupied cells one by one, with what a grid of tags cannot say: whose they are, and how they move.
 
+use std::ops::Range;
+
 use glam::{Affine3A, Vec3A};
 use rayon::prelude::*;
 use renderer::{RenderError, VoxelBlock};
@@ -67,24 +69,19 @@ impl CpuVoxelRenderer {
         let mut bins = Bins::default();
         bins.sort(&triangles, nx, |owned| owned.triangle.slices(nx));
         let slabs = (0..nx.div_ceil(SLAB_SLICES)).into_par_iter().map_init(
-            || (Vec::new(), vec![Span::EMPTY; ny]),
-            |(keys, heights), slab| {
+            || Slab::new(ny, nz),
+            |work, slab| {
                 let slices = slab * SLAB_SLICES..((slab + 1) * SLAB_SLICES).min(nx);
-                keys.clear();
-                keys.resize(slices.len() * ny * nz, 0_u32);
                 for &number in bins.of(slab) {
                     let Owned { triangle, instance } = &triangles[number as usize];
                     let key = u32::from(triangle.rank()) << ORDER_BITS | owners.key(*instance);
-                    triangle.columns(slices.clone(), heights, |column, span| {
-                        let cells = &mut keys[column * nz..][..nz];
-                        cells[span.cells(nz)].iter_mut().for_each(|cell| *cell = key.max(*cell));
-                    });
+                    work.write(triangle, slices.clone(), key);
                 }
                 let mut rows = CellRows::default();
-                for (at, &key) in keys.iter().enumerate().filter(|(_, key)| **key != 0) {
-                    let place = [slices.start + at / nz / ny, at / nz % ny, at % nz];
+                work.drain(|column, k, key| {
+                    let place = [slices.start + column / ny, column % ny, k];
                     rows.push(place, key, &owners, wanted, block);
-                }
+                });
                 rows
             },
         );
@@ -95,6 +92,53 @@ impl CpuVoxelRenderer {
             all.append(slab);
         }
         Ok(all)
+    }
+}
+
+/// The cells of some slices, by keys; all free between slabs.
+struct Slab {
+    keys: Vec<u32>,
+    /// First and last cell of each column that may be occupied.
+    reach: Vec<(usize, usize)>,
+    heights: Vec<Span>,
+    nz: usize,
+}
+
+const UNTOUCHED: (usize, usize) = (usize::MAX, 0);
+
+impl Slab {
+    fn new(ny: usize, nz: usize) -> Self {
+        let columns = SLAB_SLICES * ny;
+        Self {
+            keys: vec![0; columns * nz],
+            reach: vec![UNTOUCHED; columns],
+            heights: vec![Span::EMPTY; ny],
+            nz,
+        }
+    }
+
+    fn write(&mut self, triangle: &GridTriangle, slices: Range<usize>, key: u32) {
+        let Self { keys, reach, heights, nz } = self;
+        triangle.columns(slices, heights, |column, span| {
+            let cells = span.cells(*nz);
+            if let Some(last) = cells.clone().last() {
+                let (low, high) = &mut reach[column];
+                (*low, *high) = (cells.start.min(*low), last.max(*high));
+                keys[column * *nz..][cells].iter_mut().for_each(|cell| *cell = key.max(*cell));
+            }
+        });
+    }
+
+    /// Calls with column, place along z and key of every occupied cell, in C order, and frees them.
+    fn drain(&mut self, mut cell: impl FnMut(usize, usize, u32)) {
+        for (column, reach) in self.reach.iter_mut().enumerate().filter(|(_, reach)| **reach != UNTOUCHED) {
+            let (low, high) = std::mem::replace(reach, UNTOUCHED);
+            for (k, key) in (low..).zip(&mut self.keys[column * self.nz..][low..=high]) {
+                if *key != 0 {
+                    cell(column, k, std::mem::take(key));
+                }
+            }
+        }
     }
 }
 
