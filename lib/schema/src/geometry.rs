@@ -5,7 +5,7 @@ use std::sync::Arc;
 use frames::{Aabb, LocalOrigin};
 use glam::{Affine3A, Vec3};
 
-use crate::{ObjectId, Tag};
+use crate::{Layer, ObjectId, Tag};
 
 /// What a part of a mesh is made of; shading decides from it how the part looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,6 +118,17 @@ impl TriMesh {
     pub fn part(&self, triangle: usize) -> &Part {
         &self.parts[usize::from(self.triangle_part[triangle])]
     }
+}
+
+/// A piece of the ground: triangles of one layer relative to `origin_m`, axes of the world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceMesh {
+    /// Its surface.
+    pub layer: Layer,
+    /// Where its frame's origin is in the world, metres.
+    pub origin_m: [f64; 3],
+    /// Its triangles.
+    pub mesh: TriMesh,
 }
 
 /// One object (or one piece of a large one) in a [`Snapshot`].

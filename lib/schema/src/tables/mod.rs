@@ -11,6 +11,7 @@ mod map;
 mod plan;
 mod sensor;
 mod stats;
+mod tile;
 mod tracks;
 mod weather;
 
@@ -24,5 +25,6 @@ pub use map::{VectorKind, VectorMapRow};
 pub use plan::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
 pub use sensor::*;
 pub use stats::PartialRow;
+pub use tile::{SceneTileRow, SurfaceRow, TILE_STAGE, TileObjectRow};
 pub use tracks::{SightingRow, TrackFrameRow, TrackRow, WindowRow};
 pub use weather::Weather;
