@@ -83,7 +83,7 @@ impl<S: StageSettings> Job<'_, S> {
     pub fn scene(&self) -> u32 {
         match self.scope {
             Scope::Scene(scene) => scene,
-            Scope::Plan | Scope::Stats => 0,
+            Scope::Plan | Scope::Tile { .. } | Scope::Stats => 0,
         }
     }
 
@@ -107,7 +107,7 @@ impl<S: StageSettings> Job<'_, S> {
     pub fn place(&self) -> Place {
         match self.scope {
             Scope::Scene(scene) => Place::scene(scene),
-            Scope::Plan | Scope::Stats => Place::default(),
+            Scope::Plan | Scope::Tile { .. } | Scope::Stats => Place::default(),
         }
     }
 
@@ -319,7 +319,7 @@ impl<S: StageSettings> Run<'_, S> {
     fn label(&self, scope: Scope) -> String {
         match scope {
             Scope::Scene(scene) => format!("{} scene {scene:04}", S::STAGE),
-            Scope::Plan | Scope::Stats => S::STAGE.to_owned(),
+            Scope::Plan | Scope::Tile { .. } | Scope::Stats => S::STAGE.to_owned(),
         }
     }
 
@@ -424,7 +424,7 @@ impl<S: StageSettings> Run<'_, S> {
     fn check_places(&self, scope: Scope, attempt: &Attempt) -> Result<(), StageError> {
         let folder = match scope {
             Scope::Scene(_) => format!("{}/", scope.folder()),
-            Scope::Plan | Scope::Stats => String::new(),
+            Scope::Plan | Scope::Tile { .. } | Scope::Stats => String::new(),
         };
         let is_stray = |key: &&str| !key.strip_prefix(&folder).is_some_and(|path| self.spec.may_write(path));
         match attempt.keys().find(is_stray) {

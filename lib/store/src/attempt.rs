@@ -88,6 +88,27 @@ impl Attempt {
         Ok(Self { store: store.clone(), identity, redo, old_stands, outputs, sections })
     }
 
+    /// Starts a try where none of the same identity has ended: what is named by its content is made once. Its manifest comes
+    /// back instead where it stands and everything it names is there. Several processes may try at once: each writes the same
+    /// bytes, and no manifest that stands is taken away.
+    ///
+    /// # Errors
+    /// As [`Attempt::start`].
+    pub fn start_once(store: &Store, identity: Identity) -> Result<Result<Self, Manifest>, StoreError> {
+        let attempt = Self::start(store, identity, false)?;
+        // Where none stood at the start, one that another process has put there since is never taken away.
+        if attempt.old_stands
+            && let Some(manifest) = sound(store.manifest(attempt.identity.scope, &attempt.identity.stage))?
+            && manifest.code_version == attempt.identity.code_version
+            && manifest.config_hash == attempt.identity.config_hash
+            && manifest.inputs == attempt.identity.inputs
+            && store.outputs_present(&manifest)?
+        {
+            return Ok(Err(manifest));
+        }
+        Ok(Ok(attempt))
+    }
+
     /// Removes what a try left that was killed after its manifest stood: leftovers, records of units and of redoing.
     ///
     /// # Errors

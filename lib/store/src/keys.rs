@@ -2,6 +2,7 @@
 
 use schema::AgentId;
 use schema::arrays::ArrayKind;
+use schema::tile::TileIndex;
 
 /// What a manifest is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -10,6 +11,13 @@ pub enum Scope {
     Plan,
     /// One scene.
     Scene(u32),
+    /// A tile of the static world, of a set that is named by what its tiles are made from.
+    Tile {
+        /// Which set.
+        set: u64,
+        /// Which tile of it.
+        index: TileIndex,
+    },
     /// The whole dataset's statistics.
     Stats,
 }
@@ -21,6 +29,7 @@ impl Scope {
         match self {
             Self::Plan => "plan".into(),
             Self::Scene(scene) => format!("scenes/{scene:04}"),
+            Self::Tile { set, index } => format!("tiles/{set:016x}/{index}"),
             Self::Stats => "stats".into(),
         }
     }
@@ -30,7 +39,7 @@ impl Scope {
     pub fn swept_folder(self) -> String {
         match self {
             Self::Plan => String::new(),
-            Self::Scene(_) | Self::Stats => self.folder(),
+            Self::Scene(_) | Self::Tile { .. } | Self::Stats => self.folder(),
         }
     }
 
@@ -38,7 +47,7 @@ impl Scope {
     #[must_use]
     pub fn manifest(self, stage: &str) -> String {
         match self {
-            Self::Plan | Self::Stats => format!("{}/_manifest.json", self.folder()),
+            Self::Plan | Self::Tile { .. } | Self::Stats => format!("{}/_manifest.json", self.folder()),
             Self::Scene(_) => format!("{}/_manifests/{stage}.json", self.folder()),
         }
     }
@@ -95,6 +104,12 @@ pub fn vector_map(name: &str) -> String {
 #[must_use]
 pub fn scene(scene: u32, name: &str) -> String {
     format!("scenes/{scene:04}/{name}")
+}
+
+/// A table of a tile, by its name: `surfaces`, `objects`.
+#[must_use]
+pub fn tile(set: u64, index: TileIndex, name: &str) -> String {
+    format!("{}/{name}.parquet", Scope::Tile { set, index }.folder())
 }
 
 /// A sensor's shard.
