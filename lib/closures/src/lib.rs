@@ -46,7 +46,8 @@ pub struct Closure {
     pub digest: String,
 }
 
-/// The closures of every program under `bins`, by name.
+/// The closures of every program under `bins`, and of every crate whose product is kept under a version of its own
+/// (`[package.metadata.convoy] product = true`), by name.
 ///
 /// # Errors
 /// A manifest, the lock file or a source cannot be read or understood.
@@ -57,7 +58,7 @@ pub fn closures(root: &Path) -> Result<BTreeMap<String, Closure>, ClosureError> 
     for (folder, package) in workspace.packages.iter().filter(|(_, package)| package.kind != Kind::Outside) {
         sources.insert(folder.as_str(), sources::of_crate(root, folder, package.kind == Kind::ByFile)?);
     }
-    let programs = workspace.packages.values().filter(|p| p.folder.starts_with("bins/"));
+    let programs = workspace.packages.values().filter(|p| p.folder.starts_with("bins/") || p.is_product);
     programs
         .map(|program| Ok((program.name().to_owned(), closure(&workspace, &lock, &sources, program)?)))
         .collect()

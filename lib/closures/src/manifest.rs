@@ -27,6 +27,8 @@ pub(crate) struct Package {
     /// `convoy-bev`.
     pub(crate) package: String,
     pub(crate) kind: Kind,
+    /// Whether what it makes is kept in the store under a version of its own.
+    pub(crate) is_product: bool,
     /// What it is built with, by the names it has for them.
     pub(crate) dependencies: Vec<String>,
 }
@@ -94,7 +96,9 @@ impl Package {
         let about =
             table.get("package").and_then(Value::as_table).ok_or_else(|| wrong("has no [package]".into()))?;
         let package = about.get("name").and_then(Value::as_str).ok_or_else(|| wrong("has no name".into()))?;
-        let mark = about.get("metadata").and_then(|m| m.get("convoy")).and_then(|c| c.get("closure"));
+        let marks = about.get("metadata").and_then(|m| m.get("convoy"));
+        let mark = marks.and_then(|c| c.get("closure"));
+        let is_product = marks.and_then(|c| c.get("product")).and_then(Value::as_bool).unwrap_or(false);
         let kind = match mark.map(|value| value.as_str().unwrap_or_default()) {
             None => Kind::Whole,
             Some("by-file") => Kind::ByFile,
@@ -113,7 +117,7 @@ impl Package {
                 "has features or dependencies of some targets: closures do not know of these".into(),
             ));
         }
-        Ok(Self { package: package.to_owned(), folder, kind, dependencies })
+        Ok(Self { package: package.to_owned(), folder, kind, is_product, dependencies })
     }
 }
 
