@@ -27,6 +27,7 @@ use schema::settings::{DatasetSettings, LidarSpec};
 use schema::tables::{ActorRow, BoxRow};
 use schema::{ActorRole, AgentId, BevClass, DetectionClass};
 use sensors::{CameraView, CpuPainter, FrameWeather, Image, Lidar, Painter, RadarMotion, Shot, Sight};
+use tiles::{Surroundings, TileMaker};
 use traffic::{SceneInput, SimulationLog};
 use validity::{Evidence, PointCloud};
 use visibility::CpuRenderer;
@@ -64,7 +65,9 @@ fn main() {
     let plan = plan::plan(&PlanSettings::of(&settings), &maps).expect("is planned");
     let map = maps.remove("convoy/demo").expect("is there").map;
     let centres: Vec<[f64; 3]> = plan.agents.iter().map(|a| a.xyz_m).collect();
-    let fixed = scenery::place(&map, &settings.world, 27, &centres, 1).expect("is placed");
+    let reach_m = SimulationSettings::of(&settings).reach_m;
+    let maker = TileMaker::new(&map, &settings.world.scenery);
+    let Surroundings { actors: fixed, ground } = maker.around(&centres, reach_m, 1).expect("there are ids");
 
     let input = SceneInput {
         map: &map,
@@ -79,7 +82,7 @@ fn main() {
     let log = simulation(&input, &mut rows);
     let mut actors = fixed.clone();
     actors.extend(log.actors.iter().cloned());
-    let world = SceneWorld::new(&map, &actors).expect("has meshes");
+    let world = SceneWorld::new(&actors, ground).expect("has meshes");
     let scene = Agentframe::new(&settings, &map, &actors, &log, &world);
     scene.measure(&mut rows);
     print(&rows, scene.triangles());

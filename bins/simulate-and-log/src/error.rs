@@ -4,9 +4,7 @@
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum LogError {
     /// Ids are not 1, 2, 3, ...
-    #[error(
-        "object number {number} has id {id}: a scene can hold at most 65535 objects (lower world.radius_m)"
-    )]
+    #[error("object number {number} has id {id}: a bug")]
     Ids { number: usize, id: u16 },
     /// The plan's tables lack a scene that its manifest names.
     #[error("has no such scene (run spawn-planner with --force)")]

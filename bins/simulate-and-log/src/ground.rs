@@ -9,10 +9,9 @@ use std::collections::BTreeMap;
 use frames::LocalOrigin;
 use glam::Vec3;
 use nalgebra::Point3;
-use opendrive::Map;
+use schema::geometry::SurfaceMesh;
 use schema::tables::{ActorRow, StateRow};
-use schema::{ActorKind, ActorRole, FRAME_PERIOD_S, ObjectId};
-use surfaces::{AreaError, Layer, TileMesh};
+use schema::{ActorKind, ActorRole, FRAME_PERIOD_S, Layer, ObjectId};
 
 /// Surfaces that are walked on; paint, bridge walls and guard rails are not.
 const WALKED: [Layer; 4] = [Layer::Road, Layer::Sidewalk, Layer::Median, Layer::Terrain];
@@ -39,21 +38,23 @@ fn cell(x_m: f64, y_m: f64) -> (i32, i32) {
 }
 
 impl Ground {
-    /// The ground in the cells that hold a place of `track`, as the areas of a scene's actors have it.
-    fn under(map: &Map, actors: &[ActorRow], track: &[[f64; 3]]) -> Result<Self, AreaError> {
+    /// The ground in the cells that hold a place of `track`, of some tiles.
+    fn under<E>(
+        tiles: impl Iterator<Item = Result<Vec<SurfaceMesh>, E>>,
+        track: &[[f64; 3]],
+    ) -> Result<Self, E> {
         let mut cells: Cells = track.iter().map(|p| (cell(p[0], p[1]), Vec::new())).collect();
         let origin = LocalOrigin::near(track.first().copied().unwrap_or_default());
-        for area in surfaces::areas(actors)? {
-            let walked = |tile: &TileMesh| WALKED.contains(&tile.layer) && area.object(tile.layer).is_some();
-            for tile in surfaces::build(map, &area.region).into_iter().filter(walked) {
-                add_tile(&mut cells, &tile, &origin);
+        for tile in tiles {
+            for piece in tile?.iter().filter(|piece| WALKED.contains(&piece.layer)) {
+                add_piece(&mut cells, piece, &origin);
             }
         }
         Ok(Self(cells))
     }
 
     /// Height of the uppermost triangle on the level of a point that the map has on its surface; the point's own where
-    /// nothing is drawn (beyond the scenery, or over a gap in a bridge).
+    /// nothing is drawn (beyond the scene's tiles, or over a gap in a bridge).
     fn height(&self, at: [f64; 3]) -> f64 {
         let [x, y, z] = at;
         let over =
@@ -62,13 +63,13 @@ impl Ground {
     }
 }
 
-/// Adds a tile's triangles that are no walls to those cells that they touch.
-fn add_tile(cells: &mut Cells, tile: &TileMesh, origin: &LocalOrigin) {
+/// Adds a piece's triangles that are no walls to those cells that they touch.
+fn add_piece(cells: &mut Cells, piece: &SurfaceMesh, origin: &LocalOrigin) {
     let zero = origin.world_xyz();
     // Rounded as cameras see them: relative to the origin.
-    let shift = Vec3::from_array([0, 1, 2].map(|k| (tile.origin_m[k] - zero[k]) as f32));
-    for i in 0..tile.mesh.triangles.len() {
-        let corners = tile.mesh.corners(i).map(|v| Point3::from(origin.world_from_local(v + shift)));
+    let shift = Vec3::from_array([0, 1, 2].map(|k| (piece.origin_m[k] - zero[k]) as f32));
+    for i in 0..piece.mesh.triangles.len() {
+        let corners = piece.mesh.corners(i).map(|v| Point3::from(origin.world_from_local(v + shift)));
         let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
         if normal.z <= LEAST_UP * normal.norm() {
             continue;
@@ -103,9 +104,15 @@ fn is_warning(actor: &ActorRow) -> bool {
 ///
 /// `states` are sorted by frame.
 ///
+/// `tiles`: the ground that is drawn.
+///
 /// # Errors
-/// A surface among the actors stands for no area.
-pub(crate) fn stand(map: &Map, actors: &mut [ActorRow], states: &mut [StateRow]) -> Result<(), AreaError> {
+/// A tile cannot be had.
+pub(crate) fn stand<E>(
+    tiles: impl Iterator<Item = Result<Vec<SurfaceMesh>, E>>,
+    actors: &mut [ActorRow],
+    states: &mut [StateRow],
+) -> Result<(), E> {
     let mut tracks: BTreeMap<ObjectId, Vec<usize>> =
         actors.iter().filter(|a| a.kind == ActorKind::Walker).map(|a| (a.id, Vec::new())).collect();
     for (i, state) in states.iter().enumerate() {
@@ -115,7 +122,7 @@ pub(crate) fn stand(map: &Map, actors: &mut [ActorRow], states: &mut [StateRow])
     }
     let signs = actors.iter().filter(|a| is_warning(a)).map(|a| a.xyz_m);
     let places: Vec<[f64; 3]> = tracks.values().flatten().map(|&i| states[i].xyz_m).chain(signs).collect();
-    let ground = Ground::under(map, actors, &places)?;
+    let ground = Ground::under(tiles, &places)?;
     for track in tracks.values() {
         let mut way_m = 0.0;
         let profile: Vec<[f64; 2]> = (0..track.len())
@@ -175,12 +182,17 @@ mod tests {
     use std::collections::BTreeSet;
     use std::ops::ControlFlow;
 
+    use opendrive::Map;
     use pipeline::StageSettings;
     use plan::PlanMap;
     use schema::settings::stages::{PlanSettings, SimulationSettings};
     use schema::tables::FrameRow;
+    use store::Store;
+    use tilestore::{TileError, TileStore};
     use traffic::{SceneInput, SimulationLog};
     use world::{Moment, SceneWorld};
+
+    use crate::world::{Nearby, SceneTiles};
 
     #[test]
     fn a_kerb_is_stepped_up_in_an_s() {
@@ -219,21 +231,27 @@ mod tests {
         let maps = BTreeMap::from([(name.to_owned(), PlanMap { map, hash: String::new() })]);
         let plan = plan::plan(&wishes, &maps).expect("a plan");
         let (scene, map) = (&plan.scenes[0], &maps[name].map);
-        let centres: Vec<[f64; 3]> = plan.agents.iter().map(|a| a.xyz_m).collect();
-        let mut actors = scenery::place(map, &settings.world, scene.seed, &centres, 1).expect("scenery");
+        let store = Store::open("memory:").expect("a store");
+        let tiles = TileStore::new(&store, (map, ""), &settings.scenery, "test").expect("a place for tiles");
+        let nearby = Nearby::new(&tiles, settings.reach_m);
         let input = SceneInput {
             map,
             scene,
             agents: &plan.agents,
             hazards: &plan.hazards,
             settings: &settings,
-            fixed: &actors.clone(),
-            first_id: actors.len() as ObjectId + 1,
+            fixed: &nearby,
+            first_id: 1,
         };
         let mut log = traffic::simulate(&input, &mut |_, _| ControlFlow::Continue(())).expect("a log");
-        actors.extend(log.actors.iter().cloned());
-        let world = SceneWorld::new(map, &actors).expect("a world");
-        stand(map, &mut actors, &mut log.states).expect("surfaces");
+        let place = pipeline::Place::default();
+        let of_scene = SceneTiles::of(&tiles, &log, settings.reach_m, &place).expect("tiles");
+        let mut actors = log.actors.clone();
+        actors.extend(of_scene.actors.iter().cloned());
+        let ground: Vec<_> = of_scene.indices().map(|index| tiles.surfaces(index).expect("a tile")).collect();
+        let world = SceneWorld::new(&actors, ground.concat()).expect("a world");
+        let drawn = ground.into_iter().map(Ok::<_, TileError>);
+        stand(drawn, &mut actors, &mut log.states).expect("ground");
         (world, actors, log)
     }
 

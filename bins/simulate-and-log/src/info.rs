@@ -61,6 +61,7 @@ pub(crate) fn scene_info(
         initial_weather: by_name(plan.initial_weather),
         final_weather: by_name(plan.final_weather),
         spawn_radius_m: plan.spawn_radius_m,
+        world_radius_m: settings.reach_m,
         pivot_xyz_m: plan.pivot_xyz_m,
         street_light_intensity_change_lm: plan.street_light_change_lm,
         street_lights_on: dark.then_some(!settings.lights.street_lamps_off),

@@ -7,20 +7,23 @@ mod labels;
 mod lamps;
 mod plan;
 mod signals;
+mod world;
 
 use std::ops::ControlFlow;
 
 use pipeline::{At, Job, Place, Progress, Stage, StageError};
 use random::Stream;
 use schema::settings::stages::SimulationSettings;
-use schema::tables::PlanSceneRow;
+use schema::tables::{PlanSceneRow, TILE_STAGE};
 use schema::{ActorKind, Attribute, ObjectId};
 use store::keys;
+use tilestore::TileStore;
 use traffic::{SceneInput, SimulationLog};
 
 use crate::error::LogError;
 use crate::labels::Labels;
 use crate::plan::ScenePlan;
+use crate::world::{Nearby, SceneTiles, failed};
 
 /// The stage.
 pub const STAGE: Stage<SimulationSettings> = Stage::new(run);
@@ -31,27 +34,31 @@ const VARIANTS: u32 = 64;
 fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     let ScenePlan { scene: plan, agents, hazards } = ScenePlan::read(job)?;
     let map = mapstore::read(job.store(), &plan.map, &plan.map_hash).at(|| job.place())?;
-    let settings = job.settings().clone();
+    let (settings, store) = (job.settings().clone(), job.store().clone());
     let scene = job.scene();
 
     let (progress, place) = (job.progress(), job.place());
     let Some(mut unit) = job.unit("scene")? else { return Ok(()) };
-    let centres: Vec<[f64; 3]> = agents.iter().map(|a| a.xyz_m).collect();
-    let mut fixed = scenery::place(&map, &settings.world, plan.seed, &centres, 1).at(|| place.clone())?;
-    let lamps = lamps::draw(&mut fixed, &plan, &settings.lights);
-    let first_id = fixed.last().map_or(1, |a| a.id.saturating_add(1));
-    let mut log = simulate(
+    let code_version = pipeline::code_version(TILE_STAGE);
+    let tiles = TileStore::new(&store, (&map, &plan.map_hash), &settings.scenery, code_version);
+    let tiles = tiles.map_err(|error| failed(error, &place))?;
+    let nearby = Nearby::new(&tiles, settings.reach_m);
+    let simulated = simulate(
         &SceneInput {
             map: &map,
             scene: &plan,
             agents: &agents,
             hazards: &hazards,
             settings: &settings,
-            fixed: &fixed,
-            first_id,
+            fixed: &nearby,
+            first_id: 1,
         },
         &progress,
-    )?;
+    );
+    if let Some(error) = nearby.into_error() {
+        return Err(failed(error, &place));
+    }
+    let mut log = simulated?;
     say_what_lacks(&plan, &log);
     for actor in &mut log.actors {
         let mut draw = Stream::new(plan.seed, scene.into(), "simulate/variant", actor.id.into());
@@ -62,11 +69,15 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
             actor.attributes.say(Attribute::Gender, model.gender(actor.variant));
         }
     }
-    let mut actors = fixed;
-    actors.extend(log.actors.iter().cloned());
+    let mut world = SceneTiles::of(&tiles, &log, settings.reach_m, &place)?;
+    log.signals = world.signals(&log.signals);
+    let lamps = lamps::draw(&mut world.actors, &plan, &settings.lights);
+    let mut actors = log.actors.clone();
+    actors.append(&mut world.actors);
     signals::describe(&map, &log.signal_groups, &settings.traffic, &mut actors);
     check_ids(&actors.iter().map(|a| a.id).collect::<Vec<_>>()).at(|| place.clone())?;
-    ground::stand(&map, &mut actors, &mut log.states).at(|| place.clone())?;
+    let grounds = world.indices().map(|index| tiles.surfaces(index));
+    ground::stand(grounds, &mut actors, &mut log.states).map_err(|error| failed(error, &place))?;
 
     let info = info::scene_info(&plan, &agents, &log, &map, &settings)?;
     let labels = Labels::collect(&map, &actors, &log, &info, settings.box_radius_m)?;
@@ -74,6 +85,7 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     let key = |name: &str| keys::scene(scene, name);
     unit.bytes(&key(schema::scene_info::SCENE_FILE), &json, 1)?;
     unit.rows(&key("log/actors.parquet"), &actors)?;
+    unit.rows(&key("log/tiles.parquet"), &world.rows)?;
     unit.rows(&key("log/states.parquet"), &log.states)?;
     unit.rows(&key("log/frames.parquet"), &log.frames)?;
     unit.rows(&key("log/signals.parquet"), &log.signals)?;

@@ -47,10 +47,21 @@ impl StageSettings for SimulationSettings {
             walkers: all.walkers.clone(),
             lights: all.lights.clone(),
             hazards: all.hazards.clone(),
-            world: all.world.clone(),
+            scenery: all.world.scenery.clone(),
+            reach_m: reach_m(all),
             box_radius_m: all.annotation.box_radius_m,
         }
     }
+}
+
+/// How far from agents the static world must be there, metres: what boxes and grids reach, whatever is asked for.
+fn reach_m(all: &DatasetSettings) -> f64 {
+    let diagonal = std::f64::consts::SQRT_2;
+    let grids = all.occupancy();
+    let occupancy = [&grids.vehicle, &grids.rsu].into_iter().chain(grids.own.iter().map(|(_, grid)| grid));
+    let half = occupancy.map(|grid| grid.range_m).fold(all.bev.half_extent_m(), f64::max);
+    // Voxels reach up and down as well.
+    (diagonal * half + 20.0).max(all.annotation.box_radius_m).max(all.world.radius_m)
 }
 
 impl StageSettings for SensorSettings {

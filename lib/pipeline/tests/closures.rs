@@ -13,11 +13,16 @@ use pipeline::Graph;
 const BY_FILE: [&str; 3] = ["lib/framewise/src/", "lib/scene/src/", "lib/schema/src/"];
 const TABLE: &str = "lib/pipeline/tests/closures.txt";
 
+/// What has a code version: the stages, and the tiles that scenes share.
+fn versioned() -> Vec<&'static str> {
+    Graph::get().stages.iter().map(|s| s.name).chain(["tiles"]).collect()
+}
+
 fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// `crate or file: stages that a change of it makes stale`, sorted.
+/// `crate or file: what a change of it makes stale`, sorted.
 fn table(closures: &BTreeMap<String, closures::Closure>, root: &Path) -> String {
     let mut stages: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for parent in ["lib", "bins"] {
@@ -29,19 +34,19 @@ fn table(closures: &BTreeMap<String, closures::Closure>, root: &Path) -> String 
             }
         }
     }
-    for stage in Graph::get().stages {
-        let closure = &closures[stage.name];
+    for product in versioned() {
+        let closure = &closures[product];
         for name in &closure.crates {
-            stages.get_mut(name).expect("a crate").push(stage.name);
+            stages.get_mut(name).expect("a crate").push(product);
         }
         for file in closure.files.iter().filter(|file| BY_FILE.iter().any(|folder| file.starts_with(folder)))
         {
-            stages.entry(file.clone()).or_default().push(stage.name);
+            stages.entry(file.clone()).or_default().push(product);
         }
     }
     let lines = stages.into_iter().map(|(name, stages)| match stages.len() {
         0 => format!("{name}: nothing\n"),
-        n if n == Graph::get().stages.len() => format!("{name}: every stage\n"),
+        n if n == versioned().len() => format!("{name}: everything\n"),
         _ => format!("{name}: {}\n", stages.join(", ")),
     });
     lines.collect()
@@ -90,7 +95,7 @@ fn copy() -> tempfile::TempDir {
 fn stale(root: &Path, before: &BTreeMap<String, closures::Closure>) -> Vec<&'static str> {
     let after = closures::closures(root).expect("closures");
     let differs = |name: &str| before[name].digest != after[name].digest;
-    Graph::get().stages.iter().map(|s| s.name).filter(|name| differs(name)).collect()
+    versioned().into_iter().filter(|name| differs(name)).collect()
 }
 
 fn append(root: &Path, file: &str, text: &str) {
@@ -123,7 +128,7 @@ fn an_edit_makes_just_the_stated_stages_stale() {
         append(root, &file, "// Changed.\n");
         let expected: Vec<&str> = match stages {
             "nothing" => Vec::new(),
-            "every stage" => Graph::get().stages.iter().map(|s| s.name).collect(),
+            "everything" => versioned(),
             list => list.split(", ").collect(),
         };
         assert_eq!(stale(root, &before), expected, "{file}");

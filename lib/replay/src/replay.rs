@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use opendrive::Map;
-use scene::{SceneError, SceneLog, SceneReader};
+use scene::{SceneError, SceneLog, SceneReader, read_ground};
 use schema::geometry::{Snapshot, TriMesh};
 use world::{Moment, SceneWorld, WorldError};
 
@@ -37,16 +37,16 @@ pub struct Replay {
 }
 
 impl Replay {
-    /// Opens the log of a scene and builds its meshes.
+    /// Opens the log of a scene, reads its tiles and builds its meshes.
     ///
     /// # Errors
-    /// The log or the map is missing or broken, or an actor has no mesh.
+    /// The log, the map or a tile is missing or broken, or an actor has no mesh.
     pub fn open(scene: &SceneReader) -> Result<Self, ReplayError> {
         let log = SceneLog::read(scene)?;
         let map = mapstore::read(scene.store(), &log.info.map, &log.info.map_hash)?;
         let number = scene.scene();
         let wrong = |source| ReplayError::World { scene: number, source };
-        let mut world = SceneWorld::new(&map, &log.actors).map_err(wrong)?;
+        let mut world = SceneWorld::new(&log.actors, read_ground(scene)?).map_err(wrong)?;
         world.set_lamps(&log.lamps);
         Ok(Self { log, map, world })
     }
@@ -57,7 +57,8 @@ impl Replay {
         self.world.meshes()
     }
 
-    /// Everything within a radius of a place at a frame.
+    /// Everything within a radius of a place at a frame, and no farther than the static world is there around every agent: a
+    /// place is the same wherever agents came from.
     #[must_use]
     pub fn snapshot(&self, frame: u32, centre_world_m: [f64; 3], radius_m: f64) -> Snapshot {
         let at = i64::from(frame);
@@ -67,6 +68,6 @@ impl Replay {
             signals: self.log.signals_at(at),
             frame: &self.log.frames[frame as usize],
         };
-        self.world.snapshot(&moment, centre_world_m, radius_m)
+        self.world.snapshot(&moment, centre_world_m, radius_m.min(self.log.info.world_radius_m))
     }
 }

@@ -64,6 +64,16 @@ pub enum SceneError {
         /// The frame that stands there.
         found: Option<i64>,
     },
+    /// A tile of the static world is not the one that the scene was simulated with.
+    #[error("{path}: {problem} (run simulate-and-log for scene {scene} again with --force)")]
+    Tile {
+        /// The file.
+        path: String,
+        /// The scene.
+        scene: u32,
+        /// What is wrong.
+        problem: &'static str,
+    },
     /// An archive of arrays is broken.
     #[error("{path}: {}{source} (run {stage} for scene {scene} again with --force)", frame.map_or(String::new(), |f| format!("frame {f}: ")))]
     Array {

@@ -3,6 +3,7 @@
 mod arrays;
 mod error;
 mod frames;
+mod ground;
 mod log;
 mod reader;
 mod sensor;
@@ -10,6 +11,7 @@ mod sensor;
 pub use arrays::ArrayReader;
 pub use error::SceneError;
 pub use frames::FrameRanges;
+pub use ground::read_ground;
 pub use log::SceneLog;
 pub use reader::SceneReader;
 pub use sensor::{SensorFrames, agent_rows, read_calibration};

@@ -17,13 +17,13 @@ const fn kind(model: &'static str, width_m: [f64; 2], depth_m: [f64; 2], storeys
     BuildingKind { model, width_m, depth_m, storeys }
 }
 
-/// Kinds of buildings.
+/// Kinds of buildings. None has a diagonal of more than 42 m: what stands around them depends on that (`site::reach_m`).
 pub const BUILDINGS: [BuildingKind; 5] = [
     kind("building.block", [14.0, 28.0], [11.0, 16.0], [3, 7]),
     kind("building.tower", [18.0, 30.0], [16.0, 24.0], [9, 20]),
     kind("building.house", [8.0, 13.0], [8.0, 11.0], [2, 3]),
     kind("building.shop", [12.0, 24.0], [10.0, 16.0], [1, 2]),
-    kind("building.hall", [22.0, 40.0], [18.0, 30.0], [2, 3]),
+    kind("building.hall", [22.0, 34.0], [18.0, 24.0], [2, 3]),
 ];
 
 /// Kinds of trees with their sizes: name, smallest and largest height, crown diameter as a share of the height.

@@ -1,10 +1,10 @@
-//! Objects before they have their numbers.
+//! Objects in the making.
 
 use frames::{Object, Pose, World};
-use schema::tables::ActorRow;
-use schema::{ActorKind, ActorRole, Attributes, ObjectId, Tag};
+use schema::tables::TileObjectRow;
+use schema::{ActorKind, Attributes, Tag};
 
-/// An object before it has its number.
+/// An object in the making.
 pub(crate) struct Draft {
     pub(crate) kind: ActorKind,
     pub(crate) model: String,
@@ -41,24 +41,20 @@ impl Draft {
         }
     }
 
-    /// The object's row, once it has its number.
-    pub(crate) fn row(self, id: ObjectId) -> ActorRow {
+    /// The object's row.
+    pub(crate) fn row(self) -> TileObjectRow {
         let pose = Pose::<World, Object>::from_xyz_rpy(self.xyz_m, self.rpy_rad);
-        ActorRow {
-            id,
+        TileObjectRow {
             kind: self.kind,
             model: self.model,
-            role: ActorRole::Scenery,
             semantic_tags: self.tags.iter().map(|t| *t as u8).collect(),
             length_m: self.size_m[0],
             width_m: self.size_m[1],
             height_m: self.size_m[2],
             color: self.color.to_vec(),
-            fixed: true,
             xyz_m: self.xyz_m,
             quaternion: pose.wxyz(),
             variant: self.variant,
-            parent: None,
             opendrive_id: self.opendrive_id,
             attributes: self.attributes,
         }

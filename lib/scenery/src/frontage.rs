@@ -61,7 +61,7 @@ impl Frontage {
 }
 
 /// Both sides of every road outside junctions, by road.
-pub(crate) fn frontages(sections: &[Section]) -> Vec<Frontage> {
+pub(crate) fn frontages(sections: &[&Section]) -> Vec<Frontage> {
     let mut found: Vec<Frontage> = Vec::new();
     for side in 0..2u64 {
         for section in sections.iter().filter(|s| !s.junction) {

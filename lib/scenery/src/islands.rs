@@ -11,7 +11,8 @@ const CELL_M: f64 = 1.0;
 /// garden and a sidewalk.
 const HALF_LOT_M: f32 = 12.0;
 /// Enclosed ground that is nearly a disc is the middle of a roundabout up to this radius, metres. Larger ground is no
-/// island, however narrow.
+/// island, however narrow, nor is ground that reaches farther than such a disc along x or y: so that it is known of every
+/// place what it is, without looking far.
 const ROUND_M: f32 = 45.0;
 /// The area of such a disc is less than this times that of the largest disc in it (a square's is 1.27, a long block's more).
 const ROUNDNESS: f32 = 1.15;
@@ -38,6 +39,9 @@ impl Islands {
             }
             // To the edge of the carriageway it is half a cell less than to the middle of its next cell.
             let (part, held) = raster.around(&ground);
+            if (part.columns.max(part.rows) - 2) as f32 * CELL_M as f32 > 2.0 * ROUND_M {
+                continue;
+            }
             let far_m = part.distances_m(|i| !held[i]).into_iter().fold(0.0, f32::max);
             let radius_m = far_m - 0.5 * CELL_M as f32;
             if radius_m < HALF_LOT_M || area_m2 < ROUNDNESS * PI * radius_m * radius_m {
@@ -92,6 +96,7 @@ mod tests {
             ([-60.0, 40.0], [14.0, 60.0], true, false),
             ([60.0, 40.0], [40.0, 40.0], true, false),
             ([150.0, 40.0], [3.0, 3.0], true, true),
+            ([150.0, 140.0], [10.0, 50.0], true, false),
         ];
         let mut cover = Cover::new(region);
         for (centre, half, corners, _) in shapes {

@@ -20,7 +20,7 @@ fn samples(rect: &OrientedRect) -> impl Iterator<Item = [f64; 2]> {
 }
 
 /// The search cells that a rectangle may touch.
-fn cells(rect: &OrientedRect) -> impl Iterator<Item = (i32, i32)> + use<> {
+pub(crate) fn cells(rect: &OrientedRect) -> impl Iterator<Item = (i32, i32)> + use<> {
     let [ex, ey] = rect.extent_m();
     let of = |v: f64| (v / CELL_M).floor() as i32;
     let [x, y] = rect.centre_m;
@@ -30,6 +30,7 @@ fn cells(rect: &OrientedRect) -> impl Iterator<Item = (i32, i32)> + use<> {
 }
 
 /// The land of a region with what stands on it so far.
+#[derive(Clone)]
 pub(crate) struct Land<'a> {
     ground: &'a GroundLevels,
     /// Whether there are railways.

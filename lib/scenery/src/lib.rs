@@ -1,23 +1,9 @@
-//! What stands beside the roads: placed by rule and seed, never on a lane.
-//!
-//! [`place`] decides once per scene, as actor rows for the log; meshes are made from the rows, elsewhere.
-//!
-//! ```
-//! use scenery::place;
-//! use schema::ActorKind;
-//! use schema::settings::WorldSettings;
-//!
-//! let map = testkit::straight(200.0);
-//! let actors = place(&map, &WorldSettings::default(), 27, &[[100.0, 0.0, 0.0]], 1)?;
-//! assert!(actors.iter().any(|a| a.kind == ActorKind::Building && a.fixed));
-//! // The same seed places the same.
-//! assert_eq!(place(&map, &WorldSettings::default(), 27, &[[100.0, 0.0, 0.0]], 1)?, actors);
-//! # Ok::<(), scenery::SceneryError>(())
-//! ```
+#![doc = include_str!("../README.md")]
 
 mod catalogue;
+mod claims;
 mod draft;
-mod error;
+mod draw;
 mod frontage;
 mod furniture;
 mod islands;
@@ -26,121 +12,89 @@ mod lots;
 mod parked;
 mod site;
 mod swept;
+mod trees;
 
-use opendrive::Map;
-use schema::settings::WorldSettings;
-use schema::tables::ActorRow;
-use schema::{ActorKind, ObjectId};
-use surfaces::{Ground, Layer, Region};
+use schema::settings::SceneryRules;
+use schema::tables::TileObjectRow;
+use surfaces::{AreaGround, Ground};
 
 pub use catalogue::{BUILDINGS, BuildingKind, TREES};
-pub use error::SceneryError;
 
 use draft::Draft;
 use islands::Islands;
 use land::Land;
 use site::Site;
 
-/// Most scenery objects of a scene.
-const MAX_OBJECTS: usize = 20_000;
-/// Surfaces reach this far beyond the radius of the scenery, metres.
-const MARGIN_M: f64 = 60.0;
-
-/// Places the fixed actors of a scene: surfaces, traffic lights and signs of the map, parked vehicles, street lamps, buildings, fences, trees and
-/// street furniture within `settings.radius_m` of the centres. Ids run from `first_id` upward without gaps.
+/// What stands in an area: traffic lights and signs of the map, parked vehicles, buildings, street lamps, fences, trees and
+/// street furniture, in this order. It follows from the map, the rules and the area alone; areas side by side have each thing
+/// once, as it would be if they were one.
 ///
-/// Rows of kind `surface` stand for the surfaces of an area: their position is its middle, length and width its
-/// extent; [`surfaces::areas`] reads them. Rows of lights and signs describe the housing or board alone (origin:
-/// centre of its bottom face, x: the way it faces); their poles belong to the same mesh and reach down to the
-/// ground, whose height is the attribute `ground_z_m`.
-///
-/// # Errors
-/// No centre, no lanes near any centre, or too few ids.
-pub fn place(
-    map: &Map,
-    settings: &WorldSettings,
-    seed: u64,
-    centres: &[[f64; 3]],
-    first_id: ObjectId,
-) -> Result<Vec<ActorRow>, SceneryError> {
-    if centres.is_empty() || centres.iter().flatten().any(|v| !v.is_finite()) {
-        return Err(SceneryError::NoCentre);
-    }
-    let region = region(centres, settings.radius_m + MARGIN_M);
-    let sections = surfaces::sections(map, &region);
-    if sections.is_empty() {
-        return Err(SceneryError::NoRoads { radius_m: settings.radius_m });
-    }
-    let ground = surfaces::levels(map, &sections, &region);
-    let site = Site { map, settings, seed, centres, ground: &ground };
-    let tracks = sections.iter().flat_map(|s| &s.strips).any(|s| s.ground == Ground::Track);
-    let mut land = Land::new(&ground, tracks);
-    let mut drafts = surface_drafts(&region, tracks, !ground.waters.is_empty());
+/// Rows of lights and signs describe the housing or board alone (origin: centre of its bottom face, x: the way it faces);
+/// their poles belong to the same mesh and reach down to the ground, whose height is the attribute `ground_z_m`.
+#[must_use]
+pub fn place(ground: &AreaGround<'_>, rules: &SceneryRules) -> Vec<TileObjectRow> {
+    let tracks = ground.sections.iter().flat_map(|s| &s.strips).any(|s| s.ground == Ground::Track);
+    let site = Site { map: ground.map(), rules, ground };
+    let fronts = frontage::frontages(&ground.sections);
+    let islands = Islands::new(&ground.levels.cover, &ground.around);
+    let mut drafts: Vec<Draft> = Vec::new();
+    let mut land = Land::new(&ground.levels, tracks);
     furniture::signals(&site, &mut land, &mut drafts);
+    // Buildings keep off every marked space, and so do not ask where somebody parks.
+    let mut to_build = land.clone();
     parked::parked(&site, &mut land, &mut drafts);
-    let fronts = frontage::frontages(&sections);
+    parked::keep_spaces(&site, &mut to_build);
+    let houses = lots::buildings(&site, &fronts, &islands, &mut to_build, &mut drafts);
+    houses.iter().for_each(|house| land.take(house.takes));
     furniture::lamps(&site, &fronts, &mut land, &mut drafts);
-    let islands = Islands::new(&ground.cover, &region);
-    lots::buildings(&site, &fronts, &islands, &mut land, &mut drafts);
-    lots::trees(&site, &fronts, &mut land, &mut drafts);
+    lots::fences(&site, &houses, &mut land, &mut drafts);
+    trees::trees(&site, &fronts, &mut land, &mut drafts);
     furniture::small_things(&site, &fronts, &mut land, &mut drafts);
-    if drafts.len() > MAX_OBJECTS {
-        tracing::warn!(wanted = drafts.len(), kept = MAX_OBJECTS, "scenery is cut to its limit");
-        drafts.truncate(MAX_OBJECTS);
-    }
-    let wanted = drafts.len();
-    let last = usize::from(first_id) + wanted;
-    if first_id == 0 || last > usize::from(ObjectId::MAX) + 1 {
-        return Err(SceneryError::OutOfIds { first_id, wanted });
-    }
-    Ok((first_id..=ObjectId::MAX).zip(drafts).map(|(id, draft)| draft.row(id)).collect())
-}
-
-fn region(centres: &[[f64; 3]], reach_m: f64) -> Region {
-    let fold = |axis: usize, pick: fn(f64, f64) -> f64, start: f64| {
-        centres.iter().map(|c| c[axis]).fold(start, pick)
-    };
-    // Whole metres, so that the region comes back from a row's middle and extent exactly.
-    let low = |axis: usize| (fold(axis, f64::min, f64::INFINITY) - reach_m).floor();
-    let high = |axis: usize| (fold(axis, f64::max, f64::NEG_INFINITY) + reach_m).ceil();
-    Region { min: [low(0), low(1)], max: [high(0), high(1)] }
-}
-
-fn surface_drafts(region: &Region, tracks: bool, waters: bool) -> Vec<Draft> {
-    // Ids are for what is there.
-    let wanted = |layer: &Layer| match layer {
-        Layer::Track => tracks,
-        Layer::Water => waters,
-        _ => true,
-    };
-    let middle = [0, 1].map(|k| 0.5 * (region.min[k] + region.max[k]));
-    let extent = [0, 1].map(|k| region.max[k] - region.min[k]);
-    Layer::ALL
-        .into_iter()
-        .filter(wanted)
-        .map(|layer| {
-            let (xyz, size) = ([middle[0], middle[1], 0.0], [extent[0], extent[1], 0.0]);
-            Draft::new(ActorKind::Surface, layer.model(), layer.tag(), size, xyz, 0.0)
-        })
-        .collect()
+    drafts.into_iter().map(Draft::row).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use opendrive::Map;
+    use surfaces::{Atlas, Region};
+
+    /// Places of things to tenths of a millimetre, with all that they are.
+    fn sorted(mut objects: Vec<TileObjectRow>) -> Vec<TileObjectRow> {
+        objects.sort_by(|a, b| {
+            a.xyz_m.map(|v| (v * 1e4).round() as i64).cmp(&b.xyz_m.map(|v| (v * 1e4).round() as i64))
+        });
+        objects
+    }
+
+    fn check(map: &Map, corner: [f64; 2]) {
+        let atlas = Atlas::new(map);
+        let rules = SceneryRules::default();
+        let place_in = |x: f64, y: f64, side: f64| {
+            let area = Region { min: [x, y], max: [x + side, y + side] };
+            place(&atlas.ground(&area), &rules)
+        };
+        let whole = sorted(place_in(corner[0], corner[1], 384.0));
+        let parts = (0..9).flat_map(|k| {
+            let [x, y] = [k % 3, k / 3].map(|i| f64::from(i) * 128.0);
+            place_in(corner[0] + x, corner[1] + y, 128.0)
+        });
+        let parts = sorted(parts.collect());
+        assert!(whole.len() > 300, "{}", whole.len());
+        let gone: Vec<_> = whole.iter().filter(|o| !parts.contains(o)).map(|o| (&o.model, o.xyz_m)).collect();
+        let new: Vec<_> = parts.iter().filter(|o| !whole.contains(o)).map(|o| (&o.model, o.xyz_m)).collect();
+        assert!(gone.is_empty() && new.is_empty(), "{} of {}\n{gone:#?}\n{new:#?}", gone.len(), whole.len());
+        assert_eq!(whole.len(), parts.len());
+    }
 
     #[test]
-    fn faults_are_named() {
-        let map = testkit::straight(200.0);
-        let placed = |centres: &[[f64; 3]], first_id| {
-            place(&map, &WorldSettings::default(), 1, centres, first_id).map(|rows| rows.len())
-        };
-        let middle = [100.0, 0.0, 0.0];
-        assert_eq!(placed(&[], 1), Err(SceneryError::NoCentre));
-        assert_eq!(placed(&[middle, [f64::NAN, 0.0, 0.0]], 1), Err(SceneryError::NoCentre));
-        let radius_m = WorldSettings::default().radius_m;
-        assert_eq!(placed(&[[9e6, 0.0, 0.0]], 1), Err(SceneryError::NoRoads { radius_m }));
-        let wanted = placed(&[middle], 1).expect("a street");
-        assert_eq!(placed(&[middle], 65_530), Err(SceneryError::OutOfIds { first_id: 65_530, wanted }));
+    fn nine_small_areas_are_as_one_large_one() {
+        for (name, corner) in [("convoy/demo", [-192.0, -192.0]), ("convoy/03", [-192.0, -160.0])] {
+            let town = town::generate(&town::named(name).expect("a town of ours")).expect("roads");
+            check(&Map::new(town), corner);
+        }
+        for (_, map) in testkit::real_maps(&["Town03"]) {
+            check(&map, [-192.0, -192.0]);
+        }
     }
 }

@@ -1,25 +1,53 @@
 //! What placing rules look at.
 
 use opendrive::Map;
-use schema::settings::WorldSettings;
-use surfaces::GroundLevels;
+use schema::settings::SceneryRules;
+use surfaces::{AreaGround, GroundLevels};
 
 /// Everything that placing rules look at.
 pub(crate) struct Site<'a> {
     pub(crate) map: &'a Map,
-    pub(crate) settings: &'a WorldSettings,
-    pub(crate) seed: u64,
-    pub(crate) centres: &'a [[f64; 3]],
-    pub(crate) ground: &'a GroundLevels,
+    pub(crate) rules: &'a SceneryRules,
+    pub(crate) ground: &'a AreaGround<'a>,
+}
+
+/// How far around the area candidates of each kind are looked at, metres. What stands in the area must be the same whoever
+/// looks, so every kind is known as far out as it decides about what stands there: its own candidates keep one another away
+/// ([`crate::claims`]), and the later kinds keep off the earlier ones. From the last kind to the first, each distance is the
+/// next one's, and how far the two kinds' ground can be apart and still meet.
+pub(crate) mod reach_m {
+    /// Benches and bins: half diagonals of 0.9.
+    pub(crate) const SMALL: f64 = 1.9;
+    /// Bushes: of 1.6.
+    pub(crate) const BUSHES: f64 = SMALL + 2.5 + 3.2;
+    /// Trees: trunks of 0.7, their room of 1.7.
+    pub(crate) const TREES: f64 = BUSHES + 2.3 + 2.4;
+    /// Pieces of fences: of 3.1.
+    pub(crate) const FENCES: f64 = TREES + 4.8 + 6.2;
+    /// Street lamps: of 0.5.
+    pub(crate) const LAMPS: f64 = FENCES + 3.6 + 1.0;
+    /// Parked vehicles: of 3.3.
+    pub(crate) const PARKED: f64 = LAMPS + 3.8 + 6.6;
+    /// Buildings that were kept: a fence is up to 32 from the middle of its building.
+    pub(crate) const BUILT: f64 = FENCES + 32.0;
+    /// Buildings: half diagonals of 21.7 with what they keep free.
+    pub(crate) const BUILDINGS: f64 = BUILT + 43.4;
+    /// What the map itself puts there: beside buildings.
+    pub(crate) const GIVEN: f64 = BUILDINGS + 25.0;
 }
 
 impl Site<'_> {
-    /// Whether a place is near enough to a centre.
-    pub(crate) fn near(&self, x: f64, y: f64) -> bool {
-        let radius = self.settings.radius_m;
-        self.centres.iter().any(|c| {
-            let (dx, dy) = (x - c[0], y - c[1]);
-            dx * dx + dy * dy <= radius * radius
-        })
+    pub(crate) fn levels(&self) -> &GroundLevels {
+        &self.ground.levels
+    }
+
+    /// Whether a place belongs to the area.
+    pub(crate) fn holds(&self, x: f64, y: f64) -> bool {
+        self.ground.area.contains(x, y)
+    }
+
+    /// Whether a place is in the area or within some metres of it.
+    pub(crate) fn near(&self, x: f64, y: f64, reach_m: f64) -> bool {
+        self.ground.area.grown(reach_m).contains(x, y)
     }
 }

@@ -4,11 +4,11 @@ use nalgebra::{Point3, Vector3};
 use schema::Tag;
 use schema::geometry::{Part, Surface};
 
+use crate::blocks::Blocks;
 use crate::ground::GroundLevels;
-use crate::layer::Layer;
 use crate::region::Region;
 use crate::sections::Section;
-use crate::tiles::Tiles;
+use schema::Layer;
 
 /// Roads this far above the land have walls and rails, metres.
 pub(crate) const WALL_FROM_M: f64 = 1.0;
@@ -26,18 +26,23 @@ const POST_EVERY_M: f64 = 4.0;
 const DECK: Part = Part::new(Tag::Bridge, Surface::Concrete, [0.36, 0.35, 0.33]);
 const RAIL: Part = Part::new(Tag::GuardRail, Surface::Metal, [0.45, 0.46, 0.47]);
 
-pub(crate) fn build(sections: &[Section], region: &Region, ground: &GroundLevels, tiles: &mut Tiles) {
+/// Draws what carries the pieces of roads that begin in an area.
+pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels, blocks: &mut Blocks) {
     for section in sections {
+        if !(0..section.s.len() - 1).any(|i| section.inside(i, area)) {
+            continue;
+        }
         let (Some((right, out_right)), Some((left, out_left))) = (section.edge(0), section.edge(1)) else {
             continue;
         };
-        let mut since_pier = 0.5 * PIER_EVERY_M;
-        let mut since_post = [POST_EVERY_M; 2];
+        let mut along_m = 0.0;
         for i in 0..right.len() - 1 {
             let step = 0.5 * ((right[i + 1] - right[i]).norm() + (left[i + 1] - left[i]).norm());
-            since_pier += step;
-            since_post = since_post.map(|d| d + step);
-            if !section.inside(i, region) {
+            let from_m = along_m;
+            along_m += step;
+            // Piers and posts stand at fixed distances along the section, wherever it is looked at from.
+            let stands = |every_m: f64| (from_m / every_m).ceil() * every_m < along_m;
+            if !section.inside(i, area) {
                 continue;
             }
             let over = |p: &Point3<f64>| p.z - ground.terrain.height(p.x, p.y);
@@ -53,7 +58,7 @@ pub(crate) fn build(sections: &[Section], region: &Region, ground: &GroundLevels
             let under = [&right[i], &right[i + 1], &left[i + 1], &left[i]].map(lowered);
             // Seen from below, the underside runs the other way round.
             if bridge {
-                tiles.quad(Layer::Bridge, DECK, [under[3], under[2], under[1], under[0]]);
+                blocks.quad(Layer::Bridge, DECK, [under[3], under[2], under[1], under[0]]);
             }
             for (side, edge, out, low) in
                 [(0, right, &out_right, [under[0], under[1]]), (1, left, &out_left, [under[3], under[2]])]
@@ -65,19 +70,18 @@ pub(crate) fn build(sections: &[Section], region: &Region, ground: &GroundLevels
                 }
                 let (a, b) = (edge[i], edge[i + 1]);
                 let wall = [low[0], low[1], b, a];
-                tiles.quad(
+                blocks.quad(
                     Layer::Bridge,
                     DECK,
                     if side == 0 { wall } else { [wall[1], wall[0], wall[3], wall[2]] },
                 );
-                rail(tiles, [a, b], [out[i], out[i + 1]]);
-                if since_post[side] >= POST_EVERY_M {
-                    since_post[side] = 0.0;
+                rail(blocks, [a, b], [out[i], out[i + 1]]);
+                if stands(POST_EVERY_M) {
                     let foot = a - out[i] * 0.06;
-                    column(tiles, Layer::GuardRail, RAIL, foot, 0.05, foot.z, foot.z + RAIL_M[1]);
+                    column(blocks, Layer::GuardRail, RAIL, foot, 0.05, foot.z, foot.z + RAIL_M[1]);
                 }
             }
-            if bridge && since_pier >= PIER_EVERY_M {
+            if bridge && stands(PIER_EVERY_M) {
                 let middle = Point3::from(
                     0.25 * (right[i].coords + left[i].coords + right[i + 1].coords + left[i + 1].coords),
                 );
@@ -87,9 +91,8 @@ pub(crate) fn build(sections: &[Section], region: &Region, ground: &GroundLevels
                     !ground.cover.at(x, y).any(|(_, z)| z < middle.z - 1.5)
                 });
                 if free {
-                    since_pier = 0.0;
                     let low = ground.terrain.height(middle.x, middle.y) - 0.5;
-                    column(tiles, Layer::Bridge, DECK, middle, PIER_HALF_M, low, middle.z - DECK_M);
+                    column(blocks, Layer::Bridge, DECK, middle, PIER_HALF_M, low, middle.z - DECK_M);
                 }
             }
         }
@@ -97,7 +100,7 @@ pub(crate) fn build(sections: &[Section], region: &Region, ground: &GroundLevels
 }
 
 /// A beam along an edge, a little inside it.
-fn rail(tiles: &mut Tiles, edge: [Point3<f64>; 2], out: [Vector3<f64>; 2]) {
+fn rail(blocks: &mut Blocks, edge: [Point3<f64>; 2], out: [Vector3<f64>; 2]) {
     let [low, high, thick] = RAIL_M;
     let at = |k: usize, inward: f64, up: f64| edge[k] - out[k] * inward + Vector3::z() * up;
     for (inward, sign) in [(0.0, true), (thick, false)] {
@@ -105,7 +108,7 @@ fn rail(tiles: &mut Tiles, edge: [Point3<f64>; 2], out: [Vector3<f64>; 2]) {
         // Whether the outer face looks to the right of the way from the first end to the second.
         let along = edge[1] - edge[0];
         let right = Vector3::new(along.y, -along.x, 0.0).dot(&out[0]) > 0.0;
-        tiles.quad(
+        blocks.quad(
             Layer::GuardRail,
             RAIL,
             if right == sign { quad } else { [quad[1], quad[0], quad[3], quad[2]] },
@@ -114,15 +117,23 @@ fn rail(tiles: &mut Tiles, edge: [Point3<f64>; 2], out: [Vector3<f64>; 2]) {
     let top = [at(0, 0.0, high), at(1, 0.0, high), at(1, thick, high), at(0, thick, high)];
     let along = edge[1] - edge[0];
     let right = Vector3::new(along.y, -along.x, 0.0).dot(&out[0]) > 0.0;
-    tiles.quad(Layer::GuardRail, RAIL, if right { top } else { [top[3], top[2], top[1], top[0]] });
+    blocks.quad(Layer::GuardRail, RAIL, if right { top } else { [top[3], top[2], top[1], top[0]] });
 }
 
 /// An upright square column without end faces.
-fn column(tiles: &mut Tiles, layer: Layer, part: Part, middle: Point3<f64>, half: f64, low: f64, high: f64) {
+fn column(
+    blocks: &mut Blocks,
+    layer: Layer,
+    part: Part,
+    middle: Point3<f64>,
+    half: f64,
+    low: f64,
+    high: f64,
+) {
     let corners = [(-half, -half), (half, -half), (half, half), (-half, half)];
     for k in 0..4 {
         let (a, b) = (corners[k], corners[(k + 1) % 4]);
         let at = |c: (f64, f64), z: f64| Point3::new(middle.x + c.0, middle.y + c.1, z);
-        tiles.quad(layer, part, [at(a, low), at(b, low), at(b, high), at(a, high)]);
+        blocks.quad(layer, part, [at(a, low), at(b, low), at(b, high), at(a, high)]);
     }
 }

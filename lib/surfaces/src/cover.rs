@@ -25,6 +25,19 @@ pub struct Facet {
 }
 
 impl Facet {
+    /// The middle of its corners in the plan.
+    pub(crate) fn middle(&self) -> [f64; 2] {
+        let sum = self.corners.iter().fold([0.0; 2], |[x, y], p| [x + p.x, y + p.y]);
+        sum.map(|v| v / 3.0)
+    }
+
+    /// The upright box around it in the plan.
+    pub(crate) fn bounds(&self) -> Region {
+        let [a, b, c] = self.corners.map(|p| [p.x, p.y]);
+        let fold = |pick: fn(f64, f64) -> f64| [0, 1].map(|k| pick(pick(a[k], b[k]), c[k]));
+        Region { min: fold(f64::min), max: fold(f64::max) }
+    }
+
     /// Whether vehicles drive, stop or park on it, on another road than the one named.
     pub(crate) fn is_driven_by_others(&self, road: u32) -> bool {
         self.ground == Ground::Paved && self.road.is_some_and(|own| own != road)

@@ -2,17 +2,18 @@
 //! them.
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use nalgebra::Point3;
 use opendrive::Map;
 
+use crate::blocks::Blocks;
 use crate::cover::{Cover, Facet, PATCH_BELOW_M};
-use crate::layer::Layer;
 use crate::materials::{ASPHALT, PAVEMENT};
 use crate::raster::Raster;
 use crate::region::Region;
 use crate::sections::Ground;
-use crate::tiles::Tiles;
+use schema::Layer;
 
 /// Side of a cell, metres.
 const CELL_M: f64 = 0.5;
@@ -25,13 +26,15 @@ const MARGIN_M: f64 = 6.0;
 /// Junctions that differ more in height, and decks over one another, are no matter for paving at one level, metres.
 const LEVEL_M: f64 = 3.0;
 /// Larger groups of junctions are looked at one by one.
-const MAX_CELLS: f64 = 1e6;
+const MAX_CELLS: f64 = 2.5e5;
 /// No corner of a patch lies this much lower or higher than all lanes around it, metres.
 const BEYOND_M: f64 = 0.05;
+/// Lanes are known so far around a window, metres: patches go on for a cell under those beside them.
+const BESIDE_M: f64 = 2.0;
 
 /// Junctions that are looked at together: islands often lie between several.
 #[derive(Clone, Copy, Debug)]
-struct Window {
+pub(crate) struct Window {
     region: Region,
     z_m: [f64; 2],
 }
@@ -45,7 +48,7 @@ impl Window {
     }
 
     fn meets(&self, other: &Self) -> bool {
-        (0..2).all(|k| self.region.min[k] <= other.region.max[k] && self.region.max[k] >= other.region.min[k])
+        self.region.meets(&other.region)
     }
 
     /// Whether it is small and level enough for one look.
@@ -53,15 +56,6 @@ impl Window {
         let [x, y] = [0, 1].map(|k| (self.region.max[k] - self.region.min[k]) / CELL_M);
         x * y <= MAX_CELLS && self.z_m[1] - self.z_m[0] <= LEVEL_M
     }
-}
-
-/// A window for every junction that lies in a region.
-fn windows(map: &Map, region: &Region) -> impl Iterator<Item = Window> {
-    map.junctions().iter().map(|j| j.bounds).filter_map(|[low, high]| {
-        let bounds = Region { min: [low.x, low.y], max: [high.x, high.y] };
-        let inside = region.contains(low.x, low.y) && region.contains(high.x, high.y);
-        inside.then_some(Window { region: bounds.grown(MARGIN_M), z_m: [low.z, high.z] })
-    })
 }
 
 /// The usable ones of some windows, joined where they meet, so that no gap is paved twice.
@@ -77,9 +71,28 @@ fn joined(windows: impl Iterator<Item = Window>) -> Vec<Window> {
     found
 }
 
-/// The patches of a region: facets of no road.
-pub(crate) fn patches(map: &Map, region: &Region, cover: &Cover) -> Vec<Facet> {
-    joined(windows(map, region)).iter().flat_map(|w| in_window(w, cover)).collect()
+/// The paving of a whole map, window by window, each made when it is first asked for.
+#[derive(Debug)]
+pub(crate) struct Paving(Vec<(Window, OnceLock<Vec<Facet>>)>);
+
+impl Paving {
+    /// The windows of a map's junctions.
+    pub(crate) fn new(map: &Map) -> Self {
+        let windows = map.junctions().iter().map(|j| j.bounds).map(|[low, high]| {
+            let bounds = Region { min: [low.x, low.y], max: [high.x, high.y] };
+            Window { region: bounds.grown(MARGIN_M), z_m: [low.z, high.z] }
+        });
+        Self(joined(windows).into_iter().map(|window| (window, OnceLock::new())).collect())
+    }
+
+    /// The patches that reach into a region: facets of no road. `cover` gives the lanes of a window.
+    pub(crate) fn patches(&self, region: &Region, cover: impl Fn(&Region) -> Cover) -> Vec<Facet> {
+        let near = self.0.iter().filter(|(window, _)| window.region.grown(BESIDE_M).meets(region));
+        let all = near.flat_map(|(window, patches)| {
+            patches.get_or_init(|| in_window(window, &cover(&window.region.grown(BESIDE_M))))
+        });
+        all.filter(|facet| facet.bounds().meets(region)).copied().collect()
+    }
 }
 
 fn in_window(window: &Window, cover: &Cover) -> Vec<Facet> {
@@ -225,12 +238,16 @@ impl<'a> Patch<'a> {
     }
 }
 
-/// Draws the patches of a cover.
-pub(crate) fn build(cover: &Cover, tiles: &mut Tiles) {
-    for facet in cover.facets().iter().filter(|f| f.road.is_none()) {
+/// Draws the patches of a cover whose middles lie in an area.
+pub(crate) fn build(cover: &Cover, area: &Region, blocks: &mut Blocks) {
+    let here = |f: &&Facet| {
+        let [x, y] = f.middle();
+        f.road.is_none() && area.contains(x, y)
+    };
+    for facet in cover.facets().iter().filter(here) {
         match facet.ground {
-            Ground::Walk => tiles.triangle(Layer::Sidewalk, PAVEMENT, facet.corners),
-            _ => tiles.triangle(Layer::Road, ASPHALT, facet.corners),
+            Ground::Walk => blocks.triangle(Layer::Sidewalk, PAVEMENT, facet.corners),
+            _ => blocks.triangle(Layer::Road, ASPHALT, facet.corners),
         }
     }
 }

@@ -4,13 +4,13 @@ use nalgebra::{Point3, Vector3};
 use schema::Tag;
 use schema::geometry::{Part, Surface};
 
+use crate::blocks::Blocks;
 use crate::cover::{Cover, Facet, PATCH_BELOW_M};
 use crate::ground::GroundLevels;
-use crate::layer::Layer;
 use crate::materials::{ASPHALT, GRASS, PAVEMENT};
 use crate::region::Region;
-use crate::sections::{Ground, Section, Strip};
-use crate::tiles::Tiles;
+use crate::sections::{Ground, Section, Strip, WIDEST_M};
+use schema::Layer;
 
 const WASTE: Part = Part::new(Tag::Ground, Surface::Asphalt, [0.12, 0.12, 0.12]);
 const BALLAST: Part = Part::new(Tag::RailTrack, Surface::Plain, [0.17, 0.155, 0.14]);
@@ -25,8 +25,8 @@ const VERGE_PROFILE: [(f64, f64); 3] = [(0.0, 0.02), (1.0, 0.10), (3.2, 0.85)];
 
 /// Lane surfaces for point queries. Those of no use to vehicles are left out where vehicles of another road drive over
 /// them; of railways a patch remains there, so that the road goes on to where the ballast begins.
-pub(crate) fn cover(sections: &[Section], region: &Region) -> Cover {
-    let region = region.grown(10.0);
+pub(crate) fn cover(sections: &[&Section], region: &Region) -> Cover {
+    let region = region.grown(WIDEST_M);
     let mut cover = Cover::new(region);
     let mut add = |ground: fn(Ground) -> bool| {
         let mut facets: Vec<Facet> = Vec::new();
@@ -75,8 +75,15 @@ pub(crate) fn free_of_traffic(section: &Section, strip: &Strip, i: usize, cover:
     })
 }
 
-pub(crate) fn build(sections: &[Section], region: &Region, ground: &GroundLevels, tiles: &mut Tiles) {
+/// Draws the pieces of lanes that begin in an area.
+pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels, blocks: &mut Blocks) {
     for section in sections {
+        let here: Vec<bool> = (0..section.s.len() - 1).map(|i| section.inside(i, area)).collect();
+        if !here.contains(&true) {
+            continue;
+        }
+        // A piece's ends depend on whether its neighbours are there, in the area or not.
+        let asked = |i: usize| here[i.saturating_sub(1)..(i + 2).min(here.len())].contains(&true);
         for (k, strip) in section.strips.iter().enumerate() {
             let (layer, top) = match strip.ground {
                 Ground::Paved => (Layer::Road, ASPHALT),
@@ -88,35 +95,35 @@ pub(crate) fn build(sections: &[Section], region: &Region, ground: &GroundLevels
             };
             let right = k.checked_sub(1).and_then(|k| section.strips.get(k));
             let left = section.strips.get(k + 1);
-            let kept: Vec<bool> = (0..section.s.len() - 1)
-                .map(|i| section.inside(i, region) && free_of_traffic(section, strip, i, &ground.cover))
+            let kept: Vec<bool> = (0..here.len())
+                .map(|i| asked(i) && free_of_traffic(section, strip, i, &ground.cover))
                 .collect();
-            for i in (0..kept.len()).filter(|i| kept[*i]) {
-                tiles.quad(layer, top, corners(strip, i));
+            for i in (0..kept.len()).filter(|i| kept[*i] && here[*i]) {
+                blocks.quad(layer, top, corners(strip, i));
                 if !strip.ground.raised() && strip.raise[i] == [0.0; 2] {
                     continue;
                 }
                 let down = |p: Point3<f64>, by: f64| Point3::new(p.x, p.y, p.z - by);
                 if let Some(depth) = face_depth(strip, left, i, 0) {
                     let (a, b) = (strip.left[i + 1], strip.left[i]);
-                    tiles.quad(layer, KERB, [down(a, depth[1]), down(b, depth[0]), b, a]);
+                    blocks.quad(layer, KERB, [down(a, depth[1]), down(b, depth[0]), b, a]);
                 }
                 if let Some(depth) = face_depth(strip, right, i, 1) {
                     let (a, b) = (strip.right[i], strip.right[i + 1]);
-                    tiles.quad(layer, KERB, [down(a, depth[0]), down(b, depth[1]), b, a]);
+                    blocks.quad(layer, KERB, [down(a, depth[0]), down(b, depth[1]), b, a]);
                 }
                 // Where the strip begins or ends for good, or was cut away, its end is closed.
                 if if i == 0 { section.ends[0] } else { !kept[i - 1] } {
                     let (a, b) = (strip.left[i], strip.right[i]);
-                    tiles.quad(layer, KERB, [down(a, SKIRT_M), down(b, SKIRT_M), b, a]);
+                    blocks.quad(layer, KERB, [down(a, SKIRT_M), down(b, SKIRT_M), b, a]);
                 }
                 if if i + 1 == kept.len() { section.ends[1] } else { !kept[i + 1] } {
                     let (a, b) = (strip.right[i + 1], strip.left[i + 1]);
-                    tiles.quad(layer, KERB, [down(a, SKIRT_M), down(b, SKIRT_M), b, a]);
+                    blocks.quad(layer, KERB, [down(a, SKIRT_M), down(b, SKIRT_M), b, a]);
                 }
             }
         }
-        verges(section, region, ground, tiles);
+        verges(section, area, ground, blocks);
     }
 }
 
@@ -128,7 +135,7 @@ fn face_depth(strip: &Strip, neighbour: Option<&Strip>, i: usize, side: usize) -
 }
 
 /// Grass that falls away from the outer edges, so that no gap shows between road and terrain.
-fn verges(section: &Section, region: &Region, ground: &GroundLevels, tiles: &mut Tiles) {
+fn verges(section: &Section, area: &Region, ground: &GroundLevels, blocks: &mut Blocks) {
     for side in 0..2 {
         let Some((edge, away)) = section.edge(side) else { continue };
         let profile: Vec<[Point3<f64>; 3]> = edge
@@ -137,7 +144,7 @@ fn verges(section: &Section, region: &Region, ground: &GroundLevels, tiles: &mut
             .map(|(p, out)| VERGE_PROFILE.map(|(far, drop)| p + *out * far - Vector3::z() * drop))
             .collect();
         for i in 0..edge.len() - 1 {
-            if !section.inside(i, region) {
+            if !section.inside(i, area) {
                 continue;
             }
             let elevated =
@@ -155,7 +162,7 @@ fn verges(section: &Section, region: &Region, ground: &GroundLevels, tiles: &mut
                 let (a, b, c, d) = (near[k], far[k], far[k + 1], near[k + 1]);
                 // Left of the road the profile runs to the left of s, right of it to the right.
                 let quad = if side == 1 { [a, b, c, d] } else { [d, c, b, a] };
-                tiles.quad(Layer::Terrain, GRASS, quad);
+                blocks.quad(Layer::Terrain, GRASS, quad);
             }
         }
     }

@@ -1,15 +1,15 @@
 //! Paint on the road: lane markings, crosswalks, stop lines, parking spaces.
 
 use nalgebra::{Point3, Vector3};
-use opendrive::{Map, MarkColour, Stripe};
+use opendrive::{Map, MarkColour, StopLine, Stripe};
 use schema::Tag;
 use schema::geometry::{Part, Surface};
 
+use crate::blocks::Blocks;
 use crate::cover::Cover;
-use crate::layer::Layer;
 use crate::region::Region;
-use crate::sections::{Ground, Section};
-use crate::tiles::Tiles;
+use crate::sections::{Ground, Section, WIDEST_M};
+use schema::Layer;
 
 /// Paint lies this high over the road, metres: more than any chord's error, less than can be seen.
 const PAINT_M: f64 = 0.006;
@@ -23,18 +23,30 @@ const MAX_DASHES: usize = 20_000;
 const WHITE: Part = Part::new(Tag::RoadLine, Surface::RoadMarking, [0.72, 0.72, 0.70]);
 const YELLOW: Part = Part::new(Tag::RoadLine, Surface::RoadMarking, [0.72, 0.50, 0.06]);
 
-pub(crate) fn build(map: &Map, sections: &[Section], region: &Region, cover: &Cover, tiles: &mut Tiles) {
+/// Draws the paint whose pieces have their middles in an area.
+pub(crate) fn build(
+    map: &Map,
+    stop_lines: &[StopLine],
+    sections: &[&Section],
+    area: &Region,
+    cover: &Cover,
+    blocks: &mut Blocks,
+) {
+    let near = area.grown(WIDEST_M);
     for section in sections {
+        if !(0..section.s.len() - 1).any(|i| section.inside(i, &near)) {
+            continue;
+        }
         for stripe in map.stripes_of(section.road, section.section) {
             if stripe.mark_type.is_painted() {
-                lane_marking(section, stripe, region, cover, tiles);
+                lane_marking(section, stripe, area, cover, blocks);
             }
         }
     }
-    let mut painter = Painter { region, cover, tiles };
+    let mut painter = Painter { area, cover, blocks };
     crosswalks(map, &mut painter);
     parking_spaces(map, &mut painter);
-    for line in map.stop_lines() {
+    for line in stop_lines {
         painter.band(WHITE, line.ends[0], line.ends[1], line.width_m);
     }
 }
@@ -84,7 +96,7 @@ fn border(section: &Section, border_of: i16) -> Option<Border> {
     Some((points.collect(), across.collect()))
 }
 
-fn lane_marking(section: &Section, stripe: &Stripe, region: &Region, cover: &Cover, tiles: &mut Tiles) {
+fn lane_marking(section: &Section, stripe: &Stripe, area: &Region, cover: &Cover, blocks: &mut Blocks) {
     let Some((line, across)) = border(section, stripe.border_of) else { return };
     let offsets = [stripe.t_offset_m - 0.5 * stripe.width_m, stripe.t_offset_m + 0.5 * stripe.width_m];
     let paint = colour(stripe);
@@ -117,12 +129,14 @@ fn lane_marking(section: &Section, stripe: &Stripe, region: &Region, cover: &Cov
             let after = at(*s);
             let middle = Point3::from(0.5 * (before[0].coords + after[1].coords));
             // In a junction other connecting lanes run across: their asphalt has no lines.
-            let hidden = section.junction
-                && cover
-                    .at(middle.x, middle.y)
-                    .any(|(f, z)| f.is_driven_by_others(section.road) && (z - middle.z).abs() < 1.0);
-            if region.contains(middle.x, middle.y) && !hidden {
-                tiles.quad(Layer::Marking, paint, [before[0], after[0], after[1], before[1]]);
+            let hidden = || {
+                section.junction
+                    && cover
+                        .at(middle.x, middle.y)
+                        .any(|(f, z)| f.is_driven_by_others(section.road) && (z - middle.z).abs() < 1.0)
+            };
+            if area.contains(middle.x, middle.y) && !hidden() {
+                blocks.quad(Layer::Marking, paint, [before[0], after[0], after[1], before[1]]);
             }
             before = after;
         }
@@ -131,15 +145,25 @@ fn lane_marking(section: &Section, stripe: &Stripe, region: &Region, cover: &Cov
 
 /// Paints areas of the plan onto the road under them.
 struct Painter<'a> {
-    region: &'a Region,
+    area: &'a Region,
     cover: &'a Cover,
-    tiles: &'a mut Tiles,
+    blocks: &'a mut Blocks,
 }
 
 impl Painter<'_> {
+    /// Whether the box around some points reaches into the area.
+    fn reaches(&self, points: &[Point3<f64>]) -> bool {
+        let fold =
+            |pick: fn(f64, f64) -> f64, from| [0, 1].map(|k| points.iter().map(|p| p[k]).fold(from, pick));
+        let bounds = Region { min: fold(f64::min, f64::INFINITY), max: fold(f64::max, f64::NEG_INFINITY) };
+        bounds.grown(1.0).meets(self.area)
+    }
+
     /// A flat convex polygon near height `z`, counter-clockwise from above, laid on the road.
     fn polygon(&mut self, paint: Part, polygon: &[[f64; 2]], z: f64) {
-        if polygon.len() < 3 || !polygon.iter().all(|p| self.region.contains(p[0], p[1])) {
+        let count = polygon.len() as f64;
+        let [x, y] = [0, 1].map(|k| polygon.iter().map(|p| p[k]).sum::<f64>() / count);
+        if polygon.len() < 3 || !self.area.contains(x, y) {
             return;
         }
         let lift = |p: &[f64; 2]| {
@@ -152,7 +176,7 @@ impl Painter<'_> {
         let rise = (lift(&[middle.x, middle.y]).z - middle.z).max(0.0);
         points.iter_mut().for_each(|p| p.z += rise);
         for i in 1..points.len() - 1 {
-            self.tiles.triangle(Layer::Marking, paint, [points[0], points[i], points[i + 1]]);
+            self.blocks.triangle(Layer::Marking, paint, [points[0], points[i], points[i + 1]]);
         }
     }
 
@@ -192,7 +216,7 @@ fn clip(polygon: &[[f64; 2]], normal: [f64; 2], limit: f64) -> Vec<[f64; 2]> {
 fn crosswalks(map: &Map, painter: &mut Painter<'_>) {
     for crosswalk in map.crosswalks() {
         let n = crosswalk.polygon.len();
-        if n < 3 {
+        if n < 3 || !painter.reaches(&crosswalk.polygon) {
             continue;
         }
         let Some(pose) = map.road_pose(crosswalk.road, crosswalk.s, 0.0, 0.0) else { continue };
@@ -244,6 +268,9 @@ fn crosswalks(map: &Map, painter: &mut Painter<'_>) {
 fn parking_spaces(map: &Map, painter: &mut Painter<'_>) {
     for object in map.objects().iter().filter(|o| o.kind.eq_ignore_ascii_case("parkingspace")) {
         let Some(ring) = object.outlines.first().filter(|o| o.base.len() >= 3) else { continue };
+        if !painter.reaches(&ring.base) {
+            continue;
+        }
         let n = ring.base.len();
         for i in 0..n {
             painter.band(WHITE, ring.base[i], ring.base[(i + 1) % n], THIN_LINE_M);

@@ -11,6 +11,8 @@ const TOLERANCE_M: f64 = 0.01;
 const STEP_M: f64 = 6.0;
 /// The same in junctions, where raised strips are cut away piece by piece.
 const JUNCTION_STEP_M: f64 = 1.5;
+/// No road is wider from the middle, metres: pieces of one reach so far.
+pub(crate) const WIDEST_M: f64 = 40.0;
 /// Height of a kerb where the map states none, metres.
 const KERB_M: f64 = 0.12;
 
@@ -128,34 +130,29 @@ impl Section {
     }
 }
 
-/// All sections that reach into a region, by road and section.
-#[must_use]
-pub fn sections(map: &Map, region: &Region) -> Vec<Section> {
-    let mut found = Vec::new();
-    for road in 0..map.network().roads.len() as u32 {
-        let count = map.section_count(road);
-        for index in 0..count as u16 {
-            if let Some(section) = sample(map, road, index, count, region) {
-                found.push(section);
-            }
-        }
-    }
-    found
+/// All sections of a road.
+pub(crate) fn of_road(map: &Map, road: u32) -> Vec<Section> {
+    let count = map.section_count(road);
+    (0..count as u16).filter_map(|index| sample(map, road, index, count)).collect()
 }
 
-fn sample(map: &Map, road: u32, index: u16, count: usize, region: &Region) -> Option<Section> {
+/// The upright box around a road and all that belongs to it.
+pub(crate) fn bounds(map: &Map, road: u32) -> Option<Region> {
+    let length = map.road_length(road)?;
+    let probes = (length / 25.0).ceil().clamp(1.0, 10_000.0) as usize;
+    let at = (0..=probes).map(|i| length * i as f64 / probes as f64);
+    let points = at.filter_map(|s| map.road_point(road, s, 0.0, 0.0));
+    let boxes = points.map(|p| Region { min: [p.x, p.y], max: [p.x, p.y] });
+    let around = boxes.reduce(|a, b| Region {
+        min: [0, 1].map(|k| a.min[k].min(b.min[k])),
+        max: [0, 1].map(|k| a.max[k].max(b.max[k])),
+    })?;
+    Some(around.grown(WIDEST_M))
+}
+
+fn sample(map: &Map, road: u32, index: u16, count: usize) -> Option<Section> {
     let lanes = map.lanes_of(road, index);
     let first = lanes.first()?;
-    // A coarse look first: is any of it near?
-    let span = [first.s_start, first.s_end];
-    let probes = ((span[1] - span[0]) / 25.0).ceil().clamp(1.0, 10_000.0) as usize;
-    let near = (0..=probes).any(|i| {
-        let s = span[0] + (span[1] - span[0]) * i as f64 / probes as f64;
-        map.road_point(road, s, 0.0, 0.0).is_some_and(|p| region.grown(40.0).contains(p.x, p.y))
-    });
-    if !near {
-        return None;
-    }
     let junction = first.junction.is_some();
     let step = if junction { JUNCTION_STEP_M } else { STEP_M };
     let s = divided(&map.section_samples(road, index, TOLERANCE_M), step);

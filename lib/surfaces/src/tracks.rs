@@ -4,12 +4,12 @@ use nalgebra::{Point3, Vector3};
 use schema::Tag;
 use schema::geometry::{Part, Surface};
 
+use crate::blocks::Blocks;
 use crate::ground::GroundLevels;
 use crate::lanes::free_of_traffic;
-use crate::layer::Layer;
 use crate::region::Region;
 use crate::sections::{Ground, Section, Strip};
-use crate::tiles::Tiles;
+use schema::Layer;
 
 const STEEL: Part = Part::new(Tag::RailTrack, Surface::Metal, [0.32, 0.30, 0.28]);
 const SLEEPER: Part = Part::new(Tag::RailTrack, Surface::Concrete, [0.24, 0.23, 0.22]);
@@ -21,7 +21,8 @@ const FLUSH_M: f64 = 0.012;
 /// Sleepers: half their length, half their width, height, distance, metres.
 const SLEEPER_M: [f64; 4] = [1.3, 0.13, 0.05, 0.65];
 
-pub(crate) fn build(sections: &[Section], region: &Region, ground: &GroundLevels, tiles: &mut Tiles) {
+/// Draws the rails and sleepers of pieces that begin in an area.
+pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels, blocks: &mut Blocks) {
     for section in sections {
         for strip in section.strips.iter().filter(|s| s.ground == Ground::Track) {
             let mut along_m = 0.0;
@@ -30,15 +31,15 @@ pub(crate) fn build(sections: &[Section], region: &Region, ground: &GroundLevels
                 let length = (ends[1] - ends[0]).norm();
                 let from = along_m;
                 along_m += length;
-                if length < 1e-6 || !section.inside(i, region) {
+                if length < 1e-6 || !section.inside(i, area) {
                     continue;
                 }
                 let open = free_of_traffic(section, strip, i, &ground.cover);
                 for side in [-0.5, 0.5] {
-                    rail(tiles, strip, i, side * GAUGE_M, if open { RAIL_M[1] } else { FLUSH_M });
+                    rail(blocks, strip, i, side * GAUGE_M, if open { RAIL_M[1] } else { FLUSH_M });
                 }
                 if open {
-                    sleepers(tiles, ends, from);
+                    sleepers(blocks, ends, from);
                 }
             }
         }
@@ -51,25 +52,25 @@ fn left_of(strip: &Strip, i: usize) -> Vector3<f64> {
 }
 
 /// A piece of a rail, `left_m` to the left of the strip's middle.
-fn rail(tiles: &mut Tiles, strip: &Strip, i: usize, left_m: f64, height_m: f64) {
+fn rail(blocks: &mut Blocks, strip: &Strip, i: usize, left_m: f64, height_m: f64) {
     let edge = |i: usize, aside: f64, up: f64| {
         let middle = nalgebra::center(&strip.right[i], &strip.left[i]);
         middle + left_of(strip, i) * (left_m + aside) + Vector3::z() * up
     };
     let half = 0.5 * RAIL_M[0];
     let (j, h) = (i + 1, height_m);
-    tiles.quad(
+    blocks.quad(
         Layer::Track,
         STEEL,
         [edge(i, -half, h), edge(j, -half, h), edge(j, half, h), edge(i, half, h)],
     );
     if height_m > FLUSH_M {
-        tiles.quad(
+        blocks.quad(
             Layer::Track,
             STEEL,
             [edge(i, -half, 0.0), edge(j, -half, 0.0), edge(j, -half, h), edge(i, -half, h)],
         );
-        tiles.quad(
+        blocks.quad(
             Layer::Track,
             STEEL,
             [edge(j, half, 0.0), edge(i, half, 0.0), edge(i, half, h), edge(j, half, h)],
@@ -78,7 +79,7 @@ fn rail(tiles: &mut Tiles, strip: &Strip, i: usize, left_m: f64, height_m: f64) 
 }
 
 /// The sleepers of a straight piece that begins `from_m` after the strip does; their sides are too low to matter.
-fn sleepers(tiles: &mut Tiles, [a, b]: [Point3<f64>; 2], from_m: f64) {
+fn sleepers(blocks: &mut Blocks, [a, b]: [Point3<f64>; 2], from_m: f64) {
     let [half_length, half_width, height, spacing] = SLEEPER_M;
     let length = (b - a).norm();
     let along = (b - a) / length;
@@ -87,7 +88,7 @@ fn sleepers(tiles: &mut Tiles, [a, b]: [Point3<f64>; 2], from_m: f64) {
     while at < length {
         let middle = a + along * at + Vector3::z() * height;
         let corner = |u: f64, v: f64| middle + along * (u * half_width) + left * (v * half_length);
-        tiles.quad(
+        blocks.quad(
             Layer::Track,
             SLEEPER,
             [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],

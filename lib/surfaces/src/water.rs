@@ -12,17 +12,15 @@ pub struct Water {
     pub(crate) z_m: f64,
 }
 
-/// The waters that reach into a region.
-pub(crate) fn waters(map: &Map, region: &Region) -> Vec<Water> {
+/// The waters of a map.
+pub(crate) fn waters(map: &Map) -> Vec<Water> {
     let objects = map.objects().iter().filter(|o| o.is_water());
     let outlines = objects.flat_map(|o| &o.outlines).filter(|o| o.closed && o.base.len() > 2);
     let found = outlines.map(|outline| {
         let z_m = outline.base.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
         Water::new(outline.base.iter().map(|p| [p.x, p.y]).collect(), z_m)
     });
-    let near =
-        |w: &Water| (0..2).all(|k| w.bounds.min[k] <= region.max[k] && w.bounds.max[k] >= region.min[k]);
-    found.filter(|w| w.z_m.is_finite() && near(w)).collect()
+    found.filter(|w| w.z_m.is_finite()).collect()
 }
 
 impl Water {
@@ -32,6 +30,11 @@ impl Water {
         let min = [0, 1].map(|k| fold(k, f64::min, f64::INFINITY));
         let max = [0, 1].map(|k| fold(k, f64::max, f64::NEG_INFINITY));
         Self { bounds: Region { min, max }, ring, z_m }
+    }
+
+    /// Whether it comes within some metres of a region.
+    pub(crate) fn is_near(&self, region: &Region, reach_m: f64) -> bool {
+        self.bounds.grown(reach_m).meets(region)
     }
 
     /// Distance from its edge, metres: positive on land, negative in the water (even-odd rule). Infinite for what is

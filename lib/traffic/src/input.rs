@@ -1,10 +1,16 @@
 //! What a simulation takes and gives.
 
+use std::collections::BTreeSet;
+use std::fmt;
+use std::ops::ControlFlow;
+
+use nalgebra::Point3;
 use opendrive::Map;
 use schema::ObjectId;
 use schema::scene_info::{DriverInfo, HazardInfo, SignalGroupInfo};
 use schema::settings::stages::SimulationSettings;
 use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, SignalRow, StateRow};
+use schema::tile::TileIndex;
 
 /// A scene to simulate.
 ///
@@ -41,7 +47,7 @@ use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanHazardRow, PlanSceneR
 ///     agents: &[agent],
 ///     hazards: &[],
 ///     settings: &SimulationSettings::default(),
-///     fixed: &[],
+///     fixed: &Vec::new(),
 ///     first_id: 1,
 /// };
 /// let log = simulate(&input, &mut |_, _| ControlFlow::Continue(()))?;
@@ -64,9 +70,23 @@ pub struct SceneInput<'a> {
     pub settings: &'a SimulationSettings,
     /// Objects that never move. Those of kind `traffic_light` with an `opendrive_id` get signal states; those of kind
     /// `parked` can be hit.
-    pub fixed: &'a [ActorRow],
+    pub fixed: &'a dyn FixedWorld,
     /// Id of the first actor; the others follow.
     pub first_id: ObjectId,
+}
+
+/// What never moves, known as far as agents come.
+pub trait FixedWorld: fmt::Debug {
+    /// The objects of the tiles near some places that are not among those `seen`, which are then. To break ends the
+    /// simulation.
+    fn near(&self, places: &[Point3<f64>], seen: &mut BTreeSet<TileIndex>) -> ControlFlow<(), Vec<ActorRow>>;
+}
+
+/// A world that is known whole from the start.
+impl FixedWorld for Vec<ActorRow> {
+    fn near(&self, _: &[Point3<f64>], seen: &mut BTreeSet<TileIndex>) -> ControlFlow<(), Vec<ActorRow>> {
+        ControlFlow::Continue(if seen.insert(TileIndex::default()) { self.clone() } else { Vec::new() })
+    }
 }
 
 /// What happened in a scene.
@@ -78,7 +98,7 @@ pub struct SimulationLog {
     pub states: Vec<StateRow>,
     /// Frames 0 to the last.
     pub frames: Vec<FrameRow>,
-    /// Traffic lights at frames -1 to the last, by frame, then id.
+    /// Traffic lights that were near at any time, at frames -1 to the last, by frame, then id.
     pub signals: Vec<SignalRow>,
     /// Background vehicles that were placed.
     pub n_vehicles: u32,

@@ -28,5 +28,5 @@ mod walking;
 
 pub use car_following::{Idm, equilibrium_gap_m};
 pub use error::TrafficError;
-pub use input::{SceneInput, SimulationLog};
+pub use input::{FixedWorld, SceneInput, SimulationLog};
 pub use simulation::simulate;

@@ -1,5 +1,6 @@
 //! The loop: signals, drivers, walkers, bodies, log.
 
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 use frames::{LocalOrigin, Object, Pose, World};
@@ -7,6 +8,7 @@ use nalgebra::Point3;
 use random::Stream;
 use schema::footprint::footprint;
 use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanSceneRow, SignalRow, StateRow, Weather};
+use schema::tile::TileIndex;
 use schema::{ActorRole, AgentKind, FRAME_PERIOD_S, ObjectId};
 
 use crate::acceleration::wished_acceleration;
@@ -78,15 +80,29 @@ pub fn simulate(
     for done in 0..=total {
         if done > 0 {
             simulation.step(done as u32 - 1);
+            simulation.meet_fixed()?;
         }
         if done + 1 >= lead {
-            simulation.record(done as i32 - lead as i32, done);
+            simulation.record(done as i32 - lead as i32);
         }
         if on_step(done, total).is_break() {
             return Err(TrafficError::Interrupted { scene: scene.scene });
         }
     }
+    simulation.log_signals(lead);
     Ok(simulation.log)
+}
+
+/// What never moves near some places and was not known yet.
+fn near(
+    input: &SceneInput<'_>,
+    places: &[Point3<f64>],
+    tiles: &mut BTreeSet<TileIndex>,
+) -> Result<Vec<ActorRow>, TrafficError> {
+    match input.fixed.near(places, tiles) {
+        ControlFlow::Continue(fixed) => Ok(fixed),
+        ControlFlow::Break(()) => Err(TrafficError::Interrupted { scene: input.scene.scene }),
+    }
 }
 
 struct Simulation<'a> {
@@ -102,8 +118,12 @@ struct Simulation<'a> {
     walker_ids: Vec<ObjectId>,
     /// Vehicles that stand in hazards.
     standing: Vec<(ObjectId, Thing)>,
-    /// Traffic lights of the scene: object id, signal of the map.
+    /// Tiles of the fixed world that somebody came near.
+    tiles: BTreeSet<TileIndex>,
+    /// Traffic lights there: object id, signal of the map.
     lamps: Vec<(ObjectId, usize)>,
+    /// Where road-side units stand.
+    rsus: Vec<Point3<f64>>,
     occupancy: Occupancy,
     right_of_way: RightOfWay,
     bodies: Bodies,
@@ -128,9 +148,14 @@ struct Cast<'a> {
 }
 
 impl<'a> Cast<'a> {
-    fn draw(input: &'a SceneInput<'a>, net: &Net, paths: &Paths) -> Result<Self, TrafficError> {
+    fn draw(
+        input: &'a SceneInput<'a>,
+        fixed: &[ActorRow],
+        net: &Net,
+        paths: &Paths,
+    ) -> Result<Self, TrafficError> {
         let scene = input.scene;
-        let (starts, hazards) = vehicle_starts(input, net)?;
+        let (starts, hazards) = vehicle_starts(input, fixed, net)?;
         let agents =
             starts.iter().filter(|s| s.role != ActorRole::Background).map(|s| s.point).collect::<Vec<_>>();
         let rsus: Vec<_> = input.agents.iter().filter(|a| a.agent.kind == AgentKind::Rsu).collect();
@@ -159,7 +184,10 @@ impl<'a> Simulation<'a> {
         }
         let signals = Signals::new(map, &input.settings.traffic, scene.seed, u64::from(scene.scene));
         let paths = Paths::new(map, &net);
-        let cast = Cast::draw(input, &net, &paths)?;
+        let mut tiles = BTreeSet::new();
+        let planned: Vec<Point3<f64>> = input.agents.iter().map(|a| a.xyz_m.into()).collect();
+        let fixed = near(input, &planned, &mut tiles)?;
+        let cast = Cast::draw(input, &fixed, &net, &paths)?;
         let routes = Routes::new(&paths, &cast.agents, destination_radius_m(scene, net.extent_m()));
         let mut log = SimulationLog { signal_groups: signals.groups(map), ..SimulationLog::default() };
         log_vehicles(&mut log, &cast.ids, &cast.starts, &cast.rsus);
@@ -170,19 +198,22 @@ impl<'a> Simulation<'a> {
         let mut right_of_way = RightOfWay::new(net.lanes.len());
         let vehicles = place_vehicles(&net, &cast.starts, input, &mut bodies, &mut right_of_way);
         let standing = cast.hazard_actors();
-        let fixed = input.fixed.iter().chain(log.actors.iter().filter(|a| a.fixed)).chain(&standing);
-        let fixtures = Fixtures::new(fixed.filter_map(footprint));
+        let in_the_way = fixed.iter().chain(log.actors.iter().filter(|a| a.fixed)).chain(&standing);
+        let mut fixtures = Fixtures::default();
+        in_the_way.filter_map(footprint).for_each(|place| fixtures.add(&place));
         let walkers = place_walkers(input, &paths, &routes, &fixtures, &cast.walkers, &mut bodies);
         log_walkers(&mut log, &cast.ids, &walkers);
         log.actors.extend(standing);
-        add_fixed(input, &net, &mut bodies);
+        add_fixed(&fixed, &net, &mut bodies);
         let mut occupancy = Occupancy::new(net.lanes.len());
         let things = cast.hazards.things;
         place_hazards(&net, &things, &mut occupancy, &mut bodies);
         log.hazards = cast.hazards.placed;
         let ids = cast.ids;
         let mut simulation = Self {
-            lamps: lamps(map, input),
+            lamps: lamps(map, &fixed),
+            tiles,
+            rsus: cast.rsus.iter().map(|rsu| rsu.xyz_m.into()).collect(),
             bends: Bends::new(&net, vehicles.len()),
             watch: Watch { distance_m: input.settings.traffic.active_distance_m, agents: cast.agents.len() },
             sweeps: SweptPaths::new(things.iter().map(|t| (t.point, t.yaw_rad(), t.size_m))),
@@ -220,6 +251,19 @@ impl<'a> Simulation<'a> {
         for vehicle in self.vehicles.iter_mut().filter(|v| v.wake() != Wake::Asleep) {
             vehicle.move_doors();
         }
+    }
+
+    /// Takes in what stands where agents came near.
+    fn meet_fixed(&mut self) -> Result<(), TrafficError> {
+        let agents = self.vehicles[..self.watch.agents].iter().map(|v| v.motion().position());
+        let places: Vec<Point3<f64>> = agents.chain(self.rsus.iter().copied()).collect();
+        let fixed = near(self.input, &places, &mut self.tiles)?;
+        if !fixed.is_empty() {
+            add_fixed(&fixed, &self.net, &mut self.bodies);
+            fixed.iter().filter_map(footprint).for_each(|place| self.fixtures.add(&place));
+            self.lamps.extend(lamps(self.input.map, &fixed));
+        }
+        Ok(())
     }
 
     /// Everybody looks about: who is awake, what drivers overlook, who is on the lanes and about to be.
@@ -347,7 +391,7 @@ impl<'a> Simulation<'a> {
         self.before.extend(self.walkers.iter().map(Walker::world_from_object));
     }
 
-    fn record(&mut self, frame: i32, step: usize) {
+    fn record(&mut self, frame: i32) {
         let scene = self.input.scene;
         let (initial, last) =
             (Weather::from_array(scene.initial_weather), Weather::from_array(scene.final_weather));
@@ -375,14 +419,22 @@ impl<'a> Simulation<'a> {
             }
         }
         self.log.states.extend(rows);
-        let time_s = step as f64 * FRAME_PERIOD_S;
+    }
+
+    /// What the lights showed at frames -1 to the last, frame 0 being `lead` steps after the start. Programs follow the clock
+    /// alone, so lights are known before anybody came near them, too.
+    fn log_signals(&mut self, lead: usize) {
+        self.lamps.sort_unstable();
         let map_signals = self.input.map.signals();
-        self.log.signals.extend(self.lamps.iter().map(|&(id, signal)| SignalRow {
-            frame,
-            id,
-            state: self.signals.state(signal, time_s),
-            opendrive_id: map_signals[signal].id.clone(),
-        }));
+        for frame in -1..self.input.scene.frames as i32 {
+            let time_s = f64::from(frame + lead as i32) * FRAME_PERIOD_S;
+            self.log.signals.extend(self.lamps.iter().map(|&(id, signal)| SignalRow {
+                frame,
+                id,
+                state: self.signals.state(signal, time_s),
+                opendrive_id: map_signals[signal].id.clone(),
+            }));
+        }
     }
 
     /// The states of all that moves or has lamps, given the lamps that the weather asks for.

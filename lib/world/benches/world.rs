@@ -1,10 +1,11 @@
-//! Placing scenery, building meshes and taking snapshots of a generated town.
+//! Making tiles, building meshes and taking snapshots of a generated town.
 #![allow(clippy::unwrap_used)] // A bench may stop.
 
 use opendrive::Map;
-use scenery::place;
-use schema::settings::WorldSettings;
+use schema::settings::SceneryRules;
 use schema::tables::FrameRow;
+use schema::tile::TileIndex;
+use tiles::TileMaker;
 use world::{Moment, SceneWorld};
 
 fn main() {
@@ -15,24 +16,31 @@ fn map() -> Map {
     Map::new(town::generate(&town::named("convoy/demo").unwrap()).unwrap())
 }
 
+/// Tiles at the middle of the town, one after another.
 #[divan::bench(sample_count = 5)]
-fn place_scenery(bencher: divan::Bencher<'_, '_>) {
-    let map = map();
-    bencher.bench_local(|| place(&map, &WorldSettings::default(), 1, &[[0.0; 3]], 1).unwrap());
+fn make_four_tiles(bencher: divan::Bencher<'_, '_>) {
+    let (map, rules) = (map(), SceneryRules::default());
+    let tiles = [(-1, -1), (-1, 0), (0, -1), (0, 0)].map(|(x, y)| TileIndex { x, y });
+    bencher.bench_local(|| {
+        let maker = TileMaker::new(&map, &rules);
+        tiles.map(|index| maker.make(index))
+    });
 }
 
 #[divan::bench(sample_count = 5)]
 fn build_world(bencher: divan::Bencher<'_, '_>) {
-    let map = map();
-    let actors = place(&map, &WorldSettings::default(), 1, &[[0.0; 3]], 1).unwrap();
-    bencher.bench_local(|| SceneWorld::new(&map, &actors).unwrap());
+    let (map, rules) = (map(), SceneryRules::default());
+    let around = TileMaker::new(&map, &rules).around(&[[0.0; 3]], 400.0, 1).unwrap();
+    bencher
+        .with_inputs(|| around.ground.clone())
+        .bench_local_values(|ground| SceneWorld::new(&around.actors, ground).unwrap());
 }
 
 #[divan::bench]
 fn snapshot(bencher: divan::Bencher<'_, '_>) {
-    let map = map();
-    let actors = place(&map, &WorldSettings::default(), 1, &[[0.0; 3]], 1).unwrap();
-    let world = SceneWorld::new(&map, &actors).unwrap();
+    let (map, rules) = (map(), SceneryRules::default());
+    let around = TileMaker::new(&map, &rules).around(&[[0.0; 3]], 400.0, 1).unwrap();
+    let world = SceneWorld::new(&around.actors, around.ground).unwrap();
     let frame = FrameRow::default();
     let moment = Moment { states: &[], previous: &[], signals: &[], frame: &frame };
     bencher.bench_local(|| world.snapshot(&moment, [0.0; 3], 400.0));

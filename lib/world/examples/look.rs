@@ -11,11 +11,11 @@ use actors::{Posture, actor_mesh};
 use frames::LocalOrigin;
 use glam::{Affine3A, Mat4, Vec3};
 use opendrive::{Map, Network};
-use scenery::place;
 use schema::geometry::{Instance, Snapshot, Surface, TriMesh};
 use schema::models::MODELS;
-use schema::settings::WorldSettings;
+use schema::settings::SceneryRules;
 use schema::tables::FrameRow;
+use tiles::{Surroundings, TileMaker};
 use world::{Moment, SceneWorld};
 
 /// A z-buffer with flat shading.
@@ -216,12 +216,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let hit = map.nearest_driving_lane(start).unwrap();
     let here = map.lane_point(hit.lane, hit.s, 0.0).unwrap();
     let centre: [f64; 3] = here.position.coords.into();
-    let settings = WorldSettings { radius_m: 300.0, ..WorldSettings::default() };
+    let rules = SceneryRules::default();
     let clock = std::time::Instant::now();
-    let actors = place(&map, &settings, 27, &[centre], 1)?;
-    println!("place {:?}: {} actors", clock.elapsed(), actors.len());
+    let Surroundings { actors, ground } = TileMaker::new(&map, &rules).around(&[centre], 300.0, 1)?;
+    println!("tiles {:?}: {} actors", clock.elapsed(), actors.len());
     let clock = std::time::Instant::now();
-    let world = SceneWorld::new(&map, &actors)?;
+    let world = SceneWorld::new(&actors, ground)?;
     println!("new {:?}", clock.elapsed());
     let frame = FrameRow::default();
     let moment = Moment { states: &[], previous: &[], signals: &[], frame: &frame };

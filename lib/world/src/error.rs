@@ -1,7 +1,6 @@
 //! What can go wrong.
 
 use schema::ObjectId;
-use surfaces::AreaError;
 
 /// Why a world can't be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -30,7 +29,4 @@ pub enum WorldError {
         /// The id.
         id: ObjectId,
     },
-    /// A row of kind `surface` stands for no area.
-    #[error(transparent)]
-    Area(#[from] AreaError),
 }

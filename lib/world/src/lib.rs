@@ -1,24 +1,30 @@
 //! The meshes of a scene, and which of them are where at a time.
 //!
-//! [`SceneWorld`] turns the log's actors and the map into triangles: [`SceneWorld::snapshot`] gives everything near a place at
-//! one frame. Whoever builds a world from the same map and rows gets the same triangles.
+//! [`SceneWorld`] turns the log's actors and the ground of its tiles into triangles: [`SceneWorld::snapshot`] gives everything
+//! near a place at one frame. Whoever builds a world from the same rows and ground gets the same triangles.
 //!
-//! * Surfaces (road, paint, sidewalks, terrain, bridges) come from the map, cut into tiles; each layer is one object
-//!   (crate `surfaces`).
+//! * The ground (road, paint, sidewalks, terrain, bridges) comes in pieces; each layer is one object (crate `tiles`).
 //! * Actors come from their model name, size and variant (crate `actors`); wheels and limbs are pieces of the same object.
 //!
 //! ```
-//! use schema::settings::WorldSettings;
-//! use schema::tables::FrameRow;
+//! use schema::tables::{ActorRow, FrameRow, StateRow};
 //! use world::{Moment, SceneWorld};
 //!
-//! let map = testkit::straight(200.0);
-//! let middle = [100.0, 0.0, 0.0];
-//! let actors = scenery::place(&map, &WorldSettings::default(), 27, &[middle], 1).unwrap();
-//! let world = SceneWorld::new(&map, &actors)?;
-//! let moment = Moment { states: &[], previous: &[], signals: &[], frame: &FrameRow::default() };
-//! let near = world.snapshot(&moment, middle, 50.0);
-//! assert!(near.instances.len() < world.snapshot(&moment, middle, 500.0).instances.len());
+//! let car = ActorRow {
+//!     id: 7,
+//!     model: "car.sedan".into(),
+//!     length_m: 4.7,
+//!     width_m: 1.84,
+//!     height_m: 1.44,
+//!     quaternion: [1.0, 0.0, 0.0, 0.0],
+//!     ..ActorRow::default()
+//! };
+//! let world = SceneWorld::new(&[car], Vec::new())?;
+//! let states = [StateRow { id: 7, quaternion: [1.0, 0.0, 0.0, 0.0], ..StateRow::default() }];
+//! let moment = Moment { states: &states, previous: &[], signals: &[], frame: &FrameRow::default() };
+//! // A body and four wheels, and from far away nothing.
+//! assert_eq!(world.snapshot(&moment, [30.0, 0.0, 0.0], 50.0).instances.len(), 5);
+//! assert!(world.snapshot(&moment, [300.0, 0.0, 0.0], 50.0).instances.is_empty());
 //! # Ok::<(), world::WorldError>(())
 //! ```
 

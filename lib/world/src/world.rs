@@ -7,11 +7,9 @@ use actors::{Joint, Posture, actor_mesh};
 use frames::math::f32::pow;
 use frames::{LocalOrigin, Object, Pose, World};
 use glam::{Affine3A, Mat3A, Quat, Vec3A};
-use opendrive::Map;
-use schema::geometry::{Instance, Snapshot, TriMesh};
+use schema::geometry::{Instance, Snapshot, SurfaceMesh, TriMesh};
 use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
-use schema::{ActorKind, ObjectId, SignalState, lights, street_lamps};
-use surfaces::Area;
+use schema::{ActorKind, Layer, ObjectId, SignalState, lights, street_lamps};
 
 use crate::error::WorldError;
 
@@ -143,12 +141,12 @@ impl Library {
 }
 
 impl SceneWorld {
-    /// Builds the meshes of a scene: actors from their rows, surfaces from the map for the areas that the rows of kind
-    /// `surface` name.
+    /// Builds the meshes of a scene: actors from their rows, and the ground, of which each layer is the object that the row
+    /// of kind `surface` and of its name stands for. A layer without a row is left out.
     ///
     /// # Errors
     /// An id is used twice, a model is unknown, or a row has numbers that are not usable.
-    pub fn new(map: &Map, actors: &[ActorRow]) -> Result<Self, WorldError> {
+    pub fn new(actors: &[ActorRow], ground: Vec<SurfaceMesh>) -> Result<Self, WorldError> {
         let mut rows: Vec<&ActorRow> = actors.iter().collect();
         rows.sort_by_key(|a| a.id);
         if let Some(pair) = rows.windows(2).find(|p| p[0].id == p[1].id) {
@@ -157,7 +155,7 @@ impl SceneWorld {
         let mut library = Library::default();
         let mut world =
             Self { meshes: Arc::new([]), fixed: Vec::new(), spheres: Vec::new(), movers: BTreeMap::new() };
-        world.add_surfaces(map, &surfaces::areas(rows.iter().copied())?, &mut library);
+        world.add_ground(&layers(&rows)?, ground, &mut library);
         for actor in rows.into_iter().filter(|a| a.kind != ActorKind::Surface) {
             check(actor)?;
             let unknown = || WorldError::UnknownModel { id: actor.id, model: actor.model.clone() };
@@ -173,22 +171,25 @@ impl SceneWorld {
         Ok(world)
     }
 
-    fn add_surfaces(&mut self, map: &Map, areas: &[Area], library: &mut Library) {
-        for area in areas {
-            for tile in surfaces::build(map, &area.region) {
-                let Some(object) = area.object(tile.layer) else { continue };
-                let mesh = library.add(Arc::new(tile.mesh));
-                let fixed = Fixed {
-                    mesh,
-                    object,
-                    origin_m: tile.origin_m,
-                    rotation: Mat3A::IDENTITY,
-                    paint: [0.5; 3],
-                    lights: StaticLights::None,
-                    glow: [0.0; 3],
-                };
-                self.push_fixed(fixed, &library.meshes[mesh as usize]);
-            }
+    fn add_ground(
+        &mut self,
+        layers: &BTreeMap<Layer, ObjectId>,
+        ground: Vec<SurfaceMesh>,
+        library: &mut Library,
+    ) {
+        for SurfaceMesh { layer, origin_m, mesh } in ground {
+            let Some(object) = layers.get(&layer).copied() else { continue };
+            let mesh = library.add(Arc::new(mesh));
+            let fixed = Fixed {
+                mesh,
+                object,
+                origin_m,
+                rotation: Mat3A::IDENTITY,
+                paint: [0.5; 3],
+                lights: StaticLights::None,
+                glow: [0.0; 3],
+            };
+            self.push_fixed(fixed, &library.meshes[mesh as usize]);
         }
     }
 
@@ -329,6 +330,16 @@ impl SceneWorld {
         }
         Snapshot { origin, meshes: self.meshes(), instances }
     }
+}
+
+/// The objects that layers of the ground are.
+fn layers(rows: &[&ActorRow]) -> Result<BTreeMap<Layer, ObjectId>, WorldError> {
+    let surfaces = rows.iter().filter(|a| a.kind == ActorKind::Surface);
+    let layer = |actor: &&&ActorRow| {
+        let unknown = |_| WorldError::UnknownModel { id: actor.id, model: actor.model.clone() };
+        Ok((actor.model.parse().map_err(unknown)?, actor.id))
+    };
+    surfaces.map(|actor| layer(&actor)).collect()
 }
 
 fn bad(actor: &ActorRow, problem: &'static str) -> WorldError {

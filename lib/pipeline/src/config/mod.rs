@@ -62,7 +62,13 @@ pub fn config_keys() -> Vec<ConfigKey> {
 
 fn dataset(root: &Section<'_>) -> DatasetSettings {
     let name = root.text("name", "dataset", "name of the dataset, in reports");
-    let seed = root.integer("seed", 27, 0, i64::MAX, "seed of every random stream") as u64;
+    let seed = root.integer(
+        "seed",
+        27,
+        0,
+        i64::MAX,
+        "seed of every random stream but that of the scenery (`world.seed`)",
+    ) as u64;
     let (scenes, redraw) = scenario::scenes(root);
     let annotation = annotation(&root.section("annotation", "which objects are annotated"));
     let tracks = tracks(&root.section("tracks", "objects followed over a scene"));
@@ -83,7 +89,9 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
         weather: scenario::weather(&root.section("weather", "weather draws and overrides")),
         lights: scenario::lights(&root.section("lights", "street lamps and lit windows at night")),
         hazards: scenario::hazards(&root.section("hazards", "accidents and road works")),
-        world: scenario::world(&root.section("world", "scenery placed by rule")),
+        world: scenario::world(
+            &root.section("world", "the static world: scenery placed by rule on the land beside the roads"),
+        ),
         vehicle_rig,
         rsu_rig,
         own_rigs,

@@ -2,8 +2,8 @@
 
 use frames::deg;
 use schema::settings::{
-    AgentSettings, GivenStart, HazardSettings, LightSettings, SceneCount, SpawnMode, Split, TimingSettings,
-    TrafficSettings, WalkerSettings, WeatherSettings, WorldSettings,
+    AgentSettings, GivenStart, HazardSettings, LightSettings, SceneCount, SceneryRules, SpawnMode, Split,
+    TimingSettings, TrafficSettings, WalkerSettings, WeatherSettings, WorldSettings,
 };
 use schema::tables::Weather;
 
@@ -410,28 +410,43 @@ pub(crate) fn hazards(s: &Section<'_>) -> HazardSettings {
 
 pub(crate) fn world(s: &Section<'_>) -> WorldSettings {
     let d = WorldSettings::default();
+    let rules = d.scenery;
     WorldSettings {
-        building_density: share(
-            s,
-            "building_density",
-            d.building_density,
-            "share of free frontage with buildings",
-        ),
-        tree_density: share(s, "tree_density", d.tree_density, "share of free frontage with trees"),
-        lamp_spacing_m: s.number(
-            "lamp_spacing_m",
-            d.lamp_spacing_m,
-            5.0,
-            1000.0,
-            "distance between street lamps along a sidewalk, m",
-        ),
-        parked_share: share(s, "parked_share", d.parked_share, "share of parking spaces that are taken"),
+        scenery: SceneryRules {
+            seed: s.integer(
+                "seed",
+                rules.seed as i64,
+                0,
+                i64::MAX,
+                "seed of what is built beside the roads: scenes share it, whatever the dataset's seed is",
+            ) as u64,
+            building_density: share(
+                s,
+                "building_density",
+                rules.building_density,
+                "share of free frontage with buildings",
+            ),
+            tree_density: share(s, "tree_density", rules.tree_density, "share of free frontage with trees"),
+            lamp_spacing_m: s.number(
+                "lamp_spacing_m",
+                rules.lamp_spacing_m,
+                5.0,
+                1000.0,
+                "distance between street lamps along a sidewalk, m",
+            ),
+            parked_share: share(
+                s,
+                "parked_share",
+                rules.parked_share,
+                "share of parking spaces that are taken",
+            ),
+        },
         radius_m: s.number(
             "radius_m",
             d.radius_m,
             50.0,
             5000.0,
-            "scenery is built within this distance of an agent's start, m",
+            "the static world is there within this distance of every agent at every frame, m (more where boxes or grids reach farther); nothing is seen beyond",
         ),
     }
 }

@@ -47,4 +47,4 @@ pub use tracks::TrackSettings;
 pub use traffic::TrafficSettings;
 pub use walkers::WalkerSettings;
 pub use weather::WeatherSettings;
-pub use world::WorldSettings;
+pub use world::{SceneryRules, WorldSettings};

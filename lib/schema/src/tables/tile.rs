@@ -28,7 +28,7 @@ table! {
         triangle_part: Vec<u8>,
         /// Semantic tag of each part.
         part_tag: Vec<u8>,
-        /// What each part is made of: plain, glass, metal, asphalt, road_marking, concrete, grass.
+        /// What each part is made of: `asphalt`, `concrete`, `grass`, `road_marking`, `metal`, `glass`, `plain`, ...
         part_surface: Vec<String>,
         /// Linear red, green, blue of each part, 0 to 1.
         part_rgb: Vec<f32>,
@@ -109,14 +109,21 @@ impl TileObjectRow {
     }
 }
 
-const SURFACES: [(&str, Surface); 7] = [
+/// Words for what parts are made of. Nothing in the ground shines.
+const SURFACES: [(&str, Surface); 13] = [
     ("plain", Surface::Plain),
+    ("paint", Surface::Paint),
     ("glass", Surface::Glass),
     ("metal", Surface::Metal),
+    ("rubber", Surface::Rubber),
+    ("cloth", Surface::Cloth),
     ("asphalt", Surface::Asphalt),
     ("road_marking", Surface::RoadMarking),
     ("concrete", Surface::Concrete),
     ("grass", Surface::Grass),
+    ("foliage", Surface::Foliage),
+    ("wood", Surface::Wood),
+    ("facade", Surface::Facade),
 ];
 
 impl From<&SurfaceMesh> for SurfaceRow {

@@ -4,8 +4,9 @@ use std::ops::{ControlFlow, RangeInclusive};
 
 use opendrive::{LaneInfo, LanePos, Map};
 use schema::HazardKind;
-use schema::settings::WorldSettings;
+use schema::settings::SceneryRules;
 use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow};
+use tiles::TileMaker;
 use traffic::{SceneInput, SimulationLog, simulate};
 
 use crate::common::{
@@ -76,8 +77,9 @@ fn queues(seed: u64) -> Vec<PlanAgentRow> {
 /// What stands beside the roads around the agents, as in a dataset, and the lights that are farther off.
 fn scenery(map: &Map, seed: u64, agents: &[PlanAgentRow]) -> Vec<ActorRow> {
     let centres: Vec<[f64; 3]> = agents.iter().map(|a| a.xyz_m).collect();
-    let settings = WorldSettings { radius_m: SCENERY_M, ..WorldSettings::default() };
-    let mut fixed = scenery::place(map, &settings, seed, &centres, 1).unwrap_or_default();
+    let rules = SceneryRules { seed, ..SceneryRules::default() };
+    let around = TileMaker::new(map, &rules).around(&centres, SCENERY_M, 1);
+    let mut fixed = around.map(|around| around.actors).unwrap_or_default();
     let mut missing = lights(map);
     missing.retain(|light| fixed.iter().all(|a| a.opendrive_id != light.opendrive_id));
     fixed.extend(missing);

@@ -12,6 +12,7 @@ use nalgebra::Point3;
 use opendrive::LaneId;
 use random::Stream;
 use schema::scene_info::HazardInfo;
+use schema::tables::ActorRow;
 
 use self::site::Site;
 use self::stretch::Stretch;
@@ -30,7 +31,7 @@ pub(crate) struct Hazards {
 
 impl Hazards {
     /// Places the hazards of a scene among what is `taken`, and takes their places.
-    pub(crate) fn place(input: &SceneInput<'_>, taken: &mut Taken) -> Self {
+    pub(crate) fn place(input: &SceneInput<'_>, fixed: &[ActorRow], taken: &mut Taken) -> Self {
         let mut all = Self::default();
         for row in input.hazards {
             let Some(stretch) = Stretch::of(input.map, row) else { continue };
@@ -42,7 +43,7 @@ impl Hazards {
             let sign = warning.and_then(|(way_m, sign)| {
                 let at = site.stretch.pos(way_m)?;
                 let mut draw = stream("traffic/hazard/sign");
-                sign::before(input.map, at, sign, &mut draw, taken, input.fixed)
+                sign::before(input.map, at, sign, &mut draw, taken, fixed)
             });
             let Site { stretch, things, .. } = site;
             for thing in things.iter().filter(|t| t.solid) {

@@ -5,6 +5,7 @@ use nalgebra::Point3;
 use opendrive::Map;
 use random::Stream;
 use schema::ObjectId;
+use schema::tables::ActorRow;
 use schema::{ActorKind, ActorRole, models};
 
 use crate::bodies::Bodies;
@@ -26,8 +27,8 @@ use crate::walking::paths::Paths;
 use crate::walking::routes::Routes;
 use crate::walking::walker::{WHEELCHAIR_MPS, Walker};
 
-/// Owner numbers of bodies: vehicles from 0, walkers from here, fixed things from twice this, those of hazards
-/// from three times this.
+/// Owner numbers of bodies: vehicles from 0, walkers from here, all fixed things twice this, those of hazards from three times
+/// this.
 pub(crate) const WALKERS: u32 = 1 << 20;
 /// Clothes of walkers (sRGB).
 const CLOTHES: [[u8; 3]; 8] = [
@@ -104,13 +105,13 @@ pub(crate) fn place_walkers(
 }
 
 /// Parked vehicles as obstacles, unless they stand so near a lane that careful drivers would touch them.
-pub(crate) fn add_fixed(input: &SceneInput<'_>, net: &Net, bodies: &mut Bodies) {
-    for (i, actor) in input.fixed.iter().enumerate().filter(|(_, a)| a.kind == ActorKind::Parked) {
+pub(crate) fn add_fixed(fixed: &[ActorRow], net: &Net, bodies: &mut Bodies) {
+    for actor in fixed.iter().filter(|a| a.kind == ActorKind::Parked) {
         let at = Point3::from(actor.xyz_m);
         if net.lanes_at(&at, 1.5).is_empty() {
             let pose = Pose::<World, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
             let size = [actor.length_m, actor.width_m, actor.height_m].map(|v| v.max(0.1));
-            bodies.fixed(&at, pose.yaw(), size, 2 * WALKERS + i as u32);
+            bodies.fixed(&at, pose.yaw(), size, 2 * WALKERS);
         }
     }
 }
@@ -127,9 +128,9 @@ pub(crate) fn place_hazards(net: &Net, things: &[Thing], occupancy: &mut Occupan
     }
 }
 
-/// The scene's traffic lights with the signals of the map that they show, by object id.
-pub(crate) fn lamps(map: &Map, input: &SceneInput<'_>) -> Vec<(ObjectId, usize)> {
-    let lights = input.fixed.iter().filter(|a| a.kind == ActorKind::TrafficLight);
+/// Traffic lights with the signals of the map that they show, by object id.
+pub(crate) fn lamps(map: &Map, fixed: &[ActorRow]) -> Vec<(ObjectId, usize)> {
+    let lights = fixed.iter().filter(|a| a.kind == ActorKind::TrafficLight);
     let mut found: Vec<(ObjectId, usize)> = lights
         .filter_map(|actor| {
             let wanted = actor.opendrive_id.as_deref()?;

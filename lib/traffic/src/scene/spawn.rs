@@ -6,6 +6,7 @@ use nalgebra::Point3;
 use opendrive::{LanePos, Map};
 use random::Stream;
 use schema::models::{self, Model};
+use schema::tables::ActorRow;
 use schema::{ActorRole, AgentKind, fleet};
 
 use crate::error::TrafficError;
@@ -35,10 +36,11 @@ pub(crate) struct Start {
 /// All vehicles of a scene, agents in order, then background vehicles, and what stands in its hazards.
 pub(crate) fn vehicle_starts(
     input: &SceneInput<'_>,
+    fixed: &[ActorRow],
     net: &Net,
 ) -> Result<(Vec<Start>, Hazards), TrafficError> {
     let scene = input.scene;
-    let mut taken = Taken::parked(input.fixed);
+    let mut taken = Taken::parked(fixed);
     let mut starts = Vec::new();
     for agent in input.agents.iter().filter(|a| a.signal.is_none() && a.agent.kind == AgentKind::Vehicle) {
         let model = models::find(&agent.model).filter(|m| m.wheelbase_m > 0.0).ok_or_else(|| {
@@ -72,7 +74,7 @@ pub(crate) fn vehicle_starts(
             yaw_rad: place.heading_rad,
         });
     }
-    let hazards = Hazards::place(input, &mut taken);
+    let hazards = Hazards::place(input, fixed, &mut taken);
     background(input, net, &hazards, &mut taken, &mut starts);
     Ok((starts, hazards))
 }

@@ -232,7 +232,8 @@ mod tests {
     #[test]
     fn a_pole_is_walked_around_and_never_into() {
         let pole = Footprint { xyz_m: [4.0, 0.05, 0.0], yaw_rad: 0.4, half_m: [0.15; 2], height_m: 5.0 };
-        let fixtures = Fixtures::new(std::iter::once(pole));
+        let mut fixtures = Fixtures::default();
+        fixtures.add(&pole);
         let (mut at, mut velocity) = (Point3::origin(), Vector2::new(1.2, 0.0));
         let mut nearest = f64::INFINITY;
         for _ in 0..160 {

@@ -104,26 +104,23 @@ fn cell(x_m: f64, y_m: f64) -> (i32, i32) {
 }
 
 impl Fixtures {
-    pub(crate) fn new(places: impl Iterator<Item = Footprint>) -> Self {
-        let mut fixtures = Self::default();
-        for place in places {
-            let fixture = Fixture::new(&place);
-            // Each is listed wherever somebody may look for it, so that a look goes to one cell.
-            let reach = [0, 1].map(|k| {
-                let [a, b] = [fixture.ahead.x, fixture.ahead.y].map(f64::abs);
-                let half = if k == 0 { [a, b] } else { [b, a] };
-                half[0] * place.half_m[0] + half[1] * place.half_m[1] + LOOK_M
-            });
-            let [x, y, _] = place.xyz_m;
-            let (low, high) = (cell(x - reach[0], y - reach[1]), cell(x + reach[0], y + reach[1]));
-            for column in low.0..=high.0 {
-                for row in low.1..=high.1 {
-                    fixtures.cells.entry((column, row)).or_default().push(fixtures.all.len() as u32);
-                }
+    /// Adds one.
+    pub(crate) fn add(&mut self, place: &Footprint) {
+        let fixture = Fixture::new(place);
+        // Each is listed wherever somebody may look for it, so that a look goes to one cell.
+        let reach = [0, 1].map(|k| {
+            let [a, b] = [fixture.ahead.x, fixture.ahead.y].map(f64::abs);
+            let half = if k == 0 { [a, b] } else { [b, a] };
+            half[0] * place.half_m[0] + half[1] * place.half_m[1] + LOOK_M
+        });
+        let [x, y, _] = place.xyz_m;
+        let (low, high) = (cell(x - reach[0], y - reach[1]), cell(x + reach[0], y + reach[1]));
+        for column in low.0..=high.0 {
+            for row in low.1..=high.1 {
+                self.cells.entry((column, row)).or_default().push(self.all.len() as u32);
             }
-            fixtures.all.push(fixture);
         }
-        fixtures
+        self.all.push(fixture);
     }
 
     /// Those around a place on its level.
@@ -205,7 +202,8 @@ mod tests {
     fn looks_find_what_is_there_on_their_level() {
         let house = Footprint { xyz_m: [0.0, 0.0, 1.0], yaw_rad: 0.0, half_m: [9.0, 6.0], height_m: 8.0 };
         let pole = Footprint { xyz_m: [30.0, 0.0, 0.0], yaw_rad: 0.0, half_m: [0.1; 2], height_m: 5.0 };
-        let fixtures = Fixtures::new([house, pole].into_iter());
+        let mut fixtures = Fixtures::default();
+        [house, pole].iter().for_each(|place| fixtures.add(place));
         assert!(!fixtures.is_free(Point3::new(9.3, 0.0, 0.0), 0.35));
         assert!(fixtures.is_free(Point3::new(9.4, 0.0, 0.0), 0.35));
         // On a bridge over the house, and in a tunnel under it.

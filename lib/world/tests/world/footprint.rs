@@ -3,13 +3,12 @@
 
 use std::collections::BTreeMap;
 
-use crate::common::{demo, settings, start};
+use crate::common::{demo, place, rules, start};
 use actors::actor_mesh;
 use frames::math::sin_cos;
 use frames::{Object, Pose, World};
 use nalgebra::Point3;
 use opendrive::Map;
-use scenery::place;
 use schema::ActorKind;
 use schema::footprint::{WALKING_HEIGHT_M, footprint};
 use schema::geometry::Surface;
@@ -36,7 +35,7 @@ fn clipped(corners: [glam::Vec3; 3], low: f32, high: f32) -> Vec<glam::Vec3> {
 #[test]
 fn footprints_hold_what_is_drawn_at_walking_height_and_little_more() {
     let map: Map = demo();
-    let actors = place(&map, &settings(), 5, &[start(&map)], 1).unwrap();
+    let actors = place(&map, &rules(), start(&map), 1).actors;
     let mut seen: BTreeMap<ActorKind, usize> = BTreeMap::new();
     for actor in &actors {
         let Some(held) = footprint(actor) else {

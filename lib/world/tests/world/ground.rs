@@ -189,7 +189,7 @@ fn check_junctions(map: &Map, name: &str) {
         }
         junctions += 1;
         let centre = junction.centre.coords.into();
-        let world = bare(map, centre, half_m);
+        let world = bare(map, centre);
         let frame = FrameRow::default();
         let snapshot = world.snapshot(&empty_moment(&frame), centre, 3.0 * half_m);
         let (tags, n) = from_above(&snapshot, [centre[0], centre[1]], half_m, CELL_M);

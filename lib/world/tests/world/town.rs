@@ -3,21 +3,22 @@
 
 use std::collections::BTreeSet;
 
-use crate::common::{column, demo, empty_moment, named, settings, start};
+use crate::common::{column, demo, empty_moment, named, place, rules, start};
 use frames::{Object, Pose, World};
 use nalgebra::Point3;
 use opendrive::{LaneInfo, LaneType, Map};
 use random::Stream;
-use scenery::place;
+use schema::settings::SceneryRules;
 use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
 use schema::{ActorKind, ActorRole, LampKind, SignalState, Tag};
-use surfaces::Region;
+use surfaces::{Atlas, Region};
 use testkit::real_maps;
+use tiles::Surroundings;
 use world::{Moment, SceneWorld, WorldError};
 
 fn check_town(map: &Map, name: &str) {
     let centre = start(map);
-    let actors = place(map, &settings(), 5, &[centre], 10).unwrap();
+    let Surroundings { actors, ground } = place(map, &rules(), centre, 10);
     // Ids: dense from the first one.
     assert!(actors.iter().enumerate().all(|(i, a)| usize::from(a.id) == i + 10 && a.fixed));
     let kinds: BTreeSet<ActorKind> = actors.iter().map(|a| a.kind).collect();
@@ -50,13 +51,13 @@ fn check_town(map: &Map, name: &str) {
         }
     }
 
-    let world = SceneWorld::new(map, &actors).unwrap();
+    let world = SceneWorld::new(&actors, ground).unwrap();
     let frame = FrameRow::default();
     let snapshot = world.snapshot(&empty_moment(&frame), centre, 400.0);
     // What scenery is placed by is what is drawn.
-    let region =
-        Region { min: [centre[0] - 150.0, centre[1] - 150.0], max: [centre[0] + 150.0, centre[1] + 150.0] };
-    let levels = surfaces::levels(map, &surfaces::sections(map, &region), &region);
+    let low = [0, 1].map(|k| (centre[k] / 16.0).floor() * 16.0);
+    let atlas = Atlas::new(map);
+    let levels = atlas.ground(&Region { min: low.map(|v| v - 160.0), max: low.map(|v| v + 160.0) }).levels;
     let lanes: Vec<&LaneInfo> = map.lanes().iter().filter(|l| l.lane_type.is_drivable()).collect();
     let mut random = Stream::new(3, 0, "test/lanes", 0);
     let mut tested = 0;
@@ -113,11 +114,11 @@ fn real_towns_are_sound() {
 #[test]
 fn the_same_seed_gives_the_same_world() {
     let map = demo();
-    let make = |seed| place(&map, &settings(), seed, &[start(&map)], 1).unwrap();
+    let make = |seed| place(&map, &SceneryRules { seed, ..rules() }, start(&map), 1);
     let (a, b, other) = (make(1), make(1), make(2));
-    assert_eq!(a, b);
-    assert_ne!(a, other);
-    let (w, v) = (SceneWorld::new(&map, &a).unwrap(), SceneWorld::new(&map, &b).unwrap());
+    assert_eq!(a.actors, b.actors);
+    assert_ne!(a.actors, other.actors);
+    let [w, v] = [a, b].map(|s| SceneWorld::new(&s.actors, s.ground).unwrap());
     assert_eq!(w.meshes().len(), v.meshes().len());
     assert!(w.meshes().iter().zip(v.meshes().iter()).all(|(m, n)| m == n));
 }
@@ -150,8 +151,7 @@ fn state(frame: i32, id: u16, x: f64, phase_rad: f32) -> StateRow {
 
 #[test]
 fn moving_actors_carry_their_previous_place() {
-    let map = demo();
-    let world = SceneWorld::new(&map, &[car(7), car(9)]).unwrap();
+    let world = SceneWorld::new(&[car(7), car(9)], Vec::new()).unwrap();
     let states = [state(0, 9, 5.0, 0.0), state(0, 7, 10.0, 0.5), state(0, 400, 0.0, 0.0)];
     let previous = [state(-1, 7, 9.5, 0.2)];
     let frame = FrameRow::default();
@@ -176,8 +176,8 @@ fn moving_actors_carry_their_previous_place() {
 #[test]
 fn lights_follow_the_log() {
     let map = demo();
-    let actors = place(&map, &settings(), 5, &[start(&map)], 1).unwrap();
-    let world = SceneWorld::new(&map, &actors).unwrap();
+    let Surroundings { actors, ground } = place(&map, &rules(), start(&map), 1);
+    let world = SceneWorld::new(&actors, ground).unwrap();
     let light = actors.iter().find(|a| a.kind == ActorKind::TrafficLight).unwrap();
     let signals =
         [SignalRow { frame: 0, id: light.id, state: SignalState::Yellow, opendrive_id: String::new() }];
@@ -200,8 +200,8 @@ fn lights_follow_the_log() {
 #[test]
 fn lamps_and_windows_have_the_light_of_the_log() {
     let map = demo();
-    let actors = place(&map, &settings(), 5, &[start(&map)], 1).unwrap();
-    let mut world = SceneWorld::new(&map, &actors).unwrap();
+    let Surroundings { actors, ground } = place(&map, &rules(), start(&map), 1);
+    let mut world = SceneWorld::new(&actors, ground).unwrap();
     let near = |ids: Vec<u16>, world: &SceneWorld| -> Vec<(u32, [f32; 3])> {
         let frame = FrameRow { street_lamps: true, building_lights: true, ..FrameRow::default() };
         let snapshot = world.snapshot(&empty_moment(&frame), start(&map), 1e4);
@@ -237,29 +237,20 @@ fn lamps_and_windows_have_the_light_of_the_log() {
 
 #[test]
 fn faults_are_named() {
-    let map = demo();
-    assert_eq!(SceneWorld::new(&map, &[car(1), car(1)]).unwrap_err(), WorldError::DuplicateId { id: 1 });
+    let new = |actors: &[ActorRow]| SceneWorld::new(actors, Vec::new());
+    assert_eq!(new(&[car(1), car(1)]).unwrap_err(), WorldError::DuplicateId { id: 1 });
     let strange = ActorRow { model: "car.boat".into(), ..car(1) };
-    assert!(matches!(SceneWorld::new(&map, &[strange]), Err(WorldError::UnknownModel { id: 1, .. })));
+    assert!(matches!(new(&[strange]), Err(WorldError::UnknownModel { id: 1, .. })));
     let flat = ActorRow { height_m: f64::NAN, ..car(1) };
-    assert!(matches!(SceneWorld::new(&map, &[flat]), Err(WorldError::BadActor { id: 1, .. })));
-    let surface = |model: &str| ActorRow {
-        kind: ActorKind::Surface,
-        model: model.into(),
-        width_m: f64::INFINITY,
-        ..car(1)
-    };
-    for (model, wanted) in [("surface.lava", "unknown model"), ("surface.road", "finite, positive extent")] {
-        let fault = SceneWorld::new(&map, &[surface(model)]).unwrap_err();
-        assert!(matches!(fault, WorldError::Area(_)) && fault.to_string().contains(wanted), "{fault}");
-    }
+    assert!(matches!(new(&[flat]), Err(WorldError::BadActor { id: 1, .. })));
+    let lava = ActorRow { kind: ActorKind::Surface, model: "surface.lava".into(), ..car(3) };
+    assert!(matches!(new(&[car(1), lava]), Err(WorldError::UnknownModel { id: 3, .. })));
 }
 
 #[test]
 fn blinkers_and_emergency_lights_flash_by_the_clock() {
     use schema::lights::{BLINK_LEFT, EMERGENCY, EMERGENCY_OTHER, LOW_BEAM};
-    let map = demo();
-    let world = SceneWorld::new(&map, &[car(7), car(8)]).unwrap();
+    let world = SceneWorld::new(&[car(7), car(8)], Vec::new()).unwrap();
     let lamps = |frame: u32, id: u16| -> u32 {
         let lights = BLINK_LEFT | EMERGENCY | LOW_BEAM;
         let states = [7, 8].map(|id| StateRow { lights, ..state(frame as i32, id, 0.0, 0.0) });
@@ -285,8 +276,7 @@ fn blinkers_and_emergency_lights_flash_by_the_clock() {
 
 #[test]
 fn doors_are_there_while_they_stand_open() {
-    let map = demo();
-    let world = SceneWorld::new(&map, &[car(7)]).unwrap();
+    let world = SceneWorld::new(&[car(7)], Vec::new()).unwrap();
     let frame = FrameRow::default();
     let with = |now: [f32; 4], before: [f32; 4]| {
         let states = [StateRow { door_rad: now, ..state(0, 7, 10.0, 0.0) }];

@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 use crate::settings::{
-    AnnotationSettings, HazardSettings, LightSettings, TrafficSettings, WalkerSettings, WorldSettings,
+    AnnotationSettings, HazardSettings, LightSettings, SceneryRules, TrafficSettings, WalkerSettings,
+    WorldSettings,
 };
 
 /// What a scene is simulated and logged from, besides its plan.
@@ -17,8 +18,11 @@ pub struct SimulationSettings {
     pub lights: LightSettings,
     /// Accidents and road works.
     pub hazards: HazardSettings,
-    /// Scenery placed by rule.
-    pub world: WorldSettings,
+    /// How the land beside the roads is built up.
+    pub scenery: SceneryRules,
+    /// The static world is there within this distance of every agent at every frame, metres: as it is asked for, and what boxes
+    /// and grids reach.
+    pub reach_m: f64,
     /// Boxes within this 3-D distance of an agent are collected, metres.
     pub box_radius_m: f64,
 }
@@ -30,7 +34,8 @@ impl Default for SimulationSettings {
             walkers: WalkerSettings::default(),
             lights: LightSettings::default(),
             hazards: HazardSettings::default(),
-            world: WorldSettings::default(),
+            scenery: SceneryRules::default(),
+            reach_m: WorldSettings::default().radius_m,
             box_radius_m: AnnotationSettings::default().box_radius_m,
         }
     }

@@ -4,11 +4,11 @@
 use glam::Vec3;
 use nalgebra::Point3;
 use opendrive::Map;
-use scenery::place;
 use schema::geometry::Snapshot;
-use schema::settings::WorldSettings;
+use schema::settings::SceneryRules;
 use schema::tables::{ActorRow, FrameRow};
 use schema::{ActorKind, Tag};
+use tiles::{Surroundings, TileMaker};
 use world::{Moment, SceneWorld};
 
 pub(crate) fn named(name: &str) -> Map {
@@ -19,8 +19,13 @@ pub(crate) fn demo() -> Map {
     named("convoy/demo")
 }
 
-pub(crate) fn settings() -> WorldSettings {
-    WorldSettings { radius_m: 150.0, ..WorldSettings::default() }
+pub(crate) fn rules() -> SceneryRules {
+    SceneryRules { seed: 5, ..SceneryRules::default() }
+}
+
+/// What is within some 150 m of a place; ids from `first_id` on.
+pub(crate) fn place(map: &Map, rules: &SceneryRules, centre: [f64; 3], first_id: usize) -> Surroundings {
+    TileMaker::new(map, rules).around(&[centre], 100.0, first_id).unwrap()
 }
 
 /// Some place on a driving lane.
@@ -65,22 +70,17 @@ pub(crate) fn column(snapshot: &Snapshot, x: f64, y: f64) -> Vec<(f64, Tag)> {
 
 /// The world around a place of a generated town.
 pub(crate) fn around(map: &Map, centre: [f64; 3]) -> (Vec<ActorRow>, SceneWorld) {
-    let actors = place(map, &settings(), 5, &[centre], 10).unwrap();
-    let world = SceneWorld::new(map, &actors).unwrap();
+    let Surroundings { actors, ground } = place(map, &rules(), centre, 10);
+    let world = SceneWorld::new(&actors, ground).unwrap();
     (actors, world)
 }
 
-/// The surfaces within some 100 m beyond a square, without anything on them.
-pub(crate) fn bare(map: &Map, centre: [f64; 3], half_m: f64) -> SceneWorld {
-    let settings = WorldSettings {
-        radius_m: half_m + 40.0,
-        building_density: 0.0,
-        tree_density: 0.0,
-        ..WorldSettings::default()
-    };
-    let mut actors = place(map, &settings, 5, &[centre], 10).unwrap();
+/// The surfaces within some 100 m around a place, without anything on them.
+pub(crate) fn bare(map: &Map, centre: [f64; 3]) -> SceneWorld {
+    let rules = SceneryRules { building_density: 0.0, tree_density: 0.0, ..rules() };
+    let Surroundings { mut actors, ground } = place(map, &rules, centre, 10);
     actors.retain(|a| a.kind == ActorKind::Surface);
-    SceneWorld::new(map, &actors).unwrap()
+    SceneWorld::new(&actors, ground).unwrap()
 }
 
 /// The tag of what is seen from above at each cell of a square, row by row from the south.
