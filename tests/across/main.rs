@@ -5,6 +5,7 @@ mod crates;
 mod crosswalks;
 mod docs;
 mod failures;
+mod far;
 mod growth;
 mod hazards;
 mod help;

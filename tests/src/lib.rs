@@ -161,7 +161,7 @@ impl Bench {
         let mut command = Command::new(program(name));
         if name == "convoy" {
             command.args(&args[..1]).arg("--store").arg(self.store());
-            if args[0] != "verify" {
+            if !["verify", "tidy"].contains(&args[0]) {
                 command.arg("--config").arg(self.config());
             }
             command.args(&args[1..]);

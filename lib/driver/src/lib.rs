@@ -1,5 +1,7 @@
 //! What the `convoy` program does with stores: all stages in order, the status table, verification.
 
+mod tidy;
+
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -57,6 +59,13 @@ pub enum StoreCommand {
         #[arg(long, value_name = "LIST")]
         scenes: Option<SceneList>,
     },
+    /// Removes tiles of the static world that no scene's log names: those of older code or other settings. Not while a
+    /// simulation runs.
+    Tidy {
+        /// The store: a folder, by its path or as file:///FOLDER.
+        #[arg(long, value_name = "DIR")]
+        store: PathBuf,
+    },
     /// Re-hashes a store and names every missing, truncated or changed shard.
     Verify {
         /// The store: a folder, by its path or as file:///FOLDER.
@@ -94,6 +103,7 @@ pub fn drive(command: StoreCommand) -> u8 {
             run(&common, scenes.as_deref(), &store)
         }
         StoreCommand::Status { config, store, scenes } => status(&config, &store, scenes.as_ref()),
+        StoreCommand::Tidy { store } => tidy::tidy(&store),
         StoreCommand::Verify { store } => verify(&store),
     }
 }
