@@ -93,19 +93,15 @@ fn main() {
 
 /// Steps per second against real time, with all the traffic that fits.
 fn simulation(input: &SceneInput<'_>, rows: &mut Vec<Row>) -> SimulationLog {
-    let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
     let start = Instant::now();
     let mut first_step = None;
     let mut steps = 0;
-    let log = single
-        .install(|| {
-            traffic::simulate(input, &mut |done, _| {
-                first_step.get_or_insert_with(Instant::now);
-                steps = done;
-                ControlFlow::Continue(())
-            })
-        })
-        .expect("is simulated");
+    let log = traffic::simulate(input, &mut |done, _| {
+        first_step.get_or_insert_with(Instant::now);
+        steps = done;
+        ControlFlow::Continue(())
+    })
+    .expect("is simulated");
     let from = first_step.unwrap_or(start);
     let per_step = from.elapsed().as_secs_f64() / f64::from(u32::try_from(steps).unwrap_or(1)).max(1.0);
     let (vehicles, walkers) = (log.n_vehicles, log.n_walkers);
@@ -308,6 +304,7 @@ impl<'a> Agentframe<'a> {
                     velocity_mps: [0.0; 3],
                     angular_velocity_radps: [0.0; 3],
                     signal_state: None,
+                    dormant: false,
                 }
             })
             .collect();
