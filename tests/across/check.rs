@@ -231,7 +231,7 @@ fn table(store: &Path, name: &str) -> PathBuf {
 
 /// Checks that a store as it is made does not pass yet: poles of lights and signs are no part of their tag lists, and radars
 /// see wheels and limbs move.
-const KNOWN: &[&str] = &["image ids", "point ids", "radar velocity"];
+const KNOWN: &[&str] = &["radar velocity"];
 
 /// Faults of the log, boxes and tracks.
 const OF_TABLES: &[Plant] = &[

@@ -101,7 +101,7 @@ struct Annotated<'a> {
 impl<'a> Annotated<'a> {
     fn new(object: &'a ObservedObject<'a>) -> Option<Self> {
         let actor = object.actor;
-        let tags = distinct(&actor.semantic_tags);
+        let tags = named(&actor.semantic_tags);
         let class = DetectionClass::from_tags(&tags)?;
         let mut half = 0.5 * Vector3::new(actor.length_m, actor.width_m, actor.height_m);
         if class == DetectionClass::TrafficLight {
@@ -160,11 +160,13 @@ impl<'a> Annotated<'a> {
     }
 }
 
-/// The tags without repeats, riders first: the last tag with a class names the object's.
-fn distinct(tags: &[u8]) -> Vec<u8> {
+/// The tags of an object's parts that its box is around, without repeats, riders first: the last tag with a class names the
+/// object's. A pole is no part of a sign's box.
+fn named(tags: &[u8]) -> Vec<u8> {
     let mut out: Vec<u8> = Vec::with_capacity(tags.len());
+    let boxed = |tag: u8| tag == Tag::Rider as u8 || DetectionClass::from_tags(&[tag]).is_some();
     for &tag in tags {
-        if !out.contains(&tag) {
+        if boxed(tag) && !out.contains(&tag) {
             out.push(tag);
         }
     }
@@ -285,6 +287,7 @@ mod tests {
             (rows[0].semantic_tags.as_slice(), rows[0].class.as_str()),
             ([13u8, 19].as_slice(), "bicycle")
         );
+        assert_eq!(rows[1].semantic_tags, [Tag::TrafficLight as u8], "its pole is not in the box");
         assert_eq!(rows[1].size_m, [0.24, 0.3, 0.9]);
         assert_eq!(rows[2].size_m[0], 0.06);
     }

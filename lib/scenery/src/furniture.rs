@@ -122,6 +122,7 @@ fn light(site: &Site<'_>, index: usize, signal: &SignalInfo) -> Draft {
         [at.x, at.y, ground_z + height],
         yaw,
     );
+    draft.tags.insert(0, Tag::Pole);
     draft.variant = mount.to_variant();
     draft.opendrive_id = Some(signal.id.clone());
     draft.attributes = Attributes::new().with(Attribute::GroundZ, format_args!("{ground_z:.3}"));
@@ -149,6 +150,7 @@ fn board(site: &Site<'_>, foot: Point3<f64>, yaw: f64, kind: &str, facts: Attrib
     let ground_z = site.levels().height(foot.x, foot.y, foot.z);
     let xyz = [foot.x, foot.y, ground_z + BOARD_AT_M];
     let mut draft = Draft::new(ActorKind::Sign, &format!("sign.{kind}"), Tag::TrafficSign, BOARD_M, xyz, yaw);
+    draft.tags.insert(0, Tag::Pole);
     draft.variant = (BOARD_AT_M * 100.0).round() as u32;
     draft.attributes = facts.with(Attribute::GroundZ, format_args!("{ground_z:.3}"));
     draft

@@ -14,6 +14,7 @@ use schema::Layer;
 
 const WASTE: Part = Part::new(Tag::Ground, Surface::Asphalt, [0.12, 0.12, 0.12]);
 const BALLAST: Part = Part::new(Tag::RailTrack, Surface::Plain, [0.17, 0.155, 0.14]);
+/// Faces of raised strips, but for their tag.
 const KERB: Part = Part::new(Tag::Sidewalk, Surface::Concrete, [0.42, 0.42, 0.41]);
 const MEDIAN: Part = Part::new(Tag::Ground, Surface::Concrete, [0.30, 0.29, 0.27]);
 /// Kerb faces reach this far below the edge where nothing joins it, metres.
@@ -87,12 +88,14 @@ pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels,
         for (k, strip) in section.strips.iter().enumerate() {
             let (layer, top) = match strip.ground {
                 Ground::Paved => (Layer::Road, ASPHALT),
-                Ground::Waste => (Layer::Road, WASTE),
+                Ground::Waste => (Layer::Median, WASTE),
                 Ground::Track => (Layer::Track, BALLAST),
                 Ground::Walk => (Layer::Sidewalk, PAVEMENT),
                 Ground::Median => (Layer::Median, MEDIAN),
                 Ground::Land => continue,
             };
+            // A face is what its strip is: an object has no tags beside its own.
+            let face = Part { tag: layer.tag(), ..KERB };
             let right = k.checked_sub(1).and_then(|k| section.strips.get(k));
             let left = section.strips.get(k + 1);
             let kept: Vec<bool> = (0..here.len())
@@ -106,20 +109,20 @@ pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels,
                 let down = |p: Point3<f64>, by: f64| Point3::new(p.x, p.y, p.z - by);
                 if let Some(depth) = face_depth(strip, left, i, 0) {
                     let (a, b) = (strip.left[i + 1], strip.left[i]);
-                    blocks.quad(layer, KERB, [down(a, depth[1]), down(b, depth[0]), b, a]);
+                    blocks.quad(layer, face, [down(a, depth[1]), down(b, depth[0]), b, a]);
                 }
                 if let Some(depth) = face_depth(strip, right, i, 1) {
                     let (a, b) = (strip.right[i], strip.right[i + 1]);
-                    blocks.quad(layer, KERB, [down(a, depth[0]), down(b, depth[1]), b, a]);
+                    blocks.quad(layer, face, [down(a, depth[0]), down(b, depth[1]), b, a]);
                 }
                 // Where the strip begins or ends for good, or was cut away, its end is closed.
                 if if i == 0 { section.ends[0] } else { !kept[i - 1] } {
                     let (a, b) = (strip.left[i], strip.right[i]);
-                    blocks.quad(layer, KERB, [down(a, SKIRT_M), down(b, SKIRT_M), b, a]);
+                    blocks.quad(layer, face, [down(a, SKIRT_M), down(b, SKIRT_M), b, a]);
                 }
                 if if i + 1 == kept.len() { section.ends[1] } else { !kept[i + 1] } {
                     let (a, b) = (strip.right[i + 1], strip.left[i + 1]);
-                    blocks.quad(layer, KERB, [down(a, SKIRT_M), down(b, SKIRT_M), b, a]);
+                    blocks.quad(layer, face, [down(a, SKIRT_M), down(b, SKIRT_M), b, a]);
                 }
             }
         }

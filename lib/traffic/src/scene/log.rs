@@ -4,7 +4,7 @@ use frames::{Object, Pose, World};
 use schema::ObjectId;
 use schema::scene_info::DriverInfo;
 use schema::tables::{ActorRow, PlanAgentRow, Weather};
-use schema::{ActorKind, ActorRole, Attribute, Attributes, lights};
+use schema::{ActorKind, ActorRole, Attribute, Attributes, Tag, lights};
 
 use crate::input::SimulationLog;
 use crate::road::net::Net;
@@ -50,7 +50,7 @@ fn rsu_actor(id: ObjectId, agent: &PlanAgentRow) -> ActorRow {
         kind: ActorKind::Rsu,
         model: agent.model.clone(),
         role: ActorRole::Agent(agent.agent),
-        semantic_tags: vec![schema::Tag::Pole as u8],
+        semantic_tags: [Tag::Pole, Tag::Static].map(|tag| tag as u8).to_vec(),
         length_m: RSU_SIZE_M[0],
         width_m: RSU_SIZE_M[1],
         height_m: RSU_SIZE_M[2],
