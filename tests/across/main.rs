@@ -12,5 +12,6 @@ mod help;
 mod maps;
 mod masks;
 mod pipeline;
+mod replay;
 mod rigs;
 mod towns;
