@@ -46,5 +46,5 @@ fn frames_show_their_states_and_those_before_them() {
             farthest_m = farthest_m.max(moved.length());
         }
     }
-    assert!(found > 30 && farthest_m > 0.2, "{found} bodies, {farthest_m} m");
+    assert!(found > 30 && farthest_m > 0.1, "{found} bodies, {farthest_m} m");
 }

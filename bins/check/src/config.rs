@@ -119,9 +119,14 @@ impl Config {
         (bev["enabled"] != Value::Bool(false)).then(|| (cells, number(bev, "cell_m")))
     }
 
-    /// The rule that masks follow, when it is not ours.
+    /// The rule that masks follow.
+    pub(crate) fn bev_rule(&self) -> &str {
+        self.0["bev"]["rule"].as_str().unwrap_or_default()
+    }
+
+    /// The same, when it is not ours.
     pub(crate) fn foreign_bev_rule(&self) -> Option<&str> {
-        self.0["bev"]["rule"].as_str().filter(|rule| *rule != "exact")
+        Some(self.bev_rule()).filter(|rule| *rule != "exact")
     }
 }
 

@@ -88,7 +88,7 @@ pub(crate) fn check(
         }
     }
     if every == 1 {
-        let checked = check_partials(scene, name, &points, &mut sum);
+        let checked = check_partials(scene, config, name, &points, &mut sum);
         sum.read(checked);
     } else {
         sum.skip(Rule::Counts, format!("sums over frames: only every {every}th frame is looked at"));
@@ -216,7 +216,13 @@ impl Agent<'_> {
 }
 
 /// What stages counted of an agent against what was counted here.
-fn check_partials(scene: &Scene, name: &str, points: &Points, ledger: &mut Ledger) -> Result<(), Unreadable> {
+fn check_partials(
+    scene: &Scene,
+    config: &Config,
+    name: &str,
+    points: &Points,
+    ledger: &mut Ledger,
+) -> Result<(), Unreadable> {
     let mut wanted: BTreeMap<(String, String), u64> = BTreeMap::new();
     for ((measure, sensor), count) in points {
         wanted.insert(((*measure).to_owned(), sensor.clone()), *count);
@@ -226,7 +232,7 @@ fn check_partials(scene: &Scene, name: &str, points: &Points, ledger: &mut Ledge
         for class in BevClass::ALL {
             wanted.insert(("bev_cells".into(), class.name().into()), shares.bev_cells[class as usize]);
         }
-        wanted.insert(("bev_grids".into(), String::new()), shares.bev_grids);
+        wanted.insert(("bev_grids".into(), config.bev_rule().to_owned()), shares.bev_grids);
     }
     if shares.voxel_grids > 0 {
         for tag in Tag::ALL {

@@ -107,6 +107,11 @@ pub(crate) fn annotated(actor: &Actor) -> Option<(DetectionClass, V3)> {
     Some((class, half))
 }
 
+/// Where an object is said to be: the middle of its footprint, of people that of the body.
+fn location(class: DetectionClass, half: V3, pose: &Motion) -> V3 {
+    if class == DetectionClass::Pedestrian { pose.outward([0.0, 0.0, half[2]]) } else { pose.origin }
+}
+
 /// Reads an agent's boxes by frame, and holds each against the log.
 pub(crate) fn read(
     scene: &Scene,
@@ -153,13 +158,13 @@ fn complete(
     let Some(row) = agent.rows.get(frame) else { return };
     for (&id, actor) in &scene.actors {
         let pose = scene.pose(id, frame as i64);
-        let Some((pose, (class, _))) = pose.zip(annotated(actor)) else {
+        let Some((pose, (class, half))) = pose.zip(annotated(actor)) else {
             ledger.expect(Rule::BoxList, !listed.contains(&id), || {
                 format!("frame {frame}: {name} lists object {id}, which is not annotated")
             });
             continue;
         };
-        let distance = apart(pose.origin, row.world_from_agent.origin);
+        let distance = apart(location(class, half, &pose), row.world_from_agent.origin);
         let margin = distance - config.box_radius_m();
         let holds = margin.abs() < EDGE_M || listed.contains(&id) == (margin < 0.0);
         ledger.expect(Rule::BoxList, holds, || {
@@ -309,7 +314,7 @@ struct Found {
 impl Found {
     /// What differs from the log, if anything.
     fn unlike(&self, actor: &Actor, pose: &Motion, agent: &Motion, itself: bool) -> Option<String> {
-        let Some((_, half)) = annotated(actor) else { return Some("it is not annotated".into()) };
+        let Some((class, half)) = annotated(actor) else { return Some("it is not annotated".into()) };
         let size = apart(self.size_m, scale(half, 2.0));
         let center = apart(self.center_m, pose.outward([0.0, 0.0, half[2]]));
         let turn = pose.turned_from(&Motion::of_angles(pose.origin, self.rpy_rad));
@@ -318,7 +323,7 @@ impl Found {
             pose.outward([l * half[0], w * half[1], (h + 1.0) * half[2]])
         };
         let corners = (0..8).map(|k| apart(self.corners[k], corner(k))).fold(0.0, crate::space::worse);
-        let to_object = sub(pose.origin, agent.origin);
+        let to_object = sub(location(class, half, pose), agent.origin);
         let distance = self.distance_m - norm(to_object);
         let angle = match (self.angle_rad, itself) {
             (None, true) => 0.0,
