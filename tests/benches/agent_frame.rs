@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use annotation::boxes::{ObservedObject, Observer};
 use bev::{Areas, BevRasterizer};
-use bevmap::{Paint, Reach};
+use bevmap::Reach;
 use fill::Filler;
 use formats::{DEFAULT_LEVEL, Scalar, encode_member};
 use frames::{Agent, Pose, World};
@@ -259,7 +259,7 @@ impl<'a> Agentframe<'a> {
         let crosswalks: Vec<_> = self.map.crosswalks().iter().map(|c| c.polygon.clone()).collect();
         let mut reach = Reach::default();
         reach.add([self.pose.xyz()].into_iter(), settings.half_extent_m() * 1.5);
-        let road_lines = Paint::of(self.map, &reach).road_lines;
+        let road_lines = bevmap::road_lines(self.map, &reach);
         let areas = Areas { crosswalks: &crosswalks, hazards: &[], road_lines: &road_lines };
         let mut rasterizer = BevRasterizer::new(settings).expect("is a grid");
         let mask = rasterizer.rasterize(&snapshot, &self.pose, areas);

@@ -20,6 +20,7 @@ const BOTTOM: [usize; 4] = [0, 2, 6, 4];
 pub(crate) struct SceneAreas {
     crosswalks: Vec<Vec<Point3<f64>>>,
     hazards: Vec<Vec<Point3<f64>>>,
+    road_lines: Vec<Vec<Point3<f64>>>,
     paint: Paint,
 }
 
@@ -35,16 +36,17 @@ impl SceneAreas {
         Self {
             crosswalks: replay.map.crosswalks().iter().map(|c| c.polygon.clone()).collect(),
             hazards: replay.log.info.hazards.iter().map(|h| area(&h.area_m)).collect(),
-            paint: Paint::of(&replay.map, &reach),
+            road_lines: bevmap::road_lines(&replay.map, &reach),
+            paint: if settings.paint { Paint::of(&replay.map, &reach) } else { Paint::default() },
         }
     }
 
     pub(crate) fn areas(&self) -> Areas<'_> {
-        Areas { crosswalks: &self.crosswalks, hazards: &self.hazards, road_lines: &self.paint.road_lines }
+        Areas { crosswalks: &self.crosswalks, hazards: &self.hazards, road_lines: &self.road_lines }
     }
 
     pub(crate) fn paint(&self) -> PaintAreas<'_> {
-        let Paint { stop_lines, parking, arrows, .. } = &self.paint;
+        let Paint { stop_lines, parking, arrows } = &self.paint;
         PaintAreas { stop_lines, parking, arrows }
     }
 }

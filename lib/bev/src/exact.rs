@@ -125,7 +125,7 @@ impl BevRasterizer {
         for (lines, channel) in [(paint.stop_lines, stop_lines), (paint.parking, parking)] {
             for line in lines {
                 line::draw(line.iter().map(|&p| grid.of_world_point(p)), cells, |cell, z| {
-                    channel[cell] |= u8::from(ground.is_near(cell, z));
+                    channel[cell] |= u8::from(ground.holds(cell, z));
                 });
             }
         }
@@ -158,7 +158,7 @@ impl BevRasterizer {
         }
         for marking in areas.road_lines {
             line::draw(marking.iter().map(|&p| grid.of_world_point(p)), cells, |cell, z| {
-                if ground.is_near(cell, z) {
+                if ground.holds(cell, z) {
                     bits[cell] |= 1 << BevClass::RoadLine as u16;
                 }
             });

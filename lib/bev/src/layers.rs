@@ -5,7 +5,7 @@ use schema::{BevClass, Tag};
 use crate::raster::Triangle;
 
 /// Surfaces at most this far apart on a vertical line are one layer (road, marks, kerb, terrain beneath), metres.
-const LAYER_M: f32 = 1.5;
+pub(crate) const LAYER_M: f32 = 1.5;
 /// Following the ground, a step between neighbouring cells is at most this high, metres.
 const STEP_M: f32 = 0.6;
 /// The agent stands on ground this near, across and up, metres.
@@ -126,6 +126,11 @@ impl Ground {
     /// Size of a cell, metres.
     pub(crate) fn cell_m(&self) -> f32 {
         self.cell_m
+    }
+
+    /// Whether a point of a surface belongs to the shown layer.
+    pub(crate) fn holds(&self, cell: usize, z: f32) -> bool {
+        (z - self.level(cell)).abs() <= LAYER_M
     }
 
     /// Whether a flat area at some height lies on the shown layer.

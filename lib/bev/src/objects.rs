@@ -6,12 +6,12 @@ use culling::MeshFacts;
 use glam::{Affine3A, Vec3A};
 use schema::{BevClass, ObjectId};
 
-use crate::layers::Ground;
+use crate::layers::{Ground, LAYER_M};
 use crate::raster::Triangle;
 
 /// Objects are shown from this far below the ground they stand on, metres.
 const BELOW_M: f32 = 0.5;
-/// Objects are shown up to this far above the ground: the clearance under a bridge, metres.
+/// Surfaces of objects are shown up to this far above the ground: the clearance under a bridge, metres.
 const ABOVE_M: f32 = 4.8;
 /// Slope that is allowed for between the grid's edge and an object that stands beyond it.
 const EDGE_SLOPE: f32 = 0.3;
@@ -169,7 +169,10 @@ impl Base {
         // Beyond the edge the ground is not known: what is known is at the edge.
         let beyond = (self.place.x - u - 0.5).abs().max((self.place.y - v - 0.5).abs()) - 0.5;
         let slack_m = EDGE_SLOPE * beyond.max(0.0) * ground.cell_m();
-        let above = self.place.z - ground.level(v as usize * cells + u as usize);
-        above >= -BELOW_M - slack_m && above <= ABOVE_M + slack_m
+        let at = v as usize * cells + u as usize;
+        let above = self.place.z - ground.level(at);
+        // What is higher stands on another layer, if there is ground at all.
+        let most = if ground.height(at).is_some() { LAYER_M } else { ABOVE_M };
+        above >= -BELOW_M - slack_m && above <= most + slack_m
     }
 }

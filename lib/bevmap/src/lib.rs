@@ -4,4 +4,4 @@ mod lanes;
 mod paint;
 
 pub use lanes::LaneCollector;
-pub use paint::{Paint, Reach};
+pub use paint::{Paint, Reach, road_lines};

@@ -11,6 +11,8 @@ const PIECE_M: f64 = 40.0;
 const COVER_STEP_M: f64 = 1.0;
 /// Half the width of the widest lane that covers markings, metres.
 const COVER_REACH_M: f64 = 6.0;
+/// Markings this near to a lane's border are not covered by it, metres.
+const BORDER_M: f64 = 0.2;
 /// Surfaces this near in height lie on one another, metres.
 const STOREY_M: f64 = 1.0;
 
@@ -44,11 +46,30 @@ impl Reach {
     }
 }
 
-/// Paint, as points in the world.
+/// Middles of the lane markings of a map that lie within reach, dashes and gaps alike: chains of points in the world.
+///
+/// Lane markings are all painted lines beside a lane for vehicles, each line of a double one. In a junction those are left
+/// out over which another road's lanes run: their asphalt has no lines.
+#[must_use]
+pub fn road_lines(map: &Map, reach: &Reach) -> Vec<Vec<Point3<f64>>> {
+    let mut lines = Vec::new();
+    for stripe in map.stripes().iter().filter(|stripe| stripe.mark_type.is_painted()) {
+        if !beside(map, stripe).any(|lane| lane.is_paved() && !lane.lane_type.is_track()) {
+            continue;
+        }
+        let (_, line) = map.stripe_line(stripe, TOLERANCE_M);
+        let in_junction = beside(map, stripe).any(|lane| lane.junction.is_some());
+        let visible =
+            if in_junction && reach.touches(&line) { uncovered(map, stripe.road, &line) } else { vec![line] };
+        let pieces = visible.iter().flat_map(|line| pieces(line));
+        lines.extend(pieces.filter(|piece| reach.touches(piece)));
+    }
+    lines
+}
+
+/// Paint that is no lane marking, as points in the world.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Paint {
-    /// Middles of lane markings, dashes and gaps alike: chains of points.
-    pub road_lines: Vec<Vec<Point3<f64>>>,
     /// Middles of stop lines: chains of points.
     pub stop_lines: Vec<Vec<Point3<f64>>>,
     /// Outlines of parking spaces: chains of points, the last one equal to the first.
@@ -58,29 +79,12 @@ pub struct Paint {
 }
 
 impl Paint {
-    /// The paint of a map that lies within reach.
-    ///
-    /// Lane markings are all painted lines beside a lane for vehicles, each line of a double one. In a junction those are left
-    /// out over which another road's lanes run: their asphalt has no lines.
+    /// The paint of a map that lies within reach. Arrows are objects of type `roadMark` by that name.
     #[must_use]
     pub fn of(map: &Map, reach: &Reach) -> Self {
-        let mut paint = Self::default();
-        for stripe in map.stripes().iter().filter(|stripe| stripe.mark_type.is_painted()) {
-            if !beside(map, stripe).any(|lane| lane.is_paved() && !lane.lane_type.is_track()) {
-                continue;
-            }
-            let (_, line) = map.stripe_line(stripe, TOLERANCE_M);
-            let in_junction = beside(map, stripe).any(|lane| lane.junction.is_some());
-            let visible = if in_junction && reach.touches(&line) {
-                uncovered(map, stripe.road, &line)
-            } else {
-                vec![line]
-            };
-            let pieces = visible.iter().flat_map(|line| pieces(line));
-            paint.road_lines.extend(pieces.filter(|piece| reach.touches(piece)));
-        }
         let stop_lines = map.stop_lines().into_iter().map(|line| line.ends.to_vec());
-        paint.stop_lines = stop_lines.filter(|line| reach.touches(line)).collect();
+        let mut paint =
+            Self { stop_lines: stop_lines.filter(|line| reach.touches(line)).collect(), ..Self::default() };
         for object in map.objects() {
             let ring = object.outlines.first().map_or(&[][..], |outline| &outline.base);
             if object.kind.eq_ignore_ascii_case("parkingspace") && ring.len() >= 3 && reach.touches(ring) {
@@ -119,7 +123,9 @@ fn beside<'m>(map: &'m Map, stripe: &Stripe) -> impl Iterator<Item = &'m LaneInf
 fn uncovered(map: &Map, road: u32, line: &[Point3<f64>]) -> Vec<Vec<Point3<f64>>> {
     let covered = |at: Point3<f64>| {
         let near = map.lanes_within(at, COVER_REACH_M, |lane| lane.id.road != road && lane.is_paved());
-        near.iter().filter(|hit| hit.is_inside()).any(|hit| {
+        // What runs along a lane's border is no more covered than uncovered.
+        let inside = |hit: &&opendrive::LaneHit| hit.t_m.abs() < 0.5 * hit.width_m - BORDER_M;
+        near.iter().filter(inside).any(|hit| {
             let there = map.lane_point(hit.lane, hit.s, 0.0);
             there.is_some_and(|there| (there.position.z - at.z).abs() < STOREY_M)
         })
@@ -197,9 +203,9 @@ mod tests {
 
     #[test]
     fn dashes_are_whole_lines_and_double_lines_two() {
-        let paint = Paint::of(&street(), &reach([100.0, 0.0, 0.0], 500.0));
+        let lines = road_lines(&street(), &reach([100.0, 0.0, 0.0], 500.0));
         let mut offsets: Vec<(i64, f64)> = Vec::new();
-        for line in &paint.road_lines {
+        for line in &lines {
             let y = line[0].y;
             assert!(line.iter().all(|p| (p.y - y).abs() < 1e-9), "a straight road");
             let length: f64 = line.windows(2).map(|w| w[1].x - w[0].x).sum();
@@ -216,10 +222,36 @@ mod tests {
     }
 
     #[test]
+    fn other_paint_has_lists_of_its_own() {
+        let text = r#"<OpenDRIVE><header/><road id="1" length="50" junction="-1">
+            <planView><geometry s="0" x="0" y="0" hdg="0" length="50"><line/></geometry></planView>
+            <lanes><laneSection s="0"><center><lane id="0" type="none"/></center>
+            <right><lane id="-1" type="driving"><width sOffset="0" a="4" b="0" c="0" d="0"/></lane></right></laneSection></lanes>
+            <objects>
+            <object id="1" type="parkingSpace" s="10" t="-6" zOffset="0" hdg="0"><outline>
+            <cornerRoad s="8" t="-5" dz="0" height="0"/><cornerRoad s="13" t="-5" dz="0" height="0"/>
+            <cornerRoad s="13" t="-7" dz="0" height="0"/><cornerRoad s="8" t="-7" dz="0" height="0"/></outline></object>
+            <object id="2" type="roadMark" name="ArrowLeft" s="20" t="-2" zOffset="0" hdg="0" length="3" width="1"/>
+            <object id="3" type="roadMark" name="StopLine" s="30" t="-2" zOffset="0" hdg="0" length="0.4" width="4"/>
+            </objects></road></OpenDRIVE>"#;
+        let map = testkit::map_from_text(text);
+        let paint = Paint::of(&map, &reach([20.0, 0.0, 0.0], 30.0));
+        assert_eq!((paint.stop_lines.len(), paint.parking.len(), paint.arrows.len()), (1, 1, 1));
+        assert_eq!(paint.parking[0].len(), 5, "closed");
+        let span = |axis: usize| {
+            let all = paint.arrows[0].iter().map(|p| p[axis]);
+            (all.clone().fold(f64::INFINITY, f64::min), all.fold(f64::NEG_INFINITY, f64::max))
+        };
+        assert_eq!((span(0), span(1)), ((18.5, 21.5), (-2.5, -1.5)));
+        assert!(paint.stop_lines[0].iter().all(|p| (p.x - 30.0).abs() < 0.5), "{:?}", paint.stop_lines);
+        assert!(road_lines(&map, &reach([20.0, 0.0, 0.0], 30.0)).is_empty());
+    }
+
+    #[test]
     fn what_is_far_away_is_left_out() {
-        let near = Paint::of(&street(), &reach([20.0, 0.0, 0.0], 30.0)).road_lines;
+        let near = road_lines(&street(), &reach([20.0, 0.0, 0.0], 30.0));
         let last = near.iter().flatten().map(|p| p.x).fold(0.0, f64::max);
         assert!((50.0..=51.0 + 2.0 * PIECE_M).contains(&last), "{last}");
-        assert!(Paint::of(&street(), &reach([20.0, 500.0, 0.0], 30.0)).road_lines.is_empty());
+        assert!(road_lines(&street(), &reach([20.0, 500.0, 0.0], 30.0)).is_empty());
     }
 }

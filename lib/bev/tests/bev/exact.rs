@@ -193,7 +193,7 @@ fn objects(
         let above = place.z - level(clamp(place.y) * cells + clamp(place.x));
         let beyond = |v: f64| (-v).max(v - cells as f64).max(0.0);
         let slack = 0.3 * beyond(place.x).max(beyond(place.y)) * grid.cell_m;
-        (-0.5 - slack..=4.8 + slack).contains(&above)
+        (-0.5 - slack..=1.5 + slack).contains(&above)
     };
     let is_on = |at: usize, range: [f64; 2]| range[1] >= level(at) - 0.5 && range[0] <= level(at) + 4.8;
     let names: BTreeSet<(ObjectId, Tag)> = all.iter().map(|piece| (piece.object, piece.tag)).collect();
