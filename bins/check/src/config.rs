@@ -33,6 +33,8 @@ pub(crate) struct RadarConfig {
     pub(crate) range_m: f64,
     pub(crate) horizontal_fov_rad: f64,
     pub(crate) vertical_fov_rad: f64,
+    /// Whether velocities are those of turning wheels and swinging limbs, too.
+    pub(crate) micro_motion: bool,
 }
 
 /// A voxel grid.
@@ -170,6 +172,7 @@ impl AgentConfig {
             range_m: number(radar, "range_m"),
             horizontal_fov_rad: number(radar, "horizontal_fov_rad"),
             vertical_fov_rad: number(radar, "vertical_fov_rad"),
+            micro_motion: radar["micro_motion"].as_bool().unwrap_or(false),
         };
         self.list("radars").map(radar).collect()
     }

@@ -39,9 +39,9 @@ pub(crate) fn reading_costs(rig: &Rig) -> impl Iterator<Item = ReadingCost> {
         |output, rays: f64, bytes_ray| ReadingCost { output, bytes: rays * bytes_ray, core_s: rays * 0.4e-6 };
     let lidars = rig.lidars.iter().map(move |lidar| {
         let (output, bytes_ray) =
-            if lidar.semantic { ("semantic lidar sweeps", 6.0) } else { ("lidar sweeps", 7.3) };
+            if lidar.semantic { ("semantic lidar sweeps", 8.0) } else { ("lidar sweeps", 9.2) };
         of_rays(output, lidar.scan.rays() as f64, bytes_ray)
     });
-    let radars = rig.radars.iter().map(move |radar| of_rays("radar readings", f64::from(radar.rays), 14.0));
+    let radars = rig.radars.iter().map(move |radar| of_rays("radar readings", f64::from(radar.rays), 20.4));
     lidars.chain(radars)
 }

@@ -69,6 +69,7 @@
 //! ```
 
 mod camera;
+mod echo;
 mod error;
 mod geo;
 mod gnss;

@@ -297,6 +297,7 @@ impl LidarSweep {
             intensity: self.intensity,
             ring: self.ring,
             time_offset_s: self.time_offset_s,
+            cos_angle: self.cos_angle,
             id: self.id,
             tag: self.tag,
         }
@@ -312,6 +313,9 @@ impl LidarSweep {
             y: self.y_m,
             z: self.z_m,
             cos_angle: self.cos_angle,
+            intensity: self.intensity,
+            ring: self.ring,
+            time_offset_s: self.time_offset_s,
             id: self.id,
             tag: self.tag,
         }

@@ -3,11 +3,13 @@
 use glam::{Affine3A, Vec3};
 use random::Stream;
 use renderer::{Hit, Hits, RayBatch, RenderError, Scene};
+use schema::geometry::Instance;
 use schema::measures::sensors::RADAR_POINTS;
 use schema::settings::RadarSpec;
 use schema::tables::RadarRow;
 use schema::{FRAME_PERIOD_S, ObjectId};
 
+use crate::echo;
 use crate::error::SensorError;
 use crate::metadata::sensor_metadata;
 use crate::observation::Observation;
@@ -41,6 +43,10 @@ pub struct RadarReturns {
     pub azimuth_rad: Vec<f32>,
     /// Velocity of the target relative to the sensor along the ray, m/s, positive receding.
     pub velocity_mps: Vec<f32>,
+    /// Cross-section of the patch that the ray stands for, dB of a square metre.
+    pub rcs_dbsm: Vec<f32>,
+    /// Signal to noise, dB.
+    pub snr_db: Vec<f32>,
     /// Whose surface was hit.
     pub id: Vec<ObjectId>,
     /// What was hit.
@@ -51,7 +57,8 @@ pub struct RadarReturns {
 ///
 /// Each ray ends at `(range, range tan(h / 2) r cos phi, range tan(v / 2) r sin phi)` in the sensor frame, with `r`
 /// and `phi` drawn evenly: an elliptic cone, denser at its axis. Ray `i` of frame `f` reads the random words at
-/// `f << 32 | i`. Velocities are those of the surface points and of the sensor over the last frame period.
+/// `f << 32 | i`. Velocities are those of the bodies hit and of the sensor over the last frame period; with
+/// [`RadarSpec::micro_motion`] those of the very surfaces, wheels and limbs too.
 ///
 /// # Errors
 /// The renderer failed.
@@ -69,31 +76,83 @@ pub fn radar(
     let before = Vec3::from(motion.previous_local_from_sensor.translation);
     let velocity = (origin - before) / FRAME_PERIOD_S as f32;
     let snapshot = scene.snapshot();
-    let mut found: Vec<(u32, Vec3, f32, f32, ObjectId, u8)> = Vec::with_capacity(rays.len());
+    let bodies = bodies(&snapshot.instances);
+    let mut found: Vec<Return> = Vec::with_capacity(rays.len());
     for (ray, hit) in rays.iter().zip(hits) {
         let Some(hit) = hit.filter(|hit| hit.t <= ray.limit_m) else { continue };
         let Some(struck) = Struck::new(snapshot, &hit) else { continue };
-        let Some(instance) = snapshot.instances.get(hit.instance as usize) else { continue };
-        // The difference of the transforms first: it is exactly zero for what stands still.
-        let moved = (instance.local_from_object.matrix3 - instance.previous_local_from_object.matrix3)
-            * struck.position_object
-            + Vec3::from(
-                instance.local_from_object.translation - instance.previous_local_from_object.translation,
-            );
-        let radial = (moved / FRAME_PERIOD_S as f32 - velocity).dot(ray.direction);
-        found.push((ray.number, ray.end / ray.limit_m, hit.t, radial, struck.object, struck.part.tag as u8));
+        let at = hit.instance as usize;
+        let moves = &snapshot.instances[if spec.micro_motion { at } else { bodies[at] }];
+        let moved = way_of(&snapshot.instances[at], moves, struck.position_object);
+        let cos_angle = f64::from(struck.normal_local.dot(ray.direction).abs().min(1.0));
+        let range_m = f64::from(hit.t);
+        let patch_m2 = echo::cross_section_m2(struck.part, ray.solid_angle_sr, range_m, cos_angle);
+        let rcs_dbsm = echo::dbsm(patch_m2);
+        found.push(Return {
+            number: ray.number,
+            direction: ray.end / ray.limit_m,
+            depth_m: hit.t,
+            velocity_mps: (moved / FRAME_PERIOD_S as f32 - velocity).dot(ray.direction),
+            rcs_dbsm: rcs_dbsm as f32,
+            snr_db: echo::snr_db(spec.snr_db, rcs_dbsm, range_m) as f32,
+            id: struck.object,
+            tag: struck.part.tag as u8,
+        });
     }
-    found.sort_by_key(|f| f.0);
-    let mut out = RadarReturns::default();
-    for (_, direction, depth_m, velocity_mps, id, tag) in found {
-        out.depth_m.push(depth_m);
-        out.altitude_rad.push(frames::math::f32::asin(direction.z.clamp(-1.0, 1.0)));
-        out.azimuth_rad.push(frames::math::f32::atan2(direction.y, direction.x));
-        out.velocity_mps.push(velocity_mps);
-        out.id.push(id);
-        out.tag.push(tag);
+    found.sort_by_key(|r| r.number);
+    Ok(found.into_iter().collect())
+}
+
+/// One return.
+struct Return {
+    number: u32,
+    /// Unit vector in the sensor frame.
+    direction: Vec3,
+    depth_m: f32,
+    velocity_mps: f32,
+    rcs_dbsm: f32,
+    snr_db: f32,
+    id: ObjectId,
+    tag: u8,
+}
+
+impl FromIterator<Return> for RadarReturns {
+    fn from_iter<I: IntoIterator<Item = Return>>(returns: I) -> Self {
+        let mut out = Self::default();
+        for r in returns {
+            out.depth_m.push(r.depth_m);
+            out.altitude_rad.push(frames::math::f32::asin(r.direction.z.clamp(-1.0, 1.0)));
+            out.azimuth_rad.push(frames::math::f32::atan2(r.direction.y, r.direction.x));
+            out.velocity_mps.push(r.velocity_mps);
+            out.rcs_dbsm.push(r.rcs_dbsm);
+            out.snr_db.push(r.snr_db);
+            out.id.push(r.id);
+            out.tag.push(r.tag);
+        }
+        out
     }
-    Ok(out)
+}
+
+/// The body that each instance is a part of: the first one of those of an object, which follow one another.
+fn bodies(instances: &[Instance]) -> Vec<usize> {
+    let mut bodies: Vec<usize> = Vec::with_capacity(instances.len());
+    for (at, instance) in instances.iter().enumerate() {
+        let first = bodies.last().copied().filter(|&body| instances[body].object == instance.object);
+        bodies.push(first.unwrap_or(at));
+    }
+    bodies
+}
+
+/// How far a point of a part has moved in the last frame period, as a point of the body that `moves`, local frame, metres.
+fn way_of(part: &Instance, moves: &Instance, position_part: Vec3) -> Vec3 {
+    let (now, before) = (&moves.local_from_object, &moves.previous_local_from_object);
+    let place = if part.local_from_object == *now {
+        position_part
+    } else {
+        now.inverse().transform_point3(part.local_from_object.transform_point3(position_part))
+    };
+    // The difference of the transforms first: it is exactly zero for what stands still.
+    (now.matrix3 - before.matrix3) * place + Vec3::from(now.translation - before.translation)
 }
 
 /// A ray of a reading.
@@ -105,13 +164,16 @@ struct Drawn {
     limit_m: f32,
     /// Where it goes in the snapshot's local frame.
     direction: Vec3,
+    /// What of the cone it stands for.
+    solid_angle_sr: f64,
 }
 
 /// Draws the rays of a reading; neighbours in angle stand together, because they are followed together.
 fn draw(spec: &RadarSpec, local_from_sensor: &Affine3A, stream: &Stream, frame: u32) -> Vec<Drawn> {
     let range_m = spec.range_m as f32;
-    let half_width = range_m * frames::math::tan(0.5 * spec.horizontal_fov_rad) as f32;
-    let half_height = range_m * frames::math::tan(0.5 * spec.vertical_fov_rad) as f32;
+    let half_angles =
+        [spec.horizontal_fov_rad, spec.vertical_fov_rad].map(|fov_rad| frames::math::tan(0.5 * fov_rad));
+    let [half_width, half_height] = half_angles.map(|half| range_m * half as f32);
     let mut rays: Vec<Drawn> = (0..spec.rays)
         .map(|number| {
             let words = stream.at(u64::from(frame) << 32 | u64::from(number));
@@ -119,7 +181,11 @@ fn draw(spec: &RadarSpec, local_from_sensor: &Affine3A, stream: &Stream, frame: 
             let (sin, cos) = frames::math::f32::sin_cos(std::f32::consts::TAU * random::unit_f32(words[1]));
             let end = Vec3::new(range_m, half_width * radius * cos, half_height * radius * sin);
             let direction = local_from_sensor.transform_vector3(end).normalize_or_zero();
-            Drawn { number, end, limit_m: end.length(), direction }
+            let limit_m = end.length();
+            let along = f64::from(range_m / limit_m);
+            let solid_angle_sr =
+                echo::solid_angle_sr(half_angles[0], half_angles[1], f64::from(radius), spec.rays, along);
+            Drawn { number, end, limit_m, direction, solid_angle_sr }
         })
         .collect();
     rays.sort_by_key(|ray| {
@@ -195,6 +261,8 @@ impl RadarReturns {
             altitude: self.altitude_rad,
             azimuth: self.azimuth_rad,
             velocity: self.velocity_mps,
+            rcs_dbsm: self.rcs_dbsm,
+            snr_db: self.snr_db,
             id: self.id,
             tag: self.tag,
         }

@@ -197,6 +197,64 @@ fn doppler_is_positive_for_what_recedes() {
 }
 
 #[test]
+fn wheels_turn_for_radars_only_when_asked() {
+    // A car body that stands 20 m ahead with a wheel before it (so that all rays meet the wheel) which turns by 0.2 rad.
+    let body = instance(0, 5, at(20.0, 0.0, 0.0, 0.0));
+    let mut wheel = instance(1, 5, at(18.0, 0.0, 0.0, 0.0));
+    wheel.previous_local_from_object = wheel.local_from_object * Affine3A::from_rotation_y(-0.2);
+    let snapshot = snapshot(
+        vec![
+            block([1.0, 2.0, 1.0], Tag::Car, Surface::Paint),
+            block([0.1, 200.0, 200.0], Tag::Car, Surface::Rubber),
+        ],
+        vec![body, wheel],
+    );
+    let renderer = prepared(&snapshot);
+    let scene = &*renderer.place(&snapshot).expect("all meshes are prepared");
+    let pose = at(0.0, 0.0, 0.6, 0.0);
+    let motion = RadarMotion { local_from_sensor: pose, previous_local_from_sensor: pose, own: None };
+    let calm = Rig::vehicle().radars[1].clone();
+    let micro = RadarSpec { micro_motion: true, ..calm.clone() };
+    assert!(radar(scene, &calm, &motion, 0).velocity_mps.iter().all(|&v| v == 0.0), "the body stands");
+    let returns = radar(scene, &micro, &motion, 0);
+    assert!(!returns.is_empty());
+    for i in 0..returns.len() {
+        let (sin_az, cos_az) = frames::math::f32::sin_cos(returns.azimuth_rad[i]);
+        let (sin_alt, cos_alt) = frames::math::f32::sin_cos(returns.altitude_rad[i]);
+        let along = Vec3::new(cos_alt * cos_az, cos_alt * sin_az, sin_alt);
+        let now = along * returns.depth_m[i] + Vec3::new(0.0, 0.0, 0.6);
+        // The wheel's point a frame before: turned back about its axle at (18, y, 0).
+        let axle = Vec3::new(18.0, 0.0, 0.0);
+        let was = axle + glam::Quat::from_rotation_y(-0.2) * (now - axle);
+        let want = (now - was).dot(along) / 0.05;
+        assert!((returns.velocity_mps[i] - want).abs() < 2e-2, "{} {want}", returns.velocity_mps[i]);
+    }
+}
+
+#[test]
+fn cross_sections_of_rays_add_up_to_that_of_the_plate() {
+    // A metal plate of 4 m x 2 m that faces the radar 30 m ahead: 4 r A cos^4 over its small angles, r = 0.5.
+    let snapshot = snapshot(
+        vec![block([0.1, 4.0, 2.0], Tag::Truck, Surface::Metal)],
+        vec![instance(0, 2, at(30.05, 0.0, -0.4, 0.0))],
+    );
+    let renderer = prepared(&snapshot);
+    let scene = &*renderer.place(&snapshot).expect("all meshes are prepared");
+    let spec = RadarSpec { rays: 200_000, snr_db: 7.0, ..Rig::vehicle().radars[1].clone() };
+    let pose = at(0.0, 0.0, 0.6, 0.0);
+    let motion = RadarMotion { local_from_sensor: pose, previous_local_from_sensor: pose, own: None };
+    let returns = radar(scene, &spec, &motion, 0);
+    let m2 = |dbsm: f32| frames::math::pow(10.0, 0.1 * f64::from(dbsm));
+    let sum: f64 = returns.rcs_dbsm.iter().map(|&rcs| m2(rcs)).sum();
+    assert!((sum - 16.0).abs() < 0.7, "{sum} of {} rays", returns.len());
+    for i in 0..returns.len() {
+        let way = 40.0 * frames::math::log10(f64::from(returns.depth_m[i]) / 100.0);
+        let want = 7.0 + f64::from(returns.rcs_dbsm[i]) - way;
+        assert!((f64::from(returns.snr_db[i]) - want).abs() < 1e-3);
+    }
+}
+
+#[test]
 fn the_own_body_is_looked_through() {
     let snapshot = snapshot(
         vec![

@@ -2,7 +2,7 @@
 
 use schema::{BevClass, Tag};
 
-use super::boxes::{DOOR_M, Labelled};
+use super::boxes::{AROUND_M, DOOR_M, Labelled};
 use super::clouds::{Cloud, SIGMAS};
 use crate::files::{Npz, Unreadable};
 use crate::ledger::Ledger;
@@ -156,8 +156,10 @@ impl Mask<'_> {
             let mut allowed = vec![false; set.len()];
             for labelled in boxes.iter().filter(|b| b.tags.contains(&(tag as u8))) {
                 let footprint = self.footprint(labelled);
-                let doors = if labelled.open_door { DOOR_M / self.masks.cell_m } else { 0.0 };
-                for cell in self.near(&footprint, 0.7072 + doors) {
+                let doors = if labelled.open_door { DOOR_M } else { 0.0 };
+                // Elbows and handlebars may reach over a box.
+                let around = 0.7072 + (AROUND_M + doors) / self.masks.cell_m;
+                for cell in self.near(&footprint, around) {
                     allowed[cell] = true;
                 }
                 let is_whole = footprint.iter().flatten().all(|&c| c >= 1.0 && c <= size - 2.0);

@@ -21,6 +21,8 @@ const EDGE_M: f64 = 1e-3;
 const LIGHT_HALF_M: [f64; 2] = [0.3, 0.12];
 /// Fixed objects are annotated below this half height, m, and at least this half extent.
 const FIXED_HALF_M: [f64; 2] = [3.2, 0.03];
+/// Parts of an object may reach this far over its box, m.
+pub(crate) const AROUND_M: f64 = 0.1;
 /// An object with an open door reaches this far beyond its box, m.
 pub(crate) const DOOR_M: f64 = 1.3;
 /// Signs of the corners along length, width and height.

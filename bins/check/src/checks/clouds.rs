@@ -4,16 +4,14 @@ use std::collections::BTreeMap;
 
 use arrow_array::types::{Float32Type, UInt8Type, UInt16Type};
 
-use super::boxes::{DOOR_M, Labelled, is_part};
-use crate::config::{AgentConfig, Mounted};
+use super::boxes::{AROUND_M, DOOR_M, Labelled, is_part};
+use crate::config::{AgentConfig, LidarConfig, Mounted};
 use crate::files::{Batch, Table, Unreadable};
 use crate::ledger::Ledger;
 use crate::rules::Rule;
 use crate::scene::Scene;
 use crate::space::{Motion, V3, norm};
 
-/// An object's returns may lie this far outside its box, m.
-const AROUND_M: f64 = 0.1;
 /// Noise is told from a fault by so many standard deviations.
 pub(crate) const SIGMAS: f64 = 6.5;
 
@@ -32,6 +30,8 @@ pub(crate) struct Ranger {
     pub(crate) agent_from_sensor: Motion,
     /// Standard deviation of the distance, m.
     pub(crate) noise_m: f64,
+    /// Whether a radar sees wheels and limbs move.
+    pub(crate) micro_motion: bool,
     channels: u64,
     reach_m: f64,
     table: Table,
@@ -54,32 +54,38 @@ pub(crate) struct Cloud<'a> {
 /// Opens the tables of all lidars and radars of an agent.
 pub(crate) fn open(scene: &Scene, config: &AgentConfig, agent: &str, ledger: &mut Ledger) -> Vec<Ranger> {
     let mut rangers = Vec::new();
-    let mut add = |kind, mounted: Mounted, noise_m, channels, reach_m: f64| {
+    let mut add = |mounted: &Mounted, ranger: &dyn Fn(Table) -> Ranger| {
         let path = scene.file(&format!("sensors/{agent}/{}.parquet", mounted.name));
         let Some(table) = ledger.read(Table::open(&path)) else { return };
-        super::cameras::expect_mount(&table, &mounted, "flu", ledger);
-        let agent_from_sensor = mounted.agent_from_sensor;
-        rangers.push(Ranger {
-            kind,
-            name: mounted.name,
-            agent_from_sensor,
-            noise_m,
+        super::cameras::expect_mount(&table, mounted, "flu", ledger);
+        rangers.push(ranger(table));
+    };
+    for LidarConfig { mounted, range_m, channels, noise_m, semantic } in config.lidars() {
+        add(&mounted, &|table| Ranger {
+            kind: if semantic { Kind::SemanticLidar } else { Kind::Lidar },
+            name: mounted.name.clone(),
+            agent_from_sensor: mounted.agent_from_sensor,
+            noise_m: if semantic { 0.0 } else { noise_m },
+            micro_motion: false,
             channels,
-            reach_m,
+            reach_m: range_m,
             table,
         });
-    };
-    for lidar in config.lidars() {
-        let kind = if lidar.semantic { Kind::SemanticLidar } else { Kind::Lidar };
-        let noise_m = if lidar.semantic { 0.0 } else { lidar.noise_m };
-        add(kind, lidar.mounted, noise_m, lidar.channels, lidar.range_m);
     }
     for radar in config.radars() {
         let wide = libm::tan(0.5 * radar.horizontal_fov_rad);
         let high = libm::tan(0.5 * radar.vertical_fov_rad);
-        // Rays end on a plane ahead: those at the side reach farther.
-        let reach_m = radar.range_m * (1.0 + wide * wide + high * high).sqrt();
-        add(Kind::Radar, radar.mounted, 0.0, 0, reach_m);
+        add(&radar.mounted, &|table| Ranger {
+            kind: Kind::Radar,
+            name: radar.mounted.name.clone(),
+            agent_from_sensor: radar.mounted.agent_from_sensor,
+            noise_m: 0.0,
+            micro_motion: radar.micro_motion,
+            channels: 0,
+            // Rays end on a plane ahead: those at the side reach farther.
+            reach_m: radar.range_m * (1.0 + wide * wide + high * high).sqrt(),
+            table,
+        });
     }
     rangers
 }

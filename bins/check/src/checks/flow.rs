@@ -92,7 +92,8 @@ pub(crate) fn check(
             // Wheels turn; fences are seen through.
             let turns = rule == Rule::Flow && scene.actors.get(&id).is_some_and(|actor| !actor.fixed);
             let allowed = match rule {
-                Rule::Flow if !turns => all / 10,
+                Rule::Flow if turns => 3 * all / 4,
+                Rule::Flow => all / 10,
                 _ => all / 2,
             };
             ledger.expect(rule, off <= allowed, || {

@@ -72,11 +72,23 @@ pub(crate) fn check_velocity(
     if cloud.ranger.kind != Kind::Radar {
         return;
     }
+    let name = &cloud.ranger.name;
+    ledger.expect(Rule::RadarPresence, !cloud.points.is_empty(), || {
+        format!("frame {frame}: {name} has no return")
+    });
     let Some(before) = scene.agent_pose(agent, frame as i64 - 1) else { return };
     let sensor = cloud.world_from_sensor.origin;
     let sensor_before = before.outward(cloud.ranger.agent_from_sensor.origin);
     let mut by_object: BTreeMap<u16, (u64, u64, f64)> = BTreeMap::new();
     for ((point, id), &velocity) in cloud.in_world().zip(&cloud.ids).zip(&cloud.velocities) {
+        let moves = scene.actors.get(id).is_none_or(|actor| !actor.fixed);
+        if cloud.ranger.micro_motion && moves {
+            ledger.skip(
+                Rule::RadarVelocity,
+                format!("{}: of what moves, micro_motion is on", cloud.ranger.name),
+            );
+            continue;
+        }
         let Some(was) = point_before(scene, *id, frame, point) else { continue };
         let moved = sub(sub(point, was), sub(sensor, sensor_before));
         let away = sub(point, sensor);
@@ -93,7 +105,6 @@ pub(crate) fn check_velocity(
         ledger.fine(Rule::RadarVelocity, all - bad);
         let model = scene.actors.get(&id).map_or("", |actor| actor.model.as_str());
         ledger.all_off(Rule::RadarVelocity, bad, model, || {
-            let name = &cloud.ranger.name;
             format!("frame {frame}: {bad} of {all} returns of {name} from object {id} ({model}) are up to {worst:.2} m/s off")
         });
     }

@@ -39,6 +39,8 @@ const RANGES: &[(&str, &str, f64, f64)] = &[
     ("sensors/", "altitude", -1.570_796_4, 1.570_796_4),
     ("sensors/", "azimuth", -1.570_796_4, 1.570_796_4),
     ("sensors/", "velocity", -200.0, 200.0),
+    ("sensors/", "rcs_dbsm", -80.0, 60.0),
+    ("sensors/", "snr_db", -80.0, 250.0),
     ("sensors/", "depth", 0.0, 4000.0),
     ("sensors/", "dx", -2.0, 2.0),
     ("sensors/", "dy", -2.0, 2.0),

@@ -234,6 +234,13 @@ fn radars(s: &Section<'_>, d: &[RadarSpec], tables: &mut TableNames) -> Vec<Rada
         degrees("horizontal_fov_deg", first.horizontal_fov_rad, "width of the cone, degrees");
     let vertical_fov_rad = degrees("vertical_fov_deg", first.vertical_fov_rad, "height of the cone, degrees");
     let rays = shared.integer("rays", first.rays.into(), 1, 1_000_000, "rays per frame") as u32;
+    let micro_motion = shared.flag(
+        "micro_motion",
+        first.micro_motion,
+        "velocities are those of the surfaces hit, turning wheels and swinging limbs too, not of the bodies",
+    );
+    let doc = "signal to noise of a target of 1 m2 at 100 m, dB";
+    let snr_db = shared.number("snr_db", first.snr_db, -50.0, 100.0, doc);
     let read = |item: &Section<'_>| {
         (item.text("name", "RAD_FRONT", "radar name, part of the file names"), mount(item, &first.mount))
     };
@@ -253,7 +260,16 @@ fn radars(s: &Section<'_>, d: &[RadarSpec], tables: &mut TableNames) -> Vec<Rada
     }
     places
         .into_iter()
-        .map(|(name, mount)| RadarSpec { name, mount, range_m, horizontal_fov_rad, vertical_fov_rad, rays })
+        .map(|(name, mount)| RadarSpec {
+            name,
+            mount,
+            range_m,
+            horizontal_fov_rad,
+            vertical_fov_rad,
+            rays,
+            micro_motion,
+            snr_db,
+        })
         .collect()
 }
 

@@ -19,4 +19,8 @@ pub struct RadarSpec {
     pub vertical_fov_rad: f64,
     /// Rays per frame (2000; RSU 2400).
     pub rays: u32,
+    /// Whether velocities are those of the surfaces hit, turning wheels and swinging limbs too, and not of the bodies.
+    pub micro_motion: bool,
+    /// Signal to noise of a target of 1 m2 at 100 m, dB (10).
+    pub snr_db: f64,
 }

@@ -38,6 +38,8 @@ impl Rig {
             horizontal_fov_rad: deg(100.0),
             vertical_fov_rad: deg(20.0),
             rays: 2000,
+            micro_motion: false,
+            snr_db: 10.0,
         };
         Self {
             camera: CameraSettings::default(),
@@ -81,6 +83,8 @@ impl Rig {
                 horizontal_fov_rad: deg(120.0),
                 vertical_fov_rad: deg(20.0),
                 rays: 2400,
+                micro_motion: false,
+                snr_db: 10.0,
             }],
             gnss: None,
             imu: None,

@@ -61,6 +61,8 @@ table! {
         ring: Vec<u16>,
         /// Seconds after the frame's time at which the ray was fired (0: all rays of a sweep at once).
         time_offset_s: Vec<f32>,
+        /// Cosine of the angle between ray and surface normal, 0 to 1.
+        cos_angle: Vec<f32>,
         /// Object id of what was hit.
         id: Vec<u16>,
         /// Semantic tag of what was hit.
@@ -83,6 +85,12 @@ table! {
         z: Vec<f32>,
         /// Cosine of the angle between ray and surface normal, 0 to 1.
         cos_angle: Vec<f32>,
+        /// Returned intensity, 0 to 1, by the lidar's attenuation.
+        intensity: Vec<f32>,
+        /// Beam number, 0 is the highest.
+        ring: Vec<u16>,
+        /// As in `LIDAR`.
+        time_offset_s: Vec<f32>,
         /// Object id of what was hit.
         id: Vec<u16>,
         /// Semantic tag of what was hit.
@@ -103,8 +111,13 @@ table! {
         altitude: Vec<f32>,
         /// Angle to the left of the sensor's axis, rad.
         azimuth: Vec<f32>,
-        /// Radial velocity of the target relative to the sensor, m/s, positive receding.
+        /// Radial velocity of the body hit relative to the sensor, m/s, positive receding; with `radar.micro_motion` of the surface
+        /// hit: of turning wheels and swinging limbs, too.
         velocity: Vec<f32>,
+        /// Cross-section of the patch that the ray stands for, dB of 1 m2; those of an object's returns add up (as m2) to its own.
+        rcs_dbsm: Vec<f32>,
+        /// Signal to noise, dB.
+        snr_db: Vec<f32>,
         /// Object id of what was hit.
         id: Vec<u16>,
         /// Semantic tag of what was hit.
