@@ -266,6 +266,26 @@ mod tests {
     }
 
     #[test]
+    fn an_agent_may_carry_several_lidars_and_rsus_receivers() {
+        let text = "[scenes.train]\n\"convoy/demo\" = 1\n[vehicle.lidar]\nchannels = 16\n[[vehicle.lidars]]\nname = \"LIDAR_LEFT\"\nchannels = 8\nxyz_m = [0, 1, 1]\n[[vehicle.lidars]]\nname = \"OWN\"\nenabled = false\nsemantic = true\nrange_m = 50\n[rsu.gnss]\nenabled = true\n";
+        let settings = parse(text, "lidars.toml").expect("is good");
+        let lidars = &settings.vehicle_rig.lidars;
+        let about: Vec<_> =
+            lidars.iter().map(|l| (l.name.as_str(), l.scan.channels, l.range_m, l.noise_m)).collect();
+        let want = [("LIDAR", 16, 120.0, 0.03), ("LIDAR_LEFT", 8, 120.0, 0.03), ("SEG-OWN", 128, 50.0, 0.0)];
+        assert_eq!(about, want);
+        assert_eq!(lidars[1].mount.xyz_m, [0.0, 1.0, 1.0]);
+        assert!(settings.rsu_rig.gnss.is_some() && settings.rsu_rig.imu.is_none());
+        let clash = text.replace("\"OWN\"", "\"LIDAR\"");
+        let faults = parse(&clash, "lidars.toml").expect_err("has the first one's tables");
+        assert!(
+            faults[0].to_string().contains("would take the place of another sensor's `LIDAR`"),
+            "{}",
+            faults[0]
+        );
+    }
+
+    #[test]
     fn a_sensor_must_not_take_anothers_table() {
         let radar = |name: &str| format!("[[vehicle.radars]]\nname = \"{name}\"\n");
         let camera = |name: &str| format!("[[vehicle.cameras]]\nname = \"{name}\"\n");

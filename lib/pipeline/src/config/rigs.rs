@@ -14,10 +14,7 @@ use super::reader::Section;
 use super::table_names::TableNames;
 
 pub(crate) fn vehicle(s: &Section<'_>) -> (Rig, OccupancySettings) {
-    let mut rig = common(s, &Rig::vehicle());
-    rig.gnss = gnss(&s.section("gnss", "GNSS receiver"));
-    rig.imu = imu(&s.section("imu", "inertial measurement unit"));
-    (rig, occupancy(s))
+    (common(s, &Rig::vehicle()), occupancy(s))
 }
 
 pub(crate) fn rsu(s: &Section<'_>) -> (Rig, OccupancySettings) {
@@ -76,10 +73,10 @@ fn common(s: &Section<'_>, d: &Rig) -> Rig {
     Rig {
         camera: camera(&s.section("camera", "what all cameras share"), &d.camera),
         cameras: cameras(s, &d.cameras, &mut tables),
-        lidars: lidars(&s.section("lidar", "lidar"), &d.lidars[0]),
+        lidars: lidars(s, &d.lidars[0], &mut tables),
         radars: radars(s, &d.radars, &mut tables),
-        gnss: None,
-        imu: None,
+        gnss: gnss(&s.section("gnss", "GNSS receiver"), d.gnss.is_some()),
+        imu: imu(&s.section("imu", "inertial measurement unit"), d.imu.is_some()),
     }
 }
 
@@ -158,7 +155,27 @@ fn names<'a>(names: impl Iterator<Item = &'a String>) -> String {
     names.map(String::as_str).collect::<Vec<_>>().join(", ")
 }
 
-fn lidars(s: &Section<'_>, d: &LidarSpec) -> Vec<LidarSpec> {
+/// The lidar that every rig has, and further ones.
+fn lidars(s: &Section<'_>, d: &LidarSpec, tables: &mut TableNames) -> Vec<LidarSpec> {
+    let mut lidars = lidar(&s.section("lidar", "lidar"), d);
+    let doc = "further lidars, each with rays of its own: besides `name` all keys of `lidar`, with the same defaults";
+    let sections = s.sections("lidars", "none", doc);
+    let further = |item: &Section<'_>| {
+        let name =
+            item.text("name", "LIDAR_2", "lidar name, part of the file names (semantic: `SEG-` before it)");
+        (name.clone(), lidar(item, &LidarSpec { name, ..d.clone() }))
+    };
+    further(&s.describe_item("lidars"));
+    for item in sections.unwrap_or_default() {
+        let (name, made) = further(&item);
+        tables.take(&item, &name, vec![name.clone(), format!("SEG-{name}")]);
+        lidars.extend(made);
+    }
+    lidars
+}
+
+/// A lidar and the semantic one with its rays, as far as they are wanted.
+fn lidar(s: &Section<'_>, d: &LidarSpec) -> Vec<LidarSpec> {
     let enabled = s.flag("enabled", true, "write the lidar");
     let semantic = s.flag("semantic", false, "write a semantic lidar with the same rays");
     let channels = s.integer("channels", d.scan.channels.into(), 1, 1024, "beams") as u32;
@@ -273,9 +290,9 @@ fn radars(s: &Section<'_>, d: &[RadarSpec], tables: &mut TableNames) -> Vec<Rada
         .collect()
 }
 
-fn gnss(s: &Section<'_>) -> Option<GnssSpec> {
+fn gnss(s: &Section<'_>, carried: bool) -> Option<GnssSpec> {
     let d = GnssSpec::default();
-    let enabled = s.flag("enabled", true, "write GNSS fixes");
+    let enabled = s.flag("enabled", carried, "write GNSS fixes");
     let spec = GnssSpec {
         mount: mount(s, &d.mount),
         noise_deg: [
@@ -305,9 +322,9 @@ fn gnss(s: &Section<'_>) -> Option<GnssSpec> {
     enabled.then_some(spec)
 }
 
-fn imu(s: &Section<'_>) -> Option<ImuSpec> {
+fn imu(s: &Section<'_>, carried: bool) -> Option<ImuSpec> {
     let d = ImuSpec::default();
-    let enabled = s.flag("enabled", true, "write IMU readings");
+    let enabled = s.flag("enabled", carried, "write IMU readings");
     let spec = ImuSpec {
         mount: mount(s, &d.mount),
         noise_accel_mps2: s.number(
