@@ -230,7 +230,6 @@ fn table(store: &Path, name: &str) -> PathBuf {
     store.join(format!("scenes/0000/{name}.parquet"))
 }
 
-
 /// Faults of the log, boxes and tracks.
 const OF_TABLES: &[Plant] = &[
     ("numbers", "values of center_m are no numbers", |store| {
@@ -496,8 +495,7 @@ noise_gyro_radps = 0
     let lines = whole.stdout.lines().skip_while(|line| !line.starts_with("check ")).skip(1);
     let rules =
         lines.take_while(|line| !line.is_empty()).map(|line| line.split("  ").next().unwrap_or_default());
-    let faulty: Vec<&str> =
-        rules.filter(|rule| off(&whole.stdout, rule) > 0).collect();
+    let faulty: Vec<&str> = rules.filter(|rule| off(&whole.stdout, rule) > 0).collect();
     assert_eq!(faulty, [""; 0], "{}", whole.stdout);
 }
 

@@ -1,9 +1,8 @@
 //! The static world of a scene: tiles, asked for as agents come near, and numbered in the end.
 
-use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use nalgebra::Point3;
 use pipeline::{At, Place, StageError};
@@ -31,17 +30,17 @@ pub(crate) fn failed(error: TileError, place: &Place) -> StageError {
 pub(crate) struct Nearby<'a> {
     tiles: &'a TileStore<'a>,
     reach_m: f64,
-    failed: RefCell<Option<TileError>>,
+    failed: Mutex<Option<TileError>>,
 }
 
 impl<'a> Nearby<'a> {
     pub(crate) fn new(tiles: &'a TileStore<'a>, reach_m: f64) -> Self {
-        Self { tiles, reach_m, failed: RefCell::default() }
+        Self { tiles, reach_m, failed: Mutex::default() }
     }
 
     /// Why the simulation was ended, if it was for want of a tile.
     pub(crate) fn into_error(self) -> Option<TileError> {
-        self.failed.into_inner()
+        self.failed.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -60,7 +59,7 @@ impl FixedWorld for Nearby<'_> {
                 ControlFlow::Continue(objects.collect())
             }
             Err(error) => {
-                *self.failed.borrow_mut() = Some(error);
+                *self.failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
                 ControlFlow::Break(())
             }
         }

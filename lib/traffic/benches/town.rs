@@ -39,7 +39,7 @@ fn simulated(bencher: divan::Bencher<'_, '_>, map: &Map, share: u32, taken: u32,
         fixed: &lights,
         first_id: 1000,
     };
-    bencher.bench_local(|| {
+    bencher.bench(|| {
         let log = simulate(&input, &mut |_, _| ControlFlow::Continue(())).expect("a log");
         let (least, most) = (vehicles * 90 / 100, vehicles * 120 / 100);
         assert!(

@@ -76,7 +76,7 @@ pub struct SceneInput<'a> {
 }
 
 /// What never moves, known as far as agents come.
-pub trait FixedWorld: fmt::Debug {
+pub trait FixedWorld: fmt::Debug + Sync {
     /// The objects of the tiles near some places that are not among those `seen`, which are then. To break ends the
     /// simulation.
     fn near(&self, places: &[Point3<f64>], seen: &mut BTreeSet<TileIndex>) -> ControlFlow<(), Vec<ActorRow>>;
