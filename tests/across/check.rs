@@ -464,7 +464,8 @@ noise_accel_mps2 = 0
 gyro_bias_radps = 0
 noise_gyro_radps = 0
 ";
-    let bench = Bench::new(&format!("{TINY}{exact}"));
+    let config = TINY.replace("flow = true\n", "flow = true\nboxes_2d = true\n");
+    let bench = Bench::new(&format!("{config}{exact}"));
     bench.run("convoy", &["run", "--progress", "none"]).expect_done();
     let store = bench.store();
     let whole = checked(&store, "1");
