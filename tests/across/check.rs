@@ -170,6 +170,11 @@ fn recell(path: PathBuf, scalar: Scalar, with: impl Fn(&mut [u8])) {
     rewrite(&path, &writer.finish().expect("ends"));
 }
 
+/// Changes what the vehicle's lidar saw of its voxels at [`FRAME`].
+fn reseen(store: &Path, with: impl Fn(&mut [u8])) {
+    recell(store.join("scenes/0000/occupancy_observed/vehicle_0.npz"), Scalar::U8, with);
+}
+
 /// The place of the first number of a row of a column in a table that has all its rows in one group.
 fn row_of(path: &Path, frame: u32, wanted: impl Fn(&RecordBatch, usize) -> bool) -> usize {
     let reader =
@@ -420,6 +425,19 @@ const OF_ARRAYS: &[Plant] = &[
             tags[cell] ^= 1
         });
     }),
+    ("observed", "on a ray's way is unobserved", |store| {
+        reseen(store, |seen| seen.iter_mut().filter(|cell| **cell == 1).for_each(|cell| *cell = 0));
+    }),
+    ("observed", "which is free", |store| {
+        reseen(store, |seen| seen.iter_mut().filter(|cell| **cell == 0).for_each(|cell| *cell = 1));
+    }),
+    ("observed", "of a return is 1", |store| {
+        let cell = |seen: &mut [u8]| seen.iter_mut().find(|cell| **cell == 2).map(|cell| *cell = 1);
+        reseen(store, move |seen| assert!(cell(seen).is_some()));
+    }),
+    ("observed", "voxels without a return are occupied", |store| {
+        reseen(store, |seen| *seen.last_mut().expect("has cells") = 2);
+    }),
     ("bev objects", "car cells lie in no box", |store| {
         recell(store.join("scenes/0000/bev/vehicle_0.npz"), Scalar::Bool, |bits| {
             bits[7 * 160_000 + 5 * 400 + 5] = 1
@@ -464,7 +482,9 @@ noise_accel_mps2 = 0
 gyro_bias_radps = 0
 noise_gyro_radps = 0
 ";
-    let config = TINY.replace("flow = true\n", "flow = true\nboxes_2d = true\n");
+    let config = TINY
+        .replace("flow = true\n", "flow = true\nboxes_2d = true\n")
+        .replace("[vehicle.occupancy]\n", "[vehicle.occupancy]\nobserved = true\n");
     let bench = Bench::new(&format!("{config}{exact}"));
     bench.run("convoy", &["run", "--progress", "none"]).expect_done();
     let store = bench.store();

@@ -116,14 +116,7 @@ fn validity_200k_points_300_boxes(bencher: Bencher<'_, '_>) {
             BoxRow { id: k + 1, class: "car".into(), corners_m, ..BoxRow::default() }
         })
         .collect();
-    let (mut x, mut y, mut z) = (Vec::new(), Vec::new(), Vec::new());
-    for k in 0..200_000 {
-        let (sin, cos) = frames::math::f32::sin_cos(k as f32 * 0.003_07);
-        let reach_m = 2.0 + 118.0 * (k % 128) as f32 / 128.0 * ((k * 7 % 13) as f32 / 13.0);
-        x.push(cos * reach_m);
-        y.push(sin * reach_m);
-        z.push(-1.8 + (k % 17) as f32 * 0.1);
-    }
+    let [x, y, z] = points();
     let cloud = PointCloud {
         world_from_sensor: Pose::from_xyz_rpy([0.0, 0.0, 1.8], [0.0, 0.0, 0.3]),
         x: &x,
@@ -133,4 +126,27 @@ fn validity_200k_points_300_boxes(bencher: Bencher<'_, '_>) {
     let pixels = BTreeMap::new();
     let evidence = Evidence { lidars: &[cloud], radars: &[], num_pixels: &pixels, valid_by_image: true };
     bencher.bench_local(|| validate(&boxes, &evidence));
+}
+
+/// 200,000 returns up to 120 m away, in the sensor's frame, metres.
+fn points() -> [Vec<f32>; 3] {
+    let (mut x, mut y, mut z) = (Vec::new(), Vec::new(), Vec::new());
+    for k in 0..200_000 {
+        let (sin, cos) = frames::math::f32::sin_cos(k as f32 * 0.003_07);
+        let reach_m = 2.0 + 118.0 * (k % 128) as f32 / 128.0 * ((k * 7 % 13) as f32 / 13.0);
+        x.push(cos * reach_m);
+        y.push(sin * reach_m);
+        z.push(-1.8 + (k % 17) as f32 * 0.1);
+    }
+    [x, y, z]
+}
+
+#[divan::bench]
+fn observed_1280x1280x80_200k_rays(bencher: Bencher<'_, '_>) {
+    let [x, y, z] = points();
+    let lattice = carve::Lattice { shape: [1280, 1280, 80], corner_m: [-64.0, -64.0, -0.98], cell_m: 0.1 };
+    let agent_from_sensor = Pose::from_xyz_rpy([0.0, 0.0, 1.8], [0.0; 3]);
+    let sweep = carve::Sweep { agent_from_sensor, x: &x, y: &y, z: &z };
+    let mut cells = Vec::new();
+    bencher.bench_local(|| carve::carve(&lattice, &[sweep], &mut cells));
 }

@@ -47,6 +47,8 @@ pub(crate) struct GridConfig {
     pub(crate) upper_m: f64,
     pub(crate) mount_z_m: f64,
     pub(crate) ignore_self: bool,
+    /// Whether there are grids of what lidars saw.
+    pub(crate) observed: bool,
 }
 
 /// What an agent carries.
@@ -102,6 +104,7 @@ impl Config {
             upper_m: number(grid, "upper_m"),
             mount_z_m: number(grid, "mount_z_m"),
             ignore_self: grid["ignore_self"].as_bool().unwrap_or(false),
+            observed: grid["observed"].as_bool().unwrap_or(false),
         };
         AgentConfig { rig: rig.clone(), grid }
     }

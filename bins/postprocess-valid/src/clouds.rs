@@ -83,6 +83,11 @@ impl Clouds {
 }
 
 impl Readings {
+    /// Lidars and their points.
+    pub(crate) fn lidars(&self) -> &[(Mount, [Vec<f32>; 3])] {
+        &self.lidars
+    }
+
     /// Lidar and radar points with their sensors' poses.
     pub(crate) fn in_world(
         &self,

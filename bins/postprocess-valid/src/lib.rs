@@ -1,8 +1,9 @@
-//! The post-processing stage: points per box, valid flag, difficulty; filled voxel grids.
+//! The post-processing stage: points per box, valid flag, difficulty; filled voxel grids, and what lidars saw of them.
 
 mod clouds;
 mod error;
 mod filling;
+mod observing;
 
 use frames::{Agent, Pose, World};
 use pipeline::{At, Job, Stage, StageError};
@@ -29,11 +30,20 @@ fn run(job: &mut Job<'_, ValiditySettings>) -> Result<(), StageError> {
         grid.enabled && grid.is_filled()
     };
     let occupied: Vec<&AgentId> = agents.iter().filter(has_grid).collect();
-    let passes = (agents.len() + occupied.len()) as u64;
+    let has_sight = |agent: &&AgentId| {
+        let grid = settings.occupancy.of(**agent);
+        grid.enabled && grid.observed
+    };
+    let observing: Vec<&AgentId> = agents.iter().filter(has_sight).collect();
+    let passes = (agents.len() + occupied.len() + observing.len()) as u64;
     job.progress().set_total(u64::from(log.frame_count()) * passes);
 
     for agent in &occupied {
         filling::fill_agent(job, &scene, **agent, settings.occupancy.of(**agent))?;
+    }
+    for agent in observing {
+        let (grid, rig) = (settings.occupancy.of(*agent), settings.rigs.of(*agent));
+        observing::observe_agent(job, &scene, *agent, (grid, rig), log.frame_count())?;
     }
     let valid = validate_all(job, &scene, &log, &settings)?;
     if let Some(mut unit) = job.unit("boxes")? {

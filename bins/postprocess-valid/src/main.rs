@@ -1,4 +1,4 @@
-//! Counts points per box, judges validity, fills voxel grids.
+//! Counts points per box, judges validity, fills voxel grids, and says what lidars saw of them.
 
 fn main() -> std::process::ExitCode {
     pipeline::run_stage(postprocess_valid::STAGE)

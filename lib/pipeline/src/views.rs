@@ -84,7 +84,7 @@ impl StageSettings for PerAgent<OccupancySettings> {
     const STAGE: &'static str = "occupancy-gt";
 
     fn of(all: &DatasetSettings) -> Self {
-        all.occupancy()
+        all.occupancy().map(|grid| OccupancySettings { observed: false, ..grid.clone() })
     }
 }
 
@@ -214,6 +214,7 @@ mod tests {
         let voxels = ["occupancy-gt", "postprocess-valid"];
         assert_eq!(stale(|s| s.own_rigs[0].occupancy.voxel_m = 0.5), voxels);
         assert_eq!(stale(|s| s.vehicle_occupancy.range_m = 32.0), voxels);
+        assert_eq!(stale(|s| s.rsu_occupancy.observed = true), ["postprocess-valid"]);
         assert_eq!(stale(|s| s.bev.cells = 200), ["bev-gt", "stats"]);
         assert_eq!(stale(|s| s.bev.cell_m = 0.2), ["bev-gt"]);
         assert_eq!(stale(|s| s.tracks.future_s = 3.0), ["merge-tracks"]);

@@ -10,6 +10,7 @@ use super::boxes::{self, Labelled};
 use super::cameras::{self, Camera, Sight};
 use super::clouds::{self, Cloud, Kind, Ranger};
 use super::counts::{self, Evidence, Visible};
+use super::observed::Observed;
 use super::voxels::Grids;
 use super::{flow, inertial, ranging, tables};
 use crate::config::{AgentConfig, Config};
@@ -29,6 +30,7 @@ struct Agent<'a> {
     visible: Option<Visible>,
     masks: Option<Masks>,
     grids: Option<Grids>,
+    observed: Option<Observed>,
     is_validated: bool,
 }
 
@@ -58,6 +60,7 @@ pub(crate) fn check(
         visible: None,
         masks: None,
         grids: None,
+        observed: None,
         is_validated: has("postprocess-valid"),
     };
     if has("render-sensors") {
@@ -152,6 +155,12 @@ impl Agent<'_> {
         if filled.is_none() {
             ledger.skip(Rule::VoxelFill, format!("{name}: grids are not filled yet"));
         }
+        if about.grid.observed && self.is_validated {
+            let archive = Npz::open(&self.scene.file(&format!("occupancy_observed/{name}.npz")));
+            self.observed = ledger.read(archive).map(|archive| Observed::new(about.grid, archive));
+        } else {
+            ledger.skip(Rule::Observed, format!("{name}: not asked for, or not validated yet"));
+        }
         self.grids = plain.map(|plain| Grids::new(about.grid, plain, filled.flatten()));
     }
 
@@ -191,6 +200,9 @@ impl Agent<'_> {
         }
         if let Some(grids) = &self.grids {
             grids.check(frame, &pose, &clouds, own, ledger);
+        }
+        if let Some(observed) = &self.observed {
+            observed.check(frame, &clouds, ledger);
         }
         points
     }

@@ -9,6 +9,7 @@ mod counts;
 mod flow;
 mod inertial;
 pub(crate) mod log;
+mod observed;
 mod ranging;
 pub(crate) mod statistics;
 pub(crate) mod tables;

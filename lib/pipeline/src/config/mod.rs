@@ -261,6 +261,14 @@ mod tests {
     }
 
     #[test]
+    fn what_lidars_saw_needs_a_lidar() {
+        let grid = "[scenes.train]\nTown01 = 1\n[rsu.occupancy]\nobserved = true\n";
+        assert!(parse(grid, "a.toml").is_ok_and(|all| all.rsu_occupancy.observed));
+        let found = faults(&format!("{grid}[rsu.lidar]\nenabled = false\nsemantic = true\n"));
+        assert_eq!(found, "bad.toml:4: `rsu.occupancy.observed` needs a lidar without labels\n");
+    }
+
+    #[test]
     fn a_dataset_without_scenes_is_a_fault() {
         assert!(faults("name = \"x\"\n").contains("no scenes"));
     }

@@ -14,11 +14,16 @@ use super::reader::Section;
 use super::table_names::TableNames;
 
 pub(crate) fn vehicle(s: &Section<'_>) -> (Rig, OccupancySettings) {
-    (common(s, &Rig::vehicle()), occupancy(s))
+    with_grid(s, common(s, &Rig::vehicle()))
 }
 
 pub(crate) fn rsu(s: &Section<'_>) -> (Rig, OccupancySettings) {
-    (common(s, &Rig::rsu()), occupancy(s))
+    with_grid(s, common(s, &Rig::rsu()))
+}
+
+fn with_grid(s: &Section<'_>, rig: Rig) -> (Rig, OccupancySettings) {
+    let grid = occupancy(s, &rig);
+    (rig, grid)
 }
 
 /// Rigs that single agents carry instead of those of their kind.
@@ -352,7 +357,7 @@ fn imu(s: &Section<'_>, carried: bool) -> Option<ImuSpec> {
     enabled.then_some(spec)
 }
 
-fn occupancy(parent: &Section<'_>) -> OccupancySettings {
+fn occupancy(parent: &Section<'_>, rig: &Rig) -> OccupancySettings {
     let s = parent.section("occupancy", "voxel grid");
     let d = OccupancySettings::default();
     let settings = OccupancySettings {
@@ -389,7 +394,15 @@ fn occupancy(parent: &Section<'_>) -> OccupancySettings {
             "how insides are filled: `chunk` by class in chunks, as SimBEV2X does; `paper` where all six directions meet one \
              label first; `solid` whatever is closed",
         ),
+        observed: s.flag(
+            "observed",
+            d.observed,
+            "write which cells the agent's lidars saw free, occupied or not at all (`occupancy_observed/`)",
+        ),
     };
+    if settings.observed && !rig.lidars.iter().any(|lidar| !lidar.semantic) {
+        s.fault_at("observed", format!("`{}` needs a lidar without labels", s.path_of("observed")));
+    }
     if settings.lower_m >= settings.upper_m {
         s.fault_at_any(&["lower_m", "upper_m"], format!("`{}` is not below upper_m", s.path_of("lower_m")));
     } else if let Some(problem) = settings.problem() {

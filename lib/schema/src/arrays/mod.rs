@@ -5,8 +5,10 @@ mod bev;
 mod kind;
 mod occupancy;
 mod occupancy_filled;
+mod occupancy_observed;
 
 pub use bev::{BEV_HEIGHTS, BEV_IDS, BEV_MASKS, BEV_PAINT};
 pub use kind::ArrayKind;
 pub use occupancy::{VOXEL_CELLS, VOXEL_FLOW, VOXEL_GRIDS, VOXEL_IDS};
 pub use occupancy_filled::FILLED_VOXEL_GRIDS;
+pub use occupancy_observed::OBSERVED_VOXELS;

@@ -135,6 +135,10 @@ pub struct OccupancySettings {
     pub flow: bool,
     /// How insides are filled.
     pub fill_rule: FillingRule,
+    /// Write which cells the agent's lidars saw free, occupied, or not at all. Says nothing of the grid itself: the stage
+    /// that makes it does not see this.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub observed: bool,
 }
 
 impl Default for OccupancySettings {
@@ -153,6 +157,7 @@ impl Default for OccupancySettings {
             ids: false,
             flow: false,
             fill_rule: FillingRule::Chunk,
+            observed: false,
         }
     }
 }
@@ -181,6 +186,8 @@ impl OccupancySettings {
             format!("at most {} along an axis are possible", Self::MAX_AXIS)
         } else if !self.sparse && self.cells() > Self::MAX_CELLS {
             format!("at most {} in all are possible, unless they are listed (`sparse`)", Self::MAX_CELLS)
+        } else if self.observed && self.cells() > Self::MAX_CELLS {
+            format!("at most {} in all are possible with `observed`, which is never listed", Self::MAX_CELLS)
         } else if !self.full_sweep && (self.sparse || self.ids || self.flow) {
             return Some("lists of cells, ids and flow need `full_sweep`".into());
         } else if !self.full_sweep && self.sweeps.is_nothing() {
@@ -254,6 +261,11 @@ mod tests {
         let fine = |sparse| OccupancySettings { voxel_m: 0.02, sparse, ..OccupancySettings::default() };
         assert_eq!(fine(true).shape(), [6400, 6400, 400]);
         assert_eq!((fine(true).problem(), fine(false).problem().is_some()), (None, true));
+        assert!(
+            OccupancySettings { observed: true, ..fine(true) }
+                .problem()
+                .is_some_and(|p| p.contains("observed"))
+        );
         assert!(problem(2048.25, 0.5, 0.0, 1.0).is_some(), "8193 along an axis");
         assert!(problem(1.0, 5.0, -1.0, 7.0).is_some_and(|p| p.contains("0 x 0 x 2")));
         assert!(problem(64.0, 0.1, 7.0, -1.0).is_some(), "upside down");

@@ -1,0 +1,110 @@
+//! What an agent's lidars saw of its voxel grids.
+
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
+
+use carve::{Lattice, Sweep, carve};
+use counts::PartialCounts;
+use formats::Scalar;
+use framewise::{FrameArray, FrameArrays, write_arrays};
+use pipeline::{At, Job, Place, StageError};
+use scene::{SceneError, SceneReader};
+use schema::AgentId;
+use schema::arrays::{ArrayKind, OBSERVED_VOXELS};
+use schema::settings::OccupancySettings;
+use schema::settings::stages::{RangeRig, ValiditySettings};
+
+use crate::clouds::{Clouds, Readings};
+
+/// Writes what an agent's lidars saw of every grid.
+///
+/// # Errors
+/// Its lidar tables are missing or broken, or the store cannot be written.
+pub(crate) fn observe_agent(
+    job: &mut Job<'_, ValiditySettings>,
+    scene: &SceneReader,
+    agent: AgentId,
+    (grid, rig): (&OccupancySettings, &RangeRig),
+    frames: u32,
+) -> Result<(), StageError> {
+    let progress = job.progress();
+    let Some(mut unit) = job.unit(&format!("observed.{agent}"))? else { return Ok(()) };
+    let place = Place::scene(scene.scene()).agent(agent);
+    let lidars = RangeRig { radars: Vec::new(), ..rig.clone() };
+    let clouds = Clouds::open(scene, agent, &lidars, frames).at(|| place.clone())?;
+    let ahead = Mutex::new(Ahead { clouds, next: 0, waiting: BTreeMap::new() });
+    let observed = Observed { place, grid, ahead };
+    write_arrays(&mut unit, (scene.scene(), agent), frames, &progress, &observed)?;
+    unit.finish()?;
+    Ok(())
+}
+
+/// Readings in the order of their tables, for threads that ask for neighbouring frames in any order.
+struct Ahead {
+    clouds: Clouds,
+    next: u32,
+    /// Read already, not yet asked for.
+    waiting: BTreeMap<u32, Readings>,
+}
+
+impl Ahead {
+    fn take(&mut self, frame: u32) -> Result<Readings, SceneError> {
+        loop {
+            if let Some(readings) = self.waiting.remove(&frame) {
+                return Ok(readings);
+            }
+            let readings = self.clouds.next_frame()?;
+            self.waiting.insert(self.next, readings);
+            self.next += 1;
+        }
+    }
+}
+
+/// What the lidars of an agent saw.
+struct Observed<'a> {
+    place: Place,
+    grid: &'a OccupancySettings,
+    ahead: Mutex<Ahead>,
+}
+
+impl FrameArrays for Observed<'_> {
+    type Memory = Vec<u8>;
+
+    fn comment(&self) -> Result<String, StageError> {
+        self.grid.describe().at(|| self.place.clone())
+    }
+
+    fn memory(&self) -> Result<Vec<u8>, StageError> {
+        Ok(Vec::new())
+    }
+
+    fn kinds(&self) -> Vec<&'static ArrayKind> {
+        vec![&OBSERVED_VOXELS]
+    }
+
+    /// `[x, y, z]` of [`carve::Seen`].
+    fn arrays<'m>(
+        &self,
+        cells: &'m mut Vec<u8>,
+        frame: u32,
+        _: &mut PartialCounts,
+    ) -> Result<Vec<FrameArray<'m>>, StageError> {
+        let readings = {
+            let mut ahead = self.ahead.lock().unwrap_or_else(PoisonError::into_inner);
+            ahead.take(frame).at(|| self.place.clone().frame(frame))?
+        };
+        let OccupancySettings { range_m, voxel_m, lower_m, mount_z_m, .. } = *self.grid;
+        let lattice = Lattice {
+            shape: self.grid.shape(),
+            corner_m: [-range_m, -range_m, mount_z_m + lower_m],
+            cell_m: voxel_m,
+        };
+        let sweeps: Vec<Sweep<'_>> = readings
+            .lidars()
+            .iter()
+            .map(|(mount, [x, y, z])| Sweep { agent_from_sensor: mount.agent_from_sensor(), x, y, z })
+            .collect();
+        carve(&lattice, &sweeps, cells);
+        Ok(vec![FrameArray { scalar: Scalar::U8, shape: lattice.shape.to_vec(), bytes: (&*cells).into() }])
+    }
+}
