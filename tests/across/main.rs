@@ -12,6 +12,7 @@ mod help;
 mod maps;
 mod masks;
 mod pipeline;
+mod plain;
 mod replay;
 mod rigs;
 mod towns;
