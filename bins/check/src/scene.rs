@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
+use schema::SIGN_TYPES;
 use serde_json::Value;
 
 use crate::files::{Batch, Table, Unreadable, read_json};
@@ -151,6 +152,10 @@ impl Scene {
                     world_from_object: poses[k],
                     attributes: serde_json::from_str(&attributes[k]).unwrap_or(Value::Null),
                 };
+                let word = actor.attributes.get("sign_type").and_then(Value::as_str);
+                ledger.expect(Rule::Units, word.is_none_or(|word| SIGN_TYPES.contains(&word)), || {
+                    format!("log/actors: the sign_type of object {id} is {word:?}")
+                });
                 let id = u16::try_from(id).unwrap_or(0);
                 let is_new = id != 0 && self.actors.insert(id, actor).is_none();
                 ledger.expect(Rule::ImageIds, is_new, || format!("log/actors: id {id} is 0 or there twice"));

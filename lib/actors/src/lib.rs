@@ -19,6 +19,7 @@ mod heavy;
 mod nature;
 mod pieces;
 mod props;
+mod sign;
 mod solids;
 mod street;
 mod two_wheeler;
@@ -38,7 +39,7 @@ pub use pieces::{ActorMesh, Joint, Piece, Posture};
 
 /// The mesh of an actor.
 ///
-/// `model` is a name of [`schema::models::MODELS`] or of the scenery (`building.*`, `tree.*`, `light.signal`, ...);
+/// `model` is a name of [`schema::models::MODELS`], of a parked two-wheeler, or of the scenery (`building.*`, `tree.*`, `light.signal`, ...);
 /// `size_m` is length, width, height; `variant` tells apart objects of the same model. The mesh stands on z = 0 inside the
 /// box of that size, centred in x and y; poles of lights and signs reach below z = 0. `None`: no such model.
 #[must_use]
@@ -46,6 +47,9 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
     let size = Vec3::new(size_m[0] as f32, size_m[1] as f32, size_m[2] as f32);
     let fixed =
         |mesh: TriMesh| Some(ActorMesh { pieces: vec![Piece { mesh: Arc::new(mesh), joint: Joint::Fixed }] });
+    if let Some((parked, ridden)) = models::find_parked(model) {
+        return Some(two_wheeler::parked(parked, ridden, size));
+    }
     if let Some(known) = models::find(model) {
         return match known.base {
             BaseType::Car | BaseType::Van => Some(car::vehicle(known, size)),

@@ -1,4 +1,4 @@
-//! Benches, bins, fences, walls and rocks.
+//! Benches, bins, racks, fences, walls and rocks.
 
 use glam::Vec3;
 use schema::Tag;
@@ -11,6 +11,7 @@ pub(crate) fn prop(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> {
     let mut b = MeshBuilder::new();
     match kind {
         "bench" => bench(&mut b, size),
+        "rack" => rack(&mut b, size),
         "bin" => bin(&mut b, size, variant),
         "fence" => fence(&mut b, size, variant),
         "wall" => wall(&mut b, size, variant),
@@ -49,6 +50,17 @@ fn bench(b: &mut MeshBuilder, size: Vec3) {
             Vec3::new(-half.x + 0.09, half.y, (z + 0.13) * size.z),
         );
     }
+}
+
+/// A hoop to lock bicycles to; it runs along x.
+fn rack(b: &mut MeshBuilder, size: Vec3) {
+    let (half, r) = (0.5 * size, 0.5 * size.y);
+    let steel = Part::new(Tag::Static, Surface::Metal, [0.32, 0.33, 0.34]);
+    let top = size.z - r;
+    for x in [-half.x + r, half.x - r] {
+        b.bar(steel, Vec3::new(x, 0.0, 0.0), Vec3::new(x, 0.0, top), [r; 2], 6);
+    }
+    b.bar(steel, Vec3::new(-half.x + r, 0.0, top), Vec3::new(half.x - r, 0.0, top), [r; 2], 6);
 }
 
 /// A litter bin.

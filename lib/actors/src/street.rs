@@ -1,4 +1,4 @@
-//! Traffic lights, signs, street lamps and the poles of road-side units.
+//! Traffic lights, street lamps and the poles of road-side units; signs by their kind.
 
 use std::f32::consts::TAU;
 
@@ -8,8 +8,8 @@ use schema::footprint::LightMount;
 use schema::geometry::{Part, Surface, TriMesh};
 use schema::{Tag, lights};
 
-use crate::solids::{MeshBuilder, circle};
-use crate::warning;
+use crate::solids::MeshBuilder;
+use crate::{sign, warning};
 
 const STEEL: Part = Part::new(Tag::Pole, Surface::Metal, [0.22, 0.23, 0.24]);
 
@@ -17,7 +17,7 @@ pub(crate) fn street(family: &str, kind: &str, size: Vec3, variant: u32) -> Opti
     match (family, kind) {
         ("light", "signal") => Some(signal(size, LightMount::from_variant(variant))),
         ("sign", "accident" | "road_works" | "danger") => warning::warning(kind, size),
-        ("sign", _) => Some(sign(kind, size, (variant & 0xfff) as f32 / 100.0)),
+        ("sign", _) => Some(sign::sign(kind, size, (variant & 0xfff) as f32 / 100.0)),
         ("pole", "lamp") => Some(lamp(size)),
         ("pole", "rsu") => Some(rsu(size)),
         _ => None,
@@ -73,61 +73,6 @@ fn signal(size: Vec3, mount: LightMount) -> TriMesh {
     }
     // Brackets between pole or arm and housing.
     b.cuboid(STEEL, Vec3::new(back, -0.04, 0.5 * size.z), Vec3::new(-half.x + 0.01, 0.04, 0.62 * size.z));
-    b.finish()
-}
-
-/// The board stands on z = 0 and looks along +x; its pole reaches `height_m` below.
-fn sign(kind: &str, size: Vec3, height_m: f32) -> TriMesh {
-    let half = 0.5 * size;
-    let grey = Part::new(Tag::TrafficSign, Surface::Metal, [0.35; 3]);
-    let face = |rgb: [f32; 3]| Part::new(Tag::TrafficSign, Surface::Plain, rgb);
-    let mut b = MeshBuilder::new();
-    let outline: Vec<(f32, f32)> = match kind {
-        // Triangle on its tip.
-        "yield" => vec![(0.0, -1.0), (1.0, 1.0), (-1.0, 1.0)],
-        "stop" => {
-            // A regular octagon with flat sides that fills the square.
-            let k = 0.414_213_57;
-            vec![(-k, -1.0), (k, -1.0), (1.0, -k), (1.0, k), (k, 1.0), (-k, 1.0), (-1.0, k), (-1.0, -k)]
-        }
-        "speed" => circle(16).collect(),
-        _ => vec![(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)],
-    };
-    let (rim, inner) = match kind {
-        "yield" | "speed" => ([0.65, 0.03, 0.03], [0.85; 3]),
-        "stop" => ([0.85; 3], [0.60, 0.03, 0.03]),
-        _ => ([0.85; 3], [0.05, 0.12, 0.45]),
-    };
-    let ring = |x: f32, share: f32| -> Vec<Vec3> {
-        // The triangle shrinks about its own middle, the others about the square's.
-        let shift = if kind == "yield" { 0.33 * (1.0 - share) } else { 0.0 };
-        outline
-            .iter()
-            .map(|(y, z)| Vec3::new(x, y * share * half.y, half.z + (z * share + shift) * half.z))
-            .collect()
-    };
-    let (front, back) = (half.x, -0.2 * half.x);
-    let n = outline.len();
-    let rings = [ring(back, 1.0), ring(0.9 * front, 1.0), ring(front, 0.76)];
-    b.loft(&rings, |k, _| if k == 0 { grey } else { face(rim) }, [grey, face(inner)]);
-    debug_assert!(n >= 3);
-    let bar = face(if kind == "stop" { [0.85; 3] } else { [0.03; 3] });
-    if kind == "stop" || kind == "speed" {
-        // A plain device on the board in place of letters.
-        b.cuboid(
-            bar,
-            Vec3::new(0.5 * front, -0.45 * half.y, 0.86 * half.z),
-            Vec3::new(front, 0.45 * half.y, 1.14 * half.z),
-        );
-    }
-    let pole_x = -half.x + 0.004;
-    b.bar(
-        STEEL,
-        Vec3::new(pole_x, 0.0, -height_m - 0.15),
-        Vec3::new(pole_x, 0.0, 0.8 * size.z),
-        [0.03; 2],
-        8,
-    );
     b.finish()
 }
 

@@ -2,10 +2,10 @@ use std::collections::BTreeMap;
 
 use frames::Aabb;
 use glam::Vec3;
-use scenery::{BUILDINGS, BuildingKind, TREES};
+use scenery::{BUILDINGS, BuildingKind, PLATES, TREES};
 use schema::footprint::LightMount;
 use schema::geometry::{Surface, TriMesh};
-use schema::models::{BaseType, MODELS};
+use schema::models::{BaseType, MODELS, PARKED_TWO_WHEELERS};
 use schema::{Tag, lights, works};
 
 use super::*;
@@ -16,6 +16,7 @@ fn everything() -> Vec<(String, [f64; 3], u32)> {
     for model in MODELS {
         all.extend([0, 3, 17, 32].map(|variant| (model.name.to_owned(), model.size_m, variant)));
     }
+    all.extend(PARKED_TWO_WHEELERS.iter().map(|model| (model.name.to_owned(), model.size_m, 0)));
     for BuildingKind { model, width_m, depth_m, storeys } in BUILDINGS {
         for (share, variant) in [(0, 0), (1, 5), (1, 13)] {
             let size = [depth_m[share], width_m[share], 3.0 * storeys[share] as f64 + 2.0];
@@ -32,17 +33,15 @@ fn everything() -> Vec<(String, [f64; 3], u32)> {
         ("bush.hedge", [5.0, 0.8, 1.2]),
         ("prop.bench", [0.55, 1.7, 0.85]),
         ("prop.bin", [0.42, 0.42, 0.95]),
+        ("prop.rack", [1.0, 0.06, 0.85]),
         ("prop.fence", [6.0, 0.1, 1.1]),
         ("prop.wall", [6.0, 0.3, 1.4]),
         ("prop.rock", [1.0, 1.0, 0.7]),
         ("pole.lamp", [2.4, 0.28, 7.5]),
         ("pole.rsu", [0.4, 0.4, 3.5]),
-        ("sign.stop", [0.08, 0.76, 0.76]),
-        ("sign.yield", [0.08, 0.76, 0.76]),
-        ("sign.speed", [0.08, 0.76, 0.76]),
-        ("sign.other", [0.08, 0.76, 0.76]),
         ("light.signal", [0.36, 0.42, 1.1]),
     ];
+    all.extend(PLATES.iter().map(|plate| (plate.model.to_owned(), plate.size_m, 220)));
     all.extend(others.into_iter().chain(works::all()).map(|(name, size)| (name.to_owned(), size, 1)));
     all
 }
@@ -240,6 +239,21 @@ fn doors_swing_outward_about_their_front_edge() {
             let frame = actor.pieces.iter().filter(|p| p.joint == Joint::Doorway { door }).count();
             assert_eq!(frame, 1);
         }
+    }
+}
+
+#[test]
+fn nobody_sits_on_a_parked_two_wheeler() {
+    for model in PARKED_TWO_WHEELERS {
+        let pieces = made(model.name, model.size_m, 0).pieces;
+        let tags: Vec<Tag> = pieces.iter().flat_map(|p| p.mesh.parts.iter().map(|part| part.tag)).collect();
+        assert!(tags.iter().all(|tag| Some(tag) == model.base.tags().last()), "{}: {tags:?}", model.name);
+        let b = bounds(&made(model.name, model.size_m, 0), 0.0, |_| true);
+        assert!(
+            b.min.z.abs() < 0.01 && (b.max.z - model.size_m[2] as f32).abs() < 0.01,
+            "{}: {b:?}",
+            model.name
+        );
     }
 }
 

@@ -1,4 +1,4 @@
-//! Motorcycles and bicycles with their riders.
+//! Motorcycles and bicycles, with their riders or parked.
 
 use std::sync::Arc;
 
@@ -14,6 +14,16 @@ use crate::wheel;
 
 /// A two-wheeler with its rider: one object, two tags.
 pub(crate) fn two_wheeler(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
+    machine(model, size, size.z, Some(variant))
+}
+
+/// One that nobody sits on. `ridden` is the same with its rider, by whose height its parts are where they are.
+pub(crate) fn parked(model: &Model, ridden: &Model, size: Vec3) -> ActorMesh {
+    machine(ridden, size, size.z * (ridden.size_m[2] / model.size_m[2]) as f32, None)
+}
+
+/// A two-wheeler in a box; parts are at shares of the height that it has with a rider. `rider_variant` is that of who rides.
+fn machine(model: &Model, size: Vec3, ridden_m: f32, rider_variant: Option<u32>) -> ActorMesh {
     let bicycle = model.base == BaseType::Bicycle;
     let tag = if bicycle { Tag::Bicycle } else { Tag::Motorcycle };
     let (radius, wheelbase) = (model.wheel_radius_m as f32, model.wheelbase_m as f32);
@@ -23,11 +33,11 @@ pub(crate) fn two_wheeler(model: &Model, size: Vec3, variant: u32) -> ActorMesh 
     let front = half_l - radius - 0.5 * slack;
     let rear = front - wheelbase;
     let mut b = MeshBuilder::new();
-    let seat = if bicycle { 0.53 * size.z } else { 0.50 * size.z };
+    let seat = if bicycle { 0.53 * ridden_m } else { 0.50 * ridden_m };
     let grip = Vec3::new(
         front - if bicycle { 0.14 } else { 0.24 },
         0.82 * half_w,
-        if bicycle { 0.56 } else { 0.62 } * size.z,
+        if bicycle { 0.56 } else { 0.62 } * ridden_m,
     );
     if bicycle {
         bicycle_frame(&mut b, tag, [front, rear], radius, seat, grip);
@@ -40,7 +50,9 @@ pub(crate) fn two_wheeler(model: &Model, size: Vec3, variant: u32) -> ActorMesh 
     } else {
         Vec3::new(rear + 0.48 * wheelbase, 0.17, 0.62 * radius)
     };
-    rider(&mut b, size, hip, grip, foot, !bicycle, variant);
+    if let Some(variant) = rider_variant {
+        rider(&mut b, size, hip, grip, foot, !bicycle, variant);
+    }
     // Lamps mark the ends of the box.
     let lamp = |bits: u32, rgb: [f32; 3]| Part::new(tag, Surface::Lamp(bits), rgb);
     let head_z = if bicycle { grip.z - 0.12 } else { grip.z - 0.10 };

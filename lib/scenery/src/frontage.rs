@@ -1,8 +1,25 @@
 //! The outer edges of streets and railways: where land begins.
 
 use nalgebra::{Point3, Vector3};
+use opendrive::{LaneType, Map};
 
-use surfaces::{Ground, Section};
+use surfaces::{Ground, Section, Strip};
+
+/// What drives along one side of a road.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Traffic {
+    /// Lanes of the side: the most that it has anywhere.
+    pub(crate) lanes: usize,
+    /// Which way they run: +1 along the frontage, -1 against it; 0 without lanes.
+    pub(crate) direction: f64,
+    /// Whether the road has no lanes on its other side, and sidewalks on both.
+    pub(crate) one_way_street: bool,
+    /// Whether there is a parking lane.
+    pub(crate) parks: bool,
+}
+
+/// Medians from this width on have room for signs, metres.
+const MEDIAN_M: f64 = 0.9;
 
 /// One side of a road, from its start to its end.
 pub(crate) struct Frontage {
@@ -13,6 +30,9 @@ pub(crate) struct Frontage {
     /// Whether the outermost lane at each point is a sidewalk, and its width, metres.
     walk_m: Vec<f64>,
     along_m: Vec<f64>,
+    /// The middle of the side's half of the median at each point, where there is a raised one.
+    medians: Vec<Option<Point3<f64>>>,
+    pub(crate) traffic: Traffic,
     /// Speed limit of the road, m/s (0: unknown).
     pub(crate) speed_mps: f64,
     /// Whether a railway runs at the edge.
@@ -26,6 +46,8 @@ pub(crate) struct Spot {
     pub(crate) away: Vector3<f64>,
     /// Width of the sidewalk, metres; 0 where there is none.
     pub(crate) walk_m: f64,
+    /// The middle of the side's half of the median.
+    pub(crate) median: Option<Point3<f64>>,
 }
 
 impl Spot {
@@ -56,12 +78,34 @@ impl Frontage {
             point: self.points[k - 1] + (self.points[k] - self.points[k - 1]) * share,
             away: away.try_normalize(1e-9)?,
             walk_m: self.walk_m[k - 1].min(self.walk_m[k]),
+            median: self.medians[k - 1].zip(self.medians[k]).map(|(a, b)| a + (b - a) * share),
         })
+    }
+
+    /// Distance from the start of the point that is nearest to a place of the plan, and how far it is, metres.
+    pub(crate) fn nearest(&self, x: f64, y: f64) -> Option<[f64; 2]> {
+        let away = self.points.iter().map(|p| (p.x - x) * (p.x - x) + (p.y - y) * (p.y - y));
+        let (k, square) = away.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        // Points are metres apart: the place is beside the piece before or after it.
+        let foot = |a: usize, b: usize| {
+            let (from, way) = (self.points[a], self.points[b] - self.points[a]);
+            let length2 = way.x * way.x + way.y * way.y;
+            let share = ((x - from.x) * way.x + (y - from.y) * way.y) / length2.max(1e-12);
+            let share = share.clamp(0.0, 1.0);
+            let (dx, dy) = (from.x + share * way.x - x, from.y + share * way.y - y);
+            [self.along_m[a] + share * (self.along_m[b] - self.along_m[a]), (dx * dx + dy * dy).sqrt()]
+        };
+        let pieces = [
+            k.checked_sub(1).map(|before| foot(before, k)),
+            (k + 1 < self.points.len()).then(|| foot(k, k + 1)),
+        ];
+        let best = pieces.into_iter().flatten().min_by(|a, b| a[1].total_cmp(&b[1]));
+        Some(best.unwrap_or([self.along_m[k], square.sqrt()]))
     }
 }
 
 /// Both sides of every road outside junctions, by road.
-pub(crate) fn frontages(sections: &[&Section]) -> Vec<Frontage> {
+pub(crate) fn frontages(map: &Map, sections: &[&Section]) -> Vec<Frontage> {
     let mut found: Vec<Frontage> = Vec::new();
     for side in 0..2u64 {
         for section in sections.iter().filter(|s| !s.junction) {
@@ -75,12 +119,16 @@ pub(crate) fn frontages(sections: &[&Section]) -> Vec<Frontage> {
                     away: Vec::new(),
                     walk_m: Vec::new(),
                     along_m: Vec::new(),
+                    medians: Vec::new(),
+                    traffic: Traffic::default(),
                     speed_mps: 0.0,
                     track: strip.ground == Ground::Track,
                 });
             }
             let Some(front) = found.last_mut() else { continue };
             front.speed_mps = front.speed_mps.max(section.speed_mps);
+            front.traffic = front.traffic.and(traffic(map, section, side));
+            let median = median(section, side);
             for (i, (point, away)) in edge.iter().zip(away).enumerate() {
                 let step = front.points.last().map_or(0.0, |last| (point - last).norm());
                 let walk =
@@ -89,9 +137,53 @@ pub(crate) fn frontages(sections: &[&Section]) -> Vec<Frontage> {
                 front.points.push(*point);
                 front.away.push(away);
                 front.walk_m.push(walk);
+                let middle = median.map(|strip| (strip.left[i], strip.right[i]));
+                let wide = middle.filter(|(left, right)| (left - right).norm() >= MEDIAN_M);
+                front.medians.push(wide.map(|(left, right)| nalgebra::center(&left, &right)));
             }
         }
     }
     found.sort_by_key(|f| f.entity);
     found
+}
+
+/// Whether a strip belongs to the right (0) or left (1) side of its road.
+fn is_of(strip: &Strip, side: u64) -> bool {
+    (strip.lane.lane > 0) == (side == 1)
+}
+
+fn traffic(map: &Map, section: &Section, side: u64) -> Traffic {
+    let lanes = |side: u64| {
+        let own = section.strips.iter().filter(move |strip| is_of(strip, side));
+        own.filter_map(|strip| map.lane(strip.lane)).filter(|lane| lane.lane_type.is_drivable())
+    };
+    let own: Vec<_> = lanes(side).collect();
+    let walked = |side: usize| section.outermost(side).is_some_and(|strip| strip.ground == Ground::Walk);
+    let parking = |strip: &&Strip| {
+        is_of(strip, side) && map.lane(strip.lane).is_some_and(|lane| lane.lane_type == LaneType::Parking)
+    };
+    Traffic {
+        lanes: own.len(),
+        direction: own.first().map_or(0.0, |lane| lane.direction),
+        one_way_street: !own.is_empty() && lanes(1 - side).next().is_none() && walked(0) && walked(1),
+        parks: section.strips.iter().any(|strip| parking(&strip)),
+    }
+}
+
+impl Traffic {
+    /// That of a longer piece, of which the other one is of the rest.
+    fn and(self, other: Self) -> Self {
+        Self {
+            lanes: self.lanes.max(other.lanes),
+            direction: if self.direction == 0.0 { other.direction } else { self.direction },
+            one_way_street: (self.lanes == 0 || self.one_way_street)
+                && (other.lanes == 0 || other.one_way_street),
+            parks: self.parks || other.parks,
+        }
+    }
+}
+
+/// The side's part of a raised median.
+fn median(section: &Section, side: u64) -> Option<&Strip> {
+    section.strips.iter().find(|strip| is_of(strip, side) && strip.ground == Ground::Median)
 }

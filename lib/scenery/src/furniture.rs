@@ -1,160 +1,19 @@
-//! Traffic lights, signs, street lamps, benches and bins.
+//! Street lamps, benches and bins.
 
 use frames::OrientedRect;
-use frames::math::{atan2, sin_cos};
-use nalgebra::{Point3, Vector3};
-use opendrive::SignalInfo;
+use nalgebra::Point3;
 use random::Stream;
-use schema::footprint::LightMount;
-use schema::{ActorKind, Attribute, Attributes, Tag};
+use schema::{ActorKind, Tag};
 
 use crate::claims::{Candidate, rank, settle};
 use crate::draft::Draft;
 use crate::frontage::{Frontage, Spot};
 use crate::land::Land;
-use crate::site::{Site, reach_m};
+use crate::site::{FOOT_M, POLE_M, Site, reach_m};
 use crate::swept::is_swept;
 use surfaces::Ground;
 
-/// Housing of a traffic light: length, width, height, metres.
-const HOUSING_M: [f64; 3] = [0.36, 0.42, 1.10];
-/// Board of a sign, metres.
-const BOARD_M: [f64; 3] = [0.08, 0.76, 0.76];
-/// Bottom of a board over the ground, metres.
-const BOARD_AT_M: f64 = 2.2;
-/// Lanes farther from the pole than this get an arm over the road, metres.
-const ARM_FROM_M: f64 = 5.0;
-const MAX_ARM_M: f64 = 7.5;
 const LAMP_M: [f64; 3] = [2.4, 0.28, 7.5];
-/// Half the side of the ground that a pole takes, metres.
-const FOOT_M: f64 = 0.3;
-/// Half the thickness of its pole, metres.
-const POLE_M: f64 = 0.14;
-
-/// The lights and signs that the map has. Those of the area become objects; the ground of all that are near is taken.
-pub(crate) fn signals(site: &Site<'_>, land: &mut Land<'_>, drafts: &mut Vec<Draft>) {
-    let mut signs = Vec::new();
-    for (i, signal) in site.map.signals().iter().enumerate() {
-        let foot = signal.on_surface;
-        if !site.near(foot.x, foot.y, reach_m::GIVEN) || (!signal.dynamic && is_paint(signal)) {
-            continue;
-        }
-        land.take(OrientedRect::square([foot.x, foot.y], FOOT_M));
-        if site.holds(foot.x, foot.y) {
-            if signal.dynamic {
-                drafts.push(light(site, i, signal));
-            } else {
-                signs.push(sign(site, i, signal));
-            }
-        }
-    }
-    for object in site.map.objects() {
-        let at = object.pose.xyz();
-        if !site.near(at[0], at[1], reach_m::GIVEN) {
-            continue;
-        }
-        // Speed limits are objects known by their name alone.
-        let name = object.name.to_ascii_lowercase();
-        let digits: String = name.chars().filter(char::is_ascii_digit).collect();
-        if !(name.contains("speed") || name.contains("spped")) || digits.is_empty() {
-            continue;
-        }
-        let point = Point3::new(at[0], at[1], at[2]);
-        let Some(hit) = site.map.nearest_driving_lane(point) else { continue };
-        let Some(lane) = site.map.lane_point(hit.lane, hit.s, 0.0) else { continue };
-        land.take(OrientedRect::square([at[0], at[1]], FOOT_M));
-        if site.holds(at[0], at[1]) {
-            let facts =
-                Attributes::new().with(Attribute::SignType, "speed_limit").with(Attribute::Value, digits);
-            let mut draft = board(site, point, lane.heading_rad + std::f64::consts::PI, "speed", facts);
-            draft.opendrive_id = Some(object.id.clone());
-            signs.push(draft);
-        }
-    }
-    drafts.append(&mut signs);
-}
-
-/// Paint that is listed among the signals is no sign.
-fn is_paint(signal: &SignalInfo) -> bool {
-    let name = signal.name.to_ascii_lowercase();
-    signal.kind.eq_ignore_ascii_case("roadmark") || name.contains("stopline") || name.contains("stencil")
-}
-
-/// Yaw of what a signal's traffic sees: against their direction of travel.
-fn facing_yaw(site: &Site<'_>, index: usize, signal: &SignalInfo) -> f64 {
-    let mut sum = Vector3::zeros();
-    for stop in site.map.stop_points(index) {
-        if let Some(point) = site.map.point_at(stop) {
-            let (s, c) = sin_cos(point.heading_rad);
-            sum += Vector3::new(c, s, 0.0);
-        }
-    }
-    if sum.norm() > 0.3 { atan2(-sum.y, -sum.x) } else { signal.pose.yaw() + std::f64::consts::PI }
-}
-
-fn light(site: &Site<'_>, index: usize, signal: &SignalInfo) -> Draft {
-    let foot = signal.on_surface;
-    let ground_z = site.levels().height(foot.x, foot.y, foot.z);
-    let yaw = facing_yaw(site, index, signal);
-    let (s, c) = sin_cos(yaw);
-    // Left of the way it faces is the right of the traffic that sees it.
-    let (face, left) = (Vector3::new(c, s, 0.0), Vector3::new(-s, c, 0.0));
-    let lanes: Vec<f64> = site
-        .map
-        .stop_points(index)
-        .into_iter()
-        .filter_map(|stop| site.map.point_at(stop))
-        .map(|p| (p.position - foot).dot(&left))
-        .collect();
-    let mean = lanes.iter().sum::<f64>() / lanes.len().max(1) as f64;
-    let arm = if mean.abs() > ARM_FROM_M { (mean.abs() - 1.0).min(MAX_ARM_M) } else { 0.0 };
-    // Whole decimetres and centimetres: that is what the variant can say.
-    let arm = (10.0 * arm).round() / 10.0;
-    let height = if arm > 0.0 { 5.2 } else { 2.6 };
-    let mount = LightMount { height_m: height as f32, arm_m: arm as f32, pole_right: mean < 0.0 };
-    let aside = if mount.pole_right { -arm } else { arm };
-    let at = foot + left * aside + face * (0.5 * HOUSING_M[0] + 0.07);
-    let mut draft = Draft::new(
-        ActorKind::TrafficLight,
-        "light.signal",
-        Tag::TrafficLight,
-        HOUSING_M,
-        [at.x, at.y, ground_z + height],
-        yaw,
-    );
-    draft.tags.insert(0, Tag::Pole);
-    draft.variant = mount.to_variant();
-    draft.opendrive_id = Some(signal.id.clone());
-    draft.attributes = Attributes::new().with(Attribute::GroundZ, format_args!("{ground_z:.3}"));
-    draft
-}
-
-fn sign(site: &Site<'_>, index: usize, signal: &SignalInfo) -> Draft {
-    let (kind, sign_type) = match signal.kind.as_str() {
-        "205" => ("yield", "yield"),
-        "206" => ("stop", "stop"),
-        "274" => ("speed", "speed_limit"),
-        _ => ("other", "other"),
-    };
-    let mut facts = Attributes::new().with(Attribute::SignType, sign_type);
-    if let Some(value) = signal.value.filter(|v| *v > 0.0) {
-        facts = facts.with(Attribute::Value, value);
-    }
-    let mut draft = board(site, signal.on_surface, facing_yaw(site, index, signal), kind, facts);
-    draft.opendrive_id = Some(signal.id.clone());
-    draft
-}
-
-/// The board of a sign, with what it says.
-fn board(site: &Site<'_>, foot: Point3<f64>, yaw: f64, kind: &str, facts: Attributes) -> Draft {
-    let ground_z = site.levels().height(foot.x, foot.y, foot.z);
-    let xyz = [foot.x, foot.y, ground_z + BOARD_AT_M];
-    let mut draft = Draft::new(ActorKind::Sign, &format!("sign.{kind}"), Tag::TrafficSign, BOARD_M, xyz, yaw);
-    draft.tags.insert(0, Tag::Pole);
-    draft.variant = (BOARD_AT_M * 100.0).round() as u32;
-    draft.attributes = facts.with(Attribute::GroundZ, format_args!("{ground_z:.3}"));
-    draft
-}
 
 /// A street lamp: its foot's place and the middle of its box.
 struct Lamp {

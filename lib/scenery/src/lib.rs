@@ -8,8 +8,11 @@ mod frontage;
 mod furniture;
 mod islands;
 mod land;
+mod lights;
 mod lots;
 mod parked;
+mod racks;
+mod signs;
 mod site;
 mod swept;
 mod trees;
@@ -19,15 +22,16 @@ use schema::tables::TileObjectRow;
 use surfaces::{AreaGround, Ground};
 
 pub use catalogue::{BUILDINGS, BuildingKind, TREES};
+pub use signs::{PLATES, Plate};
 
 use draft::Draft;
 use islands::Islands;
 use land::Land;
 use site::Site;
 
-/// What stands in an area: traffic lights and signs of the map, parked vehicles, buildings, street lamps, fences, trees and
-/// street furniture, in this order. It follows from the map, the rules and the area alone; areas side by side have each thing
-/// once, as it would be if they were one.
+/// What stands in an area: traffic lights and signs of the map, parked vehicles, buildings, street lamps, fences, trees,
+/// street furniture, racks with bicycles and the signs that roads have besides, in this order. It follows from the map, the rules
+/// and the area alone; areas side by side have each thing once, as it would be if they were one.
 ///
 /// Rows of lights and signs describe the housing or board alone (origin: centre of its bottom face, x: the way it faces);
 /// their poles belong to the same mesh and reach down to the ground, whose height is the attribute `ground_z_m`.
@@ -35,11 +39,12 @@ use site::Site;
 pub fn place(ground: &AreaGround<'_>, rules: &SceneryRules) -> Vec<TileObjectRow> {
     let tracks = ground.sections.iter().flat_map(|s| &s.strips).any(|s| s.ground == Ground::Track);
     let site = Site { map: ground.map(), rules, ground };
-    let fronts = frontage::frontages(&ground.sections);
+    let fronts = frontage::frontages(ground.map(), &ground.sections);
     let islands = Islands::new(&ground.levels.cover, &ground.around);
     let mut drafts: Vec<Draft> = Vec::new();
     let mut land = Land::new(&ground.levels, tracks);
-    furniture::signals(&site, &mut land, &mut drafts);
+    lights::lights(&site, &mut land, &mut drafts);
+    let signs = signs::given(&site, &mut land, &mut drafts);
     // Buildings keep off every marked space, and so do not ask where somebody parks.
     let mut to_build = land.clone();
     parked::parked(&site, &mut land, &mut drafts);
@@ -50,13 +55,17 @@ pub fn place(ground: &AreaGround<'_>, rules: &SceneryRules) -> Vec<TileObjectRow
     lots::fences(&site, &houses, &mut land, &mut drafts);
     trees::trees(&site, &fronts, &mut land, &mut drafts);
     furniture::small_things(&site, &fronts, &mut land, &mut drafts);
+    racks::racks(&site, &fronts, &mut land, &mut drafts);
+    signs::roadside(&site, &fronts, &signs, &mut land, &mut drafts);
     drafts.into_iter().map(Draft::row).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use frames::OrientedRect;
     use opendrive::Map;
+    use schema::{ActorKind, Attribute};
     use surfaces::{Atlas, Region};
 
     /// Places of things to tenths of a millimetre, with all that they are.
@@ -87,11 +96,134 @@ mod tests {
         assert_eq!(whole.len(), parts.len());
     }
 
+    fn town_map(name: &str) -> Map {
+        Map::new(town::generate(&town::named(name).expect("a town of ours")).expect("roads"))
+    }
+
+    fn all_of(map: &Map, corner: [f64; 2], side: f64) -> Vec<TileObjectRow> {
+        let area = Region { min: corner, max: corner.map(|v| v + side) };
+        place(&Atlas::new(map).ground(&area), &SceneryRules::default())
+    }
+
+    fn yaw(object: &TileObjectRow) -> f64 {
+        frames::Pose::<frames::World, frames::Object>::from_xyz_wxyz(object.xyz_m, object.quaternion).yaw()
+    }
+
+    /// Signs that are not the map's stand off all lanes for vehicles and outside of houses, near the lane whose traffic sees them.
+    fn check_signs(name: &str, map: &Map, corner: [f64; 2], side: f64, least: usize) {
+        let objects = all_of(map, corner, side);
+        let own = |o: &&TileObjectRow| o.kind == ActorKind::Sign && o.opendrive_id.is_none();
+        let (mut count, mut turned) = (0, 0);
+        for sign in objects.iter().filter(own) {
+            count += 1;
+            let ground_z: f64 =
+                sign.attributes.get(&Attribute::GroundZ).expect("is said").parse().expect("a number");
+            let foot = nalgebra::Point3::new(sign.xyz_m[0], sign.xyz_m[1], ground_z);
+            let vehicles = |lane: &opendrive::LaneInfo| {
+                lane.lane_type.is_drivable() || lane.lane_type == opendrive::LaneType::Parking
+            };
+            for hit in map.lanes_within(foot, 8.0, vehicles) {
+                assert!(
+                    hit.t_m.abs() > 0.5 * hit.width_m + 0.1,
+                    "{name}: {} on a lane at {foot}",
+                    sign.model
+                );
+            }
+            let nearest = map.nearest_lane(foot, |lane| lane.lane_type.is_drivable()).expect("a lane");
+            assert!(nearest.distance_m < 14.0, "{name}: {} {} m off", sign.model, nearest.distance_m);
+            let heading = map.lane_point(nearest.lane, nearest.s, 0.0).expect("on it").heading_rad;
+            let faces = frames::wrap_pi(yaw(sign) - heading).abs() > std::f64::consts::PI - 0.35;
+            // One kind is for those who come the wrong way; beside a crossing another street may be nearer.
+            turned += usize::from(!faces && sign.model != "sign.no_entry");
+            let word = sign.attributes.get(&Attribute::SignType).expect("says something");
+            assert!(schema::SIGN_TYPES.contains(&word), "{word}");
+            for house in objects.iter().filter(|o| o.kind == ActorKind::Building) {
+                let half_m = [0.5 * house.length_m, 0.5 * house.width_m];
+                let ground = OrientedRect::new([house.xyz_m[0], house.xyz_m[1]], yaw(house), half_m);
+                assert!(!ground.meets(&OrientedRect::square([foot.x, foot.y], 0.05)), "{name}: {foot}");
+            }
+        }
+        assert!(count >= least, "{name}: {count} signs");
+        assert!(10 * turned <= count, "{name}: {turned} of {count} look away from their traffic");
+    }
+
+    #[test]
+    fn signs_stand_beside_the_road_and_look_at_its_traffic() {
+        check_signs("convoy/demo", &town_map("convoy/demo"), [-256.0, -256.0], 512.0, 10);
+        check_signs("convoy/07", &town_map("convoy/07"), [-512.0, -512.0], 1024.0, 20);
+        for (name, map) in testkit::real_maps(&["Town03", "Town04"]) {
+            check_signs(name, &map, [-256.0, -256.0], 512.0, 10);
+        }
+    }
+
+    #[test]
+    fn wide_approaches_have_a_second_light_across_the_junction() {
+        let map = town_map("convoy/08");
+        let lights = all_of(&map, [-256.0, -256.0], 512.0);
+        let lights: Vec<_> = lights.iter().filter(|o| o.kind == ActorKind::TrafficLight).collect();
+        let mut pairs = 0;
+        for (i, light) in lights.iter().enumerate() {
+            for second in lights[..i].iter().filter(|other| other.opendrive_id == light.opendrive_id) {
+                pairs += 1;
+                let away = nalgebra::Vector2::new(
+                    second.xyz_m[0] - light.xyz_m[0],
+                    second.xyz_m[1] - light.xyz_m[1],
+                );
+                // Both look the same way; one is behind the other as its traffic sees them, on the same side of a wide street.
+                assert!(frames::wrap_pi(yaw(light) - yaw(second)).abs() < 0.2);
+                let (sin, cos) = frames::math::sin_cos(yaw(light));
+                let (behind, aside) = (away.x * cos + away.y * sin, away.y * cos - away.x * sin);
+                assert!((10.0..60.0).contains(&behind.abs()) && aside.abs() < 15.0, "{behind} {aside}");
+            }
+        }
+        assert!(pairs > 4, "{pairs}");
+    }
+
+    /// Whether two vehicles' footprints meet.
+    fn meet(a: &TileObjectRow, b: &TileObjectRow) -> bool {
+        let ground = |o: &TileObjectRow| {
+            let half_m = [0.5 * o.length_m, 0.5 * o.width_m];
+            OrientedRect::new([o.xyz_m[0], o.xyz_m[1]], yaw(o), half_m)
+        };
+        ground(a).meets(&ground(b))
+    }
+
+    #[test]
+    fn trucks_buses_and_two_wheelers_park_where_they_fit() {
+        let mut seen: std::collections::BTreeMap<String, usize> = std::collections::BTreeMap::new();
+        let towns = [("convoy/02", [-512.0, -512.0]), ("convoy/demo", [-512.0, -512.0])]
+            .map(|(n, c)| (town_map(n), c));
+        let real = testkit::real_maps(&["Town03"]).map(|(_, map)| (map, [-512.0, -512.0]));
+        for (map, corner) in towns.into_iter().chain(real) {
+            let objects = all_of(&map, corner, 1024.0);
+            let parked: Vec<_> = objects.iter().filter(|o| o.kind == ActorKind::Parked).collect();
+            for (i, one) in parked.iter().enumerate() {
+                *seen.entry(one.model.split('.').next().unwrap_or_default().to_owned()).or_default() += 1;
+                assert!(parked[..i].iter().all(|other| !meet(one, other)), "{} {:?}", one.model, one.xyz_m);
+                assert!(!one.semantic_tags.contains(&(schema::Tag::Rider as u8)));
+                let at = nalgebra::Point3::from(one.xyz_m);
+                if one.model.starts_with("bicycle") {
+                    let walk = map.nearest_lane(at, |l| l.lane_type.is_walkable()).expect("a sidewalk");
+                    assert!(walk.is_inside(), "{:?}", one.xyz_m);
+                }
+                // A bus whose middle keeps to its lane gets by.
+                let near = map.nearest_driving_lane(at).expect("a lane");
+                let room =
+                    if one.model.starts_with("motorcycle") { 0.5 * one.length_m } else { 0.5 * one.width_m };
+                assert!(near.t_m.abs() - room > 1.27, "{} {:?} {}", one.model, one.xyz_m, near.t_m);
+            }
+        }
+        for kind in ["car", "van", "truck", "motorcycle", "bicycle"] {
+            assert!(seen.get(kind).is_some_and(|n| *n > 1), "{kind}: {seen:?}");
+        }
+        let cars = seen["car"] + seen["van"];
+        assert!(seen["truck"] + seen.get("bus").copied().unwrap_or(0) < cars / 5, "{seen:?}");
+    }
+
     #[test]
     fn nine_small_areas_are_as_one_large_one() {
         for (name, corner) in [("convoy/demo", [-192.0, -192.0]), ("convoy/03", [-192.0, -160.0])] {
-            let town = town::generate(&town::named(name).expect("a town of ours")).expect("roads");
-            check(&Map::new(town), corner);
+            check(&town_map(name), corner);
         }
         for (_, map) in testkit::real_maps(&["Town03"]) {
             check(&map, [-192.0, -192.0]);

@@ -4,6 +4,11 @@ use opendrive::Map;
 use schema::settings::SceneryRules;
 use surfaces::{AreaGround, GroundLevels};
 
+/// Half the side of the ground that a pole takes, metres.
+pub(crate) const FOOT_M: f64 = 0.3;
+/// Half the thickness of a pole, metres.
+pub(crate) const POLE_M: f64 = 0.14;
+
 /// Everything that placing rules look at.
 pub(crate) struct Site<'a> {
     pub(crate) map: &'a Map,
@@ -16,8 +21,12 @@ pub(crate) struct Site<'a> {
 /// ([`crate::claims`]), and the later kinds keep off the earlier ones. From the last kind to the first, each distance is the
 /// next one's, and how far the two kinds' ground can be apart and still meet.
 pub(crate) mod reach_m {
-    /// Benches and bins: half diagonals of 0.9.
-    pub(crate) const SMALL: f64 = 1.9;
+    /// Signs: half diagonals of 0.5.
+    pub(crate) const SIGNS: f64 = 1.0;
+    /// Racks for bicycles: of 2.1.
+    pub(crate) const RACKS: f64 = SIGNS + 2.6 + 4.2;
+    /// Benches and bins: of 0.9.
+    pub(crate) const SMALL: f64 = RACKS + 3.0 + 1.9;
     /// Bushes: of 1.6.
     pub(crate) const BUSHES: f64 = SMALL + 2.5 + 3.2;
     /// Trees: trunks of 0.7, their room of 1.7.
@@ -26,8 +35,8 @@ pub(crate) mod reach_m {
     pub(crate) const FENCES: f64 = TREES + 4.8 + 6.2;
     /// Street lamps: of 0.5.
     pub(crate) const LAMPS: f64 = FENCES + 3.6 + 1.0;
-    /// Parked vehicles: of 3.3.
-    pub(crate) const PARKED: f64 = LAMPS + 3.8 + 6.6;
+    /// Parked vehicles: buses of 6.3.
+    pub(crate) const PARKED: f64 = LAMPS + 6.8 + 12.6;
     /// Buildings that were kept: a fence is up to 32 from the middle of its building.
     pub(crate) const BUILT: f64 = FENCES + 32.0;
     /// Buildings: half diagonals of 21.7 with what they keep free.

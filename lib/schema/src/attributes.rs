@@ -80,7 +80,7 @@ keys! {
     RedTime = "red_time",
     /// Number of a traffic light among those of its junction.
     PoleIndex = "pole_index",
-    /// What a sign says.
+    /// What a sign says: one of [`crate::SIGN_TYPES`]. Warning signs before hazards do not have it.
     SignType = "sign_type",
     /// The number on a sign.
     Value = "value",

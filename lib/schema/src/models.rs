@@ -205,6 +205,25 @@ pub const MODELS: &[Model] = {
     ]
 };
 
+/// Two-wheelers that stand at a kerb or rack with nobody on them.
+pub const PARKED_TWO_WHEELERS: &[Model] = {
+    use BaseType::*;
+    &[
+        model("motorcycle.cruiser.parked", Motorcycle, [2.35, 0.80, 1.12], 1.63, 0.33, ""),
+        model("motorcycle.sport.parked", Motorcycle, [2.08, 0.74, 1.14], 1.40, 0.31, ""),
+        model("motorcycle.scooter.parked", Motorcycle, [1.85, 0.72, 1.16], 1.29, 0.23, "electric"),
+        model("bicycle.city.parked", Bicycle, [1.82, 0.62, 1.06], 1.08, 0.35, ""),
+        model("bicycle.road.parked", Bicycle, [1.70, 0.48, 1.02], 1.00, 0.34, ""),
+    ]
+};
+
+/// The parked two-wheeler with a name, and the same one with its rider.
+#[must_use]
+pub fn find_parked(name: &str) -> Option<(&'static Model, &'static Model)> {
+    let parked = PARKED_TWO_WHEELERS.iter().find(|m| m.name == name)?;
+    Some((parked, find(name.strip_suffix(".parked")?)?))
+}
+
 /// The model with a name.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Model> {
@@ -260,6 +279,19 @@ mod tests {
         assert_eq!(fact("cone.big", Attribute::NumberOfWheels), None);
         let child = find("walker.child").expect("a model");
         assert_eq!([0, 1].map(|variant| child.gender(variant)), ["male", "female"]);
+    }
+
+    #[test]
+    fn parked_two_wheelers_are_those_that_drive_without_their_riders() {
+        for parked in PARKED_TWO_WHEELERS {
+            let (found, ridden) = find_parked(parked.name).expect("one with a rider");
+            assert_eq!(
+                (found, found.base, found.size_m[..2].to_vec()),
+                (parked, ridden.base, ridden.size_m[..2].to_vec())
+            );
+            assert!(found.size_m[2] < ridden.size_m[2] && find(parked.name).is_none());
+        }
+        assert_eq!(find_parked("bicycle.city"), None);
     }
 
     #[test]

@@ -11,6 +11,7 @@ use actors::{Posture, actor_mesh};
 use frames::LocalOrigin;
 use glam::{Affine3A, Mat4, Vec3};
 use opendrive::{Map, Network};
+use scenery::PLATES;
 use schema::geometry::{Instance, Snapshot, Surface, TriMesh};
 use schema::models::MODELS;
 use schema::settings::SceneryRules;
@@ -156,9 +157,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("prop.bin", [0.42, 0.42, 0.95]),
         ("prop.fence", [2.0, 0.1, 1.1]),
         ("prop.wall", [2.0, 0.3, 1.4]),
-        ("sign.stop", [0.08, 0.76, 0.76]),
-        ("sign.yield", [0.08, 0.76, 0.76]),
-        ("sign.speed", [0.08, 0.76, 0.76]),
         ("light.signal", [0.36, 0.42, 1.1]),
         ("pole.rsu", [0.4, 0.4, 3.4]),
         ("bush.round", [1.5, 1.5, 1.0]),
@@ -180,6 +178,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         view(Vec3::new(6.5, 8.8, 6.0), Vec3::new(-4.0, 8.8, 0.3), 0.95, 1800.0 / 1100.0),
     );
     canvas.save(&out.join("world-small.png"))?;
+    let signs: Vec<(String, [f64; 3], u32)> =
+        PLATES.iter().map(|plate| (plate.model.to_owned(), plate.size_m, 100)).collect();
+    let mut canvas = Canvas::new(1800, 1100);
+    canvas.draw(
+        &sheet(&signs, 6, 2.0),
+        view(Vec3::new(6.0, 3.0, 2.0), Vec3::new(-2.0, 5.0, 0.2), 0.95, 1800.0 / 1100.0),
+    );
+    canvas.save(&out.join("world-signs.png"))?;
     let mut large: Vec<(String, [f64; 3], u32)> = Vec::new();
     for (name, size) in [
         ("building.block", [14.0, 22.0, 20.0]),

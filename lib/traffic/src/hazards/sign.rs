@@ -29,7 +29,7 @@ const KERB_M: f64 = 0.55;
 pub(super) fn before(
     map: &Map,
     at: LanePos,
-    (sign, meaning): (Item, &'static str),
+    sign: Item,
     draw: &mut Stream,
     taken: &Taken,
     fixed: &[ActorRow],
@@ -41,7 +41,7 @@ pub(super) fn before(
         let (foot, heading_rad) = strip(map, from)?;
         // The face looks at those who come.
         let spot = Spot::upright(foot, heading_rad + std::f64::consts::PI + turn_rad);
-        let thing = Thing::sign(sign, meaning, &spot);
+        let thing = Thing::sign(sign, &spot);
         let (point, yaw_rad, size_m) = thing.footprint();
         let free = taken.is_free(&point, yaw_rad, size_m)
             && fixed.iter().all(|other| is_clear(&(point, yaw_rad, size_m), other));

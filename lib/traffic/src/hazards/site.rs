@@ -42,8 +42,8 @@ const RED: [u8; 3] = [190, 40, 25];
 const CONCRETE: [u8; 3] = [170, 168, 164];
 const CLOTHES: [[u8; 3]; 4] = [[40, 44, 52], [120, 30, 34], [66, 92, 60], [170, 160, 140]];
 
-/// Centreline on the stretch from which the distance of a sign counts, the sign, its meaning.
-pub(super) type Warning = (f64, (Item, &'static str));
+/// Centreline on the stretch from which the distance of a sign counts, and the sign.
+pub(super) type Warning = (f64, Item);
 
 /// A hazard that is being set up.
 pub(super) struct Site<'m, 't> {
@@ -114,7 +114,7 @@ impl<'m, 't> Site<'m, 't> {
         }
         self.side_cones(cone, front_m);
         self.side_cones(cone, rear_m);
-        Some(emergency.map(|_| (meet_m, (works::ACCIDENT_SIGN, "accident"))))
+        Some(emergency.map(|_| (meet_m, works::ACCIDENT_SIGN)))
     }
 
     fn vehicle(&mut self, model: &'static Model, way_m: f64) -> Option<()> {
@@ -195,11 +195,7 @@ impl<'m, 't> Site<'m, 't> {
             }
             way_m += step_m * scale;
         }
-        let sign = if self.draw.chance(0.5) {
-            (works::WORKS_SIGN, "road_works")
-        } else {
-            (works::DANGER_SIGN, "danger")
-        };
+        let sign = if self.draw.chance(0.5) { works::WORKS_SIGN } else { works::DANGER_SIGN };
         (!self.things.is_empty()).then_some(Some((0.0, sign)))
     }
 

@@ -104,10 +104,10 @@ impl Thing {
     }
 
     /// A warning sign.
-    pub(super) fn sign(sign: Item, meaning: &'static str, at: &Spot) -> Self {
+    pub(super) fn sign(sign: Item, at: &Spot) -> Self {
         Self {
             tags: vec![Tag::TrafficSign as u8],
-            facts: Attributes::new().with(Attribute::SignType, meaning),
+            facts: Attributes::new(),
             solid: false,
             ..Self::new(ActorKind::Sign, sign, at)
         }
