@@ -343,6 +343,8 @@ fn on_the_ground(site: &Site<'_>, stand: &Stand) -> Option<Draft> {
     if pitch.abs() > 0.25 || roll.abs() > 0.25 {
         return None;
     }
+    // On its stand a motorcycle is upright.
+    let roll = if stand.model.base == BaseType::Motorcycle { 0.0 } else { roll };
     let tag = stand.model.base.tags().last().copied()?;
     let ([x, y], yaw) = (rect.centre_m, stand.yaw_rad + stand.turn_rad);
     let size_m = stand.model.size_m;

@@ -1,4 +1,5 @@
-//! Draws a sheet of all models and two views of a town, to look at: `look OUT_DIR [MAP.xodr [X Y]]`.
+//! Draws a sheet of all models and two views of a town, to look at: `look OUT_DIR [TOWN | MAP.xodr [X Y [MODEL]]]`.
+//! With a model: things of it (or whose name begins so), as they look from where they look to.
 #![allow(clippy::print_stdout, clippy::unwrap_used)] // A tool for developers.
 
 use std::error::Error;
@@ -8,7 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use actors::{Posture, actor_mesh};
-use frames::LocalOrigin;
+use frames::{LocalOrigin, Object, Pose, World};
 use glam::{Affine3A, Mat4, Vec3};
 use opendrive::{Map, Network};
 use scenery::PLATES;
@@ -209,9 +210,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     canvas.save(&out.join("world-large.png"))?;
 
-    let network = match arguments.get(1) {
-        Some(path) => opendrive::read_bytes(&std::fs::read(path)?)?,
-        None => Network::parse(&opendrive::write(&town::generate(&town::named("convoy/demo").unwrap())?))?,
+    let place = arguments.get(1).map_or("convoy/demo", String::as_str);
+    let network = match town::named(place) {
+        Some(parameters) => Network::parse(&opendrive::write(&town::generate(&parameters)?))?,
+        None => opendrive::read_bytes(&std::fs::read(place)?)?,
     };
     let map = Map::new(network);
     let coordinate = |k: usize| arguments.get(k).and_then(|v| v.parse::<f64>().ok());
@@ -252,6 +254,24 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut canvas = Canvas::new(1600, 900);
         canvas.draw(&snapshot, view(eye, at, fov, 1600.0 / 900.0));
         canvas.save(&out.join(name))?;
+    }
+    let wanted = arguments.get(4);
+    let things = actors.iter().filter(|a| wanted.is_some_and(|model| a.model.starts_with(model.as_str())));
+    let mut things: Vec<_> = things.collect();
+    let away =
+        |p: [f64; 3]| (p[0] - centre[0]) * (p[0] - centre[0]) + (p[1] - centre[1]) * (p[1] - centre[1]);
+    things.sort_by(|a, b| away(a.xyz_m).total_cmp(&away(b.xyz_m)));
+    for (k, actor) in things.into_iter().take(12).enumerate() {
+        let pose = Pose::<World, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
+        let (s, c) = frames::math::f32::sin_cos(pose.yaw() as f32);
+        let at = snapshot.origin.local_from_world(actor.xyz_m);
+        let ground =
+            at.z - (actor.variant & 0xfff) as f32 * 0.01 * f32::from(actor.model.starts_with("sign"));
+        let eye = Vec3::new(at.x + 9.0 * c - 3.0 * s, at.y + 9.0 * s + 3.0 * c, ground + 1.7);
+        let mut canvas = Canvas::new(640, 400);
+        canvas.draw(&snapshot, view(eye, Vec3::new(at.x, at.y, ground + 1.5), 0.9, 1.6));
+        canvas.save(&out.join(format!("world-thing-{k}.png")))?;
+        println!("{} {:?}", actor.model, actor.xyz_m);
     }
     Ok(())
 }
