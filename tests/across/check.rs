@@ -250,6 +250,15 @@ const OF_TABLES: &[Plant] = &[
         };
         edit(&table(store, "boxes_valid"), words, |note| note);
     }),
+    ("units", "the sign_type of object", |store| {
+        let words = |_: usize, rows: RecordBatch| {
+            let facts = rows.column_by_name("attributes").expect("is there").as_string::<i32>();
+            let wrong = |facts: &str| facts.replace("\"speed_limit", "\"how_fast");
+            let facts: Vec<String> = facts.iter().flatten().map(wrong).collect();
+            vec![replaced(&rows, "attributes", Arc::new(StringArray::from(facts)))]
+        };
+        edit(&table(store, "log/actors"), words, |note| note);
+    }),
     ("times", "frame 4 is at", |store| {
         let row = 4;
         change::<Float64Type>(table(store, "log/frames"), "time_s", row, move |all| all[row] += 1e-6);
