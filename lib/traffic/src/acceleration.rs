@@ -5,6 +5,7 @@ use crate::junction::approach::Approach;
 use crate::lane_change::room_to_pull_out_m;
 use crate::occupancy::{Occupancy, is_stranded};
 use crate::road::net::Net;
+use crate::swept_path::Gaps;
 use crate::vehicle::Vehicle;
 use crate::vehicle::attention::{Class, Sight};
 
@@ -72,9 +73,8 @@ impl Behind<'_> {
     fn vehicles(&self, sight: Sight, wish: &mut Wish) {
         let (net, vehicle, idm) = (self.net, self.vehicle(), self.idm);
         let (speed, wished) = (self.speed, self.wished);
-        let sees = sight != Sight::Away;
-        let leader = sees.then(|| self.occupancy.leader(net, self.vehicles, self.me)).flatten();
-        if let Some(leader) = leader {
+        if let Some(leader) = self.occupancy.leader(net, self.vehicles, self.me) {
+            let sight = vehicle.driver().sight(leader.class);
             wish.limit(sight, idm.following(speed, wished, leader.gap_m, leader.speed_mps));
             if is_stranded(self.vehicles, leader.vehicle) {
                 // As before a line: who only keeps a large gap comes nearer than that when it brakes late.
@@ -95,26 +95,34 @@ impl Behind<'_> {
         }
     }
 
-    /// Before walkers who cross the lane, and before anybody and anything that the body would touch.
-    fn walkers(&self, sight: Sight, touching_m: Option<f64>, wish: &mut Wish) {
+    /// Before walkers who cross the lane.
+    fn walkers(&self, sight: Sight, wish: &mut Wish) {
         if let Some(gap) = self.occupancy.walker_gap(self.net, self.vehicle()) {
             wish.limit(sight, self.following(gap, 0.0, WALKER_GAP_M, self.idm.headway_s));
         }
-        if let Some(gap) = touching_m {
-            wish.limit(sight, self.following(gap, 0.0, TOUCHING_GAP_M, 0.3));
+    }
+
+    /// Before anybody and anything that the body would touch.
+    fn touching(&self, gaps_m: &Gaps, wish: &mut Wish) {
+        for (class, gap_m) in Class::ALL.into_iter().zip(gaps_m) {
+            if let Some(gap_m) = *gap_m {
+                let sight = self.vehicle().driver().sight(class);
+                wish.limit(sight, self.following(gap_m, 0.0, TOUCHING_GAP_M, 0.3));
+            }
         }
     }
 }
 
 /// The acceleration a driver wishes for, given what it makes of the junction ahead and the gaps to the bend it must wait
-/// before and to where it would touch a walker.
+/// before and to where it would touch somebody or something.
 pub(crate) fn wished_acceleration(
     net: &Net,
     occupancy: &Occupancy,
     vehicles: &[Vehicle],
     me: usize,
     approach: &Approach,
-    [bend_m, touching_m]: [Option<f64>; 2],
+    bend_m: Option<f64>,
+    touching_m: &Gaps,
 ) -> f64 {
     let vehicle = &vehicles[me];
     let idm = vehicle.driver().idm();
@@ -129,7 +137,8 @@ pub(crate) fn wished_acceleration(
     let mut wish = Wish { seen, careless };
     let behind = Behind { net, occupancy, vehicles, me, idm, speed, wished };
     behind.vehicles(of_vehicles, &mut wish);
-    behind.walkers(of_walkers, touching_m, &mut wish);
+    behind.walkers(of_walkers, &mut wish);
+    behind.touching(touching_m, &mut wish);
     if let Some(first) = approach.merging {
         wish.limit(of_vehicles, first.answer(&idm, speed, wished));
     }

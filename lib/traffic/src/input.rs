@@ -69,7 +69,7 @@ pub struct SceneInput<'a> {
     /// The dataset's settings (traffic, walkers, lights, hazards).
     pub settings: &'a SimulationSettings,
     /// Objects that never move. Those of kind `traffic_light` with an `opendrive_id` get signal states; those of kind
-    /// `parked` can be hit.
+    /// `parked` can be hit, and drivers keep clear of those that reach into a lane.
     pub fixed: &'a dyn FixedWorld,
     /// Id of the first actor; the others follow.
     pub first_id: ObjectId,
@@ -92,7 +92,8 @@ impl FixedWorld for Vec<ActorRow> {
 /// What happened in a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SimulationLog {
-    /// Agent vehicles, RSUs, background vehicles, walkers, what stands in hazards; ids ascend from the first one.
+    /// Agent vehicles, RSUs, background vehicles, walkers, what stands in hazards (fixed unless something hit it); ids ascend
+    /// from the first one.
     pub actors: Vec<ActorRow>,
     /// Moving actors at frames -1 to the last, by frame, then id.
     pub states: Vec<StateRow>,

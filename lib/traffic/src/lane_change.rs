@@ -126,6 +126,7 @@ fn begin(net: &Net, occupancy: &mut Occupancy, vehicle: &mut Vehicle, me: usize,
         half_length_m: vehicle.half_length_m(),
         speed_mps: vehicle.speed_mps(),
         vehicle: me,
+        class: Class::Vehicles,
     };
     occupancy.add_vehicle(change.lane, spot);
 }
@@ -236,9 +237,10 @@ fn gap(
     let (speed, half) = (vehicle.speed_mps(), vehicle.half_length_m());
     let (wished, idm) = (vehicle.wished_speed(net), vehicle.driver().idm());
     let must = wish != Wish::Pass;
+    let own = (me, vehicle.model().size_m[1]);
     let leader = occupancy.leader(net, vehicles, me);
     let now = leader.map_or(idm.free(speed, wished), |l| idm.following(speed, wished, l.gap_m, l.speed_mps));
-    let ahead = occupancy.first(net, Sense::Ahead, (lane, along_m), me, vehicle.view_m());
+    let ahead = occupancy.first(net, Sense::Ahead, (lane, along_m), own, vehicle.view_m());
     let then = match ahead {
         Some((to_m, spot)) => {
             let gap_m = to_m - half - spot.half_length_m;
@@ -256,7 +258,7 @@ fn gap(
         return None;
     }
     let mut loss = 0.0;
-    if let Some((to_m, spot)) = occupancy.first(net, Sense::Behind, (lane, along_m), me, 80.0)
+    if let Some((to_m, spot)) = occupancy.first(net, Sense::Behind, (lane, along_m), own, 80.0)
         && let Some(other) = vehicles.get(spot.vehicle).filter(|v| !v.is_crashed())
     {
         let gap_m = to_m - half - spot.half_length_m;

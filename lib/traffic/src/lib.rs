@@ -5,7 +5,8 @@
 //!
 //! Drivers follow lanes with the intelligent driver model, obey signals, take turns at junctions and stop for walkers.
 //! The rigid-body engine moves the bodies: as drivers wish while nothing touches, and by its contact solver when a
-//! driver who looks at nothing hits something.
+//! driver who looks at nothing hits something. Parked vehicles stop whoever runs into them; cones and tools are pushed away;
+//! two who graze each other side by side drive on; a vehicle that nobody drives any more hits people on the sidewalk, too.
 
 mod acceleration;
 mod bends;
@@ -18,6 +19,7 @@ mod input;
 mod junction;
 mod lane_change;
 mod occupancy;
+mod outline;
 mod road;
 mod scene;
 mod simulation;

@@ -3,8 +3,10 @@
 use nalgebra::Point3;
 
 use crate::car_following::time_s;
+use crate::road::kerbside::Kerbside;
 use crate::road::net::Net;
 use crate::vehicle::Vehicle;
+use crate::vehicle::attention::Class;
 use crate::vehicle::wake::Wake;
 
 /// Other lanes' traffic is looked at this far before a merge, metres.
@@ -60,6 +62,8 @@ pub(crate) struct Occupant {
     pub(crate) speed_mps: f64,
     /// Index of the vehicle; things that stand in hazards have none of that index.
     pub(crate) vehicle: usize,
+    /// What drivers take it for.
+    pub(crate) class: Class,
 }
 
 /// The vehicle ahead of another one.
@@ -70,6 +74,8 @@ pub(crate) struct Leader {
     pub(crate) speed_mps: f64,
     /// Index of the vehicle, as in [`Occupant`].
     pub(crate) vehicle: usize,
+    /// What drivers take it for.
+    pub(crate) class: Class,
 }
 
 /// What is on each lane in this step.
@@ -82,16 +88,22 @@ pub(crate) struct Occupancy {
     asking: Vec<Vec<Occupant>>,
     /// Things that stand for the whole scene, with their lanes.
     standing: Vec<(usize, Occupant)>,
+    /// Parked vehicles that reach into lanes.
+    pub(crate) kerbside: Kerbside,
     touched: Vec<usize>,
+}
+
+/// A parked vehicle that blocks a lane.
+fn parked(along_m: f64, half_length_m: f64) -> Occupant {
+    Occupant { along_m, half_length_m, speed_mps: 0.0, vehicle: STANDING, class: Class::Vehicles }
 }
 
 /// Spots on every lane that a body reaches well into.
 fn footprint(
     net: &Net,
-    at: &Point3<f64>,
-    yaw_rad: f64,
-    size_m: [f64; 3],
+    (at, yaw_rad, size_m): (&Point3<f64>, f64, [f64; 3]),
     vehicle: usize,
+    class: Class,
 ) -> Vec<(usize, Occupant)> {
     let (sin, cos) = frames::math::sin_cos(yaw_rad);
     let (half_length, half_width) = (0.5 * size_m[0], 0.5 * size_m[1]);
@@ -102,7 +114,7 @@ fn footprint(
         let point = at + nalgebra::Vector3::new(cos * off, sin * off, 0.0);
         for (lane, along_m) in net.lanes_at(&point, half_width - 0.4) {
             let half_length_m = half_width.max(0.25 * half_length);
-            spots.push((lane, Occupant { along_m, half_length_m, speed_mps: 0.0, vehicle }));
+            spots.push((lane, Occupant { along_m, half_length_m, speed_mps: 0.0, vehicle, class }));
         }
     }
     spots
@@ -115,6 +127,7 @@ impl Occupancy {
             walkers: vec![Vec::new(); lanes],
             asking: vec![Vec::new(); lanes],
             standing: Vec::new(),
+            kerbside: Kerbside::default(),
             touched: Vec::new(),
         }
     }
@@ -142,9 +155,16 @@ impl Occupancy {
         self.walkers[lane].push(walker);
     }
 
-    /// Puts a thing on the lanes under it for good.
-    pub(crate) fn stand(&mut self, net: &Net, at: &Point3<f64>, yaw_rad: f64, size_m: [f64; 3]) {
-        self.standing.extend(footprint(net, at, yaw_rad, size_m, STANDING));
+    /// Puts things on the lanes under them, until told anew: middle, yaw and size of each, and what drivers take it for.
+    pub(crate) fn stand(
+        &mut self,
+        net: &Net,
+        things: impl Iterator<Item = ((Point3<f64>, f64, [f64; 3]), Class)>,
+    ) {
+        self.standing.clear();
+        for ((at, yaw_rad, size_m), class) in things {
+            self.standing.extend(footprint(net, (&at, yaw_rad, size_m), STANDING, class));
+        }
     }
 
     /// Rebuilds the vehicles' places. Crashed ones block every lane that their footprint touches, those who change lanes both.
@@ -162,6 +182,7 @@ impl Occupancy {
                     half_length_m,
                     speed_mps: vehicle.speed_mps(),
                     vehicle: i,
+                    class: Class::Vehicles,
                 };
                 self.add_vehicle(vehicle.route().lane(), spot);
                 if vehicle.lateral().change().is_some() {
@@ -188,27 +209,27 @@ impl Occupancy {
                 }
                 continue;
             }
-            for (lane, spot) in footprint(
-                net,
-                &vehicle.motion().position(),
-                vehicle.motion().yaw_rad(),
-                vehicle.model().size_m,
-                i,
-            ) {
+            let (at, yaw_rad) = (vehicle.motion().position(), vehicle.motion().yaw_rad());
+            let body = (&at, yaw_rad, vehicle.model().size_m);
+            for (lane, spot) in footprint(net, body, i, Class::Vehicles) {
                 self.add_vehicle(lane, spot);
             }
         }
     }
 
-    /// The nearest vehicle ahead of `me` on its route. Vehicles that branch off or merge count while they overlap.
+    /// The nearest vehicle or thing ahead of `me` on its route that its driver does not overlook for long. Vehicles that branch
+    /// off or merge count while they overlap.
     pub(crate) fn leader(&self, net: &Net, vehicles: &[Vehicle], me: usize) -> Option<Leader> {
         let vehicle = &vehicles[me];
         let (own_half, view) = (vehicle.half_length_m(), vehicle.view_m());
+        let width_m = vehicle.model().size_m[1];
         let mut best: Option<Leader> = None;
         let mut consider = |to_m: f64, spot: &Occupant| {
             let gap_m = to_m - own_half - spot.half_length_m;
-            if spot.vehicle != me && to_m > 0.0 && best.is_none_or(|b| gap_m < b.gap_m) {
-                best = Some(Leader { gap_m, speed_mps: spot.speed_mps, vehicle: spot.vehicle });
+            let is_nearest = spot.vehicle != me && to_m > 0.0 && best.is_none_or(|b| gap_m < b.gap_m);
+            if is_nearest && !vehicle.driver().is_away(spot.class) {
+                let Occupant { speed_mps, vehicle, class, .. } = *spot;
+                best = Some(Leader { gap_m, speed_mps, vehicle, class });
             }
         };
         let mut found_on_lane = false;
@@ -222,6 +243,9 @@ impl Occupancy {
                 let to = if to == 0.0 && spot.vehicle < me { 1e-6 } else { to };
                 found_on_lane |= spot.vehicle != me && to > 0.0;
                 consider(to, spot);
+            }
+            for (along_m, half_length_m) in self.kerbside.blocking(lane, width_m) {
+                consider(start + along_m, &parked(along_m, half_length_m));
             }
             for &(sibling, zone) in &net.lanes[lane].diverging {
                 for spot in &self.vehicles[sibling] {
@@ -287,14 +311,14 @@ impl Occupancy {
         best
     }
 
-    /// The first vehicle but `me` from a place on a lane onwards or backwards, over all branches: metres between the middles.
-    /// One at the very place is ahead.
+    /// The first vehicle but `me`, or thing that one of its width cannot pass, from a place on a lane onwards or backwards, over
+    /// all branches: metres between the middles. One at the very place is ahead.
     pub(crate) fn first(
         &self,
         net: &Net,
         sense: Sense,
         (lane, along_m): (usize, f64),
-        me: usize,
+        (me, width_m): (usize, f64),
         reach_m: f64,
     ) -> Option<(f64, Occupant)> {
         let length = |lane: usize| net.lanes[lane].centre.length_m;
@@ -304,13 +328,14 @@ impl Occupancy {
         let mut seen = 0;
         while let Some((at, place_m)) = open.pop() {
             seen += 1;
-            for spot in &self.vehicles[at] {
+            let blocking = self.kerbside.blocking(at, width_m).map(|(along, half)| parked(along, half));
+            for spot in self.vehicles[at].iter().copied().chain(blocking) {
                 let (to, is_there) = match sense {
                     Sense::Ahead => (spot.along_m - place_m, spot.along_m >= place_m),
                     Sense::Behind => (place_m - spot.along_m, spot.along_m < place_m),
                 };
                 if spot.vehicle != me && is_there && best.is_none_or(|b| to < b.0) {
-                    best = Some((to, *spot));
+                    best = Some((to, spot));
                 }
             }
             let (end, on) = match sense {
@@ -338,7 +363,8 @@ impl Occupancy {
             for spot in self.asking[lane].iter().filter(|s| s.vehicle != me) {
                 let gap_m = start + spot.along_m - vehicle.half_length_m() - spot.half_length_m;
                 if gap_m > 0.0 && best.is_none_or(|b| gap_m < b.gap_m) {
-                    best = Some(Leader { gap_m, speed_mps: spot.speed_mps, vehicle: spot.vehicle });
+                    let Occupant { speed_mps, vehicle, class, .. } = *spot;
+                    best = Some(Leader { gap_m, speed_mps, vehicle, class });
                 }
             }
         }

@@ -13,10 +13,10 @@ use schema::{ActorRole, AgentKind, FRAME_PERIOD_S, ObjectId};
 
 use crate::acceleration::wished_acceleration;
 use crate::bends::Bends;
-use crate::bodies::Bodies;
+use crate::bodies::{Bodies, Hit, Owner};
 use crate::car_following::{COMFORT_BRAKING, MAX_ACCELERATION, MAX_BRAKING};
 use crate::error::TrafficError;
-use crate::hazards::{Hazards, Thing};
+use crate::hazards::{Hazards, Standing, Thing};
 use crate::input::{SceneInput, SimulationLog};
 use crate::junction::right_of_way::{Junctions, RightOfWay};
 use crate::lane_change::change_lanes;
@@ -24,9 +24,8 @@ use crate::occupancy::Occupancy;
 use crate::road::net::Net;
 use crate::road::signals::Signals;
 use crate::scene::log::{log_vehicles, log_walkers, vehicle_lamps, weather_lamps};
-use crate::scene::placing::{
-    ActorIds, WALKERS, add_fixed, lamps, place_hazards, place_vehicles, place_walkers,
-};
+use crate::scene::placing::{ActorIds, add_parked, lamps, place_vehicles, place_walkers};
+use crate::scene::rolling::set_rolling;
 use crate::scene::rows::Snapshot;
 use crate::scene::spawn::{Start, vehicle_starts};
 use crate::sleep::Watch;
@@ -47,6 +46,10 @@ const DESTINATION_RADII: f64 = 1.6;
 const LARGE_DESTINATION_MPS: f64 = 35.0;
 /// Maps that extend farther than this are large, metres: CARLA's large ones are 10 km long, the others less than 3 km.
 const LARGE_M: f64 = 5000.0;
+/// Who is pushed by less than this drives on, m/s, unless that comes from ahead or behind: along the vehicle by more than this
+/// share.
+const HARMLESS_MPS: f64 = 1.0;
+const BESIDE: f64 = 0.7;
 /// Longest warm-up, seconds.
 const MAX_WARMUP_S: f64 = 3600.0;
 
@@ -90,6 +93,7 @@ pub fn simulate(
         }
     }
     simulation.log_signals(lead);
+    simulation.standing.complete(&mut simulation.log);
     Ok(simulation.log)
 }
 
@@ -116,8 +120,8 @@ struct Simulation<'a> {
     walkers: Vec<Walker>,
     vehicle_ids: Vec<ObjectId>,
     walker_ids: Vec<ObjectId>,
-    /// Vehicles that stand in hazards.
-    standing: Vec<(ObjectId, Thing)>,
+    /// What stands in hazards.
+    standing: Standing,
     /// Tiles of the fixed world that somebody came near.
     tiles: BTreeSet<TileIndex>,
     /// Traffic lights there: object id, signal of the map.
@@ -192,32 +196,33 @@ impl<'a> Simulation<'a> {
         let mut log = SimulationLog { signal_groups: signals.groups(map), ..SimulationLog::default() };
         log_vehicles(&mut log, &cast.ids, &cast.starts, &cast.rsus);
 
-        // Bodies are made in this order: vehicles, walkers, what is parked, what stands in hazards.
+        // Bodies are made in this order: vehicles, what stands in hazards, walkers, what is parked.
         let middle = cast.agents.first().map_or([0.0; 3], |p| (*p).into());
         let mut bodies = Bodies::new(LocalOrigin::near(middle));
         let mut right_of_way = RightOfWay::new(net.lanes.len());
         let vehicles = place_vehicles(&net, &cast.starts, input, &mut bodies, &mut right_of_way);
-        let standing = cast.hazard_actors();
-        let in_the_way = fixed.iter().chain(log.actors.iter().filter(|a| a.fixed)).chain(&standing);
+        let in_hazards = cast.hazard_actors();
+        let in_the_way = fixed.iter().chain(log.actors.iter().filter(|a| a.fixed));
         let mut fixtures = Fixtures::default();
-        in_the_way.filter_map(footprint).for_each(|place| fixtures.add(&place));
-        let walkers = place_walkers(input, &paths, &routes, &fixtures, &cast.walkers, &mut bodies);
-        log_walkers(&mut log, &cast.ids, &walkers);
-        log.actors.extend(standing);
-        add_fixed(&fixed, &net, &mut bodies);
-        let mut occupancy = Occupancy::new(net.lanes.len());
-        let things = cast.hazards.things;
-        place_hazards(&net, &things, &mut occupancy, &mut bodies);
-        log.hazards = cast.hazards.placed;
+        in_the_way.filter_map(footprint).for_each(|place| {
+            fixtures.add(&place);
+        });
         let ids = cast.ids;
+        let standing = Standing::new(&ids.hazards, cast.hazards.things, &mut bodies, &mut fixtures);
+        let walkers = place_walkers(input, &paths, &routes, &fixtures, &cast.walkers, &mut bodies);
+        log_walkers(&mut log, &ids, &walkers);
+        log.actors.extend(in_hazards);
+        log.hazards = cast.hazards.placed;
+        let mut occupancy = Occupancy::new(net.lanes.len());
+        add_parked(&fixed, &net, &mut occupancy.kerbside, &mut bodies);
         let mut simulation = Self {
             lamps: lamps(map, &fixed),
             tiles,
             rsus: cast.rsus.iter().map(|rsu| rsu.xyz_m.into()).collect(),
             bends: Bends::new(&net, vehicles.len()),
             watch: Watch { distance_m: input.settings.traffic.active_distance_m, agents: cast.agents.len() },
-            sweeps: SweptPaths::new(things.iter().map(|t| (t.point, t.yaw_rad(), t.size_m))),
-            standing: ids.hazards.into_iter().zip(things).filter(|(_, t)| t.has_states()).collect(),
+            sweeps: SweptPaths::new(),
+            standing,
             occupancy,
             before: Vec::new(),
             input,
@@ -234,8 +239,20 @@ impl<'a> Simulation<'a> {
             bodies,
             log,
         };
+        simulation.see_standing();
+        if input.settings.traffic.moving_start {
+            set_rolling(&simulation.net, &mut simulation.occupancy, &mut simulation.vehicles);
+        }
         simulation.remember();
         Ok(simulation)
+    }
+
+    /// Lets drivers know where what stands in hazards is now.
+    fn see_standing(&mut self) {
+        let things = self.standing.things().map(|thing| (thing.footprint(), thing.class()));
+        self.sweeps.set_things(things);
+        let on_lanes = self.standing.things().filter(|thing| thing.is_on_lane());
+        self.occupancy.stand(&self.net, on_lanes.map(|thing| (thing.footprint(), thing.class())));
     }
 
     /// One step of time, from `step` to `step + 1`.
@@ -246,6 +263,7 @@ impl<'a> Simulation<'a> {
         let wishes = self.wishes(step, time_s);
         self.drive(&wishes);
         self.walk(time_s);
+        self.standing.skid(&mut self.bodies);
         self.bodies.step();
         self.take_hits();
         for vehicle in self.vehicles.iter_mut().filter(|v| v.wake() != Wake::Asleep) {
@@ -259,8 +277,10 @@ impl<'a> Simulation<'a> {
         let places: Vec<Point3<f64>> = agents.chain(self.rsus.iter().copied()).collect();
         let fixed = near(self.input, &places, &mut self.tiles)?;
         if !fixed.is_empty() {
-            add_fixed(&fixed, &self.net, &mut self.bodies);
-            fixed.iter().filter_map(footprint).for_each(|place| self.fixtures.add(&place));
+            add_parked(&fixed, &self.net, &mut self.occupancy.kerbside, &mut self.bodies);
+            for place in fixed.iter().filter_map(footprint) {
+                self.fixtures.add(&place);
+            }
             self.lamps.extend(lamps(self.input.map, &fixed));
         }
         Ok(())
@@ -295,12 +315,12 @@ impl<'a> Simulation<'a> {
         for ((me, approach), bend_m) in approaches.iter().enumerate().zip(bends) {
             let vehicle = &self.vehicles[me];
             let wish = if vehicle.is_crashed() {
+                self.sweeps.add_wreck(vehicle);
                 0.0
             } else {
-                let sees = !vehicle.driver().is_away(Class::Walkers);
-                let touching_m = sees.then(|| self.sweeps.gap_m(net, vehicle)).flatten();
-                let gaps = [bend_m, touching_m];
-                let wish = || wished_acceleration(net, occupancy, &self.vehicles, me, approach, gaps);
+                let touching_m = self.sweeps.gaps_m(net, vehicle);
+                let wish =
+                    || wished_acceleration(net, occupancy, &self.vehicles, me, approach, bend_m, &touching_m);
                 match vehicle.wake() {
                     Wake::Asleep => 0.0,
                     Wake::Halting => wish().min(-COMFORT_BRAKING),
@@ -318,6 +338,10 @@ impl<'a> Simulation<'a> {
             if vehicle.is_crashed() {
                 self.bodies.skid(vehicle.motion().body());
             } else if vehicle.wake() != Wake::Asleep {
+                let kerbside = &self.occupancy.kerbside;
+                if !kerbside.is_empty() && !vehicle.driver().is_away(Class::Vehicles) {
+                    vehicle.make_room(&self.net, kerbside);
+                }
                 vehicle.drive(&self.net, *wish);
                 let (motion, height_m) = (vehicle.motion(), vehicle.model().size_m[2]);
                 self.bodies.drive(motion.body(), &motion.position(), motion.yaw_rad(), 0.5 * height_m);
@@ -359,18 +383,25 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// Ends the drive of whoever touched something, and follows bodies that nobody steers.
+    /// Ends the drive of whoever had an accident, and follows bodies that nobody steers or that were pushed.
     fn take_hits(&mut self) {
-        for (a, b) in self.bodies.hits() {
-            for owner in [a, b] {
-                if let Some(vehicle) = self.vehicles.get_mut(owner as usize) {
-                    vehicle.crash();
-                } else if let Some(walker) =
-                    owner.checked_sub(WALKERS).and_then(|w| self.walkers.get_mut(w as usize))
-                {
-                    walker.strike();
+        for hit in self.bodies.hits() {
+            let is_accident = self.is_accident(&hit);
+            for owner in hit.owners {
+                match owner {
+                    Owner::Vehicle(i) => self.touch(i as usize, is_accident),
+                    Owner::Walker(i) => {
+                        if let Some(walker) = self.walkers.get_mut(i as usize) {
+                            walker.strike();
+                        }
+                    }
+                    Owner::Thing(i) => self.standing.hit(i),
+                    Owner::Parked => {}
                 }
             }
+        }
+        if self.standing.follow(&self.bodies, &mut self.fixtures) {
+            self.see_standing();
         }
         for vehicle in self.vehicles.iter_mut().filter(|v| v.is_crashed()) {
             if let Some(body) = self.bodies.motion(vehicle.motion().body()) {
@@ -384,11 +415,47 @@ impl<'a> Simulation<'a> {
         }
     }
 
+    /// Whether those who hit each other stay where that leads them. Otherwise they drive on: who grazes something at its side,
+    /// and who pushes something light away.
+    fn is_accident(&self, hit: &Hit) -> bool {
+        let hurts = |owner: &Owner| match owner {
+            Owner::Walker(_) => true,
+            Owner::Thing(i) => self.standing.get(*i).is_some_and(Thing::is_person),
+            _ => false,
+        };
+        if hit.owners.iter().any(hurts) {
+            return true;
+        }
+        let moves = hit.owners.iter().any(|owner| matches!(owner, Owner::Thing(_)));
+        hit.owners.iter().zip(hit.change_mps).any(|(owner, change_mps)| {
+            let Owner::Vehicle(i) = owner else { return false };
+            let Some(vehicle) = self.vehicles.get(*i as usize).filter(|v| !v.is_crashed()) else {
+                return false;
+            };
+            let (sin, cos) = frames::math::sin_cos(vehicle.motion().yaw_rad());
+            let ahead = (cos * hit.along[0] + sin * hit.along[1]).abs();
+            change_mps > HARMLESS_MPS || (!moves && ahead > BESIDE && !vehicle.stands())
+        })
+    }
+
+    /// A vehicle was pushed: it has had an accident, or goes on from where that leaves it.
+    fn touch(&mut self, index: usize, is_accident: bool) {
+        let Some(vehicle) = self.vehicles.get_mut(index).filter(|v| !v.is_crashed()) else { return };
+        let body = vehicle.motion().body();
+        if is_accident {
+            vehicle.crash();
+            self.bodies.set_adrift(body);
+        } else if let Some(at) = self.bodies.motion(body) {
+            vehicle.nudge(&self.net, &at);
+        }
+    }
+
     /// Keeps the poses of this moment for the next one's velocities.
     fn remember(&mut self) {
         self.before.clear();
         self.before.extend(self.vehicles.iter().map(|v| v.motion().world_from_object()));
         self.before.extend(self.walkers.iter().map(Walker::world_from_object));
+        self.standing.remember();
     }
 
     fn record(&mut self, frame: i32) {
@@ -438,7 +505,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// The states of all that moves or has lamps, given the lamps that the weather asks for.
-    fn states(&self, frame: i32, lamps: u32) -> Vec<StateRow> {
+    fn states(&mut self, frame: i32, lamps: u32) -> Vec<StateRow> {
         let mut rows: Vec<StateRow> = Vec::with_capacity(self.before.len());
         for (i, vehicle) in self.vehicles.iter().enumerate() {
             let motion = vehicle.motion();
@@ -467,7 +534,7 @@ impl<'a> Simulation<'a> {
             };
             rows.push(snapshot.row(frame));
         }
-        rows.extend(self.standing.iter().map(|(id, thing)| thing.snapshot(*id, lamps).row(frame)));
+        rows.extend(self.standing.states(frame, lamps));
         rows
     }
 }

@@ -1,11 +1,13 @@
 //! The ground that vehicles are about to sweep, corners and all: drivers stop for whoever is on it, be it beside their lane,
 //! and for what stands there in accidents and road works; walkers who are not crossing step back from it.
 
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::{Point3, Vector2};
 
 use crate::grid::Grid;
+use crate::outline::outline;
 use crate::road::net::Net;
 use crate::vehicle::Vehicle;
+use crate::vehicle::attention::Class;
 use crate::vehicle::motion::after_rod;
 
 /// Distances between the places on the way that are looked at, within the second one and beyond, metres.
@@ -21,8 +23,6 @@ const SOON_M: f64 = 1.5;
 const BESIDE_M: f64 = 1.5;
 /// Room left around vehicles, metres: by drivers and by walkers.
 const DRIVERS_M: f64 = 0.1;
-/// Points on the outline of a thing are this far apart, metres.
-const OUTLINE_M: f64 = 0.4;
 /// Nearer means by more than this, metres.
 const NEARER_M: f64 = 0.02;
 const WALKERS_M: f64 = 0.25;
@@ -67,6 +67,9 @@ impl Print {
     }
 }
 
+/// Metres to go on, for each class of what is in the way.
+pub(crate) type Gaps = [Option<f64>; Class::ALL.len()];
+
 /// Who is about and what is swept soon, in one step of time.
 #[derive(Debug)]
 pub(crate) struct SweptPaths {
@@ -78,21 +81,17 @@ pub(crate) struct SweptPaths {
     here: Vec<Print>,
     soon: Vec<Print>,
     soon_grid: Grid,
-    /// Points on the outlines of what stands in hazards.
-    things: Vec<Point3<f64>>,
+    /// Points on the outlines of what stands in hazards, and what drivers take it for.
+    things: Vec<(Point3<f64>, Class)>,
     thing_grid: Grid,
 }
 
 impl SweptPaths {
-    /// For a scene with things in hazards: middle, yaw and size of each.
-    pub(crate) fn new(hazards: impl Iterator<Item = (Point3<f64>, f64, [f64; 3])>) -> Self {
-        let things: Vec<Point3<f64>> =
-            hazards.flat_map(|(at, yaw_rad, size_m)| outline(at, yaw_rad, size_m)).collect();
-        let mut thing_grid = Grid::new(CELL_M);
-        thing_grid.fill(things.iter().enumerate().map(|(i, point)| ([point.x, point.y], i)));
+    /// For a scene without hazards.
+    pub(crate) fn new() -> Self {
         Self {
-            things,
-            thing_grid,
+            things: Vec::new(),
+            thing_grid: Grid::new(CELL_M),
             walkers: Vec::new(),
             grid: Grid::new(CELL_M),
             minded: Vec::new(),
@@ -100,6 +99,17 @@ impl SweptPaths {
             soon: Vec::new(),
             soon_grid: Grid::new(PRINT_CELL_M),
         }
+    }
+
+    /// Takes in what stands in hazards, until told anew: middle, yaw and size of each, and what drivers take it for.
+    pub(crate) fn set_things(&mut self, things: impl Iterator<Item = ((Point3<f64>, f64, [f64; 3]), Class)>) {
+        self.things.clear();
+        self.thing_grid.clear();
+        for ((at, yaw_rad, size_m), class) in things {
+            self.things.extend(outline(at, yaw_rad, size_m).map(|point| (point, class)));
+        }
+        let points = self.things.iter().enumerate();
+        self.thing_grid.fill(points.map(|(i, (point, _))| ([point.x, point.y], i)));
     }
 
     /// Forgets the step before.
@@ -124,9 +134,25 @@ impl SweptPaths {
         self.minded.get(walker).copied().unwrap_or(false)
     }
 
-    /// Metres that a vehicle can go on until it would touch a walker or something of a hazard, if there is one in its way;
-    /// notes what it sweeps soon.
-    pub(crate) fn gap_m(&mut self, net: &Net, vehicle: &Vehicle) -> Option<f64> {
+    /// A vehicle that nobody drives: walkers keep out of it.
+    pub(crate) fn add_wreck(&mut self, vehicle: &Vehicle) {
+        let here = Print::new(vehicle.motion().position(), vehicle.motion().yaw_rad(), vehicle);
+        let reach_m = here.half_m[0] + here.half_m[1] + MINDED_M;
+        let mut beside = false;
+        for walker in self.grid.around(here.at.x, here.at.y) {
+            if (self.walkers[walker].0 - here.at).xy().norm() < reach_m {
+                (self.minded[walker], beside) = (true, true);
+            }
+        }
+        if beside {
+            self.here.push(here);
+        }
+    }
+
+    /// Metres that a vehicle can go on until it would touch a walker or something of a hazard of each class, if there is one in
+    /// its way that its driver does not overlook for long; notes what it sweeps soon.
+    pub(crate) fn gaps_m(&mut self, net: &Net, vehicle: &Vehicle) -> Gaps {
+        let sees = |class: Class| !vehicle.driver().is_away(class);
         let speed = vehicle.speed_mps();
         let reach_m = (speed * speed / (2.0 * BRAKING) + REACH_M[0]).min(REACH_M[1]);
         let here = Print::new(vehicle.motion().position(), vehicle.motion().yaw_rad(), vehicle);
@@ -139,29 +165,30 @@ impl SweptPaths {
         let half_m = here.half_m[0] + here.half_m[1];
         let soon_m = SOON_S * speed + SOON_M;
         let mut around = Vec::new();
-        for walker in self.grid.around(at.x, at.y) {
-            let away_m = (self.walkers[walker].0 - at).xy().norm();
+        let walkers = sees(Class::Walkers).then(|| self.grid.around(at.x, at.y));
+        for walker in walkers.into_iter().flatten() {
+            let (point, radius_m) = self.walkers[walker];
+            let away_m = (point - at).xy().norm();
             if away_m < half_m + soon_m + MINDED_M {
                 self.minded[walker] = true;
             }
             if away_m < half_m + reach_m + BESIDE_M {
-                around.push(self.walkers[walker]);
+                around.push((point, radius_m, Class::Walkers));
             }
         }
-        let beside = around.iter().any(|(point, radius)| {
+        let beside = around.iter().any(|(point, radius, _)| {
             let [ahead, left] = here.local(point);
             ahead.abs() < here.half_m[0] + BESIDE_M
                 && left.abs() < here.half_m[1] + radius + BESIDE_M
                 && here.is_level(point)
         });
-        // Who sees no signs sees no cones.
-        if !vehicle.driver().profile().distracted {
-            let things = self.thing_grid.around(at.x, at.y).map(|thing| (self.things[thing], 0.0));
-            around.extend(things.filter(|(point, _)| (point - at).xy().norm() < half_m + reach_m));
-        }
-        let near: Vec<&(Point3<f64>, f64)> = around
+        let things = self.thing_grid.around(at.x, at.y).map(|thing| self.things[thing]);
+        let seen =
+            things.filter(|(point, class)| (point - at).xy().norm() < half_m + reach_m && sees(*class));
+        around.extend(seen.map(|(point, class)| (point, 0.0, class)));
+        let mut near: Vec<&(Point3<f64>, f64, Class)> = around
             .iter()
-            .filter(|(point, radius)| {
+            .filter(|(point, radius, _)| {
                 let [ahead, left] = here.local(point);
                 let to = ahead - radius;
                 let aside = left.abs() - here.half_m[1] - radius - WALKERS_M;
@@ -175,13 +202,10 @@ impl SweptPaths {
             self.here.push(here);
             self.soon.push(here);
         }
-        if near.is_empty() {
-            return None;
-        }
-        let mut gap_m = None;
+        let mut gaps_m = Gaps::default();
         let mut on_m = 0.0;
         let (mut at, mut yaw_rad) = (vehicle.motion().position(), vehicle.motion().yaw_rad());
-        while on_m < reach_m {
+        while on_m < reach_m && !near.is_empty() {
             let step_m = if on_m < STEPS_M[1] { STEPS_M[0] } else { STEPS_M[1] };
             on_m += step_m;
             let Some(next) = vehicle.point_ahead(net, on_m) else { break };
@@ -192,16 +216,16 @@ impl SweptPaths {
                 self.soon.push(print);
             }
             // Who is beside it and comes no nearer is passed.
-            let hit = |(point, radius): &&(Point3<f64>, f64)| {
+            let hit = |(point, radius, _): &&&(Point3<f64>, f64, Class)| {
                 let outside_m = print.outside_m(point);
                 outside_m < radius + DRIVERS_M && outside_m < here.outside_m(point) - NEARER_M
             };
-            if near.iter().any(hit) {
-                gap_m = Some(on_m - step_m);
-                break;
+            while let Some((.., class)) = near.iter().find(hit) {
+                gaps_m[*class as usize] = Some(on_m - step_m);
+                near.retain(|(.., other)| other != class);
             }
         }
-        gap_m
+        gaps_m
     }
 
     /// Whether a step leads a walker into a vehicle or farther into it.
@@ -230,22 +254,4 @@ impl SweptPaths {
     pub(crate) fn is_swept(&self, at: &Point3<f64>, radius_m: f64) -> bool {
         self.clear_m(at, radius_m) < WALKERS_M
     }
-}
-
-/// Points around a box, at most [`OUTLINE_M`] apart.
-fn outline(at: Point3<f64>, yaw_rad: f64, [length, width, _]: [f64; 3]) -> Vec<Point3<f64>> {
-    let (sin, cos) = frames::math::sin_cos(yaw_rad);
-    let corners = [[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]].map(|[u, v]| [u * length, v * width]);
-    let mut points = Vec::new();
-    for (k, from) in corners.iter().enumerate() {
-        let to = corners[(k + 1) % 4];
-        let side_m = if k % 2 == 0 { length } else { width };
-        let pieces = (side_m / OUTLINE_M).ceil().max(1.0);
-        for i in 0..pieces as u32 {
-            let share = f64::from(i) / pieces;
-            let [u, v] = [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
-            points.push(at + Vector3::new(u * cos - v * sin, u * sin + v * cos, 0.0));
-        }
-    }
-    points
 }

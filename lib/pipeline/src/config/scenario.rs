@@ -232,6 +232,16 @@ pub(crate) fn traffic(s: &Section<'_>) -> TrafficSettings {
             20.0,
             "all-red time between two greens, s",
         ),
+        moving_start: s.flag(
+            "moving_start",
+            d.moving_start,
+            "traffic is under way when the simulation begins, each vehicle at its speed, rather than at rest",
+        ),
+        signal_offsets: s.flag(
+            "signal_offsets",
+            d.signal_offsets,
+            "the lights of each junction begin their cycle at a drawn time before the simulation, rather than all with it",
+        ),
         reckless_agent: share(
             s,
             "reckless_agent",
@@ -262,7 +272,12 @@ pub(crate) fn traffic(s: &Section<'_>) -> TrafficSettings {
             d.ignore_lights,
             "chance that a driver overlooks a light in a step of 50 ms: it then drives on for the step, but passes no line, and still sees what asks for hard braking, until it has overlooked lights for 1 s on end; at 1 it sees none",
         ),
-        ignore_signs: share(s, "ignore_signs", d.ignore_signs, "the same for signs and lines without lights"),
+        ignore_signs: share(
+            s,
+            "ignore_signs",
+            d.ignore_signs,
+            "the same for signs, lines without lights, and cones, barriers and all else that lies in road works",
+        ),
         ignore_vehicles: share(s, "ignore_vehicles", d.ignore_vehicles, "the same for other vehicles"),
         ignore_walkers: share(s, "ignore_walkers", d.ignore_walkers, "the same for walkers"),
         emergency_lights: share(

@@ -25,9 +25,14 @@ pub struct TrafficSettings {
     pub distracted_agent: f64,
     /// The same for background drivers (0.02).
     pub distracted_background: f64,
+    /// Whether traffic is under way when the simulation begins, each vehicle at its speed, rather than at rest (false).
+    pub moving_start: bool,
+    /// Whether the cycles of traffic lights begin at drawn times before the simulation, each junction at its own, rather than
+    /// all with it (false).
+    pub signal_offsets: bool,
     /// Chances that a driver overlooks, drawn anew in every step of 50 ms: lights (0.001),
     pub ignore_lights: f64,
-    /// signs and lines without lights (0.001),
+    /// signs, lines without lights, and what lies about in road works (0.001),
     pub ignore_signs: f64,
     /// vehicles (0.001),
     pub ignore_vehicles: f64,
@@ -56,6 +61,8 @@ impl Default for TrafficSettings {
             reckless_background: 0.01,
             distracted_agent: 0.02,
             distracted_background: 0.02,
+            moving_start: false,
+            signal_offsets: false,
             ignore_lights: 0.001,
             ignore_signs: 0.001,
             ignore_vehicles: 0.001,

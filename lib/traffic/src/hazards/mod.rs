@@ -5,6 +5,7 @@
 
 mod sign;
 mod site;
+mod standing;
 mod stretch;
 mod thing;
 
@@ -15,6 +16,7 @@ use schema::scene_info::HazardInfo;
 use schema::tables::ActorRow;
 
 use self::site::Site;
+pub(crate) use self::standing::Standing;
 use self::stretch::Stretch;
 pub(crate) use self::thing::Thing;
 use crate::input::SceneInput;
@@ -46,7 +48,7 @@ impl Hazards {
                 sign::before(input.map, at, sign, &mut draw, taken, fixed)
             });
             let Site { stretch, things, .. } = site;
-            for thing in things.iter().filter(|t| t.solid) {
+            for thing in &things {
                 let (at, yaw_rad, size_m) = thing.footprint();
                 taken.insert(at, yaw_rad, size_m);
             }

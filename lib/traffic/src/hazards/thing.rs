@@ -4,16 +4,41 @@ use frames::math::{sin_cos, tan};
 use frames::{Object, Pose, World};
 use nalgebra::{Point3, Vector3};
 use opendrive::LanePoint;
-use schema::models::{BaseType, Model};
+use schema::models::Model;
 use schema::tables::ActorRow;
 use schema::works::Item;
 use schema::{ActorKind, ActorRole, Attribute, Attributes, ObjectId, Tag, lights};
 
+use crate::bodies::PERSON_KG;
 use crate::scene::free_space::Footprint;
 use crate::scene::rows::{Snapshot, tags};
+use crate::vehicle::attention::Class;
 
 /// Colour of what has no colour of its own (sRGB).
 const PLAIN: [u8; 3] = [150, 135, 110];
+
+/// Cars drive over what is no higher than this, metres.
+const UNDER_CARS_M: f64 = 0.15;
+/// Mass over volume of the box about vehicles, and about cones, tools, barrels and boards, kg/m3; nothing is lighter than this,
+/// kg.
+const VEHICLE_KG_M3: f64 = 170.0;
+const LIGHT_KG_M3: f64 = 60.0;
+const LEAST_KG: f64 = 1.5;
+/// Stone fills this share of the box about it, kg/m3.
+const STONE_KG_M3: f64 = 0.6 * 2400.0;
+
+/// The mass of a thing, kg.
+fn mass_kg(kind: ActorKind, model: &str, size_m: [f64; 3]) -> f64 {
+    let volume_m3 = size_m[0] * size_m[1] * size_m[2];
+    match (kind, model) {
+        (ActorKind::Walker, _) => PERSON_KG,
+        (ActorKind::Vehicle, _) => VEHICLE_KG_M3 * volume_m3,
+        (_, "barrier.concrete" | "prop.pipe" | "prop.pile" | "prop.stone_ring") => STONE_KG_M3 * volume_m3,
+        (_, name) if name.starts_with("prop.concrete") => STONE_KG_M3 * volume_m3,
+        (_, "prop.iron_plank" | "prop.construction_light") => 200.0 * volume_m3.max(1.0),
+        _ => (LIGHT_KG_M3 * volume_m3).max(LEAST_KG),
+    }
+}
 
 /// Something that stands in a hazard.
 #[derive(Clone, Debug)]
@@ -32,8 +57,10 @@ pub(crate) struct Thing {
     doors: [f32; 4],
     /// Lamps that burn whatever the weather.
     lamps: u32,
-    /// Whether a car that hits it is stopped by it.
+    /// Whether vehicles hit it: they drive over what is low, and signs stand beside the road.
     pub(crate) solid: bool,
+    /// What there is to push away, kg.
+    pub(crate) mass_kg: f64,
 }
 
 /// A place to stand.
@@ -78,7 +105,8 @@ impl Thing {
             facts: Attributes::new().with(Attribute::BaseType, kind).with(Attribute::SpecialType, ""),
             doors: [0.0; 4],
             lamps: 0,
-            solid: true,
+            solid: size_m[2] > UNDER_CARS_M,
+            mass_kg: mass_kg(kind, model, size_m),
         }
     }
 
@@ -87,7 +115,6 @@ impl Thing {
             tags: tags(model.base),
             color,
             facts: model.facts(),
-            solid: model.base != BaseType::Cone,
             ..Self::new(kind, (model.name, model.size_m), at)
         }
     }
@@ -121,8 +148,32 @@ impl Thing {
         self.rpy_rad[2]
     }
 
-    pub(super) fn footprint(&self) -> Footprint {
+    pub(crate) fn footprint(&self) -> Footprint {
         (self.point, self.yaw_rad(), self.size_m)
+    }
+
+    /// What drivers take it for: who sees no signs sees no cones and nothing else of road works either.
+    pub(crate) fn class(&self) -> Class {
+        match self.kind {
+            ActorKind::Vehicle => Class::Vehicles,
+            ActorKind::Walker => Class::Walkers,
+            _ => Class::Signs,
+        }
+    }
+
+    pub(crate) fn is_person(&self) -> bool {
+        self.kind == ActorKind::Walker
+    }
+
+    /// Lies somewhere else on the plane that it stands on, turned.
+    pub(crate) fn move_to(&mut self, [x_m, y_m]: [f64; 2], yaw_rad: f64) {
+        let [roll, pitch, before_rad] = self.rpy_rad;
+        let (sin, cos) = sin_cos(before_rad);
+        let (dx, dy) = (x_m - self.point.x, y_m - self.point.y);
+        let (ahead, left) = (dx * cos + dy * sin, dy * cos - dx * sin);
+        self.point = Point3::new(x_m, y_m, self.point.z - ahead * tan(pitch) + left * tan(roll));
+        let (sin, cos) = sin_cos(yaw_rad - before_rad);
+        self.rpy_rad = [roll * cos + pitch * sin, pitch * cos - roll * sin, frames::wrap_pi(yaw_rad)];
     }
 
     /// Whether drivers have to mind it: signs stand beside the lanes.
@@ -130,7 +181,7 @@ impl Thing {
         self.kind != ActorKind::Sign
     }
 
-    fn pose(&self) -> Pose<World, Object> {
+    pub(super) fn pose(&self) -> Pose<World, Object> {
         Pose::from_xyz_rpy(self.point.into(), self.rpy_rad)
     }
 
@@ -159,13 +210,18 @@ impl Thing {
         self.kind == ActorKind::Vehicle
     }
 
-    /// What is seen of a vehicle, given the lamps that the weather asks for.
-    pub(crate) fn snapshot(&self, id: ObjectId, weather_lamps: u32) -> Snapshot {
-        let pose = self.pose();
+    /// What is seen of it, given its pose one step before and the lamps that the weather asks for.
+    pub(super) fn snapshot(
+        &self,
+        id: ObjectId,
+        before: &Pose<World, Object>,
+        weather_lamps: u32,
+    ) -> Snapshot {
+        let weather_lamps = if self.has_states() { weather_lamps } else { 0 };
         Snapshot {
             id,
-            world_from_object: pose,
-            world_from_object_before: pose,
+            world_from_object: self.pose(),
+            world_from_object_before: *before,
             steer_rad: 0.0,
             phase_rad: 0.0,
             lights: self.lamps | weather_lamps,

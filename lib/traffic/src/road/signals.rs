@@ -25,7 +25,7 @@ pub(crate) struct Signals {
 
 impl Signals {
     /// Each controller shows green for its own drawn time, then yellow, then all show red, then the next controller
-    /// follows. All cycles begin with the simulation. Dynamic signals of a junction that no controller names form one
+    /// follows. All cycles begin with the simulation, or each some time before. Dynamic signals of a junction that no controller names form one
     /// more controller each.
     pub(crate) fn new(map: &Map, settings: &TrafficSettings, seed: u64, scene: u64) -> Self {
         let mut programs: Vec<Vec<Vec<usize>>> = Vec::new();
@@ -73,9 +73,14 @@ impl Signals {
                     settings.green_time_s.unwrap_or(drawn).max(0.0)
                 })
                 .collect();
-            let cycle_s = greens.iter().map(|g| g + yellow_s + all_red_s).sum();
-            let mut start_s = 0.0;
+            let cycle_s: f64 = greens.iter().map(|g| g + yellow_s + all_red_s).sum();
+            let entity = turns[0][0] as u64;
+            let before = Stream::new(seed, scene, "traffic/signal_offset", entity).uniform(0.0, cycle_s);
+            let mut start_s = if settings.signal_offsets { cycle_s - before } else { 0.0 };
             for (turn, &green_s) in turns.iter().zip(&greens) {
+                if start_s >= cycle_s {
+                    start_s -= cycle_s;
+                }
                 for &signal in turn {
                     phases[signal] = Some(Phase { cycle_s, start_s, green_s });
                 }
@@ -111,8 +116,8 @@ impl Signals {
         if phase.cycle_s <= 0.0 {
             return SignalState::Off;
         }
-        let turns = (time_s / phase.cycle_s).floor();
-        let since = time_s - turns * phase.cycle_s - phase.start_s;
+        let since_first = time_s - phase.start_s;
+        let since = since_first - (since_first / phase.cycle_s).floor() * phase.cycle_s;
         if (0.0..phase.green_s).contains(&since) {
             SignalState::Green
         } else if (0.0..phase.green_s + self.yellow_s).contains(&since) {

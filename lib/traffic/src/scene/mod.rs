@@ -3,5 +3,6 @@
 pub(crate) mod free_space;
 pub(crate) mod log;
 pub(crate) mod placing;
+pub(crate) mod rolling;
 pub(crate) mod rows;
 pub(crate) mod spawn;

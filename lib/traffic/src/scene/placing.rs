@@ -8,12 +8,11 @@ use schema::ObjectId;
 use schema::tables::ActorRow;
 use schema::{ActorKind, ActorRole, models};
 
-use crate::bodies::Bodies;
+use crate::bodies::{Bodies, Owner};
 use crate::error::TrafficError;
-use crate::hazards::Thing;
 use crate::input::SceneInput;
 use crate::junction::right_of_way::RightOfWay;
-use crate::occupancy::Occupancy;
+use crate::road::kerbside::Kerbside;
 use crate::road::net::Net;
 use crate::scene::spawn::Start;
 use crate::vehicle::Vehicle;
@@ -27,9 +26,6 @@ use crate::walking::paths::Paths;
 use crate::walking::routes::Routes;
 use crate::walking::walker::{WHEELCHAIR_MPS, Walker};
 
-/// Owner numbers of bodies: vehicles from 0, walkers from here, all fixed things twice this, those of hazards from three times
-/// this.
-pub(crate) const WALKERS: u32 = 1 << 20;
 /// Clothes of walkers (sRGB).
 const CLOTHES: [[u8; 3]; 8] = [
     [40, 44, 52],
@@ -56,7 +52,7 @@ pub(crate) fn place_vehicles(
         let stream = |topic| Stream::new(scene.seed, u64::from(scene.scene), topic, i as u64);
         let driver = Driver::new(start.driver, traffic, stream("traffic/slip"));
         let route = Route::new(start.lane, start.along_m, stream("traffic/route"));
-        let body = bodies.vehicle(&start.point, start.yaw_rad, start.model.size_m, i as u32);
+        let body = bodies.vehicle(&start.point, start.yaw_rad, start.model.size_m, Owner::Vehicle(i as u32));
         let at = net.lanes[start.lane].centre.place(start.along_m);
         let motion = Motion::at_rest(at, start.yaw_rad, body);
         let door_open = if start.role == ActorRole::Background { traffic.door_open } else { 0.0 };
@@ -93,7 +89,7 @@ pub(crate) fn place_walkers(
             _ => (model, speed),
         };
         let anywhere = draw.chance(scene.walker_cross_factor);
-        let owner = WALKERS + i as u32;
+        let owner = Owner::Walker(i as u32);
         let make_body = |at: &Point3<f64>| bodies.walker(at, model.size_m, owner);
         let mut walker =
             Walker::new(model, color, draw, paths, routes, (way, along), speed, anywhere, make_body);
@@ -104,27 +100,14 @@ pub(crate) fn place_walkers(
     walkers
 }
 
-/// Parked vehicles as obstacles, unless they stand so near a lane that careful drivers would touch them.
-pub(crate) fn add_fixed(fixed: &[ActorRow], net: &Net, bodies: &mut Bodies) {
+/// Parked vehicles: bodies to run into, and in the way of drivers where they reach into a lane.
+pub(crate) fn add_parked(fixed: &[ActorRow], net: &Net, kerbside: &mut Kerbside, bodies: &mut Bodies) {
     for actor in fixed.iter().filter(|a| a.kind == ActorKind::Parked) {
         let at = Point3::from(actor.xyz_m);
-        if net.lanes_at(&at, 1.5).is_empty() {
-            let pose = Pose::<World, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
-            let size = [actor.length_m, actor.width_m, actor.height_m].map(|v| v.max(0.1));
-            bodies.fixed(&at, pose.yaw(), size, 2 * WALKERS);
-        }
-    }
-}
-
-/// What stands in hazards, as obstacles on the lanes and, if it stops a car, as bodies.
-pub(crate) fn place_hazards(net: &Net, things: &[Thing], occupancy: &mut Occupancy, bodies: &mut Bodies) {
-    for (i, thing) in things.iter().enumerate() {
-        if thing.is_on_lane() {
-            occupancy.stand(net, &thing.point, thing.yaw_rad(), thing.size_m);
-        }
-        if thing.solid {
-            bodies.fixed(&thing.point, thing.yaw_rad(), thing.size_m, 3 * WALKERS + i as u32);
-        }
+        let yaw_rad = Pose::<World, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion).yaw();
+        let size = [actor.length_m, actor.width_m, actor.height_m].map(|v| v.max(0.1));
+        bodies.fixed(&at, yaw_rad, size, Owner::Parked);
+        kerbside.add(net, &at, yaw_rad, size);
     }
 }
 

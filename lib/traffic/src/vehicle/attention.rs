@@ -18,10 +18,15 @@ const AWAY_STEPS: u8 = 20;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Class {
     Lights,
-    /// Signs and lines without lights.
+    /// Signs and lines without lights; cones, barriers and all else that lies about in road works.
     Signs,
     Vehicles,
     Walkers,
+}
+
+impl Class {
+    /// All of them, by their numbers.
+    pub(crate) const ALL: [Self; 4] = [Self::Lights, Self::Signs, Self::Vehicles, Self::Walkers];
 }
 
 /// What a driver sees of a class of things in a step.
@@ -90,8 +95,6 @@ impl Attention {
 mod tests {
     use super::*;
 
-    const ALL: [Class; 4] = [Class::Lights, Class::Signs, Class::Vehicles, Class::Walkers];
-
     fn settings(share: f64) -> TrafficSettings {
         TrafficSettings {
             ignore_lights: share,
@@ -111,7 +114,7 @@ mod tests {
         let mut counts = ([0u32; 4], [0u32; 2]);
         for step in 0..20_000 {
             driver.look(step);
-            for (count, class) in counts.0.iter_mut().zip(ALL) {
+            for (count, class) in counts.0.iter_mut().zip(Class::ALL) {
                 *count += u32::from(driver.sight(class) != Sight::Sees);
             }
             for (count, class) in counts.1.iter_mut().zip([Class::Lights, Class::Walkers]) {
@@ -147,7 +150,7 @@ mod tests {
         let sights = |reckless: bool, distracted: bool| {
             let mut driver = Attention::new(&none, reckless, distracted, stream());
             driver.look(0);
-            ALL.map(|class| driver.sight(class))
+            Class::ALL.map(|class| driver.sight(class))
         };
         assert_eq!(sights(false, false), [Sight::Sees; 4]);
         assert_eq!(sights(true, false), [Sight::Away; 4]);

@@ -37,6 +37,33 @@ impl LateralTransition {
     }
 }
 
+/// A way from some offset and slope to another offset, which is kept then.
+#[derive(Clone, Copy, Debug)]
+struct Swerve {
+    from_m: f64,
+    slope: f64,
+    to_m: f64,
+    span_m: f64,
+    gone_m: f64,
+}
+
+impl Swerve {
+    /// Place to the left after some more metres of way, and its change per metre of way: a quintic without curvature at both
+    /// ends and without slope at the second one.
+    fn offset_after(&self, on_m: f64) -> [f64; 2] {
+        let u = ((self.gone_m + on_m) / self.span_m).clamp(0.0, 1.0);
+        let (square, v) = (u * u, 1.0 - u);
+        let share = square * u * (10.0 - u * (15.0 - 6.0 * u));
+        let share_slope = 30.0 * square * v * v;
+        // As long as it goes on the way it went: u (1 - u)^3 (1 + 3 u).
+        let on = u * v * v * v * (1.0 + 3.0 * u);
+        let on_slope = 1.0 - square * (18.0 - u * (32.0 - 15.0 * u));
+        let way = self.to_m - self.from_m;
+        let rise = if u < 1.0 { self.slope * on_slope } else { 0.0 };
+        [self.from_m + way * share + self.slope * self.span_m * on, way * share_slope / self.span_m + rise]
+    }
+}
+
 /// A lane change under way.
 #[derive(Clone, Debug)]
 pub(crate) struct LaneChange {
@@ -72,6 +99,8 @@ pub(crate) struct Lateral {
     change: Option<LaneChange>,
     /// What it is off its way since a seam where two ways do not quite meet.
     seam: Option<LateralTransition>,
+    /// Out of the way of what reaches into the lane, and back.
+    swerve: Option<Swerve>,
 }
 
 impl Lateral {
@@ -83,14 +112,26 @@ impl Lateral {
     /// Place to the left of the lane's middle after some more metres of way, metres, and its change per metre of way.
     pub(crate) fn offset_after(&self, on_m: f64) -> [f64; 2] {
         let transitions = self.change.iter().map(|c| c.transition).chain(self.seam);
-        let after = transitions.map(|t| t.offset_after(on_m));
+        let swerve = self.swerve.map(|s| s.offset_after(on_m));
+        let after = transitions.map(|t| t.offset_after(on_m)).chain(swerve);
         after.fold([0.0; 2], |sum, o| [sum[0] + o[0], sum[1] + o[1]])
     }
 
     /// Begins a lane change: places are to the left of the new lane's middle from now on.
     pub(crate) fn begin(&mut self, change: LaneChange) {
         self.change = Some(change);
-        self.seam = None;
+        (self.seam, self.swerve) = (None, None);
+    }
+
+    /// Where it keeps to the left of the middle, or is about to, for what reaches into the lane, metres.
+    pub(crate) fn kept_aside_m(&self) -> f64 {
+        self.swerve.map_or(0.0, |s| s.to_m)
+    }
+
+    /// From now on keeps so far to the left of the middle, over a way of some metres.
+    pub(crate) fn keep_aside(&mut self, to_m: f64, span_m: f64) {
+        let [from_m, slope] = self.swerve.map_or([0.0; 2], |s| s.offset_after(0.0));
+        self.swerve = Some(Swerve { from_m, slope, to_m, span_m, gone_m: 0.0 });
     }
 
     /// The lane goes on beside where the vehicle is, which is `left_m` left of its middle: what no lane change explains of
@@ -108,12 +149,38 @@ impl Lateral {
         if self.seam.as_mut().is_some_and(|seam| !seam.advance(step_m)) {
             self.seam = None;
         }
+        if let Some(swerve) = &mut self.swerve {
+            swerve.gone_m += step_m;
+            if swerve.to_m == 0.0 && swerve.gone_m >= swerve.span_m {
+                self.swerve = None;
+            }
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_swerve_goes_on_as_it_went_and_ends_along_the_lane() {
+        let swerve = Swerve { from_m: 0.2, slope: 0.05, to_m: -0.6, span_m: 30.0, gone_m: 0.0 };
+        let [first, last] = [0.0, 30.0].map(|on_m| swerve.offset_after(on_m));
+        assert!((first[0] - 0.2).abs() < 1e-12 && (first[1] - 0.05).abs() < 1e-12, "{first:?}");
+        assert!((last[0] + 0.6).abs() < 1e-12 && last[1].abs() < 1e-12, "{last:?}");
+        assert_eq!(swerve.offset_after(90.0), swerve.offset_after(30.0));
+        for k in 1..300 {
+            let on_m = 0.1 * f64::from(k);
+            let offset = |d: f64| swerve.offset_after(on_m + d)[0];
+            let slope = (offset(1e-5) - offset(-1e-5)) / 2e-5;
+            assert!((swerve.offset_after(on_m)[1] - slope).abs() < 1e-8, "{slope} at {on_m}");
+        }
+        // No curvature at either end.
+        for on_m in [0.0, 30.0 - 1e-4] {
+            let bend = (swerve.offset_after(on_m + 1e-4)[1] - swerve.offset_after(on_m)[1]) / 1e-4;
+            assert!(bend.abs() < 1e-5, "{bend}");
+        }
+    }
 
     #[test]
     fn the_way_over_begins_and_ends_along_the_lanes() {

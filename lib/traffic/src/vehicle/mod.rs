@@ -27,6 +27,7 @@ use self::route::Route;
 use self::wake::Wake;
 use crate::bodies::BodyMotion;
 use crate::car_following::envelope;
+use crate::road::kerbside::Kerbside;
 use crate::road::net::{Net, PLANNED_BRAKING};
 use crate::road::sides::Side;
 
@@ -38,6 +39,16 @@ const STANDING_MPS: f64 = 0.3;
 const NEAR_M: f64 = 40.0;
 /// Routes are drawn so much farther than drivers look, metres.
 const BEYOND_VIEW_M: f64 = 60.0;
+/// Drivers make room for what reaches into their lane from so far before it on, metres and seconds, until they are so far
+/// past it, metres; they go back over so much way.
+const ASIDE_FROM_M: f64 = 10.0;
+const ASIDE_FROM_S: f64 = 3.0;
+const ASIDE_PAST_M: f64 = 0.5;
+const BACK_S: f64 = 2.5;
+/// The shortest way aside, metres.
+const SHORTEST_ASIDE_M: f64 = 6.0;
+/// Nobody steers for less than this, metres.
+const ASIDE_M: f64 = 0.02;
 /// Drivers stop this far before the end of a road, metres.
 const ROAD_END_M: f64 = 1.0;
 
@@ -55,6 +66,8 @@ pub(crate) struct Vehicle {
     claim: Claim,
     doors: Doors,
     wake: Wake,
+    /// Its odometer where it has passed what it keeps aside of, metres.
+    aside_until_m: f64,
 }
 
 impl Vehicle {
@@ -79,6 +92,7 @@ impl Vehicle {
             claim: Claim::default(),
             doors,
             wake: Wake::Awake,
+            aside_until_m: f64::NEG_INFINITY,
         };
         vehicle.route.choose_turn_lane(net);
         vehicle.draw_route(net);
@@ -271,6 +285,58 @@ impl Vehicle {
         if self.motion.advance(&mut course, self.model, acceleration_mps2) {
             self.draw_route(net);
         }
+    }
+
+    /// It has been driving at this speed before the scene began.
+    pub(crate) fn roll(&mut self, net: &Net, speed_mps: f64) {
+        self.motion.roll(speed_mps);
+        self.draw_route(net);
+    }
+
+    /// Keeps clear of parked vehicles that reach into its lane and leave room to pass.
+    pub(crate) fn make_room(&mut self, net: &Net, kerbside: &Kerbside) {
+        let (half_m, width_m, speed) = (self.half_length_m(), self.model.size_m[1], self.speed_mps());
+        let view_m = half_m + ASIDE_FROM_M + ASIDE_FROM_S * speed;
+        let (mut room_m, mut first_m) = ([f64::NEG_INFINITY, f64::INFINITY], f64::INFINITY);
+        let mut past_m = f64::NEG_INFINITY;
+        for (lane, start) in self.route.lanes_ahead(net).take_while(|(_, start)| *start < view_m) {
+            for intrusion in kerbside.on_lane(lane).iter().filter(|i| i.lets_by(width_m)) {
+                let [from_m, to_m] = intrusion.along_m.map(|along_m| start + along_m);
+                if from_m < view_m && to_m + half_m + ASIDE_PAST_M > 0.0 {
+                    let [low, high] = intrusion.room_m(width_m);
+                    room_m = [room_m[0].max(low), room_m[1].min(high)];
+                    first_m = first_m.min(from_m - half_m - ASIDE_PAST_M);
+                    past_m = past_m.max(to_m + half_m + ASIDE_PAST_M);
+                }
+            }
+        }
+        let odometer_m = self.route.odometer_m();
+        let kept_m = self.lateral.kept_aside_m();
+        let wished_m = if room_m[0] > room_m[1] {
+            0.5 * (room_m[0] + room_m[1])
+        } else {
+            0f64.clamp(room_m[0], room_m[1])
+        };
+        // The one that it is still beside may be on the lane before.
+        let stays = odometer_m < self.aside_until_m && kept_m.abs() > wished_m.abs();
+        if first_m.is_finite() && wished_m != 0.0 {
+            self.aside_until_m = odometer_m + past_m;
+        }
+        if stays || (wished_m - kept_m).abs() < ASIDE_M {
+            return;
+        }
+        let span_m = if wished_m.abs() > kept_m.abs() {
+            first_m.clamp(SHORTEST_ASIDE_M, SHORTEST_ASIDE_M.max(ASIDE_FROM_S * speed))
+        } else {
+            (BACK_S * speed).max(SHORTEST_ASIDE_M)
+        };
+        self.lateral.keep_aside(wished_m, span_m);
+    }
+
+    /// Something pushed it aside without more harm: it drives on from where its body is.
+    pub(crate) fn nudge(&mut self, net: &Net, body: &BodyMotion) {
+        let mut course = Course { net, route: &mut self.route, lateral: &mut self.lateral };
+        self.motion.nudge(&mut course, body);
     }
 
     /// It touched something: nobody drives it from now on.

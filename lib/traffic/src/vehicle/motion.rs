@@ -192,6 +192,24 @@ impl Motion {
             frames::math::atan(2.0 * frames::math::tan(slip)).clamp(-MAX_STEER_RAD, MAX_STEER_RAD);
     }
 
+    /// It has been driving at this speed before the scene began.
+    pub(super) fn roll(&mut self, speed_mps: f64) {
+        self.speed_mps = speed_mps;
+    }
+
+    /// Something pushed it aside: goes on from where its body is, back to its course over some metres.
+    pub(super) fn nudge(&mut self, course: &mut Course<'_>, body: &BodyMotion) {
+        let point = Point3::new(body.x_m, body.y_m, self.at.point.z);
+        let (along_m, left_m) = course.lane().cross_beyond(point, course.route.along_m());
+        course.route.advance_to(along_m);
+        course.lateral.cross_seam(left_m, (WEARS_OFF_S * self.speed_mps).max(WEARS_OFF_M));
+        self.at = course.point_at(along_m);
+        self.yaw_rad = body.yaw_rad;
+        let (sin, cos) = frames::math::sin_cos(self.yaw_rad);
+        let [x, y] = body.velocity_mps;
+        self.speed_mps = (x * cos + y * sin).clamp(0.0, self.speed_mps);
+    }
+
     /// Nothing moves it any more.
     pub(super) fn rest(&mut self) {
         self.acceleration_mps2 = 0.0;

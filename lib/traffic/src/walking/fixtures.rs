@@ -104,10 +104,28 @@ fn cell(x_m: f64, y_m: f64) -> (i32, i32) {
 }
 
 impl Fixtures {
-    /// Adds one.
-    pub(crate) fn add(&mut self, place: &Footprint) {
-        let fixture = Fixture::new(place);
-        // Each is listed wherever somebody may look for it, so that a look goes to one cell.
+    /// Adds one, and numbers it.
+    pub(crate) fn add(&mut self, place: &Footprint) -> usize {
+        let index = self.all.len();
+        self.all.push(Fixture::new(place));
+        self.list(index, place);
+        index
+    }
+
+    /// Puts one somewhere else.
+    pub(crate) fn replace(&mut self, index: usize, place: &Footprint) {
+        if let Some(fixture) = self.all.get_mut(index) {
+            *fixture = Fixture::new(place);
+            for cell in self.cells.values_mut() {
+                cell.retain(|&i| i as usize != index);
+            }
+            self.list(index, place);
+        }
+    }
+
+    /// Each is listed wherever somebody may look for it, so that a look goes to one cell.
+    fn list(&mut self, index: usize, place: &Footprint) {
+        let fixture = &self.all[index];
         let reach = [0, 1].map(|k| {
             let [a, b] = [fixture.ahead.x, fixture.ahead.y].map(f64::abs);
             let half = if k == 0 { [a, b] } else { [b, a] };
@@ -117,10 +135,9 @@ impl Fixtures {
         let (low, high) = (cell(x - reach[0], y - reach[1]), cell(x + reach[0], y + reach[1]));
         for column in low.0..=high.0 {
             for row in low.1..=high.1 {
-                self.cells.entry((column, row)).or_default().push(self.all.len() as u32);
+                self.cells.entry((column, row)).or_default().push(index as u32);
             }
         }
-        self.all.push(fixture);
     }
 
     /// Those around a place on its level.
@@ -203,7 +220,9 @@ mod tests {
         let house = Footprint { xyz_m: [0.0, 0.0, 1.0], yaw_rad: 0.0, half_m: [9.0, 6.0], height_m: 8.0 };
         let pole = Footprint { xyz_m: [30.0, 0.0, 0.0], yaw_rad: 0.0, half_m: [0.1; 2], height_m: 5.0 };
         let mut fixtures = Fixtures::default();
-        [house, pole].iter().for_each(|place| fixtures.add(place));
+        [house, pole].iter().for_each(|place| {
+            fixtures.add(place);
+        });
         assert!(!fixtures.is_free(Point3::new(9.3, 0.0, 0.0), 0.35));
         assert!(fixtures.is_free(Point3::new(9.4, 0.0, 0.0), 0.35));
         // On a bridge over the house, and in a tunnel under it.

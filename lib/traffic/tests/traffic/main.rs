@@ -1,6 +1,7 @@
 //! Traffic in motion: drivers, signals, walkers, hazards; the facts that a log states; the report's measures.
 
 mod common;
+mod contact;
 mod facts;
 mod hazards;
 mod junctions;
@@ -9,4 +10,5 @@ mod overlook;
 mod report;
 mod simulation;
 mod sleep;
+mod start;
 mod walkers;

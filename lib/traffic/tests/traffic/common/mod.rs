@@ -5,13 +5,14 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use frames::math::sin_cos;
+use frames::{Object, Pose, World};
 use opendrive::{
     Connection, ContactPoint, Controller, Cubic, Curve, Geometry, Junction, JunctionController, Lane,
     LaneLink, LaneSection, LaneType, LaneValidity, Map, MarkType, Network, Road, RoadLink, RoadMark, Signal,
     Speed, SpeedUnit,
 };
-use schema::settings::TrafficSettings;
 use schema::settings::stages::SimulationSettings;
+use schema::settings::TrafficSettings;
 use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, StateRow, Weather};
 use schema::{ActorKind, ActorRole, AgentId, Attributes, HazardKind, SignalState};
 use testkit::lane;
@@ -400,7 +401,39 @@ pub(crate) fn run_with(
     hazards: &[PlanHazardRow],
     settings: &SimulationSettings,
 ) -> SimulationLog {
-    let fixed = lights(map);
+    run_beside(map, scene, agents, hazards, settings, lights(map))
+}
+
+/// A parked vehicle of a size.
+pub(crate) fn parked(xyz_m: [f64; 3], yaw_rad: f64, [length_m, width_m, height_m]: [f64; 3]) -> ActorRow {
+    ActorRow {
+        id: 1,
+        kind: ActorKind::Parked,
+        model: "car.sedan".into(),
+        role: ActorRole::Scenery,
+        semantic_tags: vec![14],
+        length_m,
+        width_m,
+        height_m,
+        fixed: true,
+        xyz_m,
+        quaternion: Pose::<World, Object>::from_xyz_rpy([0.0; 3], [0.0, 0.0, yaw_rad]).wxyz(),
+        ..ActorRow::default()
+    }
+}
+
+/// A scene with what stands beside the road.
+pub(crate) fn run_beside(
+    map: &Map,
+    scene: &PlanSceneRow,
+    agents: &[PlanAgentRow],
+    hazards: &[PlanHazardRow],
+    settings: &SimulationSettings,
+    mut fixed: Vec<ActorRow>,
+) -> SimulationLog {
+    for (id, actor) in (1..).zip(&mut fixed) {
+        actor.id = id;
+    }
     let first_id = fixed.len() as u16 + 1;
     let input = SceneInput { map, scene, agents, hazards, settings, fixed: &fixed, first_id };
     simulate(&input, &mut |_, _| ControlFlow::Continue(())).expect("a log")
