@@ -69,7 +69,7 @@ pub struct SceneInput<'a> {
     /// The dataset's settings (traffic, walkers, lights, hazards).
     pub settings: &'a SimulationSettings,
     /// Objects that never move. Those of kind `traffic_light` with an `opendrive_id` get signal states; those of kind
-    /// `parked` can be hit, and drivers keep clear of those that reach into a lane.
+    /// `parked` can be hit, and drivers keep clear of those that reach into a lane; people wait before buildings and benches.
     pub fixed: &'a dyn FixedWorld,
     /// Id of the first actor; the others follow.
     pub first_id: ObjectId,

@@ -24,7 +24,7 @@ use crate::occupancy::Occupancy;
 use crate::road::net::Net;
 use crate::road::signals::Signals;
 use crate::scene::log::{log_vehicles, log_walkers, vehicle_lamps, weather_lamps};
-use crate::scene::placing::{ActorIds, add_parked, lamps, place_vehicles, place_walkers};
+use crate::scene::placing::{ActorIds, Streets, add_parked, lamps, place_vehicles, place_walkers};
 use crate::scene::rolling::set_rolling;
 use crate::scene::rows::Snapshot;
 use crate::scene::spawn::{Start, vehicle_starts};
@@ -38,6 +38,8 @@ use crate::walking::fixtures::Fixtures;
 use crate::walking::paths::Paths;
 use crate::walking::routes::Routes;
 use crate::walking::surroundings::Surroundings;
+use crate::walking::together::keep_together;
+use crate::walking::waiting::WaitingPlaces;
 use crate::walking::walker::Walker;
 
 /// Walkers' destinations are at most this many times as far from an agent's start as walkers' starts, and on large maps at
@@ -209,7 +211,9 @@ impl<'a> Simulation<'a> {
         });
         let ids = cast.ids;
         let standing = Standing::new(&ids.hazards, cast.hazards.things, &mut bodies, &mut fixtures);
-        let walkers = place_walkers(input, &paths, &routes, &fixtures, &cast.walkers, &mut bodies);
+        let waiting = WaitingPlaces::new(&paths, &fixed);
+        let streets = Streets { paths: &paths, routes: &routes, fixtures: &fixtures, waiting: &waiting };
+        let walkers = place_walkers(input, &streets, &cast.walkers, &mut bodies);
         log_walkers(&mut log, &ids, &walkers);
         log.actors.extend(in_hazards);
         log.hazards = cast.hazards.placed;
@@ -356,6 +360,7 @@ impl<'a> Simulation<'a> {
             crowd.add(walker.position(), walker.velocity_mps(), walker.radius_m());
         }
         self.sweeps.settle();
+        keep_together(&mut self.walkers);
         let surroundings = Surroundings {
             paths: &self.paths,
             routes: &self.routes,

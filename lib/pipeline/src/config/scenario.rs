@@ -325,6 +325,13 @@ pub(crate) fn walkers(s: &Section<'_>) -> WalkerSettings {
             "share of walkers who may cross roads anywhere",
         ),
         wheelchair: s.number("wheelchair", d.wheelchair, 0.0, 1.0, "share of walkers who use a wheelchair"),
+        in_groups: share(s, "in_groups", d.in_groups, "share of walkers who walk in groups of two or three"),
+        waiting: share(
+            s,
+            "waiting",
+            d.waiting,
+            "share of the others who stand and wait when the scene begins: at crossings, benches, buildings",
+        ),
     }
 }
 

@@ -15,10 +15,22 @@ pub struct WalkerSettings {
     pub cross_factor: Option<f64>,
     /// Share of walkers who use a wheelchair, 0 to 1 (0.04).
     pub wheelchair: f64,
+    /// Share of walkers who walk in groups of two or three, 0 to 1 (0.3).
+    pub in_groups: f64,
+    /// Share of the other walkers who stand and wait when the scene begins, 0 to 1 (0.1): at crossings, benches, buildings.
+    pub waiting: f64,
 }
 
 impl Default for WalkerSettings {
     fn default() -> Self {
-        Self { count: None, max_count: 480, min_speed_mps: 0.8, cross_factor: None, wheelchair: 0.04 }
+        Self {
+            count: None,
+            max_count: 480,
+            min_speed_mps: 0.8,
+            cross_factor: None,
+            wheelchair: 0.04,
+            in_groups: 0.3,
+            waiting: 0.1,
+        }
     }
 }

@@ -4,7 +4,7 @@ use std::ops::{ControlFlow, RangeInclusive};
 
 use opendrive::{LaneInfo, LanePos, Map};
 use schema::HazardKind;
-use schema::settings::SceneryRules;
+use schema::settings::{SceneryRules, WalkerSettings};
 use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow};
 use tiles::TileMaker;
 use traffic::{SceneInput, SimulationLog, simulate};
@@ -147,6 +147,7 @@ impl Plan {
             settings.traffic.distracted_background = 0.02;
             scene.background_vehicles = Some(VEHICLES);
             scene.walkers = WALKERS;
+            settings.walkers = WalkerSettings::default();
         }
         let fixed = scenery(&map, scene.seed, &agents);
         let wanted = !full && self.seed.is_multiple_of(HAZARD_SEEDS);

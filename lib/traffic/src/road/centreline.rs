@@ -57,13 +57,23 @@ pub(crate) struct Centreline {
 impl Centreline {
     /// Samples a lane; None where it has no extent.
     pub(crate) fn new(map: &Map, lane: &LaneInfo) -> Option<Self> {
+        Self::beside(map, lane, &|_| 0.0)
+    }
+
+    /// Samples a line beside a lane's middle, so far to its left in the direction of travel as is told for its width; None where
+    /// that has no extent.
+    pub(crate) fn beside(map: &Map, lane: &LaneInfo, left_m: &dyn Fn(f64) -> f64) -> Option<Self> {
         let length = lane.s_length();
         let steps = (length / STEP_M).ceil().clamp(1.0, MAX_SAMPLES);
         let mut samples: Vec<Sample> = Vec::new();
         let mut along_m = 0.0;
         for i in 0..=steps as usize {
             let s = lane.s_of_along(length * (i as f64 / steps));
-            let at = map.lane_point(lane.id, s, 0.0)?;
+            let mut at = map.lane_point(lane.id, s, 0.0)?;
+            let left_m = left_m(at.width_m);
+            if left_m != 0.0 {
+                at = map.lane_point(lane.id, s, left_m)?;
+            }
             let (sin, cos) = frames::math::sin_cos(at.heading_rad);
             let (down, flat) = frames::math::sin_cos(at.pitch_rad);
             let tangent = Vector3::new(cos * flat, sin * flat, -down);
@@ -82,6 +92,19 @@ impl Centreline {
             });
         }
         (along_m > MIN_LENGTH_M).then_some(Self { lane: lane.id, length_m: along_m, samples })
+    }
+
+    /// The parts of it whose samples are wanted and that are at least so long, with a width of their own.
+    pub(crate) fn parts(&self, wanted: &dyn Fn(&Sample) -> bool, least_m: f64, width_m: f64) -> Vec<Self> {
+        let runs = self.samples.chunk_by(|a, b| wanted(a) == wanted(b)).filter(|run| wanted(&run[0]));
+        let long = runs.filter(|run| run[run.len() - 1].along_m - run[0].along_m >= least_m && run.len() > 1);
+        let part = |run: &[Sample]| {
+            let from_m = run[0].along_m;
+            let moved = |s: &Sample| Sample { along_m: s.along_m - from_m, width_m, ..*s };
+            let samples: Vec<Sample> = run.iter().map(moved).collect();
+            Self { lane: self.lane, length_m: samples[samples.len() - 1].along_m, samples }
+        };
+        long.map(part).collect()
     }
 
     /// Where travel enters it.

@@ -20,12 +20,16 @@ use crate::vehicle::doors::Doors;
 use crate::vehicle::driver::Driver;
 use crate::vehicle::motion::Motion;
 use crate::vehicle::route::Route;
+use crate::walking::company::{Company, abreast, draw_sizes};
 use crate::walking::crowd::Crowd;
 use crate::walking::fixtures::Fixtures;
 use crate::walking::paths::Paths;
 use crate::walking::routes::Routes;
+use crate::walking::waiting::WaitingPlaces;
 use crate::walking::walker::{WHEELCHAIR_MPS, Walker};
 
+/// Whoever stands and waits when a scene begins does so for another so many seconds, at least and at most.
+const WAITS_S: [f64; 2] = [5.0, 90.0];
 /// Clothes of walkers (sRGB).
 const CLOTHES: [[u8; 3]; 8] = [
     [40, 44, 52],
@@ -64,38 +68,81 @@ pub(crate) fn place_vehicles(
     vehicles
 }
 
-/// The walkers, each with whether it crosses roads anywhere.
+/// What walkers are placed among.
+pub(crate) struct Streets<'a> {
+    pub(crate) paths: &'a Paths,
+    pub(crate) routes: &'a Routes,
+    pub(crate) fixtures: &'a Fixtures,
+    pub(crate) waiting: &'a WaitingPlaces,
+}
+
+/// A walker as it is drawn, before it has a place.
+struct Drawn {
+    model: &'static models::Model,
+    color: [u8; 3],
+    speed_mps: f64,
+    stream: Stream,
+    anywhere: bool,
+}
+
+/// Draws who a walker is.
+fn draw_walker(input: &SceneInput<'_>, catalogue: &[&'static models::Model], number: u64) -> Option<Drawn> {
+    let (scene, settings) = (input.scene, &input.settings.walkers);
+    let mut stream = Stream::new(scene.seed, u64::from(scene.scene), "traffic/walker", number);
+    let (model, color) = (*stream.choose(catalogue)?, *stream.choose(&CLOTHES)?);
+    let speed = stream.log_normal(0.16, 0.64).max(settings.min_speed_mps).max(0.1);
+    let mut chairs = Stream::new(scene.seed, u64::from(scene.scene), "traffic/wheelchair", number);
+    let (model, speed_mps) = match models::wheelchair() {
+        Some(chair) if chairs.chance(settings.wheelchair) => (chair, speed.min(WHEELCHAIR_MPS)),
+        _ => (model, speed),
+    };
+    let anywhere = stream.chance(scene.walker_cross_factor);
+    Some(Drawn { model, color, speed_mps, stream, anywhere })
+}
+
+/// The walkers, each with whether it crosses roads anywhere: alone, in groups that begin where the first of them was to begin,
+/// or standing where people wait.
 pub(crate) fn place_walkers(
     input: &SceneInput<'_>,
-    paths: &Paths,
-    routes: &Routes,
-    fixtures: &Fixtures,
+    streets: &Streets<'_>,
     places: &[(usize, usize, f64)],
     bodies: &mut Bodies,
 ) -> Vec<(Walker, bool)> {
-    let scene = input.scene;
+    let Streets { paths, routes, fixtures, waiting } = *streets;
+    let (scene, settings) = (input.scene, &input.settings.walkers);
+    let stream = |topic, entity| Stream::new(scene.seed, u64::from(scene.scene), topic, entity);
     let catalogue: Vec<&'static models::Model> = models::walkers().collect();
     let mut walkers: Vec<(Walker, bool)> = Vec::with_capacity(places.len());
     let mut crowd = Crowd::default();
-    for (i, &(number, way, along)) in places.iter().enumerate() {
-        let mut draw = Stream::new(scene.seed, u64::from(scene.scene), "traffic/walker", number as u64);
-        let (Some(&model), Some(&color)) = (draw.choose(&catalogue), draw.choose(&CLOTHES)) else { break };
-        let speed = draw.log_normal(0.16, 0.64).max(input.settings.walkers.min_speed_mps).max(0.1);
-        let mut chairs = Stream::new(scene.seed, u64::from(scene.scene), "traffic/wheelchair", number as u64);
-        let (model, speed) = match models::wheelchair() {
-            Some(chair) if chairs.chance(input.settings.walkers.wheelchair) => {
-                (chair, speed.min(WHEELCHAIR_MPS))
+    let sizes = draw_sizes(places.len(), settings.in_groups, &|i| stream("traffic/walker/group", i));
+    for size in sizes {
+        let first = walkers.len();
+        let members = &places[first..first + size];
+        let drawn: Vec<Drawn> =
+            members.iter().filter_map(|m| draw_walker(input, &catalogue, m.0 as u64)).collect();
+        let slowest = drawn.iter().map(|d| d.speed_mps).fold(f64::INFINITY, f64::min);
+        let anywhere = drawn.first().is_some_and(|d| d.anywhere);
+        let (number, way, along_m) = members[0];
+        for (rank, Drawn { model, color, speed_mps, stream: own, .. }) in drawn.into_iter().enumerate() {
+            let owner = Owner::Walker((first + rank) as u32);
+            let make_body = |at: &Point3<f64>| bodies.walker(at, model.size_m, owner);
+            let place = (way, along_m);
+            let mut walker =
+                Walker::new(model, color, own, paths, routes, place, speed_mps, anywhere, make_body);
+            let mut waits = stream("traffic/walker/waiting", number as u64);
+            if let Some(offset) = abreast(size, rank) {
+                let others = (first..first + size).filter(|i| *i != first + rank).collect();
+                walker.join(Company { first, others }, offset, slowest);
+                let trip = walkers.get(first).filter(|_| rank > 0).and_then(|(first, _)| first.trip());
+                walker.keep_up(1.0, rank > 0, trip);
+            } else if waits.chance(settings.waiting) {
+                let place = waiting.draw(paths, place, &mut waits);
+                walker.wait(paths, &place, waits.uniform(WAITS_S[0], WAITS_S[1]));
             }
-            _ => (model, speed),
-        };
-        let anywhere = draw.chance(scene.walker_cross_factor);
-        let owner = Owner::Walker(i as u32);
-        let make_body = |at: &Point3<f64>| bodies.walker(at, model.size_m, owner);
-        let mut walker =
-            Walker::new(model, color, draw, paths, routes, (way, along), speed, anywhere, make_body);
-        walker.find_room(paths, fixtures, &crowd);
-        crowd.add(walker.position(), walker.velocity_mps(), walker.radius_m());
-        walkers.push((walker, anywhere));
+            walker.find_room(paths, fixtures, &crowd);
+            crowd.add(walker.position(), walker.velocity_mps(), walker.radius_m());
+            walkers.push((walker, anywhere));
+        }
     }
     walkers
 }

@@ -1,8 +1,12 @@
 //! Walkers: where they can walk, where they go, and how they keep out of the way.
 
+pub(crate) mod company;
 pub(crate) mod crowd;
+mod edges;
 pub(crate) mod fixtures;
 pub(crate) mod paths;
 pub(crate) mod routes;
 pub(crate) mod surroundings;
+pub(crate) mod together;
+pub(crate) mod waiting;
 pub(crate) mod walker;

@@ -1,14 +1,17 @@
-//! Where walkers walk: sidewalks, how they are joined, and ways over roads.
+//! Where walkers walk: sidewalks, road edges where there are none, how they are joined, and ways over roads.
 
 use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
-use opendrive::{LaneType, Map};
+use opendrive::{LaneInfo, Map};
 use random::Stream;
 
 use crate::road::centreline::Centreline;
 use crate::road::net::Net;
+use crate::walking::edges::edges;
 
+/// Narrower sidewalks are none, metres.
+const LEAST_WIDTH_M: f64 = 1.0;
 /// Ends of sidewalks nearer than this are joined, metres.
 const JOIN_M: f64 = 2.5;
 /// A crosswalk's end leads to a sidewalk within this distance, metres.
@@ -43,38 +46,26 @@ pub(crate) struct Crossing {
 pub(crate) struct Paths {
     pub(crate) ways: Vec<Centreline>,
     raised_m: Vec<f64>,
+    /// The way on the other side of the road, if there is one.
+    opposite: Vec<Option<usize>>,
     /// Ends of ways (way, whether its last end) at each end.
     pub(crate) joined: BTreeMap<(usize, bool), Vec<(usize, bool)>>,
     pub(crate) crossings: Vec<Crossing>,
 }
 
 impl Paths {
-    /// Sidewalks; on maps without, shoulders.
+    /// Sidewalks, and the edges of roads where there are none.
     pub(crate) fn new(map: &Map, net: &Net) -> Self {
-        let lanes_of = |shoulders: bool| {
-            let fits = move |l: &&opendrive::LaneInfo| {
-                let wanted =
-                    if shoulders { l.lane_type == LaneType::Shoulder } else { l.lane_type.is_walkable() };
-                wanted && l.width_range_m[1] >= 1.0
-            };
-            map.lanes()
-                .iter()
-                .filter(fits)
-                .filter_map(|l| Some((Centreline::new(map, l)?, l)))
-                .collect::<Vec<_>>()
+        let sidewalks =
+            map.lanes().iter().filter(|l| l.lane_type.is_walkable() && l.width_range_m[1] >= LEAST_WIDTH_M);
+        let raised = |l: &LaneInfo| {
+            map.lane_height(l.id, 0.5 * (l.s_start + l.s_end)).map_or(0.0, |[a, b]| 0.5 * (a + b))
         };
-        let mut found = lanes_of(false);
-        if found.is_empty() {
-            found = lanes_of(true);
-        }
-        let raised_m = found
-            .iter()
-            .map(|(_, l)| {
-                map.lane_height(l.id, 0.5 * (l.s_start + l.s_end)).map_or(0.0, |[a, b]| 0.5 * (a + b))
-            })
-            .collect();
-        let ways: Vec<Centreline> = found.into_iter().map(|(way, _)| way).collect();
-        let mut paths = Self { ways, raised_m, joined: BTreeMap::new(), crossings: Vec::new() };
+        let sidewalks = sidewalks.filter_map(|l| Some((Centreline::new(map, l)?, raised(l))));
+        let beside = edges(map, net).into_iter().map(|way| (way, 0.0));
+        let (ways, raised_m): (Vec<Centreline>, Vec<f64>) = sidewalks.chain(beside).unzip();
+        let opposite = opposites(&ways);
+        let mut paths = Self { ways, raised_m, opposite, joined: BTreeMap::new(), crossings: Vec::new() };
         paths.join();
         paths.add_crosswalks(map, net);
         paths
@@ -121,8 +112,8 @@ impl Paths {
         }
     }
 
-    /// The nearest place of any sidewalk.
-    fn nearest(&self, point: &Point3<f64>, within_m: f64) -> Option<(usize, f64)> {
+    /// The nearest place of any way.
+    pub(crate) fn nearest(&self, point: &Point3<f64>, within_m: f64) -> Option<(usize, f64)> {
         let mut best: Option<(f64, usize, f64)> = None;
         for (i, way) in self.ways.iter().enumerate() {
             let rough = way.samples.iter().map(|s| (s.point - point).norm()).fold(f64::INFINITY, f64::min);
@@ -194,11 +185,7 @@ impl Paths {
 
     /// The sidewalk on the other side of the road.
     pub(crate) fn opposite(&self, way: usize) -> Option<usize> {
-        let lane = self.ways[way].lane;
-        let over = |w: &Centreline| {
-            w.lane.road == lane.road && w.lane.section == lane.section && (w.lane.lane > 0) != (lane.lane > 0)
-        };
-        self.ways.iter().position(over)
+        self.opposite[way]
     }
 
     /// The way straight over the road from a sidewalk to the one on the other side: where it starts, and how far along the
@@ -206,8 +193,11 @@ impl Paths {
     pub(crate) fn across(&self, way: usize, other: usize, along_m: f64) -> Option<(Point3<f64>, f64)> {
         let from = self.point(way, along_m, 0.0).0;
         let to_m = self.ways[other].project(from).0;
-        let length = (self.point(other, to_m, 0.0).0 - from).norm();
-        (length > 2.0 && length < MAX_CROSSING_M).then_some((from, to_m))
+        let over = self.point(other, to_m, 0.0).0 - from;
+        let (length, tangent) = (over.norm(), self.ways[way].samples[self.ways[way].index(along_m)].tangent);
+        // The other one may begin farther on.
+        let is_straight = over.dot(&tangent).abs() < 0.5 * length;
+        (is_straight && length > 2.0 && length < MAX_CROSSING_M).then_some((from, to_m))
     }
 
     /// Straight over the road to the sidewalk on its other side.
@@ -223,6 +213,22 @@ impl Paths {
             Crossing { ends, doors, half_width_m: BESIDE_LINE_M[0], lanes, signals: Vec::new() }
         })
     }
+}
+
+/// The way on the other side of the road of each: of several the one whose middle is nearest.
+fn opposites(ways: &[Centreline]) -> Vec<Option<usize>> {
+    let side = |w: &Centreline, other: bool| (w.lane.road, w.lane.section, (w.lane.lane > 0) != other);
+    let mut sides: BTreeMap<_, Vec<usize>> = BTreeMap::new();
+    for (i, way) in ways.iter().enumerate() {
+        sides.entry(side(way, false)).or_default().push(i);
+    }
+    let middle = |w: &Centreline| w.samples[w.samples.len() / 2].point;
+    let nearest = |way: &Centreline| {
+        let away = |i: &usize| (middle(&ways[*i]) - middle(way)).norm_squared();
+        let others = sides.get(&side(way, true))?;
+        others.iter().copied().min_by(|a, b| away(a).total_cmp(&away(b)))
+    };
+    ways.iter().map(nearest).collect()
 }
 
 /// Half of a width without its edges, metres.

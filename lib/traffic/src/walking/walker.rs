@@ -10,11 +10,13 @@ use crate::bodies::{Body, BodyMotion};
 use crate::occupancy::{CrossingWalker, Occupancy};
 use crate::road::net::Net;
 use crate::swept_path::SweptPaths;
+use crate::walking::company::Company;
 use crate::walking::crowd::{Crowd, Wish, radius_m};
 use crate::walking::fixtures::Fixtures;
 use crate::walking::paths::{Crossing, Paths};
 use crate::walking::routes::{Leg, Route, Routes, Turn};
 use crate::walking::surroundings::Surroundings;
+use crate::walking::waiting::WaitingPlace;
 
 /// A stride's length, metres.
 const STRIDE_M: f64 = 1.4;
@@ -49,6 +51,9 @@ const STEPS_BACK_S: f64 = 0.5;
 /// It looks for room this far around, metres.
 const STEP_M: f64 = 0.8;
 
+/// At its destination, one of a group waits this long for the others at most, seconds.
+const AWAITS_S: f64 = 6.0;
+
 #[derive(Clone, Debug)]
 enum Mode {
     /// Along a sidewalk, on the first leg of the route.
@@ -71,8 +76,21 @@ enum Mode {
     },
     /// From the kerb back onto the sidewalk.
     ToWalk,
+    /// Waits for something, looking somewhere.
+    Standing {
+        yaw_rad: f64,
+        until_s: f64,
+    },
     /// Hit by a vehicle.
     Struck,
+}
+
+/// What those who follow the first of a group take over from it.
+#[derive(Clone, Debug)]
+pub(crate) struct Trip {
+    /// How many it has begun before.
+    number: u32,
+    route: Route,
 }
 
 /// A walker.
@@ -99,6 +117,14 @@ pub(crate) struct Walker {
     /// What is left of the way to its destination; never empty.
     route: Route,
     mode: Mode,
+    /// Those it walks with, if there are any.
+    company: Option<Company>,
+    /// Trips begun, its own or those of the first of its group.
+    trips: u32,
+    /// Share of its speed at which it walks for the others' sake.
+    pace: f64,
+    /// The first of its group is near.
+    follows: bool,
 }
 
 impl Walker {
@@ -138,7 +164,56 @@ impl Walker {
             along_m: place.1,
             route,
             mode: Mode::Along,
+            company: None,
+            trips: 0,
+            pace: 1.0,
+            follows: false,
         }
+    }
+
+    /// Walks with others, where across the way it is told, as fast as all can.
+    pub(crate) fn join(&mut self, company: Company, offset: f64, speed_mps: f64) {
+        (self.company, self.offset, self.speed_mps) = (Some(company), offset, speed_mps);
+    }
+
+    /// Waits at a place until a time.
+    pub(crate) fn wait(&mut self, paths: &Paths, place: &WaitingPlace, until_s: f64) {
+        (self.way, self.along_m) = (place.way, place.along_m);
+        self.route.clear();
+        // Of those who stand, this is the place across the way.
+        self.offset = place.share;
+        (self.point, self.yaw_rad) = (paths.point(self.way, self.along_m, place.share).0, place.yaw_rad);
+        self.mode = Mode::Standing { yaw_rad: place.yaw_rad, until_s };
+    }
+
+    pub(crate) fn company(&self) -> Option<&Company> {
+        self.company.as_ref()
+    }
+
+    /// Where it is going, as long as it walks on a way.
+    pub(crate) fn trip(&self) -> Option<Trip> {
+        let Mode::Along = self.mode else { return None };
+        Some(Trip { number: self.trips, route: self.route.clone() })
+    }
+
+    /// Whether it can take over the trip of another one: that is new, and both are on the same way.
+    pub(crate) fn may_join(&self, first: &Self) -> bool {
+        let free = matches!(self.mode, Mode::Along | Mode::Standing { .. });
+        free && self.way == first.way && self.trips != first.trips
+    }
+
+    /// Walks as fast as the others ask for, and where the first of the group goes, if that is new.
+    pub(crate) fn keep_up(&mut self, pace: f64, follows: bool, trip: Option<Trip>) {
+        (self.pace, self.follows) = (pace, follows);
+        if let Some(Trip { number, route }) = trip {
+            (self.trips, self.route, self.stuck_s) = (number, route, 0.0);
+            self.mode = Mode::Along;
+        }
+    }
+
+    /// How fast it wishes to walk now, m/s.
+    fn pace_mps(&self) -> f64 {
+        self.pace * self.speed_mps
     }
 
     pub(crate) fn model(&self) -> &'static Model {
@@ -207,12 +282,14 @@ impl Walker {
         let from = (self.way, self.along_m);
         self.route = around.routes.draw(around.paths, from, self.anywhere, forward, &mut self.stream);
         (self.stuck_s, self.mode) = (0.0, Mode::Along);
+        self.trips += 1;
     }
 
     /// Moves a walker who would start in another one along its sidewalk to the nearest place where it does not.
     pub(crate) fn find_room(&mut self, paths: &Paths, fixtures: &Fixtures, crowd: &Crowd) {
         let length = paths.ways[self.way].length_m;
-        let share = if self.is_forward() { self.offset } else { -self.offset };
+        let stands = matches!(self.mode, Mode::Standing { .. });
+        let share = if stands || self.is_forward() { self.offset } else { -self.offset };
         let shifts = (0..100).map(|i| 0.5 * f64::from((i + 1) / 2) * if i % 2 == 0 { 1.0 } else { -1.0 });
         let free = shifts
             .map(|shift| self.along_m + shift)
@@ -271,6 +348,15 @@ impl Walker {
         let &Surroundings { paths, time_s, .. } = around;
         match self.mode.clone() {
             Mode::Struck => None,
+            Mode::Standing { yaw_rad, until_s } => {
+                if time_s > until_s {
+                    self.set_out(around, None);
+                }
+                let (sin, cos) = frames::math::sin_cos(yaw_rad);
+                let wish =
+                    Wish { ahead: Vector2::new(cos, sin), speed_mps: 0.0, aside_m: 0.0, room_m: [-0.3, 0.3] };
+                Some((wish, self.point.z))
+            }
             Mode::Along => {
                 if self.stuck_s > STUCK_S {
                     self.set_out(around, Some(!self.is_forward()));
@@ -401,7 +487,7 @@ impl Walker {
         let halt = TURN_MPS + (2.0 * HALT_MPS2 * (leg.to_m - self.along_m).abs()).sqrt();
         let wish = Wish {
             ahead: Vector2::new(cos, sin) * sense,
-            speed_mps: if leg.then == Turn::Arrive { self.speed_mps.min(halt) } else { self.speed_mps },
+            speed_mps: if leg.then == Turn::Arrive { self.pace_mps().min(halt) } else { self.pace_mps() },
             aside_m: self.offset * room - aside,
             room_m: [-room - aside, room - aside],
         };
@@ -415,7 +501,7 @@ impl Walker {
         let gap = way.norm();
         let ahead = if gap > 1e-6 { way / gap } else { Vector2::x() };
         // Runners brake, so that they do not run past it.
-        let speed_mps = self.speed_mps.min(0.5 + gap / 0.5).min(gap / FRAME_PERIOD_S);
+        let speed_mps = self.pace_mps().min(0.5 + gap / 0.5).min(gap / FRAME_PERIOD_S);
         // Heights change evenly on the way.
         let height = self.point.z
             + (to.z - self.point.z) * (self.velocity_mps.norm() * FRAME_PERIOD_S / gap.max(1e-6)).min(1.0);
@@ -450,7 +536,8 @@ impl Walker {
         let half = crossing.half_width_m;
         let wish = Wish {
             ahead,
-            speed_mps: self.speed_mps,
+            // Nobody dawdles on the road.
+            speed_mps: self.pace_mps().max(self.speed_mps),
             aside_m: self.offset * half - aside,
             room_m: [-half - aside, half - aside],
         };
@@ -469,6 +556,11 @@ impl Walker {
         }
         self.route.pop_front();
         match leg.then {
+            // The first of the group says where to go next.
+            Turn::Arrive if self.follows => {
+                let until_s = around.time_s + AWAITS_S;
+                self.mode = Mode::Standing { yaw_rad: self.yaw_rad, until_s };
+            }
             Turn::Arrive => self.set_out(around, None),
             Turn::Join { way, last } => {
                 self.way = way;

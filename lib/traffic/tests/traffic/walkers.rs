@@ -4,7 +4,7 @@ use crate::common;
 
 use std::collections::BTreeMap;
 
-use crate::common::{agent, crossing, run, scene, settings, straight, tracks};
+use crate::common::{agent, collisions, crossing, run, scene, settings, straight, tracks};
 use opendrive::{Cubic, Lane, LaneType, Map, Object};
 use schema::tables::StateRow;
 use schema::{ActorKind, Attribute, SignalState};
@@ -156,4 +156,106 @@ fn a_share_of_walkers_rolls_and_its_wheels_turn_with_the_way() {
     }
     // A quarter of 120: 30, four standard deviations are 19.
     assert!((11..=49).contains(&chairs), "{chairs} wheelchairs");
+}
+
+/// A country road to the east, one lane each way, without sidewalks.
+fn country(length_m: f64) -> Map {
+    let mut network = straight(length_m).network().clone();
+    for section in &mut network.roads[0].sections {
+        section.left.retain(|l| l.lane_type == LaneType::Driving);
+        section.right.retain(|l| l.lane_type == LaneType::Driving);
+    }
+    Map::new(network)
+}
+
+#[test]
+fn where_there_is_no_sidewalk_people_walk_along_both_edges_of_the_road() {
+    let mut scene = scene(40.0);
+    (scene.walkers, scene.walker_cross_factor, scene.background_vehicles) = (120, 0.0, Some(20));
+    scene.spawn_radius_m = 2000.0;
+    let log = run(&country(800.0), &scene, &[agent(0, [20.0, -1.75, 0.0], 0.0)], &settings());
+    assert_eq!(log.n_walkers, 120);
+    assert_eq!(overlaps(&log), []);
+    let tracks = tracks(&log);
+    let walkers: Vec<u16> = log.actors.iter().filter(|a| a.kind == ActorKind::Walker).map(|a| a.id).collect();
+    let mut in_part = [[0; 2]; 4];
+    for id in &walkers {
+        // Beyond the lane's edge at 3.5 m, about the strip from 0.3 to 1.5 m beside it.
+        let off = tracks[id].iter().find(|s| !(3.52..=5.3).contains(&s.xyz_m[1].abs()));
+        assert!(off.is_none(), "{off:?}");
+        let [x, y, _] = tracks[id][0].xyz_m;
+        in_part[((x / 200.0) as usize).min(3)][usize::from(y > 0.0)] += 1;
+    }
+    // 120 over eight parts: 15, four standard deviations are 14.5.
+    assert!(in_part.iter().flatten().all(|n| (1..=30).contains(n)), "{in_part:?}");
+    // Nobody drives into them, nor crawls behind them.
+    let vehicles: Vec<u16> =
+        log.actors.iter().filter(|a| a.kind == ActorKind::Vehicle).map(|a| a.id).collect();
+    assert!(collisions(&log, true).is_empty());
+    let agent = &tracks[&vehicles[0]];
+    assert!(agent[agent.len() - 1].xyz_m[0] > 250.0, "{:?}", agent[agent.len() - 1].xyz_m);
+}
+
+/// For each walker the distance to the nearest other one at a state, metres.
+fn nearest_m(log: &SimulationLog, state: usize) -> Vec<f64> {
+    let tracks = tracks(log);
+    let at = |id: u16| tracks[&id][state].xyz_m;
+    let ids: Vec<u16> = log.actors.iter().filter(|a| a.kind == ActorKind::Walker).map(|a| a.id).collect();
+    let away = |a: u16, b: u16| ((at(a)[0] - at(b)[0]).powi(2) + (at(a)[1] - at(b)[1]).powi(2)).sqrt();
+    let nearest =
+        |&a: &u16| ids.iter().filter(|b| **b != a).map(|&b| away(a, b)).fold(f64::INFINITY, f64::min);
+    ids.iter().map(nearest).collect()
+}
+
+#[test]
+fn those_of_a_group_walk_together() {
+    for (share, together) in [(0.0, [0.0, 0.25]), (1.0, [0.85, 1.0])] {
+        let mut scene = scene(60.0);
+        (scene.walkers, scene.walker_cross_factor) = (60, 0.0);
+        (scene.spawn_radius_m, scene.seed) = (2000.0, 5);
+        let mut settings = settings();
+        settings.walkers.in_groups = share;
+        let log = run(&straight(1500.0), &scene, &[agent(0, [700.0, -1.75, 0.0], 0.0)], &settings);
+        assert_eq!((log.n_walkers, overlaps(&log)), (60, vec![]));
+        for state in [0, 400, 800, 1200] {
+            let near = nearest_m(&log, state).iter().filter(|d| **d < 2.0).count();
+            let part = near as f64 / 60.0;
+            assert!((together[0]..=together[1]).contains(&part), "{share} at {state}: {part}");
+        }
+        // They get on all the same.
+        let gone = tracks(&log).into_iter().filter(|(id, track)| {
+            let way = |p: &[&StateRow]| (p[1].xyz_m[0] - p[0].xyz_m[0]).abs();
+            *id > 1 && track.windows(2).map(way).sum::<f64>() > 25.0
+        });
+        assert!(gone.count() > 54);
+    }
+}
+
+#[test]
+fn some_stand_and_wait_and_walk_on_later() {
+    let mut settings = settings();
+    settings.walkers.waiting = 1.0;
+    let mut plan = scene(100.0);
+    (plan.walkers, plan.walker_cross_factor) = (40, 0.0);
+    let map = crosswalks();
+    let log = run(&map, &plan, &[agent(0, [60.0, 1.75, 0.0], std::f64::consts::PI)], &settings);
+    assert_eq!(overlaps(&log), []);
+    let tracks = tracks(&log);
+    let mut at_kerb = 0;
+    for walker in log.actors.iter().filter(|a| a.kind == ActorKind::Walker) {
+        let track = &tracks[&walker.id];
+        let from = |i: usize| {
+            let [dx, dy] = [0, 1].map(|k| track[i].xyz_m[k] - track[0].xyz_m[k]);
+            (dx * dx + dy * dy).sqrt()
+        };
+        // Nobody leaves before 5 s, of which 2 s were before frame 0; all have left after 90 s.
+        assert!((0..55).all(|i| from(i) < 0.3), "{} steps away", walker.id);
+        assert!((0..=2000).any(|i| from(i) > 2.0), "{} stands for ever", walker.id);
+        // Before a crosswalk, 14 m from the middle of the crossing: looking over the road.
+        let [x, y, _] = track[0].xyz_m;
+        let arms = [(x, y), (y, -x), (-x, -y), (-y, x)];
+        at_kerb +=
+            arms.iter().filter(|(ahead, aside)| (ahead - 14.0).abs() < 6.0 && aside.abs() < 6.5).count();
+    }
+    assert!(at_kerb >= 8, "{at_kerb} at crosswalks");
 }

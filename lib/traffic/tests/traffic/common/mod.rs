@@ -12,7 +12,7 @@ use opendrive::{
     Speed, SpeedUnit,
 };
 use schema::settings::stages::SimulationSettings;
-use schema::settings::TrafficSettings;
+use schema::settings::{TrafficSettings, WalkerSettings};
 use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, StateRow, Weather};
 use schema::{ActorKind, ActorRole, AgentId, Attributes, HazardKind, SignalState};
 use testkit::lane;
@@ -26,6 +26,7 @@ pub(crate) fn settings() -> SimulationSettings {
             distracted_background: 0.0,
             ..TrafficSettings::default()
         },
+        walkers: WalkerSettings { in_groups: 0.0, waiting: 0.0, ..WalkerSettings::default() },
         ..SimulationSettings::default()
     }
 }
