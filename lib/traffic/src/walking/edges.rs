@@ -8,8 +8,8 @@ use crate::road::centreline::{Centreline, Sample};
 use crate::road::net::Net;
 
 /// Width of the strip that is walked on, and from the edge of the road's lanes to its middle, metres.
-const WIDTH_M: f64 = 1.2;
-const ASIDE_M: f64 = 0.9;
+const WIDTH_M: f64 = 1.6;
+const ASIDE_M: f64 = 1.1;
 /// Nobody walks beside roads with a higher limit, m/s (90 km/h).
 const FASTEST_MPS: f64 = 25.0;
 /// Clear of lanes by this, metres.
