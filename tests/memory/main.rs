@@ -46,6 +46,10 @@ impl FrameArrays for Grids {
         Ok(vec![0; FRAME_BYTES])
     }
 
+    fn every_n_frames(&self) -> u32 {
+        1
+    }
+
     fn kinds(&self) -> Vec<&'static ArrayKind> {
         vec![&BEV_MASKS]
     }
@@ -87,7 +91,8 @@ fn tables(attempt: &mut Attempt, frames: u32) -> Result<(), StageError> {
             ..LidarRow::default()
         })
     };
-    in_frame_order(frames, &progress, sense, |_, row| Ok(table.push(&[row])?))?;
+    let all: Vec<u32> = (0..frames).collect();
+    in_frame_order((&all, frames), &progress, sense, |_, row| Ok(table.push(&[row])?))?;
     unit.add(table.finish()?);
     Ok(unit.finish()?)
 }

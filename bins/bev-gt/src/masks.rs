@@ -33,6 +33,10 @@ pub(crate) struct Masks<'a> {
 impl FrameArrays for Masks<'_> {
     type Memory = (BevRasterizer, LaneRasterizer);
 
+    fn every_n_frames(&self) -> u32 {
+        self.settings.every_n_frames
+    }
+
     fn kinds(&self) -> Vec<&'static ArrayKind> {
         let BevSettings { paint, ids, heights, .. } = *self.settings;
         let wanted = [(true, &BEV_MASKS), (paint, &BEV_PAINT), (ids, &BEV_IDS), (heights, &BEV_HEIGHTS)];

@@ -24,6 +24,8 @@ pub(crate) struct LidarConfig {
     /// Standard deviation of the distance, m.
     pub(crate) noise_m: f64,
     pub(crate) semantic: bool,
+    /// It sweeps at frames 0, n, 2 n, ...
+    pub(crate) every: u32,
 }
 
 /// A radar.
@@ -35,6 +37,8 @@ pub(crate) struct RadarConfig {
     pub(crate) vertical_fov_rad: f64,
     /// Whether velocities are those of turning wheels and swinging limbs, too.
     pub(crate) micro_motion: bool,
+    /// It measures at frames 0, n, 2 n, ...
+    pub(crate) every: u32,
 }
 
 /// A voxel grid.
@@ -49,6 +53,8 @@ pub(crate) struct GridConfig {
     pub(crate) ignore_self: bool,
     /// Whether there are grids of what lidars saw.
     pub(crate) observed: bool,
+    /// There is one at frames 0, n, 2 n, ...
+    pub(crate) every: u32,
 }
 
 /// What an agent carries.
@@ -60,6 +66,11 @@ pub(crate) struct AgentConfig {
 
 fn number(value: &Value, key: &str) -> f64 {
     value[key].as_f64().unwrap_or(f64::NAN)
+}
+
+/// Something is made at frames 0, n, 2 n, ...: n.
+fn every(value: &Value) -> u32 {
+    value["every_n_frames"].as_u64().and_then(|n| u32::try_from(n).ok()).unwrap_or(1).max(1)
 }
 
 fn vector(value: &Value) -> V3 {
@@ -105,6 +116,7 @@ impl Config {
             mount_z_m: number(grid, "mount_z_m"),
             ignore_self: grid["ignore_self"].as_bool().unwrap_or(false),
             observed: grid["observed"].as_bool().unwrap_or(false),
+            every: every(grid),
         };
         AgentConfig { rig: rig.clone(), grid }
     }
@@ -124,6 +136,31 @@ impl Config {
         (bev["enabled"] != Value::Bool(false)).then(|| (cells, number(bev, "cell_m")))
     }
 
+    /// Boxes and map records are at frames 0, n, 2 n, ...: n; and the same of masks.
+    pub(crate) fn label_every(&self) -> u32 {
+        every(&self.0["annotation"])
+    }
+
+    pub(crate) fn bev_every(&self) -> u32 {
+        every(&self.0["bev"])
+    }
+
+    /// At every how many frames a file of a scene (its path in the scene's folder) has rows or members.
+    pub(crate) fn every_of(&self, inside: &str) -> u32 {
+        let parts: Vec<&str> = inside.split('/').collect();
+        match parts.as_slice() {
+            ["boxes.parquet" | "boxes_valid.parquet" | "hd_map.parquet" | "tracks_frames.parquet"] => {
+                self.label_every()
+            }
+            ["sensors", agent, file] => self.agent(agent).every_of(file.trim_end_matches(".parquet")),
+            [folder, _] if folder.starts_with("bev") => self.bev_every(),
+            [folder, file] if folder.starts_with("occupancy") => {
+                self.agent(file.trim_end_matches(".npz")).grid.every
+            }
+            _ => 1,
+        }
+    }
+
     /// The rule that masks follow.
     pub(crate) fn bev_rule(&self) -> &str {
         self.0["bev"]["rule"].as_str().unwrap_or_default()
@@ -138,6 +175,24 @@ impl Config {
 impl AgentConfig {
     fn list(&self, key: &str) -> impl Iterator<Item = &Value> {
         self.rig[key].as_array().into_iter().flatten()
+    }
+
+    /// Its cameras' pictures are at frames 0, n, 2 n, ...: n.
+    pub(crate) fn camera_every(&self) -> u32 {
+        every(&self.rig["camera"])
+    }
+
+    /// The same of any of its tables.
+    fn every_of(&self, table: &str) -> u32 {
+        let of = |list: &str| {
+            let mut sensors = self.list(list);
+            sensors.find(|sensor| sensor["name"] == *table).map(every)
+        };
+        match table {
+            "GNSS" => every(&self.rig["gnss"]),
+            "IMU" => every(&self.rig["imu"]),
+            _ => of("lidars").or_else(|| of("radars")).unwrap_or(self.camera_every()),
+        }
     }
 
     /// Names and poses (FLU) of its cameras.
@@ -165,6 +220,7 @@ impl AgentConfig {
             channels: lidar["scan"]["channels"].as_u64().unwrap_or(0),
             noise_m: number(lidar, "noise_m"),
             semantic: lidar["semantic"].as_bool().unwrap_or(false),
+            every: every(lidar),
         };
         self.list("lidars").map(lidar).collect()
     }
@@ -176,6 +232,7 @@ impl AgentConfig {
             horizontal_fov_rad: number(radar, "horizontal_fov_rad"),
             vertical_fov_rad: number(radar, "vertical_fov_rad"),
             micro_motion: radar["micro_motion"].as_bool().unwrap_or(false),
+            every: every(radar),
         };
         self.list("radars").map(radar).collect()
     }
@@ -200,6 +257,33 @@ impl AgentConfig {
 mod tests {
     use super::*;
     use serde_json::json;
+
+    #[test]
+    fn every_file_has_its_rate() {
+        let rig = json!({"camera": {"every_n_frames": 10}, "cameras": [{"name": "CAM"}], "gnss": {"every_n_frames": 4},
+            "lidars": [{"name": "LIDAR", "every_n_frames": 2}], "radars": [{"name": "RAD"}]});
+        let config =
+            Config::of(&json!({"config": {"vehicle_rig": rig, "rsu_rig": {}, "bev": {"every_n_frames": 5},
+            "vehicle_occupancy": {"every_n_frames": 7}, "annotation": {"every_n_frames": 20}}}))
+            .expect("is one");
+        for (file, want) in [
+            ("sensors/vehicle_0/RGB-CAM.parquet", 10),
+            ("sensors/vehicle_0/visible.parquet", 10),
+            ("sensors/vehicle_0/LIDAR.parquet", 2),
+            ("sensors/vehicle_0/RAD.parquet", 1),
+            ("sensors/vehicle_0/GNSS.parquet", 4),
+            ("sensors/rsu_0/RGB-CAM.parquet", 1),
+            ("bev/vehicle_0.npz", 5),
+            ("bev_ids/rsu_0.npz", 5),
+            ("occupancy_filled/vehicle_0.npz", 7),
+            ("occupancy/rsu_0.npz", 1),
+            ("hd_map.parquet", 20),
+            ("log/states.parquet", 1),
+            ("agents.parquet", 1),
+        ] {
+            assert_eq!(config.every_of(file), want, "{file}");
+        }
+    }
 
     #[test]
     fn an_agents_own_rig_goes_before_that_of_its_kind() {

@@ -119,12 +119,18 @@ fn check_scene(store: &Path, config: &Config, number: u32, every: u32) -> (Ledge
     let mut ledger = Ledger::at(format!("scene {number}"));
     let Some(scene) = Scene::open(store, number, &mut ledger) else { return (ledger, [0; 2]) };
     checks::log::check(&scene, &mut ledger);
+    let (said, wanted) = (&scene.facts["label_every_n_frames"], config.label_every());
+    ledger.expect(Rule::Times, said.as_u64() == Some(wanted.into()), || {
+        format!("log/scene.json: label_every_n_frames is {said}, the configuration says {wanted}")
+    });
     let tables: Vec<Ledger> = scene
         .outputs
         .par_iter()
         .map(|(path, rows)| {
             let mut part = Ledger::at(format!("scene {number}"));
-            checks::tables::check(path, *rows, scene.frames, every, &mut part);
+            let inside = path.strip_prefix(&scene.folder).unwrap_or(path);
+            let rate = config.every_of(&inside.to_string_lossy().replace('\\', "/"));
+            checks::tables::check(path, *rows, (scene.frames, rate), every, &mut part);
             part
         })
         .collect();
@@ -143,7 +149,7 @@ fn check_scene(store: &Path, config: &Config, number: u32, every: u32) -> (Ledge
         ledger.take(part);
         lists.insert(name, boxes);
     }
-    checks::tracks::check(&scene, &lists, &mut ledger);
+    checks::tracks::check(&scene, &lists, config.label_every(), &mut ledger);
     let frames = u64::from(scene.frames);
     (ledger, [frames, frames * scene.agents.len() as u64])
 }

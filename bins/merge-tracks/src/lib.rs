@@ -14,10 +14,10 @@ fn run(job: &mut Job<'_, TrackSettings>) -> Result<(), StageError> {
     let scene = SceneReader::new(job.store(), number, job.inputs());
     let boxes: Vec<BoxRow> = scene.rows().at(|| place.clone())?;
     let valid: Vec<ValidBoxRow> = scene.rows().at(|| place.clone())?;
-    let frames = scene.info().at(|| place.clone())?.frames;
+    let info = scene.info().at(|| place.clone())?;
 
-    let merged = tracks::merge(&boxes, &valid).at(|| place.clone())?;
-    let counts = tracks::count(&merged.frames, frames);
+    let merged = tracks::merge(&boxes, &valid, info.label_every_n_frames).at(|| place.clone())?;
+    let counts = tracks::count(&merged.frames, info.frames, info.label_every_n_frames);
     if let Some(mut unit) = job.unit("tracks")? {
         unit.rows(&keys::scene(number, "tracks.parquet"), &merged.tracks)?;
         unit.rows(&keys::scene(number, "tracks_frames.parquet"), &merged.frames)?;

@@ -50,6 +50,10 @@ impl Grids<'_> {
 impl FrameArrays for Grids<'_> {
     type Memory = (GridPlacement, VoxelGrid);
 
+    fn every_n_frames(&self) -> u32 {
+        self.settings.every_n_frames
+    }
+
     fn kinds(&self) -> Vec<&'static ArrayKind> {
         let OccupancySettings { sparse, ids, flow, .. } = *self.settings;
         let all = [(!sparse, &VOXEL_GRIDS), (sparse, &VOXEL_CELLS), (ids, &VOXEL_IDS), (flow, &VOXEL_FLOW)];

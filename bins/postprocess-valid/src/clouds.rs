@@ -7,7 +7,7 @@ use schema::settings::Mount;
 use schema::settings::stages::{RangeRig, RangeSensor};
 use schema::table::{Framed, Row};
 use schema::tables::{LidarRow, RadarRow};
-use schema::{columns, framed};
+use schema::{columns, framed, rate};
 use validity::{PointCloud, radar_to_cartesian};
 
 columns! {
@@ -22,10 +22,17 @@ columns! {
 
 framed!(LidarPoints, RadarPoints);
 
+/// The open table of a range sensor.
+struct Source<R> {
+    mount: Mount,
+    every_n_frames: u32,
+    rows: SensorFrames<R>,
+}
+
 /// The open tables of an agent's range sensors.
 pub(crate) struct Clouds {
-    lidars: Vec<(Mount, SensorFrames<LidarPoints>)>,
-    radars: Vec<(Mount, SensorFrames<RadarPoints>)>,
+    lidars: Vec<Source<LidarPoints>>,
+    radars: Vec<Source<RadarPoints>>,
 }
 
 /// Points of one frame, in sensor frames.
@@ -35,7 +42,7 @@ pub(crate) struct Readings {
 }
 
 impl Clouds {
-    /// Opens the tables, each of so many frames.
+    /// Opens the tables of a scene of so many frames.
     ///
     /// # Errors
     /// One is missing or broken.
@@ -50,11 +57,13 @@ impl Clouds {
             agent: AgentId,
             sensors: &[RangeSensor],
             frames: u32,
-        ) -> Result<Vec<(Mount, SensorFrames<R>)>, SceneError> {
-            sensors
-                .iter()
-                .map(|s| Ok((s.mount, SensorFrames::open(scene, agent, &s.name, frames)?)))
-                .collect()
+        ) -> Result<Vec<Source<R>>, SceneError> {
+            let open = |sensor: &RangeSensor| {
+                let RangeSensor { name, mount, every_n_frames } = sensor;
+                let rows = SensorFrames::open(scene, agent, name, (frames, *every_n_frames))?;
+                Ok(Source { mount: *mount, every_n_frames: *every_n_frames, rows })
+            };
+            sensors.iter().map(open).collect()
         }
         Ok(Self {
             lidars: tables(scene, agent, &rig.lidars, frames)?,
@@ -62,23 +71,30 @@ impl Clouds {
         })
     }
 
-    /// Reads the next frame.
+    /// Reads the next frame, whose number is given: what those sensors gave that have readings at it.
     ///
     /// # Errors
     /// A table is broken, ends, or goes on with another frame.
-    pub(crate) fn next_frame(&mut self) -> Result<Readings, SceneError> {
+    pub(crate) fn next_frame(&mut self, frame: u32) -> Result<Readings, SceneError> {
         let mut readings = Readings { lidars: Vec::new(), radars: Vec::new() };
-        for (mount, rows) in &mut self.lidars {
-            if let Some(row) = rows.next().transpose()? {
-                readings.lidars.push((*mount, [row.x, row.y, row.z]));
+        for source in &mut self.lidars {
+            if let Some(row) = source.row(frame)? {
+                readings.lidars.push((source.mount, [row.x, row.y, row.z]));
             }
         }
-        for (mount, rows) in &mut self.radars {
-            if let Some(row) = rows.next().transpose()? {
-                readings.radars.push((*mount, radar_to_cartesian(&row.depth, &row.altitude, &row.azimuth)));
+        for source in &mut self.radars {
+            if let Some(row) = source.row(frame)? {
+                let points = radar_to_cartesian(&row.depth, &row.altitude, &row.azimuth);
+                readings.radars.push((source.mount, points));
             }
         }
         Ok(readings)
+    }
+}
+
+impl<R: Row + Framed> Source<R> {
+    fn row(&mut self, frame: u32) -> Result<Option<R>, SceneError> {
+        if rate::is_due(frame, self.every_n_frames) { self.rows.next().transpose() } else { Ok(None) }
     }
 }
 

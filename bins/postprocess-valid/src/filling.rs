@@ -15,7 +15,7 @@ use voxelgrid::{Filling, VoxelGrid};
 
 use crate::error::InputError;
 
-/// Fills every grid of an agent.
+/// Fills every grid of an agent, those at the frames of `0..frames` that have one.
 ///
 /// # Errors
 /// The grids are missing or broken, or the store cannot be written.
@@ -23,10 +23,9 @@ pub(crate) fn fill_agent(
     job: &mut Job<'_, ValiditySettings>,
     scene: &SceneReader,
     agent: AgentId,
-    settings: &OccupancySettings,
+    (settings, frames): (&OccupancySettings, u32),
 ) -> Result<(), StageError> {
     let grids = FilledGrids { scene, agent, settings };
-    let frames = grids.open()?.frames();
     let progress = job.progress();
     let Some(mut unit) = job.unit(&format!("occupancy.{agent}"))? else { return Ok(()) };
     let counts = write_arrays(&mut unit, (scene.scene(), agent), frames, &progress, &grids)?;
@@ -58,6 +57,10 @@ impl FilledGrids<'_> {
 
 impl FrameArrays for FilledGrids<'_> {
     type Memory = (ArrayReader, Filler, VoxelGrid);
+
+    fn every_n_frames(&self) -> u32 {
+        self.settings.every_n_frames
+    }
 
     fn comment(&self) -> Result<String, StageError> {
         self.settings.describe().at(|| self.place())

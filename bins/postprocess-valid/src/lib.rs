@@ -39,7 +39,8 @@ fn run(job: &mut Job<'_, ValiditySettings>) -> Result<(), StageError> {
     job.progress().set_total(u64::from(log.frame_count()) * passes);
 
     for agent in &occupied {
-        filling::fill_agent(job, &scene, **agent, settings.occupancy.of(**agent))?;
+        let grid = settings.occupancy.of(**agent);
+        filling::fill_agent(job, &scene, **agent, (grid, log.frame_count()))?;
     }
     for agent in observing {
         let (grid, rig) = (settings.occupancy.of(*agent), settings.rigs.of(*agent));
@@ -112,7 +113,7 @@ impl Witness {
         world_from_agent: &Pose<World, Agent>,
         valid_by_image: bool,
     ) -> Result<Vec<ValidBoxRow>, SceneError> {
-        let readings = self.clouds.next_frame()?;
+        let readings = self.clouds.next_frame(frame)?;
         let (lidars, radars) = readings.in_world(world_from_agent);
         let seen = &self.visible[self.frames.of(frame.into())];
         let num_pixels: PixelCounts = seen.iter().map(|row| ((row.id, row.tag), row.pixels)).collect();

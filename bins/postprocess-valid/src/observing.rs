@@ -9,10 +9,10 @@ use formats::Scalar;
 use framewise::{FrameArray, FrameArrays, write_arrays};
 use pipeline::{At, Job, Place, StageError};
 use scene::{SceneError, SceneReader};
-use schema::AgentId;
 use schema::arrays::{ArrayKind, OBSERVED_VOXELS};
 use schema::settings::OccupancySettings;
 use schema::settings::stages::{RangeRig, ValiditySettings};
+use schema::{AgentId, rate};
 
 use crate::clouds::{Clouds, Readings};
 
@@ -32,7 +32,8 @@ pub(crate) fn observe_agent(
     let place = Place::scene(scene.scene()).agent(agent);
     let lidars = RangeRig { radars: Vec::new(), ..rig.clone() };
     let clouds = Clouds::open(scene, agent, &lidars, frames).at(|| place.clone())?;
-    let ahead = Mutex::new(Ahead { clouds, next: 0, waiting: BTreeMap::new() });
+    let every_n_frames = grid.every_n_frames;
+    let ahead = Mutex::new(Ahead { clouds, next: 0, every_n_frames, waiting: BTreeMap::new() });
     let observed = Observed { place, grid, ahead };
     write_arrays(&mut unit, (scene.scene(), agent), frames, &progress, &observed)?;
     unit.finish()?;
@@ -43,6 +44,8 @@ pub(crate) fn observe_agent(
 struct Ahead {
     clouds: Clouds,
     next: u32,
+    /// Frames between are read past.
+    every_n_frames: u32,
     /// Read already, not yet asked for.
     waiting: BTreeMap<u32, Readings>,
 }
@@ -53,8 +56,10 @@ impl Ahead {
             if let Some(readings) = self.waiting.remove(&frame) {
                 return Ok(readings);
             }
-            let readings = self.clouds.next_frame()?;
-            self.waiting.insert(self.next, readings);
+            let readings = self.clouds.next_frame(self.next)?;
+            if rate::is_due(self.next, self.every_n_frames) {
+                self.waiting.insert(self.next, readings);
+            }
             self.next += 1;
         }
     }
@@ -69,6 +74,10 @@ struct Observed<'a> {
 
 impl FrameArrays for Observed<'_> {
     type Memory = Vec<u8>;
+
+    fn every_n_frames(&self) -> u32 {
+        self.grid.every_n_frames
+    }
 
     fn comment(&self) -> Result<String, StageError> {
         self.grid.describe().at(|| self.place.clone())

@@ -7,7 +7,7 @@ use replay::Replay;
 use schema::settings::Rig;
 use sensors::{AgentState, FrameWeather, Motion, Observation, Painter};
 
-use crate::recorder::Recorder;
+use crate::recorder::{Channel, Recorder};
 
 /// Everything within this distance is handed to the sensors: scenery reaches no further, lidars see less.
 const SIGHT_M: f64 = 1000.0;
@@ -29,7 +29,7 @@ pub(crate) struct AgentRig<'a> {
 }
 
 impl AgentRig<'_> {
-    /// Reads all sensors at a frame; the recorder keeps the readings until they are written.
+    /// Reads all sensors that are due at a frame; the recorder keeps the readings until they are written.
     ///
     /// # Errors
     /// The renderer failed or an encoder refused; the message names scene, frame, agent and sensor.
@@ -47,8 +47,8 @@ impl AgentRig<'_> {
             previous: self.previous_motion(frame),
         };
         let at = Observation::new(&*scene, Some(self.eyes.painter), self.rig, &when, agent).at(here)?;
-        let sensed: Vec<Result<(), StageError>> = recorder
-            .channels()
+        let channels: Vec<&dyn Channel> = recorder.channels_at(frame).collect();
+        let sensed: Vec<Result<(), StageError>> = channels
             .par_iter()
             .map(|channel| channel.sense(&at).at(|| self.place(frame).sensor(channel.name())))
             .collect();

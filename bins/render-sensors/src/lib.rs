@@ -1,4 +1,4 @@
-//! The sensor stage: what every agent's cameras, lidars, radars, GNSS and IMU gave at every frame.
+//! The sensor stage: what every agent's cameras, lidars, radars, GNSS and IMU gave, each at the frames of its rate.
 
 mod agent;
 mod recorder;
@@ -44,7 +44,8 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
         let agent_rig = AgentRig { replay: &replay, eyes, position, rig };
         let mut counts = PartialCounts::new();
         let sense = |frame| agent_rig.sense(frame, &recorder);
-        in_frame_order(frames, &progress, sense, |frame, ()| recorder.write(frame, &mut counts))?;
+        let due = recorder.due_frames(frames);
+        in_frame_order((&due, frames), &progress, sense, |frame, ()| recorder.write(frame, &mut counts))?;
         let (finished, counts) = recorder.finish(counts)?;
         for shard in finished {
             unit.add(shard);

@@ -5,11 +5,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use counts::PartialCounts;
 use pipeline::{Place, StageError};
-use schema::AgentId;
 use schema::calibration::METADATA_KEY;
-use schema::measures::sensors::SENSOR_BYTES;
+use schema::measures::sensors::{IMAGES, SENSOR_BYTES, SWEEPS};
 use schema::settings::Rig;
 use schema::tables::PartialRow;
+use schema::{AgentId, rate};
 use sensors::{Carrier, Layout, Observation, Sensor, SensorError, SensorTable, SensorVisitor};
 use store::{Finished, TableOptions, TableWriter, Unit, keys};
 
@@ -23,6 +23,9 @@ pub(crate) struct Recorder {
 pub(crate) trait Channel: Sync {
     /// Name of the table.
     fn name(&self) -> &str;
+
+    /// Whether the sensor is read at a frame.
+    fn is_due(&self, frame: u32) -> bool;
 
     /// Reads the sensor and keeps the rows.
     fn sense(&self, at: &Observation<'_>) -> Result<(), SensorError>;
@@ -52,6 +55,10 @@ impl<S: Sensor> Channel for Open<S> {
         &self.about.name
     }
 
+    fn is_due(&self, frame: u32) -> bool {
+        rate::is_due(frame, self.about.every_n_frames)
+    }
+
     fn sense(&self, at: &Observation<'_>) -> Result<(), SensorError> {
         let rows = self.sensor.sense(at)?;
         lock(&self.waiting).insert(at.frame, rows);
@@ -62,6 +69,9 @@ impl<S: Sensor> Channel for Open<S> {
         let Some(rows) = lock(&self.waiting).remove(&frame) else { return Ok(()) };
         if let Some(amount) = self.sensor.amount(&rows) {
             counts.add(agent, amount.measure, &self.about.counted_as, 0, amount.count);
+            if amount.measure != IMAGES {
+                counts.add(agent, SWEEPS, &self.about.counted_as, 0, 1);
+            }
         }
         lock(&self.table).push(&rows)?;
         Ok(())
@@ -130,9 +140,14 @@ impl Recorder {
         Ok(Self { agent, channels: opening.channels })
     }
 
-    /// The sensors, each to be read once a frame.
-    pub(crate) fn channels(&self) -> &[Box<dyn Channel>] {
-        &self.channels
+    /// The sensors that are to be read at a frame, each once.
+    pub(crate) fn channels_at(&self, frame: u32) -> impl Iterator<Item = &dyn Channel> {
+        self.channels.iter().map(Box::as_ref).filter(move |channel| channel.is_due(frame))
+    }
+
+    /// Those of the frames `0..frames` at which some sensor is read.
+    pub(crate) fn due_frames(&self, frames: u32) -> Vec<u32> {
+        (0..frames).filter(|&frame| self.channels_at(frame).next().is_some()).collect()
     }
 
     /// Writes a frame's readings, which must have been made, after those of all earlier frames.

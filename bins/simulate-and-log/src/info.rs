@@ -56,6 +56,7 @@ pub(crate) fn scene_info(
         seed: plan.seed,
         duration_s: plan.duration_s,
         frames: plan.frames,
+        label_every_n_frames: settings.label_every_n_frames,
         spawn_mode: plan.spawn_mode.clone(),
         dynamic_weather: plan.dynamic_weather,
         initial_weather: by_name(plan.initial_weather),

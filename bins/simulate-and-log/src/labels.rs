@@ -1,4 +1,4 @@
-//! What the annotators say about a log: agents, raw boxes, HD-map records, frame by frame.
+//! What the annotators say about a log: agents frame by frame; raw boxes and HD-map records at the annotated ones.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use opendrive::Map;
 use pipeline::{At, Place, StageError};
 use schema::scene_info::SceneInfo;
 use schema::tables::{ActorRow, AgentRow, BoxRow, HdMapRow, PartialRow, StateRow};
-use schema::{AgentId, FRAME_PERIOD_S, ObjectId, SignalState, measures};
+use schema::{AgentId, FRAME_PERIOD_S, ObjectId, SignalState, measures, rate};
 use traffic::SimulationLog;
 
 use crate::error::LogError;
@@ -57,12 +57,16 @@ impl Labels {
                 .iter()
                 .map(|actor| observe(actor, &states_by_id, signals_by_id.get(&actor.id).copied()))
                 .collect();
+            let is_annotated = rate::is_due(frame, info.label_every_n_frames);
             let mut observers = Vec::new();
             for &(agent, id) in &ids {
                 // Ids count from 1 without gaps.
                 let object = &objects[usize::from(id) - 1];
                 let world_from_agent = Pose::from_isometry(*object.world_from_object.isometry());
                 labels.agents.push(agent_row(frame, agent, object));
+                if !is_annotated {
+                    continue;
+                }
                 let record = hd_map.record(frame, agent, &world_from_agent).ok_or(LogError::NoLane);
                 let record = record.at(|| Place::scene(info.scene).frame(frame).agent(agent))?;
                 labels.hd_map.push(record);

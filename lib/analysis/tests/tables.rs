@@ -206,7 +206,7 @@ fn grids_reproduce_the_published_arithmetic() {
 }
 
 #[test]
-fn sweeps_are_the_frames_of_those_who_carry_the_sensor() {
+fn sweeps_are_counted_by_sensor() {
     let tables = tables_of(
         &[],
         &[
@@ -215,6 +215,9 @@ fn sweeps_are_the_frames_of_those_who_carry_the_sensor() {
             row("vehicle_0", measures::sensors::LIDAR_POINTS, "LIDAR", 0, 1000),
             row("rsu_0", measures::sensors::LIDAR_POINTS, "LIDAR", 0, 400),
             row("vehicle_0", measures::sensors::RADAR_POINTS, "RAD_BACK", 0, 50),
+            row("vehicle_0", measures::sensors::SWEEPS, "LIDAR", 0, 50),
+            row("rsu_0", measures::sensors::SWEEPS, "LIDAR", 0, 40),
+            row("vehicle_0", measures::sensors::SWEEPS, "RAD_BACK", 0, 100),
             row("vehicle_0", measures::sensors::IMAGES, "RGB", 0, 600),
             row("vehicle_0", measures::sensors::SENSOR_BYTES, "RGB", 0, 3000),
             row("vehicle_0", measures::sensors::SENSOR_BYTES, "LIDAR", 0, 1000),
@@ -222,7 +225,7 @@ fn sweeps_are_the_frames_of_those_who_carry_the_sensor() {
     );
     assert_eq!(
         csv(&tables, "points_per_sensor"),
-        "sensor,kind,sweeps,points,points_per_sweep\nLIDAR,lidar,140,1400,10.0\nRAD_BACK,radar,100,50,0.5\n"
+        "sensor,kind,sweeps,points,points_per_sweep\nLIDAR,lidar,90,1400,15.6\nRAD_BACK,radar,100,50,0.5\n"
     );
     assert_eq!(csv(&tables, "images_per_kind"), "kind,images,images_per_agent_frame\nRGB,600,4.29\n");
     assert_eq!(csv(&tables, "bytes_per_sensor"), "sensor,bytes,percent\nLIDAR,1000,25.00\nRGB,3000,75.00\n");

@@ -58,23 +58,27 @@ impl Forecast {
     fn add(&mut self, settings: &DatasetSettings, agent: AgentId, frames: u64) {
         self.agent_frames[usize::from(agent.kind == AgentKind::Rsu)] += frames;
         self.core_s += core_seconds::AGENT_FRAME * frames as f64;
-        self.output("boxes, log, tracks", frames, bytes::AGENT_FRAME);
+        let annotated = due(frames, settings.annotation.every_n_frames);
+        self.output("boxes, log, tracks", annotated, bytes::AGENT_FRAME);
         let rigs = settings.rigs();
         let rig = rigs.of(agent);
-        self.cameras(&rig.camera, rig.cameras.len() as u64 * frames);
+        self.cameras(&rig.camera, rig.cameras.len() as u64 * due(frames, rig.camera.every_n_frames));
         for cost in rates::reading_costs(rig) {
-            self.output(cost.output, frames, cost.bytes);
-            self.core_s += frames as f64 * cost.core_s;
+            let readings = due(frames, cost.every_n_frames);
+            self.output(cost.output, readings, cost.bytes);
+            self.core_s += readings as f64 * cost.core_s;
         }
         if settings.bev.enabled {
             let cells = f64::from(settings.bev.cells) * f64::from(settings.bev.cells);
-            self.output("BEV masks", frames, cells * bytes::BEV_CELL);
-            self.core_s += frames as f64 * cells * core_seconds::BEV_CELL;
+            let masks = due(frames, settings.bev.every_n_frames);
+            self.output("BEV masks", masks, cells * bytes::BEV_CELL);
+            self.core_s += masks as f64 * cells * core_seconds::BEV_CELL;
         }
         let grids = settings.occupancy();
         let occupancy = grids.of(agent);
         if occupancy.enabled {
             let [x, y, z] = occupancy.shape().map(|n| n as f64);
+            let frames = due(frames, occupancy.every_n_frames);
             self.output("voxel grids", 2 * frames, x * y * bytes::VOXEL_COLUMN);
             self.core_s += frames as f64 * x * y * z * core_seconds::VOXEL;
         }
@@ -96,6 +100,11 @@ impl Forecast {
         share.count += count;
         share.bytes += count as f64 * bytes_each;
     }
+}
+
+/// How many of some frames something is made at.
+fn due(frames: u64, every_n_frames: u32) -> u64 {
+    frames.div_ceil(u64::from(every_n_frames.max(1)))
 }
 
 fn size(bytes: f64) -> DecimalBytes {
@@ -187,6 +196,25 @@ mod tests {
             [count("lidar sweeps"), count("radar readings"), count("voxel grids")],
             [1200, 3600, 2400]
         );
+    }
+
+    #[test]
+    fn what_is_made_seldom_costs_little() {
+        let mut less = settings();
+        // Of 200 frames 20 and 67; of 400 frames 40 and 134.
+        less.annotation.every_n_frames = 10;
+        less.bev.every_n_frames = 10;
+        less.vehicle_rig.camera.every_n_frames = 10;
+        less.vehicle_rig.lidars[0].every_n_frames = 3;
+        less.rsu_occupancy.every_n_frames = 3;
+        let (all, some) = (Forecast::of(&settings(), &plan()), Forecast::of(&less, &plan()));
+        let count = |name| some.outputs.get(name).map_or(0, |share: &Share| share.count);
+        assert_eq!([count("boxes, log, tracks"), count("BEV masks")], [20 + 20 + 40 + 40; 2]);
+        assert_eq!(count("RGB images"), 6 * (20 + 20 + 40) + 3 * 400);
+        assert_eq!(count("lidar sweeps"), 67 + 67 + 134 + 400);
+        assert_eq!(count("voxel grids"), 2 * (800 + 134));
+        assert_eq!(some.agent_frames, all.agent_frames);
+        assert!(some.core_s < all.core_s);
     }
 
     #[test]

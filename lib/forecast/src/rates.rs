@@ -2,7 +2,7 @@
 //! demo town and three of CARLA's); seconds of one core, from the table of docs/performance.md.
 
 use schema::ImageKind;
-use schema::settings::Rig;
+use schema::settings::{RadarSpec, Rig};
 
 /// What a pixel of an image takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,17 +31,25 @@ pub(crate) struct ReadingCost {
     pub(crate) output: &'static str,
     pub(crate) bytes: f64,
     pub(crate) core_s: f64,
+    /// There is one at frames 0, n, 2 n, ...
+    pub(crate) every_n_frames: u32,
 }
 
-/// What a frame of every sensor takes, cameras aside; receivers of a few numbers cost nothing to speak of.
+/// What a reading of every sensor takes, cameras aside; receivers of a few numbers cost nothing to speak of.
 pub(crate) fn reading_costs(rig: &Rig) -> impl Iterator<Item = ReadingCost> {
-    let of_rays =
-        |output, rays: f64, bytes_ray| ReadingCost { output, bytes: rays * bytes_ray, core_s: rays * 0.4e-6 };
+    let of_rays = |output, rays: f64, bytes_ray, every_n_frames| ReadingCost {
+        output,
+        bytes: rays * bytes_ray,
+        core_s: rays * 0.4e-6,
+        every_n_frames,
+    };
     let lidars = rig.lidars.iter().map(move |lidar| {
         let (output, bytes_ray) =
             if lidar.semantic { ("semantic lidar sweeps", 8.0) } else { ("lidar sweeps", 9.2) };
-        of_rays(output, lidar.scan.rays() as f64, bytes_ray)
+        of_rays(output, lidar.scan.rays() as f64, bytes_ray, lidar.every_n_frames)
     });
-    let radars = rig.radars.iter().map(move |radar| of_rays("radar readings", f64::from(radar.rays), 20.4));
+    let of_radar =
+        move |radar: &RadarSpec| of_rays("radar readings", f64::from(radar.rays), 20.4, radar.every_n_frames);
+    let radars = rig.radars.iter().map(of_radar);
     lidars.chain(radars)
 }

@@ -6,8 +6,8 @@ use counts::PartialCounts;
 use formats::{DEFAULT_LEVEL, NpzError, NpzWriter, Scalar, encode_member, frame_member};
 use pipeline::{At, Job, Place, Progress, StageError, StageSettings};
 use scene::SceneLog;
-use schema::AgentId;
 use schema::arrays::ArrayKind;
+use schema::{AgentId, rate};
 use store::{FileWriter, StoreError, Unit, keys};
 
 use crate::order::in_frame_order;
@@ -28,6 +28,9 @@ pub struct FrameArray<'a> {
 pub trait FrameArrays: Sync {
     /// Working memory, which frames hand on to one another.
     type Memory: Send;
+
+    /// It has arrays at frames 0, n, 2 n, ...
+    fn every_n_frames(&self) -> u32;
 
     /// The archives, in the order of a frame's arrays.
     fn kinds(&self) -> Vec<&'static ArrayKind>;
@@ -84,8 +87,8 @@ fn failed(location: &str, frame: Option<u32>, error: NpzError) -> StageError {
     }
 }
 
-/// Writes the arrays of frames `0..frames` of an agent, an archive of each kind among a unit's files. Returns what was
-/// counted.
+/// Writes the arrays of those of the frames `0..frames` at which an agent has some, an archive of each kind among a unit's
+/// files. Returns what was counted.
 ///
 /// # Errors
 /// The first error in frame order, a wish to stop, or an archive cannot be written.
@@ -116,7 +119,8 @@ pub fn write_arrays<A: FrameArrays>(
         Ok((members, counts))
     };
     let mut counts = PartialCounts::new();
-    in_frame_order(frames, progress, one, |number, (members, of_frame)| {
+    let due: Vec<u32> = rate::due(frames, arrays.every_n_frames()).collect();
+    in_frame_order((&due, frames), progress, one, |number, (members, of_frame)| {
         counts.merge(of_frame);
         for (archive, member) in archives.iter_mut().zip(members) {
             archive.writer.append(member).map_err(|e| failed(&archive.location, Some(number), e))?;
@@ -125,7 +129,7 @@ pub fn write_arrays<A: FrameArrays>(
     })?;
     for Archive { writer, location } in archives {
         let file = writer.finish().map_err(|e| failed(&location, None, e))?;
-        unit.add(file.finish(frames.into())?);
+        unit.add(file.finish(due.len() as u64)?);
     }
     Ok(counts)
 }

@@ -22,6 +22,7 @@ fn grid(frame: u32) -> Vec<u8> {
 /// One small grid a frame, but for a broken one.
 struct Grids {
     broken: Option<u32>,
+    every: u32,
 }
 
 impl FrameArrays for Grids {
@@ -29,6 +30,10 @@ impl FrameArrays for Grids {
 
     fn memory(&self) -> Result<Vec<u8>, StageError> {
         Ok(Vec::new())
+    }
+
+    fn every_n_frames(&self) -> u32 {
+        self.every
     }
 
     fn kinds(&self) -> Vec<&'static ArrayKind> {
@@ -52,6 +57,10 @@ impl FrameArrays for Grids {
 }
 
 fn archive(store: &Store, broken: Option<u32>) -> Result<Manifest, StageError> {
+    write(store, &Grids { broken, every: 1 })
+}
+
+fn write(store: &Store, grids: &Grids) -> Result<Manifest, StageError> {
     let identity = Identity {
         stage: "bev-gt".into(),
         scope: Scope::Scene(7),
@@ -62,10 +71,9 @@ fn archive(store: &Store, broken: Option<u32>) -> Result<Manifest, StageError> {
     let mut attempt = Attempt::start(store, identity, false)?;
     let Some(mut unit) = attempt.unit("vehicle_0")? else { return Ok(attempt.commit()?) };
     let progress = Progress::start(ProgressMode::None, "test".into(), 0);
-    let counts =
-        framewise::write_arrays(&mut unit, (7, AgentId::vehicle(0)), FRAMES, &progress, &Grids { broken })?;
+    let counts = framewise::write_arrays(&mut unit, (7, AgentId::vehicle(0)), FRAMES, &progress, grids)?;
     let rows: Vec<i32> = counts.rows().iter().map(|row| row.bin).collect();
-    assert!(rows.iter().copied().eq(0..FRAMES as i32), "{rows:?}");
+    assert!(rows.iter().copied().eq((0..FRAMES as i32).step_by(grids.every as usize)), "{rows:?}");
     unit.finish()?;
     Ok(attempt.commit()?)
 }
@@ -83,6 +91,17 @@ fn frames_come_back_in_order() {
     let key = "scenes/0007/bev_ids/vehicle_0.npz";
     let mut ids = NpzReader::new(store.stream_output(&manifest, key).expect("opens")).expect("is an archive");
     assert_eq!(ids.read(&frame_member(5)).expect("reads").bytes, [5]);
+}
+
+#[test]
+fn frames_between_have_no_member() {
+    let store = Store::open("memory:").expect("is a place");
+    let manifest = write(&store, &Grids { broken: None, every: 4 }).expect("writes");
+    let mut reader =
+        NpzReader::new(store.stream_output(&manifest, KEY).expect("opens")).expect("is an archive");
+    assert_eq!(reader.members().collect::<Vec<_>>(), [0, 4, 8].map(frame_member));
+    assert_eq!(reader.read(&frame_member(8)).expect("reads").bytes, grid(8));
+    assert_eq!(manifest.outputs.iter().find(|o| o.key == KEY).map(|o| o.rows), Some(3));
 }
 
 #[test]

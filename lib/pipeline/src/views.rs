@@ -50,6 +50,7 @@ impl StageSettings for SimulationSettings {
             scenery: all.world.scenery.clone(),
             reach_m: reach_m(all),
             box_radius_m: all.annotation.box_radius_m,
+            label_every_n_frames: all.annotation.every_n_frames,
         }
     }
 }
@@ -101,10 +102,12 @@ impl StageSettings for ValiditySettings {
 }
 
 fn range_rig(rig: &Rig) -> RangeRig {
+    let sensor =
+        |name: &str, mount, every_n_frames| RangeSensor { name: name.to_owned(), mount, every_n_frames };
     let plain = rig.lidars.iter().filter(|lidar| !lidar.semantic);
     RangeRig {
-        lidars: plain.map(|s| RangeSensor { name: s.name.clone(), mount: s.mount }).collect(),
-        radars: rig.radars.iter().map(|s| RangeSensor { name: s.name.clone(), mount: s.mount }).collect(),
+        lidars: plain.map(|s| sensor(&s.name, s.mount, s.every_n_frames)).collect(),
+        radars: rig.radars.iter().map(|s| sensor(&s.name, s.mount, s.every_n_frames)).collect(),
         instance: rig.camera.images.has(ImageKind::Instance),
     }
 }
@@ -223,6 +226,11 @@ mod tests {
         assert_eq!(stale(|s| s.name = "other".into()), ["stats"]);
         assert_eq!(stale(|s| s.annotation.valid_by_image ^= true), ["postprocess-valid"]);
         assert_eq!(stale(|s| s.annotation.box_radius_m = 90.0), ["simulate-and-log"]);
+        assert_eq!(stale(|s| s.annotation.every_n_frames = 10), ["simulate-and-log"]);
+        assert_eq!(stale(|s| s.rsu_rig.camera.every_n_frames = 10), rendered);
+        assert_eq!(stale(|s| s.rsu_rig.lidars[0].every_n_frames = 2), judged);
+        assert_eq!(stale(|s| s.rsu_occupancy.every_n_frames = 10), voxels);
+        assert_eq!(stale(|s| s.bev.every_n_frames = 10), ["bev-gt"]);
         assert_eq!(stale(|s| s.world.radius_m = 90.0), ["simulate-and-log"]);
         assert_eq!(stale(|s| s.timing.max_duration_s = 9.0), ["spawn-planner"]);
         assert_eq!(stale(|s| s.seed = 3), ["spawn-planner", "render-sensors"]);

@@ -1,4 +1,4 @@
-//! Arrays of an agent, one a frame.
+//! Arrays of an agent, one a frame or every so many frames.
 
 use formats::{Array, NpzError, NpzReader, frame_member};
 use schema::AgentId;
@@ -33,10 +33,9 @@ impl ArrayReader {
         Ok(Self { archive: archive.with_max_bytes(max_bytes), path, scene, stage })
     }
 
-    /// Number of frames.
-    #[must_use]
-    pub fn frames(&self) -> u32 {
-        self.archive.members().len() as u32
+    /// The frames that have an array, in the archive's order.
+    pub fn frames(&self) -> impl Iterator<Item = u32> {
+        self.archive.members().filter_map(|name| name.strip_suffix(".npy")?.parse().ok())
     }
 
     /// Reads the array of a frame.

@@ -1,4 +1,4 @@
-//! Tables of a sensor, one row a frame.
+//! Tables of a sensor, one row a reading.
 
 use schema::AgentId;
 use schema::calibration::{Calibration, METADATA_KEY};
@@ -7,26 +7,40 @@ use store::{RowGroups, keys};
 
 use crate::{SceneError, SceneReader};
 
-/// The rows of a sensor's table, one a frame, frames from 0 on.
+/// The rows of a sensor's table, frame by frame.
 pub struct SensorFrames<R> {
     path: String,
     groups: RowGroups<R>,
     ready: std::vec::IntoIter<R>,
     next: u32,
     frames: u32,
+    every_n_frames: u32,
 }
 
 impl<R: Row + Framed> SensorFrames<R> {
-    /// Opens a table of an agent's sensor, by its name (`LIDAR`, `RGB-CAM_FRONT`). It gives one row for each of `frames`
-    /// frames, a few at a time in memory.
+    /// Opens a table of an agent's sensor, by its name (`LIDAR`, `RGB-CAM_FRONT`). It gives the rows of frames 0, n, 2 n, ...
+    /// of a scene of so many frames, a few at a time in memory. The n of a sensor stands in its calibration
+    /// ([`read_calibration`]).
     ///
     /// # Errors
     /// Its stage has not made it, or it is not as the manifest says.
-    pub fn open(scene: &SceneReader, agent: AgentId, name: &str, frames: u32) -> Result<Self, SceneError> {
+    pub fn open(
+        scene: &SceneReader,
+        agent: AgentId,
+        name: &str,
+        (frames, every_n_frames): (u32, u32),
+    ) -> Result<Self, SceneError> {
         let key = keys::sensor(scene.scene(), agent, name);
         let groups = scene.store().row_groups(scene.manifest(R::STAGE)?, &key)?;
         let path = scene.store().location(&key);
-        Ok(Self { path, groups, ready: Vec::new().into_iter(), next: 0, frames })
+        Ok(Self {
+            path,
+            groups,
+            ready: Vec::new().into_iter(),
+            next: 0,
+            frames,
+            every_n_frames: every_n_frames.max(1),
+        })
     }
 
     fn row(&mut self) -> Result<R, SceneError> {
@@ -48,12 +62,12 @@ impl<R: Row + Framed> Iterator for SensorFrames<R> {
     type Item = Result<R, SceneError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        if self.next == self.frames {
+        if self.next >= self.frames {
             return None;
         }
         let row = self.row();
         // After an error nothing more can be trusted.
-        self.next = if row.is_ok() { self.next + 1 } else { self.frames };
+        self.next = if row.is_ok() { self.next.saturating_add(self.every_n_frames) } else { self.frames };
         Some(row)
     }
 }

@@ -136,6 +136,7 @@ fn sensors_give_one_row_a_frame_and_say_what_is_wrong() {
         name: "CAM_FRONT".into(),
         frame: "optical".into(),
         agent_from_sensor: Mounting { translation: [1.0, 2.0, 3.0], quaternion: [0.0, 0.0, 0.0, 1.0] },
+        every_n_frames: 1,
         width: Some(64),
         height: Some(32),
         intrinsics: Some([[10.0, 0.0, 32.0], [0.0, 10.0, 16.0], [0.0, 0.0, 1.0]]),
@@ -156,13 +157,17 @@ fn sensors_give_one_row_a_frame_and_say_what_is_wrong() {
         unit.rows(&keys::sensor(SCENE, ego(), "visible"), &visible).expect("writes");
     });
     let reader = open(&store);
-    let images =
-        |frames| SensorFrames::<CameraRow>::open(&reader, ego(), "RGB-CAM_FRONT", frames).expect("opens");
+    let images = |frames| {
+        SensorFrames::<CameraRow>::open(&reader, ego(), "RGB-CAM_FRONT", (frames, 1)).expect("opens")
+    };
     let first: Vec<u8> = images(FRAMES).map(|row| row.expect("reads").image.0[0]).collect();
     assert_eq!(first, [0, 1, 2]);
     let last = images(FRAMES + 1).last().expect("an end");
     assert!(matches!(last, Err(SceneError::Frame { expected: 3, found: None, .. })));
-    let mut gap = SensorFrames::<GnssRow>::open(&reader, ego(), "GNSS", FRAMES).expect("opens");
+    // At every other frame it is whole; at every frame it has a gap.
+    let gnss = |every| SensorFrames::<GnssRow>::open(&reader, ego(), "GNSS", (FRAMES, every)).expect("opens");
+    assert_eq!(gnss(2).map(|row| row.expect("reads").frame).collect::<Vec<_>>(), [0, 2]);
+    let mut gap = gnss(1);
     assert!(gap.next().is_some_and(|row| row.is_ok()));
     assert!(matches!(gap.next(), Some(Err(SceneError::Frame { expected: 1, found: Some(2), .. }))));
     assert!(gap.next().is_none(), "nothing after an error");

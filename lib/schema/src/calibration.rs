@@ -15,6 +15,9 @@ pub struct Calibration {
     pub frame: String,
     /// Where it is on its agent.
     pub agent_from_sensor: Mounting,
+    /// It has readings at frames 0, n, 2 n, ... and none between.
+    #[serde(default = "crate::rate::every_frame")]
+    pub every_n_frames: u32,
     /// Columns of a camera's pictures.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub width: Option<u32>,

@@ -24,6 +24,7 @@ mod layer;
 pub mod lights;
 pub mod measures;
 pub mod models;
+pub mod rate;
 pub mod scene_info;
 pub mod settings;
 mod sign_type;

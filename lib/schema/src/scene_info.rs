@@ -30,6 +30,9 @@ pub struct SceneInfo {
     pub duration_s: f64,
     /// Recorded frames.
     pub frames: u32,
+    /// Boxes and map records stand at frames 0, n, 2 n, ...
+    #[serde(default = "crate::rate::every_frame")]
+    pub label_every_n_frames: u32,
     /// `clustered` or `chained`.
     pub spawn_mode: String,
     /// Whether the weather moves from initial to final.

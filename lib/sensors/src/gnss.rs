@@ -50,7 +50,9 @@ impl Sensor for Gnss {
     type Row = GnssRow;
 
     fn table(&self) -> SensorTable {
-        SensorTable::new(GNSS_TABLE, Some(sensor_metadata(GNSS_TABLE, &self.spec.mount)), Layout::Whole)
+        let every = self.spec.every_n_frames;
+        let about = sensor_metadata(GNSS_TABLE, &self.spec.mount, every);
+        SensorTable::new(GNSS_TABLE, Some(about), Layout::Whole, every)
     }
 
     fn sense(&self, at: &Observation<'_>) -> Result<Vec<GnssRow>, SensorError> {

@@ -73,7 +73,9 @@ impl Sensor for Imu {
     type Row = ImuRow;
 
     fn table(&self) -> SensorTable {
-        SensorTable::new(IMU_TABLE, Some(sensor_metadata(IMU_TABLE, &self.spec.mount)), Layout::Whole)
+        let every = self.spec.every_n_frames;
+        let about = sensor_metadata(IMU_TABLE, &self.spec.mount, every);
+        SensorTable::new(IMU_TABLE, Some(about), Layout::Whole, every)
     }
 
     fn sense(&self, at: &Observation<'_>) -> Result<Vec<ImuRow>, SensorError> {

@@ -122,8 +122,9 @@ impl Lidar {
     }
 
     fn table(&self) -> SensorTable {
-        let about = sensor_metadata(&self.spec.name, &self.spec.mount);
-        SensorTable::new(&self.spec.name, Some(about), Layout::Frames)
+        let every = self.spec.every_n_frames;
+        let about = sensor_metadata(&self.spec.name, &self.spec.mount, every);
+        SensorTable::new(&self.spec.name, Some(about), Layout::Frames, every)
     }
 
     /// Unit directions of all rays in the sensor frame, highest channel first.

@@ -4,10 +4,10 @@ use frames::{Agent, Frame, Pose};
 use schema::calibration::{Calibration, Mounting};
 use schema::settings::{CameraSettings, CameraSpec, Mount};
 
-/// Pose of a sensor in its agent's frame, as JSON of a [`Calibration`].
+/// Pose and rate of a sensor in its agent's frame, as JSON of a [`Calibration`].
 #[must_use]
-pub fn sensor_metadata(name: &str, mount: &Mount) -> String {
-    text(&calibration(name, "flu", &mount.agent_from_sensor()))
+pub fn sensor_metadata(name: &str, mount: &Mount, every_n_frames: u32) -> String {
+    text(&calibration(name, "flu", &mount.agent_from_sensor(), every_n_frames))
 }
 
 /// The same for a camera, whose pose is that of its optical frame (x right, y down, z forward), with size and intrinsics.
@@ -18,7 +18,7 @@ pub fn camera_metadata(camera: &CameraSpec, settings: &CameraSettings) -> String
         width: Some(settings.width),
         height: Some(settings.height),
         intrinsics: Some(intrinsics(settings)),
-        ..calibration(&camera.name, "optical", &agent_from_optical)
+        ..calibration(&camera.name, "optical", &agent_from_optical, settings.every_n_frames)
     })
 }
 
@@ -33,11 +33,17 @@ pub fn intrinsics(settings: &CameraSettings) -> [[f64; 3]; 3] {
     ]
 }
 
-fn calibration<F: Frame>(name: &str, frame: &str, agent_from_sensor: &Pose<Agent, F>) -> Calibration {
+fn calibration<F: Frame>(
+    name: &str,
+    frame: &str,
+    agent_from_sensor: &Pose<Agent, F>,
+    every_n_frames: u32,
+) -> Calibration {
     Calibration {
         name: name.to_owned(),
         frame: frame.to_owned(),
         agent_from_sensor: Mounting::new(agent_from_sensor),
+        every_n_frames,
         width: None,
         height: None,
         intrinsics: None,
@@ -73,9 +79,10 @@ mod tests {
 
     #[test]
     fn names_are_escaped() {
-        let text = sensor_metadata("a\"b", &Mount::upright([0.0, 0.0, 1.8], 0.0));
+        let text = sensor_metadata("a\"b", &Mount::upright([0.0, 0.0, 1.8], 0.0), 2);
         let value: Value = serde_json::from_str(&text).expect("is JSON");
         assert_eq!(value["name"], "a\"b");
         assert_eq!(value["agent_from_sensor"]["quaternion"], json!([1.0, 0.0, 0.0, 0.0]));
+        assert_eq!(value["every_n_frames"], 2);
     }
 }

@@ -3,8 +3,8 @@
 use frames::LocalOrigin;
 use glam::Affine3A;
 use renderer::{PinholeCamera, Scene};
-use schema::ObjectId;
 use schema::settings::{Mount, Rig};
+use schema::{ObjectId, rate};
 
 use crate::camera::picture::Picture;
 use crate::camera::sight::Sight;
@@ -33,7 +33,7 @@ pub struct Observation<'a> {
     pub scene: &'a dyn Scene,
     /// The agent.
     pub agent: AgentState,
-    /// What the cameras of the rig see, in the rig's order; empty when no images are wanted.
+    /// What the cameras of the rig see, in the rig's order; empty when no images are wanted, or none at this frame.
     pub sights: Vec<Sight>,
 }
 
@@ -52,7 +52,8 @@ impl<'a> Observation<'a> {
         let origin = &scene.snapshot().origin;
         let now = &agent.motion.world_from_agent;
         let before = agent.previous.as_ref().map_or(now, |previous| &previous.world_from_agent);
-        let sights = if rig.camera.images.is_empty() {
+        let in_time = rate::is_due(when.frame, rig.camera.every_n_frames);
+        let sights = if rig.camera.images.is_empty() || !in_time {
             Vec::new()
         } else {
             let view = |mount| CameraView::new(origin, now, before, mount, &rig.camera);

@@ -285,8 +285,9 @@ impl Sensor for Radar {
     type Row = RadarRow;
 
     fn table(&self) -> SensorTable {
-        let about = sensor_metadata(&self.spec.name, &self.spec.mount);
-        SensorTable::new(&self.spec.name, Some(about), Layout::Frames)
+        let every = self.spec.every_n_frames;
+        let about = sensor_metadata(&self.spec.name, &self.spec.mount, every);
+        SensorTable::new(&self.spec.name, Some(about), Layout::Frames, every)
     }
 
     fn sense(&self, at: &Observation<'_>) -> Result<Vec<RadarRow>, SensorError> {

@@ -30,13 +30,15 @@ pub struct SensorTable {
     pub metadata: Option<String>,
     /// How rows are kept.
     pub layout: Layout,
+    /// It is read at frames 0, n, 2 n, ...
+    pub every_n_frames: u32,
 }
 
 impl SensorTable {
     /// A table that is counted by its name.
     #[must_use]
-    pub fn new(name: &str, metadata: Option<String>, layout: Layout) -> Self {
-        Self { name: name.to_owned(), counted_as: name.to_owned(), metadata, layout }
+    pub fn new(name: &str, metadata: Option<String>, layout: Layout, every_n_frames: u32) -> Self {
+        Self { name: name.to_owned(), counted_as: name.to_owned(), metadata, layout, every_n_frames }
     }
 }
 
@@ -49,7 +51,7 @@ pub struct Amount {
     pub count: u64,
 }
 
-/// A sensor of one agent: a table, and rows for it at every frame.
+/// A sensor of one agent: a table, and rows for it at every frame at which it is read.
 pub trait Sensor: Send + Sync + 'static {
     /// A row of its table.
     type Row: Row + Send + 'static;

@@ -7,15 +7,16 @@ use frames::to_deg;
 use nalgebra::Vector3;
 use schema::measures::tracks as measures;
 use schema::tables::TrackFrameRow;
-use schema::{Attribute, DetectionClass};
+use schema::{Attribute, DetectionClass, rate};
 
-/// The merged boxes of a scene of `frames` frames (numbered from 0): objects per class, valid ones, valid ones
-/// per frame (every class and frame counts, those without any too), headings, speeds and turning rates of
+/// The merged boxes of a scene of `frames` frames (numbered from 0), every `every_n_frames`th of which is annotated: objects per
+/// class, valid ones, valid ones per annotated frame (every class and frame counts, those without any too), headings, speeds and turning rates of
 /// valid ones, pedestrians and wheelchairs.
 #[must_use]
-pub fn count(rows: &[TrackFrameRow], frames: u32) -> PartialCounts {
+pub fn count(rows: &[TrackFrameRow], frames: u32, every_n_frames: u32) -> PartialCounts {
+    let annotated = rate::count(frames, every_n_frames);
     let mut counts = PartialCounts::new();
-    counts.add("", measures::FRAMES, "", 0, u64::from(frames));
+    counts.add("", measures::FRAMES, "", 0, u64::from(annotated));
     let mut per_frame: BTreeMap<(u32, DetectionClass), u32> = BTreeMap::new();
     for row in rows {
         // Every box has a class; a row of another origin counts nowhere.
@@ -32,7 +33,7 @@ pub fn count(rows: &[TrackFrameRow], frames: u32) -> PartialCounts {
     }
     let mut seen: BTreeMap<DetectionClass, u32> = BTreeMap::new();
     for ((frame, class), count) in per_frame {
-        if frame < frames {
+        if frame < frames && rate::is_due(frame, every_n_frames) {
             *seen.entry(class).or_default() += 1;
         }
         counts.add(
@@ -44,7 +45,7 @@ pub fn count(rows: &[TrackFrameRow], frames: u32) -> PartialCounts {
         );
     }
     for class in DetectionClass::ALL {
-        let empty = frames - seen.get(&class).copied().unwrap_or(0);
+        let empty = annotated - seen.get(&class).copied().unwrap_or(0);
         if empty > 0 {
             let bin = measures::VALID_PER_FRAME_BINS.bin_of(0.0);
             counts.add("", measures::VALID_PER_FRAME, class.name(), bin, u64::from(empty));
@@ -97,7 +98,7 @@ mod tests {
         let mut rows: Vec<_> = (0..7).map(|id| row(1, id, "car", true)).collect();
         rows.push(row(1, 9, "car", false));
         rows.extend((100..220).map(|id| row(2, id, "pedestrian", true)));
-        let counts = count_tracks(&rows, 10);
+        let counts = count_tracks(&rows, 10, 1);
         let got = counts.rows();
         for class in DetectionClass::ALL {
             let frames: u64 = got
@@ -118,6 +119,17 @@ mod tests {
     }
 
     #[test]
+    fn frames_without_annotation_do_not_count() {
+        // Of frames 0 to 9 those numbered 0, 4 and 8; cars at the first two.
+        let rows = [row(0, 1, "car", true), row(4, 1, "car", true), row(4, 2, "car", true)];
+        let got = count_tracks(&rows, 10, 4).rows();
+        assert_eq!(total(&got, measures::FRAMES, "", 0), 3);
+        assert_eq!(total(&got, measures::VALID_PER_FRAME, "car", 0), 3);
+        assert_eq!(total(&got, measures::VALID_PER_FRAME, "bus", 0), 3);
+        assert_eq!(total(&got, measures::BOXES_VALID, "car", 0), 3);
+    }
+
+    #[test]
     fn motion_falls_into_the_named_bins() {
         let mut moving = row(0, 1, "car", true);
         moving.rpy_rad = [0.0, 0.0, std::f64::consts::PI];
@@ -125,7 +137,7 @@ mod tests {
         moving.angular_velocity_radps = [0.0, 0.0, -0.1];
         let mut sign = moving.clone();
         sign.class = "traffic_sign".into();
-        let counts = count_tracks(&[moving, sign], 1);
+        let counts = count_tracks(&[moving, sign], 1, 1);
         let got = counts.rows();
         assert_eq!(total(&got, measures::YAW_DEG, "car", -180), 1);
         assert_eq!(total(&got, measures::YAW_DEG, "traffic_sign", -180), 1);
@@ -146,6 +158,7 @@ mod tests {
                 walker(2, r#"{"use_wheelchair":"false"}"#, true),
                 walker(3, r#"{"crosses_anywhere":"true"}"#, true),
             ],
+            1,
             1,
         );
         let got = counts.rows();

@@ -63,11 +63,12 @@ pub struct Merged {
 /// Merges the boxes of all agents of a scene. The two tables are paired row by row; their order does not matter.
 ///
 /// Per frame and object, the record of the first agent (vehicles by number, then RSUs) is taken; points of all
-/// agents add up, valid flags are OR-ed, and the difficulty follows from the points alone.
+/// agents add up, valid flags are OR-ed, and the difficulty follows from the points alone. There are boxes at every
+/// `every_n_frames`th frame: these are neighbours.
 ///
 /// # Errors
 /// The tables are not of the same boxes, or an agent's name is none.
-pub fn merge(boxes: &[BoxRow], valid: &[ValidBoxRow]) -> Result<Merged, TrackError> {
+pub fn merge(boxes: &[BoxRow], valid: &[ValidBoxRow], every_n_frames: u32) -> Result<Merged, TrackError> {
     if boxes.len() != valid.len() {
         return Err(TrackError::Lengths { boxes: boxes.len(), valid: valid.len() });
     }
@@ -88,7 +89,10 @@ pub fn merge(boxes: &[BoxRow], valid: &[ValidBoxRow]) -> Result<Merged, TrackErr
         let records = same.iter().map(|&(_, _, agent, row)| (agent, &boxes[row], &valid[row]));
         records.clone().for_each(|(agent, listed, judged)| sightings.add(agent, listed, judged));
         if let Some((row, seen_by)) = merge_object(records) {
-            tracks.entry(row.id).or_insert_with(|| Track::new(&boxes[same[0].3])).add(&row, &seen_by);
+            tracks
+                .entry(row.id)
+                .or_insert_with(|| Track::new(&boxes[same[0].3], every_n_frames))
+                .add(&row, &seen_by);
             frames.push(row);
         }
     }
@@ -141,10 +145,11 @@ struct Track {
     row: TrackRow,
     last_center_m: [f64; 3],
     seen_by: Vec<AgentId>,
+    every_n_frames: u32,
 }
 
 impl Track {
-    fn new(first: &BoxRow) -> Self {
+    fn new(first: &BoxRow, every_n_frames: u32) -> Self {
         Self {
             row: TrackRow {
                 id: first.id,
@@ -156,13 +161,14 @@ impl Track {
             },
             last_center_m: first.center_m,
             seen_by: Vec::new(),
+            every_n_frames: every_n_frames.max(1),
         }
     }
 
     fn add(&mut self, frame: &TrackFrameRow, seen_by: &[AgentId]) {
         let row = &mut self.row;
         // Over a gap the way is unknown; only steps between neighbouring frames count.
-        if row.frames > 0 && frame.frame == row.last_frame + 1 {
+        if row.frames > 0 && frame.frame == row.last_frame + self.every_n_frames {
             row.path_m += (Vector3::from(frame.center_m) - Vector3::from(self.last_center_m)).norm();
         }
         self.last_center_m = frame.center_m;
@@ -220,7 +226,7 @@ mod tests {
 
     fn merged(pairs: &[(BoxRow, ValidBoxRow)]) -> Merged {
         let (boxes, valid): (Vec<_>, Vec<_>) = pairs.iter().cloned().unzip();
-        merge(&boxes, &valid).expect("paired")
+        merge(&boxes, &valid, 1).expect("paired")
     }
 
     #[test]
@@ -238,6 +244,15 @@ mod tests {
         assert_eq!(row.seen_by, ["vehicle_2", "vehicle_10"]);
         assert_eq!(tracks[0].model, "seen by vehicle_2");
         assert_eq!(tracks[0].max_speed_mps, 5.0);
+    }
+
+    #[test]
+    fn the_way_goes_on_between_annotated_frames() {
+        let places = [(0, 0.0), (4, 2.0), (8, 5.0), (16, 50.0)];
+        let (boxes, valid): (Vec<_>, Vec<_>) =
+            places.iter().map(|&(frame, x)| pair(frame, "vehicle_0", 4, 0, true, x)).unzip();
+        let way = |every| merge(&boxes, &valid, every).expect("paired").tracks[0].path_m;
+        assert_eq!((way(4), way(1), way(2)), (5.0, 0.0, 0.0), "frame 12 lacks");
     }
 
     #[test]
@@ -282,15 +297,15 @@ mod tests {
         let (b, v) = pair(0, "vehicle_0", 4, 0, false, 0.0);
         let other = ValidBoxRow { id: 5, ..v.clone() };
         assert!(matches!(
-            merge(std::slice::from_ref(&b), &[]),
+            merge(std::slice::from_ref(&b), &[], 1),
             Err(TrackError::Lengths { boxes: 1, valid: 0 })
         ));
         assert!(matches!(
-            merge(std::slice::from_ref(&b), &[other]),
+            merge(std::slice::from_ref(&b), &[other], 1),
             Err(TrackError::Mismatch { row: 0, .. })
         ));
         let (b, v) = (BoxRow { agent: "car".into(), ..b }, ValidBoxRow { agent: "car".into(), ..v });
-        assert!(matches!(merge(&[b], &[v]), Err(TrackError::Agent { row: 0, .. })));
+        assert!(matches!(merge(&[b], &[v], 1), Err(TrackError::Agent { row: 0, .. })));
     }
 
     proptest! {

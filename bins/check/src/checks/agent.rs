@@ -167,8 +167,9 @@ impl Agent<'_> {
     fn check_frame(&self, frame: usize, ledger: &mut Ledger) -> Points {
         let pose = self.track.rows[frame].world_from_agent;
         let (boxes, own) = (&self.boxes[frame], self.track.id);
+        let rangers = self.rangers.iter().filter(|ranger| ranger.is_due(frame));
         let clouds: Vec<Cloud<'_>> =
-            self.rangers.iter().filter_map(|ranger| ledger.read(ranger.frame(frame, &pose))).collect();
+            rangers.filter_map(|ranger| ledger.read(ranger.frame(frame, &pose))).collect();
         let mut points = Points::new();
         for cloud in &clouds {
             cloud.check(self.scene, boxes, frame, ledger);
@@ -176,9 +177,10 @@ impl Agent<'_> {
             ranging::check_velocity(self.scene, self.track, cloud, frame, ledger);
             let measure = if cloud.ranger.kind == Kind::Radar { "radar_points" } else { "lidar_points" };
             points.insert((measure, cloud.ranger.name.clone()), cloud.points.len() as u64);
+            points.insert(("sweeps", cloud.ranger.name.clone()), 1);
         }
-        let sights: Vec<Sight<'_>> =
-            self.cameras.iter().map(|camera| camera.look(frame, &pose, ledger)).collect();
+        let cameras = self.cameras.iter().filter(|camera| camera.row_of(frame).is_some());
+        let sights: Vec<Sight<'_>> = cameras.map(|camera| camera.look(frame, &pose, ledger)).collect();
         for sight in &sights {
             self.check_sight(sight, &clouds, frame, ledger);
         }
@@ -195,13 +197,16 @@ impl Agent<'_> {
         } else {
             ledger.skip(Rule::Counts, "boxes are not validated yet");
         }
-        if let Some(masks) = &self.masks {
+        let frame_number = frame as u32;
+        if let Some(masks) =
+            self.masks.as_ref().filter(|_| frame_number.is_multiple_of(self.config.bev_every()))
+        {
             masks.check(self.scene, frame, &pose, (boxes, &clouds), ledger);
         }
-        if let Some(grids) = &self.grids {
+        if let Some(grids) = self.grids.as_ref().filter(|grids| frame_number.is_multiple_of(grids.every())) {
             grids.check(frame, &pose, &clouds, own, ledger);
         }
-        if let Some(observed) = &self.observed {
+        if let Some(observed) = self.observed.as_ref().filter(|o| frame_number.is_multiple_of(o.every())) {
             observed.check(frame, &clouds, ledger);
         }
         points

@@ -137,7 +137,7 @@ pub(crate) fn read(
         let seen = valid_rows.get(k).filter(|seen| seen.len() == rows.len());
         read_batch(scene, (name, agent), (rows, seen), &mut by_frame, ledger)?;
     }
-    for (frame, list) in by_frame.iter().enumerate() {
+    for (frame, list) in by_frame.iter().enumerate().step_by(config.label_every() as usize) {
         complete(scene, config, name, agent, frame, list, ledger);
     }
     Ok(by_frame)

@@ -28,6 +28,8 @@ pub(crate) struct Camera {
     pub(crate) width: usize,
     pub(crate) height: usize,
     pub(crate) focal_px: f64,
+    /// It has pictures at frames 0, n, 2 n, ...
+    every: usize,
     agent_from_optical: Motion,
     rgb: Option<Table>,
     semantic: Option<Table>,
@@ -55,7 +57,7 @@ pub(crate) struct Sight<'a> {
 
 /// Opens the tables of all cameras of an agent.
 pub(crate) fn open(scene: &Scene, config: &AgentConfig, agent: &str, ledger: &mut Ledger) -> Vec<Camera> {
-    let (width, height, focal_px) = config.picture();
+    let ((width, height, focal_px), every) = (config.picture(), config.camera_every());
     let flu_from_optical =
         Motion { rows: [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]], origin: [0.0; 3] };
     let mut cameras = Vec::new();
@@ -65,7 +67,7 @@ pub(crate) fn open(scene: &Scene, config: &AgentConfig, agent: &str, ledger: &mu
         let mut table = |taken: &str, kind: &str| {
             let path = scene.file(&format!("sensors/{agent}/{kind}-{}.parquet", mounted.name));
             let table = config.takes(taken).then(|| ledger.read(Table::open(&path))).flatten()?;
-            expect_mount(&table, &about, "optical", ledger);
+            expect_mount(&table, &about, ("optical", every), ledger);
             expect_lens(&table, (width, height, focal_px), ledger);
             Some(table)
         };
@@ -79,14 +81,20 @@ pub(crate) fn open(scene: &Scene, config: &AgentConfig, agent: &str, ledger: &mu
             width,
             height,
             focal_px,
+            every: every as usize,
             agent_from_optical: optical,
         });
     }
     cameras
 }
 
-/// A table says where its sensor is as the configuration does.
-pub(crate) fn expect_mount(table: &Table, mounted: &Mounted, frame: &str, ledger: &mut Ledger) {
+/// A table says where its sensor is, and how often it is read, as the configuration does.
+pub(crate) fn expect_mount(
+    table: &Table,
+    mounted: &Mounted,
+    (frame, every): (&str, u32),
+    ledger: &mut Ledger,
+) {
     let path = table.path().display();
     let about: Option<serde_json::Value> =
         table.note("sensor").and_then(|text| serde_json::from_str(text).ok());
@@ -102,6 +110,10 @@ pub(crate) fn expect_mount(table: &Table, mounted: &Mounted, frame: &str, ledger
     let same = within(way, CALIBRATION) && within(turn, CALIBRATION) && about["frame"] == frame;
     ledger.expect(Rule::Calibration, same && about["name"] == *mounted.name, || {
         format!("{path}: {} in {} is {way:.6} m and {turn:.6} rad off", about["name"], about["frame"])
+    });
+    let said = &about["every_n_frames"];
+    ledger.expect(Rule::Calibration, said.as_u64() == Some(every.into()), || {
+        format!("{path}: says every_n_frames is {said}, the configuration {every}")
     });
 }
 
@@ -120,17 +132,22 @@ fn expect_lens(table: &Table, (width, height, focal): (usize, usize, f64), ledge
     });
 }
 
-fn picture(table: &Table, frame: usize) -> Result<Picture, Unreadable> {
-    let row = table.row(frame)?;
+fn picture(table: &Table, row_number: usize) -> Result<Picture, Unreadable> {
+    let row = table.row(row_number)?;
     Picture::of_png(row.first_bytes("image")?)
-        .map_err(|why| Unreadable::new(table.path(), format!("row {frame}: the image {why}")))
+        .map_err(|why| Unreadable::new(table.path(), format!("row {row_number}: the image {why}")))
 }
 
 impl Camera {
-    /// What its label images show at a frame.
+    /// The row of a frame in its tables; none where it has no picture.
+    pub(crate) fn row_of(&self, frame: usize) -> Option<usize> {
+        frame.is_multiple_of(self.every).then(|| frame / self.every)
+    }
+
+    /// What its label images show at a frame; nothing where it has no picture.
     pub(crate) fn look(&self, frame: usize, world_from_agent: &Motion, ledger: &mut Ledger) -> Sight<'_> {
         let mut read = |table: &Option<Table>| {
-            let picture = ledger.read(picture(table.as_ref()?, frame))?;
+            let picture = ledger.read(picture(table.as_ref()?, self.row_of(frame)?))?;
             let (size, told) = ((picture.width, picture.height), (self.width, self.height));
             ledger.expect(Rule::Pictures, size == told, || {
                 format!("frame {frame}: {} has a picture of {size:?} pixels", self.name)
@@ -151,13 +168,14 @@ impl Camera {
 
     /// The size of the RGB image; the semantic image against the instance image.
     pub(crate) fn check_others(&self, sight: &Sight<'_>, frame: usize, ledger: &mut Ledger) {
-        if let Some(row) = self.rgb.as_ref().and_then(|table| ledger.read(table.row(frame))) {
+        let Some(at) = self.row_of(frame) else { return };
+        if let Some(row) = self.rgb.as_ref().and_then(|table| ledger.read(table.row(at))) {
             let size = ledger.read(row.first_bytes("image").map(jpeg_size)).flatten();
             ledger.expect(Rule::Pictures, size == Some((self.width, self.height)), || {
                 format!("frame {frame}: the colour image of {} has size {size:?}", self.name)
             });
         }
-        let semantic = self.semantic.as_ref().and_then(|table| ledger.read(picture(table, frame)));
+        let semantic = self.semantic.as_ref().and_then(|table| ledger.read(picture(table, at)));
         let (Some(semantic), Some(instance)) = (semantic, &sight.instance) else { return };
         let unlike =
             semantic.pixels().iter().zip(instance.pixels()).filter(|(shown, label)| {

@@ -34,6 +34,8 @@ pub(crate) struct Ranger {
     pub(crate) micro_motion: bool,
     channels: u64,
     reach_m: f64,
+    /// It has rows at frames 0, n, 2 n, ...
+    every: usize,
     table: Table,
 }
 
@@ -54,14 +56,14 @@ pub(crate) struct Cloud<'a> {
 /// Opens the tables of all lidars and radars of an agent.
 pub(crate) fn open(scene: &Scene, config: &AgentConfig, agent: &str, ledger: &mut Ledger) -> Vec<Ranger> {
     let mut rangers = Vec::new();
-    let mut add = |mounted: &Mounted, ranger: &dyn Fn(Table) -> Ranger| {
+    let mut add = |mounted: &Mounted, every: u32, ranger: &dyn Fn(Table) -> Ranger| {
         let path = scene.file(&format!("sensors/{agent}/{}.parquet", mounted.name));
         let Some(table) = ledger.read(Table::open(&path)) else { return };
-        super::cameras::expect_mount(&table, mounted, "flu", ledger);
+        super::cameras::expect_mount(&table, mounted, ("flu", every), ledger);
         rangers.push(ranger(table));
     };
-    for LidarConfig { mounted, range_m, channels, noise_m, semantic } in config.lidars() {
-        add(&mounted, &|table| Ranger {
+    for LidarConfig { mounted, range_m, channels, noise_m, semantic, every } in config.lidars() {
+        add(&mounted, every, &|table| Ranger {
             kind: if semantic { Kind::SemanticLidar } else { Kind::Lidar },
             name: mounted.name.clone(),
             agent_from_sensor: mounted.agent_from_sensor,
@@ -69,13 +71,14 @@ pub(crate) fn open(scene: &Scene, config: &AgentConfig, agent: &str, ledger: &mu
             micro_motion: false,
             channels,
             reach_m: range_m,
+            every: every as usize,
             table,
         });
     }
     for radar in config.radars() {
         let wide = libm::tan(0.5 * radar.horizontal_fov_rad);
         let high = libm::tan(0.5 * radar.vertical_fov_rad);
-        add(&radar.mounted, &|table| Ranger {
+        add(&radar.mounted, radar.every, &|table| Ranger {
             kind: Kind::Radar,
             name: radar.mounted.name.clone(),
             agent_from_sensor: radar.mounted.agent_from_sensor,
@@ -84,6 +87,7 @@ pub(crate) fn open(scene: &Scene, config: &AgentConfig, agent: &str, ledger: &mu
             channels: 0,
             // Rays end on a plane ahead: those at the side reach farther.
             reach_m: radar.range_m * (1.0 + wide * wide + high * high).sqrt(),
+            every: radar.every as usize,
             table,
         });
     }
@@ -91,16 +95,21 @@ pub(crate) fn open(scene: &Scene, config: &AgentConfig, agent: &str, ledger: &mu
 }
 
 impl Ranger {
-    /// The returns of a frame.
+    /// Whether it has a row of a frame.
+    pub(crate) fn is_due(&self, frame: usize) -> bool {
+        frame.is_multiple_of(self.every)
+    }
+
+    /// The returns of a frame of which it has a row.
     pub(crate) fn frame(&self, frame: usize, world_from_agent: &Motion) -> Result<Cloud<'_>, Unreadable> {
-        let row = self.table.row(frame)?;
+        let row = self.table.row(frame / self.every)?;
         let is_radar = self.kind == Kind::Radar;
         let points = if is_radar { polar(&row)? } else { cartesian(&row)? };
         let (ids, tags) = (row.first_list::<UInt16Type>("id")?, row.first_list::<UInt8Type>("tag")?);
         if ids.len() != points.len() || tags.len() != points.len() {
             return Err(Unreadable::new(
                 self.table.path(),
-                format!("row {frame}: lists are not equally long"),
+                format!("frame {frame}: lists are not equally long"),
             ));
         }
         let velocities = if is_radar { row.first_list::<Float32Type>("velocity")? } else { Vec::new() };
@@ -123,7 +132,7 @@ impl Ranger {
         if !self.table.has("ring") {
             return;
         }
-        let rings = self.table.row(frame).and_then(|row| row.first_list::<UInt16Type>("ring"));
+        let rings = self.table.row(frame / self.every).and_then(|row| row.first_list::<UInt16Type>("ring"));
         let Some(rings) = ledger.read(rings) else { return };
         let most = rings.iter().max().copied().unwrap_or(0);
         ledger.expect(Rule::Units, u64::from(most) < self.channels, || {

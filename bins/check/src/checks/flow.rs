@@ -36,15 +36,18 @@ pub(crate) fn check(
     ledger: &mut Ledger,
 ) {
     let camera = now.camera;
-    let Some(table) = &camera.flow else { return };
+    let (Some(table), Some(at)) = (&camera.flow, camera.row_of(frame)) else { return };
     let (Some(instance), Some(depth)) = (&now.instance, &now.depth) else {
         let why = "flow is checked where depth and instance images are kept, too";
         ledger.skip(Rule::Flow, why);
         ledger.skip(Rule::FlowIds, why);
         return;
     };
+    if frame > 0 && before.instance.is_none() {
+        ledger.skip(Rule::FlowIds, "flow is motion since the frame before, at which there is no picture");
+    }
     let row = table
-        .row(frame)
+        .row(at)
         .and_then(|row| Ok((row.first_list::<Float32Type>("dx")?, row.first_list::<Float32Type>("dy")?)));
     let Some((dx, dy)) = ledger.read(row) else { return };
     let pixels = camera.width * camera.height;

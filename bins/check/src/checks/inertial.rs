@@ -77,20 +77,24 @@ fn gnss(
     let tolerance =
         [noise[1] * per_degree * libm::cos(origin[0].to_radians()), noise[0] * per_degree, noise[2]];
     let tolerance = tolerance.map(|sigma| EXACT_M + SIGMAS * sigma);
-    let mut frame = 0;
     for rows in Table::open(&scene.file(&format!("sensors/{name}/GNSS.parquet")))?.batches()? {
+        let frames = rows.ints("frame")?;
         let (north, east) = (rows.reals("latitude_deg")?, rows.reals("longitude_deg")?);
         let up = rows.reals("altitude_m")?;
         for k in 0..rows.len() {
-            let Some(row) = agent.rows.get(frame) else { break };
+            let frame = frames[k];
+            let Some(row) = row_at(agent, frame) else { break };
             let off =
                 sub(world_of([north[k], east[k], up[k]], origin), row.world_from_agent.outward(mount.origin));
             let holds = (0..3).all(|axis| within(off[axis], tolerance[axis]));
             ledger.expect(Rule::Gnss, holds, || format!("frame {frame}: {name}'s fix is {off:.6?} m off"));
-            frame += 1;
         }
     }
     Ok(())
+}
+
+fn row_at(agent: &AgentTrack, frame: i64) -> Option<&AgentRow> {
+    usize::try_from(frame).ok().and_then(|frame| agent.rows.get(frame))
 }
 
 /// Velocity of a point of an agent in the world, m/s.
@@ -111,13 +115,14 @@ fn imu(
         velocity_mps: state.velocity_mps,
         turning_radps: state.turning_radps,
     });
-    let mut before = before_first;
-    let mut frame = 0;
     for rows in Table::open(&scene.file(&format!("sensors/{name}/IMU.parquet")))?.batches()? {
+        let frames = rows.ints("frame")?;
         let forces = rows.vectors::<3>("acceleration_mps2")?;
         let (rates, compass) = (rows.vectors::<3>("gyroscope_radps")?, rows.reals("compass_rad")?);
         for k in 0..rows.len() {
-            let Some(row) = agent.rows.get(frame) else { break };
+            let frame = frames[k];
+            let Some(row) = row_at(agent, frame) else { break };
+            let before = if frame == 0 { before_first } else { row_at(agent, frame - 1).copied() };
             let pose = row.world_from_agent.then(mount);
             let steps =
                 before.map(|before| sub(velocity_at(row, mount.origin), velocity_at(&before, mount.origin)));
@@ -137,8 +142,6 @@ fn imu(
             ledger.expect(Rule::Imu, within(off, 1e-9), || {
                 format!("frame {frame}: {name}'s compass is {off:.6} rad off")
             });
-            before = Some(*row);
-            frame += 1;
         }
     }
     Ok(())

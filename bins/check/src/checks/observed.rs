@@ -37,6 +37,11 @@ impl Observed {
         Self { config, archive }
     }
 
+    /// There is one at frames 0, n, 2 n, ...: n.
+    pub(crate) fn every(&self) -> u32 {
+        self.config.every
+    }
+
     /// Checks a frame.
     pub(crate) fn check(&self, frame: usize, clouds: &[Cloud<'_>], ledger: &mut Ledger) {
         let sides = self.sides();

@@ -87,16 +87,17 @@ const WORDS: &[(&str, &str, &[&str])] = &[
     ("hd_map", "lane_change", &["NONE", "Left", "Right", "Both"]),
 ];
 
-/// Looks at a table as such. `rows`: as many as its manifest says; `frames`: of the scene; `every`: of the row groups of
-/// sensors only each so many are looked at.
-pub(crate) fn check(path: &Path, rows: usize, frames: u32, every: u32, ledger: &mut Ledger) {
+/// Looks at a table as such. `rows`: as many as its manifest says; `frames`: of the scene, and of how many of them one has
+/// rows or a member; `every`: of the row groups of sensors only each so many are looked at.
+pub(crate) fn check(path: &Path, rows: usize, (frames, rate): (u32, u32), every: u32, ledger: &mut Ledger) {
     let name = path.to_string_lossy().replace('\\', "/");
     if name.ends_with(".npz") {
         if let Some(archive) = ledger.read(Npz::open(path)) {
             let names: Vec<&str> = archive.names().collect();
-            let wanted: Vec<String> = (0..frames).map(|k| format!("{k:04}.npy")).collect();
+            let due = (0..frames).step_by(rate as usize);
+            let wanted: Vec<String> = due.map(|k| format!("{k:04}.npy")).collect();
             ledger.expect(Rule::Times, names == wanted, || {
-                format!("{name}: has {} members, {frames} frames are wanted", names.len())
+                format!("{name}: has {} members, not every {rate}. of {frames} frames", names.len())
             });
         }
         return;
@@ -128,7 +129,7 @@ pub(crate) fn check(path: &Path, rows: usize, frames: u32, every: u32, ledger: &
     }
     let a_row_a_frame = is_sensor && !GAPPED.iter().any(|name| inside.ends_with(name));
     if let Some(found) = ledger.read(times(&batches)) {
-        check_times(inside, &found, if a_row_a_frame { Some((frames, step)) } else { None }, ledger);
+        check_times(inside, &found, rate, if a_row_a_frame { Some((frames, step)) } else { None }, ledger);
     }
 }
 
@@ -193,7 +194,13 @@ fn times(batches: &[Batch]) -> Result<Vec<(i64, Option<f64>)>, Unreadable> {
 /// Tables that may have no row of a frame: nothing is seen, or windows are some frames apart.
 const GAPPED: [&str; 3] = ["visible.parquet", "boxes_2d.parquet", "tracks_windows.parquet"];
 
-fn check_times(table: &str, found: &[(i64, Option<f64>)], each: Option<(u32, usize)>, ledger: &mut Ledger) {
+fn check_times(
+    table: &str,
+    found: &[(i64, Option<f64>)],
+    rate: u32,
+    each: Option<(u32, usize)>,
+    ledger: &mut Ledger,
+) {
     for &(frame, time) in found {
         let exact = time.is_none_or(|time| within(time - FRAME_PERIOD_S * frame as f64, TIME_S));
         ledger.expect(Rule::Times, exact, || {
@@ -201,10 +208,13 @@ fn check_times(table: &str, found: &[(i64, Option<f64>)], each: Option<(u32, usi
         });
     }
     if let Some((frames, step)) = each {
-        let wanted = (0..i64::from(frames)).step_by(step);
+        let wanted = (0..i64::from(frames)).step_by(rate as usize * step);
         let all = wanted.eq(found.iter().map(|(frame, _)| *frame));
         ledger.expect(Rule::Times, all, || {
-            format!("{table}: {} rows do not count the {frames} frames of the scene", found.len())
+            format!(
+                "{table}: {} rows do not count every {rate}. of the {frames} frames of the scene",
+                found.len()
+            )
         });
     } else if let (Some(least), Some(most)) =
         (found.iter().min_by_key(|f| f.0), found.iter().max_by_key(|f| f.0))
@@ -213,7 +223,11 @@ fn check_times(table: &str, found: &[(i64, Option<f64>)], each: Option<(u32, usi
         for (frame, _) in found {
             *per_frame.entry(*frame).or_default() += 1;
         }
-        let gap = (least.0..=most.0).find(|frame| !per_frame.contains_key(frame));
+        let stray = per_frame.keys().find(|frame| rate > 1 && *frame % i64::from(rate) != 0);
+        ledger.expect(Rule::Times, stray.is_none(), || {
+            format!("{table}: has frame {}, only every {rate}. is wanted", stray.unwrap_or(&0))
+        });
+        let gap = (least.0..=most.0).step_by(rate as usize).find(|frame| !per_frame.contains_key(frame));
         let has_gaps = GAPPED.iter().any(|name| table.ends_with(name));
         ledger.expect(Rule::Times, gap.is_none() || has_gaps, || {
             format!("{table}: frame {} is missing", gap.unwrap_or(0))

@@ -76,18 +76,26 @@ fn merge(lists: &BTreeMap<String, Vec<Vec<Labelled>>>) -> BTreeMap<(i64, u16), M
 }
 
 /// Checks the merged tables of a scene, and counts what the report tells.
-pub(crate) fn check(scene: &Scene, lists: &BTreeMap<String, Vec<Vec<Labelled>>>, ledger: &mut Ledger) {
+///
+/// `every`: there are boxes at frames 0, n, 2 n, ...: n.
+pub(crate) fn check(
+    scene: &Scene,
+    lists: &BTreeMap<String, Vec<Vec<Labelled>>>,
+    every: u32,
+    ledger: &mut Ledger,
+) {
     let merged = merge(lists);
-    count(scene, &merged, ledger);
+    count(scene, &merged, every, ledger);
     if !scene.done.contains("merge-tracks") {
         ledger.skip(Rule::Tracks, "boxes are not merged yet");
         return;
     }
-    let checked = check_frames(scene, &merged, ledger).and_then(|()| check_tracks(scene, &merged, ledger));
+    let checked =
+        check_frames(scene, &merged, ledger).and_then(|()| check_tracks(scene, &merged, every, ledger));
     ledger.read(checked);
 }
 
-fn count(scene: &Scene, merged: &BTreeMap<(i64, u16), Merged>, ledger: &mut Ledger) {
+fn count(scene: &Scene, merged: &BTreeMap<(i64, u16), Merged>, every: u32, ledger: &mut Ledger) {
     let mut per_frame = vec![[0_u64; DetectionClass::ALL.len()]; scene.frames as usize];
     for ((frame, _), object) in merged {
         let is_valid = !object.seen_by.is_empty();
@@ -98,8 +106,8 @@ fn count(scene: &Scene, merged: &BTreeMap<(i64, u16), Merged>, ledger: &mut Ledg
             frame[object.class as usize] += u64::from(is_valid);
         }
     }
-    ledger.shares.frames += u64::from(scene.frames);
-    for frame in per_frame {
+    ledger.shares.frames += u64::from(scene.frames.div_ceil(every));
+    for frame in per_frame.into_iter().step_by(every as usize) {
         for (class, valid) in frame.into_iter().enumerate() {
             ledger.shares.boxes[class][2] += u64::from(valid < FEW_OBJECTS);
         }
@@ -152,7 +160,7 @@ fn check_frames(
     Ok(())
 }
 
-fn tracks_of(merged: &BTreeMap<(i64, u16), Merged>) -> BTreeMap<u16, Track> {
+fn tracks_of(merged: &BTreeMap<(i64, u16), Merged>, every: u32) -> BTreeMap<u16, Track> {
     let mut tracks: BTreeMap<u16, Track> = BTreeMap::new();
     for (&(frame, id), object) in merged {
         let track = tracks.entry(id).or_insert_with(|| Track {
@@ -167,7 +175,7 @@ fn tracks_of(merged: &BTreeMap<(i64, u16), Merged>) -> BTreeMap<u16, Track> {
             last_center_m: object.center_m,
             seen_by: Vec::new(),
         });
-        if track.frames > 0 && frame == track.last + 1 {
+        if track.frames > 0 && frame == track.last + i64::from(every) {
             track.path_m += apart(object.center_m, track.last_center_m);
         }
         (track.last, track.last_center_m) = (frame, object.center_m);
@@ -185,9 +193,10 @@ fn tracks_of(merged: &BTreeMap<(i64, u16), Merged>) -> BTreeMap<u16, Track> {
 fn check_tracks(
     scene: &Scene,
     merged: &BTreeMap<(i64, u16), Merged>,
+    every: u32,
     ledger: &mut Ledger,
 ) -> Result<(), Unreadable> {
-    let tracks = tracks_of(merged);
+    let tracks = tracks_of(merged, every);
     let mut rows_found = 0;
     for rows in Table::open(&scene.file("tracks.parquet"))?.batches()? {
         let (ids, classes) = (rows.ints("id")?, rows.texts("class")?);

@@ -31,6 +31,11 @@ impl Grids {
         Self { config, plain, filled }
     }
 
+    /// There is one at frames 0, n, 2 n, ...: n.
+    pub(crate) fn every(&self) -> u32 {
+        self.config.every
+    }
+
     /// Cells along each axis.
     fn sides(&self) -> [usize; 3] {
         let GridConfig { range_m, voxel_m, lower_m, upper_m, .. } = self.config;

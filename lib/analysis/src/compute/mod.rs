@@ -46,8 +46,8 @@ pub struct DatasetFacts {
 pub fn compute_tables(facts: &DatasetFacts, scenes: &[SceneInfo], counts: &MeasureTotals) -> Tables {
     let mut scenes = scenes.iter().collect::<Vec<_>>();
     scenes.sort_by_key(|scene| scene.scene);
-    let frames = recorded_frames(&scenes, counts);
-    let mut tables = vec![overview::overview(&scenes, facts.planned_scenes, counts, frames)];
+    let frames = annotated_frames(&scenes, counts);
+    let mut tables = vec![overview::overview(&scenes, facts.planned_scenes, counts)];
     tables.extend(scenes::tables(&scenes));
     tables.extend(WEATHER_TABLES.iter().map(|table| weather::transitions(table, &scenes)));
     tables.extend(boxes::tables(counts, frames));
@@ -59,10 +59,10 @@ pub fn compute_tables(facts: &DatasetFacts, scenes: &[SceneInfo], counts: &Measu
     Tables { dataset: facts.name.clone(), partial: (covered < planned).then_some([covered, planned]), tables }
 }
 
-/// Frames of all scenes: as counted with the boxes, else as the scenes say.
-fn recorded_frames(scenes: &[&SceneInfo], counts: &MeasureTotals) -> u64 {
+/// Frames with boxes of all scenes: as counted with the boxes, else as the scenes say.
+fn annotated_frames(scenes: &[&SceneInfo], counts: &MeasureTotals) -> u64 {
     match counts.total(schema::measures::tracks::FRAMES) {
-        0 => scenes.iter().map(|scene| u64::from(scene.frames)).sum(),
+        0 => scenes.iter().map(|s| u64::from(schema::rate::count(s.frames, s.label_every_n_frames))).sum(),
         frames => frames,
     }
 }

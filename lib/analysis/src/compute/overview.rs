@@ -6,10 +6,11 @@ use schema::scene_info::SceneInfo;
 use crate::table::{Section, Table};
 use crate::totals::MeasureTotals;
 
-pub(super) fn overview(scenes: &[&SceneInfo], planned: u64, counts: &MeasureTotals, frames: u64) -> Table {
+pub(super) fn overview(scenes: &[&SceneInfo], planned: u64, counts: &MeasureTotals) -> Table {
     let mut maps: Vec<&str> = scenes.iter().map(|scene| scene.map.as_str()).collect();
     maps.sort_unstable();
     maps.dedup();
+    let frames: u64 = scenes.iter().map(|scene| u64::from(scene.frames)).sum();
     let seconds = frames as f64 * schema::FRAME_PERIOD_S;
     let of_kind = |kind: &str| {
         let agents = counts.agents(measures::simulation::AGENT_FRAMES, "");

@@ -10,26 +10,17 @@ pub(super) fn tables(counts: &MeasureTotals) -> Vec<Table> {
     vec![points(counts), images(counts), bytes(counts)]
 }
 
-/// Sweeps that a sensor made: the frames of the agents that carry it.
-fn sweeps(counts: &MeasureTotals, measure: &str, sensor: &str) -> u64 {
-    let carriers: Vec<&str> = counts.agents(measure, sensor).map(|(agent, _)| agent).collect();
-    counts
-        .agents(measures::simulation::AGENT_FRAMES, "")
-        .filter(|(agent, _)| carriers.binary_search(agent).is_ok())
-        .fold(0, |sum, (_, frames)| sum.saturating_add(frames))
-}
-
 fn points(counts: &MeasureTotals) -> Table {
     let rows: Vec<(&str, &str, u64, u64)> =
         [("lidar", measures::sensors::LIDAR_POINTS), ("radar", measures::sensors::RADAR_POINTS)]
             .into_iter()
             .flat_map(|(kind, measure)| {
                 counts.classes(measure).map(move |sensor| {
-                    (sensor, kind, sweeps(counts, measure, sensor), counts.of(measure, sensor))
+                    (sensor, kind, counts.of(measures::sensors::SWEEPS, sensor), counts.of(measure, sensor))
                 })
             })
             .collect();
-    let note = "A sweep is one frame of one agent that carries the sensor.";
+    let note = "A sweep is one reading of one agent's sensor.";
     Table::new("points_per_sensor", Section::Sensors, "Lidar and radar points", note)
         .with_strings("sensor", rows.iter().map(|row| row.0))
         .with_strings("kind", rows.iter().map(|row| row.1))

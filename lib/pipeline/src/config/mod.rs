@@ -101,6 +101,7 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
         vehicle_occupancy,
         rsu_occupancy,
     };
+    check_rates(root, &settings);
     if settings.agents.penetration.is_some() && settings.traffic.vehicles.is_none() {
         root.fault_at(
             "agents",
@@ -108,6 +109,27 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
         );
     }
     settings
+}
+
+/// Labels that are made of boxes need boxes at their frames.
+fn check_rates(root: &Section<'_>, settings: &DatasetSettings) {
+    let boxes = settings.annotation.every_n_frames;
+    let problem = |key: &str, frames: u32| {
+        format!(
+            "`{key}` asks for every {frames}. frame, which is no multiple of `annotation.every_n_frames` ({boxes}): there are \
+             no boxes between"
+        )
+    };
+    let (bev, tracks) = (&settings.bev, &settings.tracks);
+    if bev.enabled && bev.rule == BevRule::Simbev2x && !bev.every_n_frames.is_multiple_of(boxes) {
+        root.fault_at("bev", problem("bev.every_n_frames", bev.every_n_frames));
+    }
+    for (key, frames) in [("tracks.step_s", tracks.step_frames()), ("tracks.every_s", tracks.every_frames())]
+    {
+        if tracks.windows && !frames.is_multiple_of(boxes) {
+            root.fault_at_any(&["tracks", "annotation"], problem(key, frames));
+        }
+    }
 }
 
 fn annotation(section: &Section<'_>) -> AnnotationSettings {
@@ -125,7 +147,13 @@ fn annotation(section: &Section<'_>) -> AnnotationSettings {
             d.valid_by_image,
             "an object without points is valid when an instance image shows it",
         ),
+        every_n_frames: every_n_frames(section, "boxes, map records and tracks are written"),
     }
+}
+
+/// At which frames something is made.
+fn every_n_frames(section: &Section<'_>, what: &str) -> u32 {
+    section.integer("every_n_frames", 1, 1, 1000, &format!("{what} at frames 0, n, 2 n, ...")) as u32
 }
 
 fn tracks(section: &Section<'_>) -> TrackSettings {
@@ -188,6 +216,7 @@ fn bev(section: &Section<'_>) -> BevSettings {
         paint: section.flag("paint", d.paint, "write masks of stop lines, parking spaces and arrows"),
         ids: section.flag("ids", d.ids, "write the id of the object over each cell"),
         heights: section.flag("heights", d.heights, "write the height of the ground in each cell"),
+        every_n_frames: every_n_frames(section, "masks are drawn"),
     }
 }
 

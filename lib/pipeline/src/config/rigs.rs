@@ -10,6 +10,7 @@ use schema::settings::{
 use schema::tables::{GNSS_TABLE, IMU_TABLE, VISIBLE_TABLE};
 use schema::{AgentId, AgentKind, ImageKind, ImageSet};
 
+use super::every_n_frames;
 use super::reader::Section;
 use super::table_names::TableNames;
 
@@ -115,6 +116,7 @@ fn camera(s: &Section<'_>, d: &CameraSettings) -> CameraSettings {
             "JPEG quality of the RGB images",
         ) as u8,
         boxes_2d: s.flag("boxes_2d", d.boxes_2d, "write the boxes of objects in the pictures"),
+        every_n_frames: every_n_frames(s, "pictures are taken"),
         images: images(s, d.images),
     }
 }
@@ -235,10 +237,14 @@ fn lidar(s: &Section<'_>, d: &LidarSpec) -> Vec<LidarSpec> {
         ),
         noise_m: s.number("noise_m", d.noise_m, 0.0, 10.0, "standard deviation of the distance, m"),
         semantic: false,
+        every_n_frames: every_n_frames(s, "it sweeps"),
     };
+    let doc = "the same of the semantic lidar";
+    let semantic_every = s.optional_integer("semantic_every_n_frames", "that of the lidar", 1, 1000, doc);
     let mut lidars = Vec::new();
     if semantic {
-        lidars.push(lidar.semantic());
+        let every_n_frames = semantic_every.map_or(lidar.every_n_frames, |n| n as u32);
+        lidars.push(LidarSpec { every_n_frames, ..lidar.semantic() });
     }
     if enabled {
         lidars.insert(0, lidar);
@@ -263,6 +269,7 @@ fn radars(s: &Section<'_>, d: &[RadarSpec], tables: &mut TableNames) -> Vec<Rada
     );
     let doc = "signal to noise of a target of 1 m2 at 100 m, dB";
     let snr_db = shared.number("snr_db", first.snr_db, -50.0, 100.0, doc);
+    let every_n_frames = every_n_frames(&shared, "they measure");
     let read = |item: &Section<'_>| {
         (item.text("name", "RAD_FRONT", "radar name, part of the file names"), mount(item, &first.mount))
     };
@@ -291,6 +298,7 @@ fn radars(s: &Section<'_>, d: &[RadarSpec], tables: &mut TableNames) -> Vec<Rada
             rays,
             micro_motion,
             snr_db,
+            every_n_frames,
         })
         .collect()
 }
@@ -323,6 +331,7 @@ fn gnss(s: &Section<'_>, carried: bool) -> Option<GnssSpec> {
             100.0,
             "standard deviation of the altitude, m",
         ),
+        every_n_frames: every_n_frames(s, "fixes are taken"),
     };
     enabled.then_some(spec)
 }
@@ -353,6 +362,7 @@ fn imu(s: &Section<'_>, carried: bool) -> Option<ImuSpec> {
             1.0,
             "standard deviation of each rate, rad/s",
         ),
+        every_n_frames: every_n_frames(s, "it is read"),
     };
     enabled.then_some(spec)
 }
@@ -399,6 +409,7 @@ fn occupancy(parent: &Section<'_>, rig: &Rig) -> OccupancySettings {
             d.observed,
             "write which cells the agent's lidars saw free, occupied or not at all (`occupancy_observed/`)",
         ),
+        every_n_frames: every_n_frames(&s, "grids are made"),
     };
     if settings.observed && !rig.lidars.iter().any(|lidar| !lidar.semantic) {
         s.fault_at("observed", format!("`{}` needs a lidar without labels", s.path_of("observed")));

@@ -2,7 +2,7 @@
 
 use super::bins::Bins;
 
-/// Recorded frames of a scene (each once, whatever the number of agents).
+/// Annotated frames of a scene (each once, whatever the number of agents).
 pub const FRAMES: &str = "frames";
 /// Unique objects per frame (merged over the agents). Class: detection class.
 pub const BOXES: &str = "boxes";

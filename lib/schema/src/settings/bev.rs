@@ -58,6 +58,8 @@ pub struct BevSettings {
     pub ids: bool,
     /// Write how high the ground is.
     pub heights: bool,
+    /// Masks are drawn at frames 0, n, 2 n, ... (1).
+    pub every_n_frames: u32,
 }
 
 impl Default for BevSettings {
@@ -75,12 +77,13 @@ impl Default for BevSettings {
             paint: false,
             ids: false,
             heights: false,
+            every_n_frames: 1,
         }
     }
 }
 
 impl BevSettings {
-    /// What archives of masks say of themselves: a JSON object with rule, channels and grid.
+    /// What archives of masks say of themselves: a JSON object with rule, channels, grid and rate.
     ///
     /// # Errors
     /// It cannot be written as JSON, which is a bug.
@@ -91,9 +94,10 @@ impl BevSettings {
             classes: &'a [BevClass],
             cells: u32,
             cell_m: f64,
+            every_n_frames: u32,
         }
-        let Self { rule, cells, cell_m, .. } = *self;
-        serde_json::to_string(&Description { rule, classes: &self.classes, cells, cell_m })
+        let Self { rule, cells, cell_m, every_n_frames, .. } = *self;
+        serde_json::to_string(&Description { rule, classes: &self.classes, cells, cell_m, every_n_frames })
     }
 
     /// Half the grid's side, metres.
@@ -115,6 +119,9 @@ mod tests {
             ..BevSettings::default()
         };
         let said = settings.describe().expect("is JSON");
-        assert_eq!(said, r#"{"rule":"simbev2x","classes":["road_line","car"],"cells":400,"cell_m":0.4}"#);
+        assert_eq!(
+            said,
+            r#"{"rule":"simbev2x","classes":["road_line","car"],"cells":400,"cell_m":0.4,"every_n_frames":1}"#
+        );
     }
 }

@@ -13,11 +13,18 @@ pub struct GnssSpec {
     pub noise_deg: [f64; 2],
     /// Standard deviation of the altitude, metres (0.04).
     pub noise_altitude_m: f64,
+    /// Fixes are taken at frames 0, n, 2 n, ... (1).
+    pub every_n_frames: u32,
 }
 
 impl Default for GnssSpec {
     fn default() -> Self {
-        Self { mount: Mount::upright([0.0; 3], 0.0), noise_deg: [4e-7, 4e-7], noise_altitude_m: 0.04 }
+        Self {
+            mount: Mount::upright([0.0; 3], 0.0),
+            noise_deg: [4e-7, 4e-7],
+            noise_altitude_m: 0.04,
+            every_n_frames: 1,
+        }
     }
 }
 
@@ -32,6 +39,8 @@ pub struct ImuSpec {
     pub gyro_bias_radps: f64,
     /// Standard deviation of each rate, rad/s (5.6e-6).
     pub noise_gyro_radps: f64,
+    /// It is read at frames 0, n, 2 n, ... (1).
+    pub every_n_frames: u32,
 }
 
 impl Default for ImuSpec {
@@ -41,6 +50,7 @@ impl Default for ImuSpec {
             noise_accel_mps2: 1.7e-4,
             gyro_bias_radps: 1.7e-4,
             noise_gyro_radps: 5.6e-6,
+            every_n_frames: 1,
         }
     }
 }

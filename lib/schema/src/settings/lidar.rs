@@ -70,6 +70,8 @@ pub struct LidarSpec {
     pub noise_m: f64,
     /// A semantic lidar: no drops, no noise, and the incidence cosine is written.
     pub semantic: bool,
+    /// It sweeps at frames 0, n, 2 n, ... (1).
+    pub every_n_frames: u32,
 }
 
 impl LidarSpec {
@@ -93,6 +95,7 @@ impl LidarSpec {
             attenuation_per_m: 0.004,
             noise_m: 0.03,
             semantic: false,
+            every_n_frames: 1,
         }
     }
 

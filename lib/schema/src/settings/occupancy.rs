@@ -139,6 +139,8 @@ pub struct OccupancySettings {
     /// that makes it does not see this.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub observed: bool,
+    /// Grids are made at frames 0, n, 2 n, ... (1).
+    pub every_n_frames: u32,
 }
 
 impl Default for OccupancySettings {
@@ -158,6 +160,7 @@ impl Default for OccupancySettings {
             flow: false,
             fill_rule: FillingRule::Chunk,
             observed: false,
+            every_n_frames: 1,
         }
     }
 }

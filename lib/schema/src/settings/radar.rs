@@ -23,4 +23,6 @@ pub struct RadarSpec {
     pub micro_motion: bool,
     /// Signal to noise of a target of 1 m2 at 100 m, dB (10).
     pub snr_db: f64,
+    /// It measures at frames 0, n, 2 n, ... (1).
+    pub every_n_frames: u32,
 }

@@ -40,6 +40,7 @@ impl Rig {
             rays: 2000,
             micro_motion: false,
             snr_db: 10.0,
+            every_n_frames: 1,
         };
         Self {
             camera: CameraSettings::default(),
@@ -85,6 +86,7 @@ impl Rig {
                 rays: 2400,
                 micro_motion: false,
                 snr_db: 10.0,
+                every_n_frames: 1,
             }],
             gnss: None,
             imu: None,

@@ -17,13 +17,15 @@ use crate::sensor::{Layout, Sensor, SensorTable};
 /// Measures every object with a class in every camera of an agent.
 pub(crate) struct Boxes2d {
     cameras: Vec<String>,
+    every_n_frames: u32,
 }
 
 impl Boxes2d {
     /// For rigs that want them and have a picture to measure in.
     pub(crate) fn of(rig: &Rig) -> Option<Self> {
         let wanted = rig.camera.boxes_2d && !rig.camera.images.is_empty();
-        wanted.then(|| Self { cameras: rig.cameras.iter().map(|camera| camera.name.clone()).collect() })
+        let cameras = || rig.cameras.iter().map(|camera| camera.name.clone()).collect();
+        wanted.then(|| Self { cameras: cameras(), every_n_frames: rig.camera.every_n_frames })
     }
 }
 
@@ -31,7 +33,7 @@ impl Sensor for Boxes2d {
     type Row = Box2dRow;
 
     fn table(&self) -> SensorTable {
-        SensorTable::new(BOXES_2D_TABLE, None, Layout::Whole)
+        SensorTable::new(BOXES_2D_TABLE, None, Layout::Whole, self.every_n_frames)
     }
 
     fn sense(&self, at: &Observation<'_>) -> Result<Vec<Box2dRow>, SensorError> {

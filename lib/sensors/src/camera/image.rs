@@ -46,6 +46,7 @@ impl<I: Image> Images<I> {
                 ImageEncoding::Jpeg | ImageEncoding::Png => Layout::CompressedFrames,
                 ImageEncoding::Columns => Layout::Frames,
             },
+            every_n_frames: rig.camera.every_n_frames,
         };
         Self { camera, table, kind: PhantomData }
     }

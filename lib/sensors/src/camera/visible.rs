@@ -12,12 +12,15 @@ use crate::observation::Observation;
 use crate::sensor::{Layout, Sensor, SensorTable};
 
 /// Counts the pixels of every object and tag in all cameras of an agent.
-pub(crate) struct VisibleObjects(());
+pub(crate) struct VisibleObjects {
+    every_n_frames: u32,
+}
 
 impl VisibleObjects {
     /// For rigs that make instance images.
     pub(crate) fn of(rig: &Rig) -> Option<Self> {
-        rig.camera.images.has(ImageKind::Instance).then_some(Self(()))
+        let every_n_frames = rig.camera.every_n_frames;
+        rig.camera.images.has(ImageKind::Instance).then_some(Self { every_n_frames })
     }
 }
 
@@ -25,7 +28,7 @@ impl Sensor for VisibleObjects {
     type Row = VisibleRow;
 
     fn table(&self) -> SensorTable {
-        SensorTable::new(VISIBLE_TABLE, None, Layout::Whole)
+        SensorTable::new(VISIBLE_TABLE, None, Layout::Whole, self.every_n_frames)
     }
 
     fn sense(&self, at: &Observation<'_>) -> Result<Vec<VisibleRow>, SensorError> {

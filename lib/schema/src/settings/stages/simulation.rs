@@ -25,6 +25,8 @@ pub struct SimulationSettings {
     pub reach_m: f64,
     /// Boxes within this 3-D distance of an agent are collected, metres.
     pub box_radius_m: f64,
+    /// Boxes and map records are written at frames 0, n, 2 n, ...
+    pub label_every_n_frames: u32,
 }
 
 impl Default for SimulationSettings {
@@ -37,6 +39,7 @@ impl Default for SimulationSettings {
             scenery: SceneryRules::default(),
             reach_m: WorldSettings::default().radius_m,
             box_radius_m: AnnotationSettings::default().box_radius_m,
+            label_every_n_frames: AnnotationSettings::default().every_n_frames,
         }
     }
 }

@@ -11,6 +11,8 @@ pub struct RangeSensor {
     pub name: String,
     /// Where it sits.
     pub mount: Mount,
+    /// It gives points at frames 0, n, 2 n, ...
+    pub every_n_frames: u32,
 }
 
 /// Sensors of an agent that tell whether an object was seen.
