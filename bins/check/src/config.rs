@@ -208,7 +208,7 @@ impl AgentConfig {
         (width, camera["height"].as_u64().unwrap_or(0) as usize, focal)
     }
 
-    /// Whether its cameras take a kind of image: `rgb`, `semantic`, `instance`, `depth`, `flow`.
+    /// Whether its cameras take a kind of image (`rgb`, `semantic`, `instance`, `depth`, `flow`), or another flag of theirs is on.
     pub(crate) fn takes(&self, kind: &str) -> bool {
         self.rig["camera"][kind].as_bool().unwrap_or(false)
     }

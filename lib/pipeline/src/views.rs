@@ -214,6 +214,7 @@ mod tests {
         let judged = ["render-sensors", "postprocess-valid"];
         assert_eq!(stale(|s| s.rsu_rig.camera.images = ImageSet::NONE), judged);
         assert_eq!(stale(|s| s.rsu_rig.camera.images.set(ImageKind::Flow, true)), rendered);
+        assert_eq!(stale(|s| s.rsu_rig.camera.flow_half = true), rendered);
         let voxels = ["occupancy-gt", "postprocess-valid"];
         assert_eq!(stale(|s| s.own_rigs[0].occupancy.voxel_m = 0.5), voxels);
         assert_eq!(stale(|s| s.vehicle_occupancy.range_m = 32.0), voxels);

@@ -25,6 +25,8 @@ pub enum Column {
     ListU8(Vec<Vec<u8>>),
     ListU16(Vec<Vec<u16>>),
     ListU32(Vec<Vec<u32>>),
+    /// Stored as half floats: rounded to 11 binary digits.
+    ListF16(Vec<Vec<f32>>),
     ListF32(Vec<Vec<f32>>),
     ListF64(Vec<Vec<f64>>),
     ListStr(Vec<Vec<String>>),
@@ -56,7 +58,7 @@ impl Column {
             Self::ListU8(v) => v.len(),
             Self::ListU16(v) => v.len(),
             Self::ListU32(v) => v.len(),
-            Self::ListF32(v) => v.len(),
+            Self::ListF16(v) | Self::ListF32(v) => v.len(),
             Self::ListF64(v) => v.len(),
             Self::ListStr(v) => v.len(),
             Self::FixedF32(n, v) => v.len() / (*n).max(1),
@@ -91,6 +93,7 @@ impl Column {
             Self::ListU8(_) => "list of u8".into(),
             Self::ListU16(_) => "list of u16".into(),
             Self::ListU32(_) => "list of u32".into(),
+            Self::ListF16(_) => "list of f16".into(),
             Self::ListF32(_) => "list of f32".into(),
             Self::ListF64(_) => "list of f64".into(),
             Self::ListStr(_) => "list of string".into(),
@@ -266,6 +269,25 @@ impl Cell for Blob {
     fn values(column: Column) -> Result<Vec<Self>, CellError> {
         match column {
             Column::Bytes(values) => Ok(values.into_iter().map(Blob).collect()),
+            _ => Err(CellError::Type),
+        }
+    }
+}
+
+/// Numbers that are kept as half floats: 11 binary digits of each. Where a list of `f32` is asked for, such a column is read, too.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Halves(
+    /// The numbers.
+    pub Vec<f32>,
+);
+
+impl Cell for Halves {
+    fn column<'a>(values: impl Iterator<Item = &'a Self>) -> Column {
+        Column::ListF16(values.map(|halves| halves.0.clone()).collect())
+    }
+    fn values(column: Column) -> Result<Vec<Self>, CellError> {
+        match column {
+            Column::ListF16(values) => Ok(values.into_iter().map(Halves).collect()),
             _ => Err(CellError::Type),
         }
     }

@@ -5,7 +5,9 @@
 
 use std::sync::Arc;
 
-use arrow_array::types::{ArrowPrimitiveType, Float32Type, Float64Type, UInt8Type, UInt16Type, UInt32Type};
+use arrow_array::types::{
+    ArrowPrimitiveType, Float16Type, Float32Type, Float64Type, UInt8Type, UInt16Type, UInt32Type,
+};
 use arrow_array::{
     Array, ArrayRef, BinaryArray, BooleanArray, FixedSizeListArray, Float32Array, Float64Array,
     GenericListArray, Int32Array, Int64Array, ListArray, PrimitiveArray, StringArray, UInt8Array,
@@ -14,6 +16,8 @@ use arrow_array::{
 use arrow_buffer::OffsetBuffer;
 use arrow_schema::{DataType, Field, Schema};
 use schema::table::{Column, ColumnError, Row};
+
+type Half = <Float16Type as ArrowPrimitiveType>::Native;
 
 /// The arrow schema of a row type.
 pub(crate) fn arrow_schema<R: Row>() -> Schema {
@@ -50,6 +54,7 @@ fn arrow_type(column: &Column) -> (DataType, bool) {
         Column::ListU8(_) => DataType::List(item(DataType::UInt8)),
         Column::ListU16(_) => DataType::List(item(DataType::UInt16)),
         Column::ListU32(_) => DataType::List(item(DataType::UInt32)),
+        Column::ListF16(_) => DataType::List(item(DataType::Float16)),
         Column::ListF32(_) => DataType::List(item(DataType::Float32)),
         Column::ListF64(_) => DataType::List(item(DataType::Float64)),
         Column::ListStr(_) => DataType::List(item(DataType::Utf8)),
@@ -79,6 +84,10 @@ pub(crate) fn to_arrow(column: Column) -> ArrayRef {
         Column::ListU8(v) => primitive_list::<UInt8Type>(v),
         Column::ListU16(v) => primitive_list::<UInt16Type>(v),
         Column::ListU32(v) => primitive_list::<UInt32Type>(v),
+        Column::ListF16(v) => {
+            let halves = |row: Vec<f32>| row.into_iter().map(Half::from_f32).collect();
+            primitive_list::<Float16Type>(v.into_iter().map(halves).collect())
+        }
         Column::ListF32(v) => primitive_list::<Float32Type>(v),
         Column::ListF64(v) => primitive_list::<Float64Type>(v),
         Column::ListStr(v) => {
@@ -154,8 +163,12 @@ pub(crate) fn from_arrow(name: &str, wanted: &Column, array: &dyn Array) -> Resu
         Column::ListU32(_) => {
             Column::ListU32(list_values::<UInt32Type>(primitive!(ListArray)).ok_or_else(wrong)?)
         }
+        Column::ListF16(_) => Column::ListF16(halves(primitive!(ListArray)).ok_or_else(wrong)?),
+        // Half floats are such numbers, too.
         Column::ListF32(_) => {
-            Column::ListF32(list_values::<Float32Type>(primitive!(ListArray)).ok_or_else(wrong)?)
+            let list = primitive!(ListArray);
+            let values = list_values::<Float32Type>(list).or_else(|| halves(list));
+            Column::ListF32(values.ok_or_else(wrong)?)
         }
         Column::ListF64(_) => {
             Column::ListF64(list_values::<Float64Type>(primitive!(ListArray)).ok_or_else(wrong)?)
@@ -191,4 +204,30 @@ pub(crate) fn from_arrow(name: &str, wanted: &Column, array: &dyn Array) -> Resu
 fn list_values<T: ArrowPrimitiveType>(list: &GenericListArray<i32>) -> Option<Vec<Vec<T::Native>>> {
     let values = list.values().as_any().downcast_ref::<PrimitiveArray<T>>()?;
     Some(list.offsets().windows(2).map(|w| values.values()[w[0] as usize..w[1] as usize].to_vec()).collect())
+}
+
+fn halves(list: &GenericListArray<i32>) -> Option<Vec<Vec<f32>>> {
+    let rows = list_values::<Float16Type>(list)?;
+    Some(rows.into_iter().map(|row| row.into_iter().map(Half::to_f32).collect()).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_keep_eleven_digits_and_read_as_floats() {
+        let sent = vec![vec![0.0, 1.0, -2.0, 1.0 + 1.0 / 4096.0, 0.1], vec![]];
+        let array = to_arrow(Column::ListF16(sent));
+        // The third number after 1 is 1 + 1/512: 1 + 1/4096 is nearer to 1. Of 0.1 the nearest half is 1638 / 2^14.
+        let kept = vec![vec![0.0, 1.0, -2.0, 1.0, 1638.0 / 16_384.0], vec![]];
+        for wanted in [Column::ListF32(Vec::new()), Column::ListF16(Vec::new())] {
+            let read = from_arrow("dx", &wanted, &array).expect("is one");
+            let (Column::ListF32(values) | Column::ListF16(values)) = read else { panic!("{read:?}") };
+            assert_eq!(values, kept);
+        }
+        let floats = to_arrow(Column::ListF32(vec![vec![0.1]]));
+        let wrong = from_arrow("dx", &Column::ListF16(Vec::new()), &floats).expect_err("has more digits");
+        assert!(wrong.to_string().contains("list of f16 was expected"), "{wrong}");
+    }
 }

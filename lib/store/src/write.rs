@@ -278,6 +278,9 @@ fn properties(schema: &Schema, options: &TableOptions) -> WriterProperties {
             builder = builder
                 .set_column_dictionary_enabled(path.clone(), false)
                 .set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT);
+        } else if matches!(leaf, DataType::Float16) {
+            // Not split into streams: readers know that of 16 bits since a short time only.
+            builder = builder.set_column_dictionary_enabled(path, false);
         } else if matches!(leaf, DataType::Binary) {
             builder = builder
                 .set_column_dictionary_enabled(path.clone(), false)

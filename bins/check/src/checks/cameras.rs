@@ -30,6 +30,8 @@ pub(crate) struct Camera {
     pub(crate) focal_px: f64,
     /// It has pictures at frames 0, n, 2 n, ...
     every: usize,
+    /// Whether flow is kept as half floats.
+    pub(crate) flow_half: bool,
     agent_from_optical: Motion,
     rgb: Option<Table>,
     semantic: Option<Table>,
@@ -82,6 +84,7 @@ pub(crate) fn open(scene: &Scene, config: &AgentConfig, agent: &str, ledger: &mu
             height,
             focal_px,
             every: every as usize,
+            flow_half: config.takes("flow_half"),
             agent_from_optical: optical,
         });
     }

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use arrow_array::types::Float32Type;
 use schema::Tag;
 
 use super::cameras::{Sight, depth_m, label};
@@ -46,10 +45,12 @@ pub(crate) fn check(
     if frame > 0 && before.instance.is_none() {
         ledger.skip(Rule::FlowIds, "flow is motion since the frame before, at which there is no picture");
     }
-    let row = table
-        .row(at)
-        .and_then(|row| Ok((row.first_list::<Float32Type>("dx")?, row.first_list::<Float32Type>("dy")?)));
-    let Some((dx, dy)) = ledger.read(row) else { return };
+    let row = table.row(at).and_then(|row| Ok((row.first_floats("dx")?, row.first_floats("dy")?)));
+    let Some(((dx, is_half), (dy, _))) = ledger.read(row) else { return };
+    // Half floats are exact to a 2048th: well within the tolerance, which is for both.
+    ledger.expect(Rule::Flow, is_half == camera.flow_half, || {
+        format!("{}: flow is kept as {} floats", camera.name, if is_half { "half" } else { "32-bit" })
+    });
     let pixels = camera.width * camera.height;
     ledger.expect(Rule::Pictures, dx.len() == pixels && dy.len() == pixels, || {
         format!("frame {frame}: the flow of {} has {} pixels", camera.name, dx.len())

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::{
-    ArrowPrimitiveType, Float32Type, Float64Type, Int32Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type,
+    ArrowPrimitiveType, Float16Type, Float32Type, Float64Type, Int32Type, UInt8Type, UInt16Type, UInt32Type,
+    UInt64Type,
 };
 use arrow_array::{Array, ArrayRef, RecordBatch};
 use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ParquetRecordBatchReaderBuilder};
@@ -195,6 +196,14 @@ impl Batch {
         Ok(values.values().to_vec())
     }
 
+    /// The list of the first row, of 32-bit floats or of half floats, and whether it is of the latter.
+    pub(crate) fn first_floats(&self, name: &str) -> Result<(Vec<f32>, bool), Unreadable> {
+        match self.first_list::<Float16Type>(name) {
+            Ok(halves) => Ok((halves.into_iter().map(f32::from).collect(), true)),
+            Err(_) => Ok((self.first_list::<Float32Type>(name)?, false)),
+        }
+    }
+
     /// The bytes of the first row.
     pub(crate) fn first_bytes(&self, name: &str) -> Result<&[u8], Unreadable> {
         let bytes = self.column(name)?.as_binary_opt::<i32>().filter(|bytes| !bytes.is_empty());
@@ -222,7 +231,9 @@ fn ints_of(array: &ArrayRef) -> Option<Vec<Option<i64>>> {
 }
 
 fn reals_of(array: &ArrayRef) -> Option<Vec<Option<f64>>> {
-    each_as::<Float64Type, _>(array, |v| v).or_else(|| each_as::<Float32Type, _>(array, f64::from))
+    each_as::<Float64Type, _>(array, |v| v)
+        .or_else(|| each_as::<Float32Type, _>(array, f64::from))
+        .or_else(|| each_as::<Float16Type, _>(array, f64::from))
 }
 
 /// Values of a column of real numbers (or of lists of them) that are no numbers: how many of how many; none for other
@@ -232,6 +243,9 @@ pub(crate) fn unreal(array: &ArrayRef) -> Option<(usize, usize)> {
         return Some((values.iter().flatten().filter(|v| !v.is_finite()).count(), values.len()));
     }
     if let Some(values) = array.as_primitive_opt::<Float32Type>() {
+        return Some((values.iter().flatten().filter(|v| !v.is_finite()).count(), values.len()));
+    }
+    if let Some(values) = array.as_primitive_opt::<Float16Type>() {
         return Some((values.iter().flatten().filter(|v| !v.is_finite()).count(), values.len()));
     }
     let list = array.as_list_opt::<i32>().map(|list| list.values().clone());
@@ -250,6 +264,9 @@ pub(crate) fn extent(array: &ArrayRef) -> Option<(f64, f64)> {
         return reals(&mut values.iter().flatten());
     }
     if let Some(values) = array.as_primitive_opt::<Float32Type>() {
+        return reals(&mut values.iter().flatten().map(f64::from));
+    }
+    if let Some(values) = array.as_primitive_opt::<Float16Type>() {
         return reals(&mut values.iter().flatten().map(f64::from));
     }
     if let Some(values) = ints_of(array) {

@@ -116,6 +116,11 @@ fn camera(s: &Section<'_>, d: &CameraSettings) -> CameraSettings {
             "JPEG quality of the RGB images",
         ) as u8,
         boxes_2d: s.flag("boxes_2d", d.boxes_2d, "write the boxes of objects in the pictures"),
+        flow_half: s.flag(
+            "flow_half",
+            d.flow_half,
+            "keep flow as 16-bit floats: half the bytes, a 2048th of the value off at most",
+        ),
         every_n_frames: every_n_frames(s, "pictures are taken"),
         images: images(s, d.images),
     }

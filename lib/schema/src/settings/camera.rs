@@ -21,6 +21,8 @@ pub struct CameraSettings {
     pub jpeg_quality: u8,
     /// Write the boxes of objects in the pictures (false).
     pub boxes_2d: bool,
+    /// Keep flow as half floats (false).
+    pub flow_half: bool,
     /// Pictures are taken at frames 0, n, 2 n, ... (1).
     pub every_n_frames: u32,
     /// Which images are written: a flag a kind.
@@ -37,6 +39,7 @@ impl Default for CameraSettings {
             f_stop: 1.8,
             jpeg_quality: 80,
             boxes_2d: false,
+            flow_half: false,
             every_n_frames: 1,
             images: ImageSet::default(),
         }

@@ -1,6 +1,6 @@
 //! Sensor readings: one row a frame. The file's metadata holds the sensor's pose and intrinsics as JSON.
 
-use crate::table::Blob;
+use crate::table::{Blob, Halves};
 use crate::{framed, table};
 
 /// Table of the GNSS receiver.
@@ -25,7 +25,7 @@ table! {
 }
 
 table! {
-    /// Optical flow of one camera.
+    /// Optical flow of one camera. With `camera.flow_half` `dx` and `dy` are lists of f16.
     FlowRow in "sensors/{agent}/FLW-{camera}" by "render-sensors" {
         /// Frame number.
         frame: u32,
@@ -39,6 +39,24 @@ table! {
         dx: Vec<f32>,
         /// Motion up since the last frame, row by row; the image is 2 units high. A multiple of 2^-17.
         dy: Vec<f32>,
+    }
+}
+
+table! {
+    /// The same as half floats: what is read of it are [`FlowRow`]s, too.
+    HalfFlowRow in "sensors/{agent}/FLW-{camera}" by "render-sensors" {
+        /// Frame number.
+        frame: u32,
+        /// Time since frame 0, s.
+        time_s: f64,
+        /// Image width, pixels.
+        width: u32,
+        /// Image height, pixels.
+        height: u32,
+        /// As in [`FlowRow`], to 11 binary digits.
+        dx: Halves,
+        /// As in [`FlowRow`], to 11 binary digits.
+        dy: Halves,
     }
 }
 
@@ -198,4 +216,15 @@ table! {
     }
 }
 
-framed!(Box2dRow, CameraRow, FlowRow, LidarRow, SemanticLidarRow, RadarRow, GnssRow, ImuRow, VisibleRow);
+framed!(
+    Box2dRow,
+    CameraRow,
+    FlowRow,
+    HalfFlowRow,
+    LidarRow,
+    SemanticLidarRow,
+    RadarRow,
+    GnssRow,
+    ImuRow,
+    VisibleRow
+);

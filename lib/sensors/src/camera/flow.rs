@@ -3,9 +3,11 @@
 use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
 use renderer::{PinholeCamera, Surfaces};
+use schema::ImageKind;
 use schema::geometry::Snapshot;
-use schema::images::Flow;
-use schema::tables::FlowRow;
+use schema::images::{Flow, OfKind};
+use schema::table::Halves;
+use schema::tables::{FlowRow, HalfFlowRow};
 
 use super::image::Image;
 use super::sight::Sight;
@@ -31,6 +33,23 @@ impl Image for Flow {
         let (dx, dy) = flow(snapshot, sight);
         let (width, height) = (sight.seen.width, sight.seen.height);
         Ok(FlowRow { frame, time_s: crate::frame_time_s(frame), width, height, dx, dy })
+    }
+}
+
+/// Flow that is kept as half floats.
+#[derive(Debug)]
+pub(crate) enum HalfFlow {}
+
+impl OfKind for HalfFlow {
+    const KIND: ImageKind = ImageKind::Flow;
+}
+
+impl Image for HalfFlow {
+    type Row = HalfFlowRow;
+
+    fn of(snapshot: &Snapshot, sight: &Sight, frame: u32) -> Result<HalfFlowRow, SensorError> {
+        let FlowRow { frame, time_s, width, height, dx, dy } = Flow::of(snapshot, sight, frame)?;
+        Ok(HalfFlowRow { frame, time_s, width, height, dx: Halves(dx), dy: Halves(dy) })
     }
 }
 

@@ -22,6 +22,7 @@ use schema::settings::Rig;
 use crate::sensor::SensorVisitor;
 pub(crate) use boxes_2d::Boxes2d;
 pub use depth::decode_depth_m;
+use flow::HalfFlow;
 pub use image::Image;
 use image::Images;
 pub use labels::pixel_counts;
@@ -38,6 +39,10 @@ macro_rules! visit_kinds {
             for camera in 0..rig.cameras.len() {
                 for kind in rig.camera.images.iter() {
                     match kind {
+                        // The one kind that is kept in two ways.
+                        ImageKind::Flow if rig.camera.flow_half => {
+                            visitor.visit(Images::<HalfFlow>::new(rig, camera))?;
+                        }
                         $( ImageKind::$kind => visitor.visit(Images::<$kind>::new(rig, camera))?, )+
                     }
                 }
