@@ -26,7 +26,9 @@ use schema::settings::stages::{PlanSettings, SimulationSettings};
 use schema::settings::{DatasetSettings, LidarSpec};
 use schema::tables::{ActorRow, BoxRow};
 use schema::{ActorRole, AgentId, BevClass, DetectionClass};
-use sensors::{CameraView, CpuPainter, FrameWeather, Image, Lidar, Painter, RadarMotion, Shot, Sight};
+use sensors::{
+    Camera, CameraView, CpuPainter, FrameWeather, Image, Lidar, Painter, RadarMotion, Shot, Sight,
+};
 use tiles::{Surroundings, TileMaker};
 use traffic::{SceneInput, SimulationLog};
 use validity::{Evidence, PointCloud};
@@ -203,9 +205,11 @@ impl<'a> Agentframe<'a> {
         let views: Vec<CameraView> = rig
             .cameras
             .iter()
-            .map(|c| CameraView::new(&origin, &self.pose, &self.pose, &c.mount, &rig.camera))
+            .map(|spec| {
+                Camera::new(spec, &rig.camera).expect("is a camera").view(&origin, &self.pose, &self.pose)
+            })
             .collect();
-        let pinholes: Vec<_> = views.iter().map(|v| v.pinhole().expect("is a camera")).collect();
+        let pinholes: Vec<_> = views.iter().map(CameraView::pinhole).collect();
         let raster = best(3, || scene.look(&pinholes));
         let seen = scene.look(&pinholes).expect("has no device");
         let shots: Vec<Shot<'_>> = views.iter().zip(&seen).map(|(view, seen)| Shot { view, seen }).collect();

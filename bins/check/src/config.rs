@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use crate::optics::Optics;
 use crate::space::{Motion, V3};
 
 /// The resolved configuration.
@@ -195,17 +196,9 @@ impl AgentConfig {
         }
     }
 
-    /// Names and poses (FLU) of its cameras.
-    pub(crate) fn cameras(&self) -> Vec<Mounted> {
-        self.list("cameras").map(mounted).collect()
-    }
-
-    /// Width, height and focal length in pixels of its cameras.
-    pub(crate) fn picture(&self) -> (usize, usize, f64) {
-        let camera = &self.rig["camera"];
-        let width = camera["width"].as_u64().unwrap_or(0) as usize;
-        let focal = 0.5 * width as f64 / libm::tan(0.5 * number(camera, "horizontal_fov_rad"));
-        (width, camera["height"].as_u64().unwrap_or(0) as usize, focal)
+    /// Names, poses (FLU) and optics of its cameras.
+    pub(crate) fn cameras(&self) -> Vec<(Mounted, Optics)> {
+        self.list("cameras").map(|camera| (mounted(camera), Optics::of(&camera["optics"]))).collect()
     }
 
     /// Whether its cameras take a kind of image (`rgb`, `semantic`, `instance`, `depth`, `flow`), or another flag of theirs is on.

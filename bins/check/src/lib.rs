@@ -8,6 +8,7 @@ mod checks;
 mod config;
 mod files;
 mod ledger;
+mod optics;
 mod published;
 mod report;
 mod rules;

@@ -4,8 +4,7 @@ use pipeline::{At, Place, StageError};
 use rayon::prelude::*;
 use renderer::Renderer;
 use replay::Replay;
-use schema::settings::Rig;
-use sensors::{AgentState, FrameWeather, Motion, Observation, Painter};
+use sensors::{AgentState, Cameras, FrameWeather, Motion, Observation, Painter};
 
 use crate::recorder::{Channel, Recorder};
 
@@ -19,13 +18,13 @@ pub(crate) struct Eyes<'a> {
     pub(crate) painter: &'a dyn Painter,
 }
 
-/// An agent with its rig.
+/// An agent with its cameras.
 pub(crate) struct AgentRig<'a> {
     pub(crate) replay: &'a Replay,
     pub(crate) eyes: Eyes<'a>,
     /// Its place in the log's list of agents.
     pub(crate) position: usize,
-    pub(crate) rig: &'a Rig,
+    pub(crate) cameras: &'a Cameras,
 }
 
 impl AgentRig<'_> {
@@ -46,7 +45,7 @@ impl AgentRig<'_> {
             motion: Motion::from_row(log.agent(self.position, frame)),
             previous: self.previous_motion(frame),
         };
-        let at = Observation::new(&*scene, Some(self.eyes.painter), self.rig, &when, agent).at(here)?;
+        let at = Observation::new(&*scene, Some(self.eyes.painter), self.cameras, &when, agent).at(here)?;
         let channels: Vec<&dyn Channel> = recorder.channels_at(frame).collect();
         let sensed: Vec<Result<(), StageError>> = channels
             .par_iter()

@@ -5,12 +5,12 @@ mod recorder;
 
 use counts::PartialCounts;
 use framewise::in_frame_order;
-use pipeline::{At, Job, Stage, StageError};
+use pipeline::{At, Job, Place, Stage, StageError};
 use renderer::Renderer;
 use replay::Replay;
 use scene::SceneReader;
 use schema::settings::stages::SensorSettings;
-use sensors::{Carrier, CpuPainter, GeoOrigin};
+use sensors::{Cameras, Carrier, CpuPainter, GeoOrigin};
 use store::keys;
 use visibility::CpuRenderer;
 
@@ -41,7 +41,8 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
         let Some(mut unit) = job.unit(&agent.to_string())? else { continue };
         let carrier = Carrier { seed: settings.seed, scene, agent: *agent, geo_origin };
         let recorder = Recorder::open(&unit, rig, &carrier)?;
-        let agent_rig = AgentRig { replay: &replay, eyes, position, rig };
+        let cameras = Cameras::of(rig).at(|| Place::scene(scene).agent(*agent))?;
+        let agent_rig = AgentRig { replay: &replay, eyes, position, cameras: &cameras };
         let mut counts = PartialCounts::new();
         let sense = |frame| agent_rig.sense(frame, &recorder);
         let due = recorder.due_frames(frames);

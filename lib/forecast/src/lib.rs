@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use indicatif::{DecimalBytes, HumanCount};
 use plan::Plan;
-use schema::settings::{CameraSettings, DatasetSettings, Split};
+use schema::settings::{DatasetSettings, Rig, Split};
 use schema::{AgentId, AgentKind};
 
 /// Bytes as stored, measured on four datasets of 240 agent-frames each (the demo town and three of CARLA's). Busy places
@@ -62,7 +62,7 @@ impl Forecast {
         self.output("boxes, log, tracks", annotated, bytes::AGENT_FRAME);
         let rigs = settings.rigs();
         let rig = rigs.of(agent);
-        self.cameras(&rig.camera, rig.cameras.len() as u64 * due(frames, rig.camera.every_n_frames));
+        self.cameras(rig, due(frames, rig.camera.every_n_frames));
         for cost in rates::reading_costs(rig) {
             let readings = due(frames, cost.every_n_frames);
             self.output(cost.output, readings, cost.bytes);
@@ -84,15 +84,18 @@ impl Forecast {
         }
     }
 
-    fn cameras(&mut self, camera: &CameraSettings, images: u64) {
-        let pixels = f64::from(camera.width) * f64::from(camera.height);
-        let mut per_pixel_s = if camera.images.is_empty() { 0.0 } else { core_seconds::VISIBILITY_PX };
-        for kind in camera.images.iter() {
-            let cost = rates::pixel_cost(kind);
-            self.output(kind.spec().plural, images, pixels * cost.bytes);
-            per_pixel_s += cost.core_s;
+    fn cameras(&mut self, rig: &Rig, frames: u64) {
+        let wanted = &rig.camera.images;
+        for optics in rig.cameras.iter().map(|camera| &camera.optics) {
+            let pixels = f64::from(optics.width) * f64::from(optics.height);
+            let mut per_pixel_s = if wanted.is_empty() { 0.0 } else { core_seconds::VISIBILITY_PX };
+            for kind in wanted.iter() {
+                let cost = rates::pixel_cost(kind);
+                self.output(kind.spec().plural, frames, pixels * cost.bytes);
+                per_pixel_s += cost.core_s;
+            }
+            self.core_s += frames as f64 * pixels * per_pixel_s;
         }
-        self.core_s += images as f64 * pixels * per_pixel_s;
     }
 
     fn output(&mut self, name: &'static str, count: u64, bytes_each: f64) {

@@ -10,7 +10,7 @@ use glam::Vec3;
 use random::Stream;
 use renderer::Scene;
 use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
-use schema::settings::{CameraSettings, LidarSpec, Rig};
+use schema::settings::{LidarSpec, Rig};
 use schema::tables::Weather;
 use sensors::{Image, Lidar, Lighting, Picture, RadarMotion, Sight, Sky, pixel_counts, radar};
 
@@ -30,7 +30,7 @@ fn night() -> Weather {
 fn with_sight(weather: &Weather, each: impl FnOnce(&dyn Scene, &Sight, &Lighting)) {
     let snapshot = common::street(weather.is_night());
     common::with_scene(&snapshot, |scene| {
-        let view = common::standing_view([0.0, -5.2, 0.0], [0.0; 3], &CameraSettings::default());
+        let view = common::standing_view([0.0, -5.2, 0.0], [0.0; 3], common::optics(1600, 900));
         each(scene, &common::sight(scene, &view, weather), &common::lighting(scene, weather));
     });
 }

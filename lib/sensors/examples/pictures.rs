@@ -10,7 +10,6 @@ use std::path::PathBuf;
 use frames::{Agent, Pose, World, deg};
 use schema::settings::{CameraSettings, Mount};
 use schema::tables::Weather;
-use sensors::CameraView;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".into()));
@@ -40,9 +39,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         let snapshot = common::street(weather.is_night());
         let pose = Pose::<World, Agent>::from_xyz_rpy([0.0, -5.2, 0.0], [0.0, 0.0, deg(4.0)]);
         let settings = CameraSettings::default();
+        let optics = common::optics(1600, 900);
         for (side, yaw) in [("front", 0.0), ("left", 55.0)] {
             let mount = Mount::upright([0.6, 0.0, 1.6], yaw);
-            let view = CameraView::new(&snapshot.origin, &pose, &pose, &mount, &settings);
+            let view = common::camera(mount, optics.clone(), &settings).view(&snapshot.origin, &pose, &pose);
             let picture = common::picture(&snapshot, &view, &weather);
             let file = File::create(folder.join(format!("{name}-{side}.png")))?;
             let mut encoder = png::Encoder::new(file, picture.width, picture.height);

@@ -11,11 +11,19 @@ pub enum SensorError {
         /// Rows.
         height: u32,
     },
-    /// A field of view that no pinhole camera has.
-    #[error("a camera's horizontal field of view must be between 0 and 180 degrees, not {degrees}")]
-    FieldOfView {
-        /// The field of view asked for, degrees.
-        degrees: f64,
+    /// Intrinsics that no camera has.
+    #[error(
+        "a camera's focal lengths must be above 0 and its axis somewhere, not fx {fx}, fy {fy}, cx {cx}, cy {cy}"
+    )]
+    Intrinsics {
+        /// Focal length in columns, pixels.
+        fx: f64,
+        /// Focal length in rows, pixels.
+        fy: f64,
+        /// Column of the axis.
+        cx: f64,
+        /// Row of the axis.
+        cy: f64,
     },
     /// A colour picture was asked for and nobody to paint it.
     #[error("colour pictures need a painter")]

@@ -18,9 +18,9 @@
 //! use frames::{Agent, LocalOrigin, Pose, World};
 //! use glam::{Affine3A, Vec3};
 //! use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
-//! use schema::settings::{CameraSettings, LidarSpec, Mount};
+//! use schema::settings::{CameraSettings, CameraSpec, LidarSpec, Mount, Optics};
 //! use schema::{Tag, images};
-//! use sensors::{CameraView, CpuPainter, FrameWeather, Image, Lidar};
+//! use sensors::{Camera, CpuPainter, FrameWeather, Image, Lidar};
 //! use renderer::Renderer;
 //! use visibility::CpuRenderer;
 //!
@@ -50,10 +50,13 @@
 //! let scene = renderer.place(&snapshot)?;
 //!
 //! // A camera 1.6 m above the ground that looks along x.
-//! let settings = CameraSettings { width: 64, height: 36, ..CameraSettings::default() };
+//! let spec = CameraSpec {
+//!     name: "CAM_FRONT".into(),
+//!     mount: Mount::upright([0.0, 0.0, 1.6], 0.0),
+//!     optics: Optics::pinhole(64, 36, frames::deg(80.0)),
+//! };
 //! let pose = Pose::<World, Agent>::from_xyz_rpy([0.0; 3], [0.0; 3]);
-//! let mount = Mount::upright([0.0, 0.0, 1.6], 0.0);
-//! let view = CameraView::new(&snapshot.origin, &pose, &pose, &mount, &settings);
+//! let view = Camera::new(&spec, &CameraSettings::default())?.view(&snapshot.origin, &pose, &pose);
 //! let painter = CpuPainter::default();
 //! let noon = FrameWeather { frame: 0, time_s: 0.0, weather: Default::default() };
 //! let sight = sensors::see(&*scene, Some(&painter), &noon, Vec3::ZERO, vec![view])?.remove(0);
@@ -87,14 +90,16 @@ mod registry;
 mod sensor;
 mod struck;
 
-pub use camera::{CameraView, Image, Picture, Sight, decode_depth_m, pixel_counts};
+pub use camera::{
+    Camera, CameraModel, CameraView, Cameras, Image, Picture, Sight, decode_depth_m, pixel_counts,
+};
 pub use error::SensorError;
 pub use geo::GeoOrigin;
 pub use gnss::gnss;
 pub use imu::imu;
 pub use lidar::{Lidar, LidarSweep};
 pub use light::{FrameWeather, Lighting, Sky};
-pub use metadata::{camera_metadata, intrinsics, sensor_metadata};
+pub use metadata::{camera_metadata, sensor_metadata};
 pub use motion::Motion;
 pub use observation::{AgentState, Observation, see};
 pub use painter::{CpuPainter, Painter, Shot};

@@ -15,22 +15,11 @@ pub fn sensor_metadata(name: &str, mount: &Mount, every_n_frames: u32) -> String
 pub fn camera_metadata(camera: &CameraSpec, settings: &CameraSettings) -> String {
     let agent_from_optical = camera.mount.agent_from_sensor() * frames::flu_from_optical();
     text(&Calibration {
-        width: Some(settings.width),
-        height: Some(settings.height),
-        intrinsics: Some(intrinsics(settings)),
+        width: Some(camera.optics.width),
+        height: Some(camera.optics.height),
+        intrinsics: Some(camera.optics.matrix()),
         ..calibration(&camera.name, "optical", &agent_from_optical, settings.every_n_frames)
     })
-}
-
-/// `[[f, 0, w / 2], [0, f, h / 2], [0, 0, 1]]`, pixels.
-#[must_use]
-pub fn intrinsics(settings: &CameraSettings) -> [[f64; 3]; 3] {
-    let focal = settings.focal_px();
-    [
-        [focal, 0.0, 0.5 * f64::from(settings.width)],
-        [0.0, focal, 0.5 * f64::from(settings.height)],
-        [0.0, 0.0, 1.0],
-    ]
 }
 
 fn calibration<F: Frame>(

@@ -3,9 +3,10 @@
 use frames::LocalOrigin;
 use glam::Affine3A;
 use renderer::{PinholeCamera, Scene};
-use schema::settings::{Mount, Rig};
+use schema::settings::Mount;
 use schema::{ObjectId, rate};
 
+use crate::camera::Cameras;
 use crate::camera::picture::Picture;
 use crate::camera::sight::Sight;
 use crate::camera::view::CameraView;
@@ -38,26 +39,24 @@ pub struct Observation<'a> {
 }
 
 impl<'a> Observation<'a> {
-    /// Looks through the cameras of a rig, all at once, and has their pictures painted when colour is wanted.
+    /// Looks through cameras, all at once, and has their pictures painted when colour is wanted.
     ///
     /// # Errors
-    /// The settings are not those of a camera, colour is wanted and `painter` is missing, or renderer or painter failed.
+    /// Colour is wanted and `painter` is missing, or renderer or painter failed.
     pub fn new(
         scene: &'a dyn Scene,
         painter: Option<&dyn Painter>,
-        rig: &Rig,
+        cameras: &Cameras,
         when: &FrameWeather,
         agent: AgentState,
     ) -> Result<Self, SensorError> {
         let origin = &scene.snapshot().origin;
         let now = &agent.motion.world_from_agent;
         let before = agent.previous.as_ref().map_or(now, |previous| &previous.world_from_agent);
-        let in_time = rate::is_due(when.frame, rig.camera.every_n_frames);
-        let sights = if rig.camera.images.is_empty() || !in_time {
+        let sights = if !cameras.wanted || !rate::is_due(when.frame, cameras.every_n_frames) {
             Vec::new()
         } else {
-            let view = |mount| CameraView::new(origin, now, before, mount, &rig.camera);
-            let views = rig.cameras.iter().map(|camera| view(&camera.mount)).collect();
+            let views = cameras.list.iter().map(|camera| camera.view(origin, now, before)).collect();
             see(scene, painter, when, origin.local_from_world(now.xyz()), views)?
         };
         Ok(Self { frame: when.frame, scene, agent, sights })
@@ -85,7 +84,7 @@ pub fn see(
     place_local: glam::Vec3,
     views: Vec<CameraView>,
 ) -> Result<Vec<Sight>, SensorError> {
-    let cameras = views.iter().map(CameraView::pinhole).collect::<Result<Vec<PinholeCamera>, _>>()?;
+    let cameras: Vec<PinholeCamera> = views.iter().map(CameraView::pinhole).collect();
     let seen = scene.look(&cameras)?;
     let in_colour = |view: &CameraView| view.settings.images.has(schema::ImageKind::Rgb);
     let shots: Vec<Shot<'_>> = views

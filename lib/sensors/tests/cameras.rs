@@ -5,7 +5,8 @@ mod common;
 use std::collections::{BTreeMap, BTreeSet};
 
 use common::{
-    at, block, encoded, grey_sight, instance, plane, sight, snapshot, standing_view, street, with_scene,
+    at, block, camera, encoded, grey_sight, instance, optics, plane, sight, snapshot, standing_view, street,
+    with_scene,
 };
 use frames::{Agent, LocalOrigin, Pose, Sensor, World, deg};
 use glam::{Affine3A, Vec3};
@@ -13,13 +14,9 @@ use nalgebra::Point3;
 use schema::Tag;
 use schema::geometry::Surface;
 use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
-use schema::settings::{CameraSettings, Mount};
+use schema::settings::{CameraSettings, Mount, Optics};
 use schema::tables::Weather;
-use sensors::{CameraView, Image, decode_depth_m, pixel_counts};
-
-fn settings(width: u32, height: u32) -> CameraSettings {
-    CameraSettings { width, height, ..CameraSettings::default() }
-}
+use sensors::{Image, decode_depth_m, pixel_counts};
 
 fn decode(bytes: &[u8]) -> (Vec<u8>, png::OutputInfo) {
     let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
@@ -33,12 +30,13 @@ fn decode(bytes: &[u8]) -> (Vec<u8>, png::OutputInfo) {
 #[test]
 fn known_points_project_as_the_pinhole_formula_says() {
     // Small blocks at known places: their pixels' mean must be where K [R|t] puts their centres.
-    let settings = settings(800, 450);
+    // Neither square pixels nor the axis in the middle.
+    let optics = Optics { fy: 500.0, cx: 371.3, cy: 260.7, ..optics(800, 450) };
     let pose = Pose::<World, Agent>::from_xyz_rpy([3.0, -2.0, 0.5], [0.02, -0.03, 0.7]);
     let mount = Mount { xyz_m: [0.4, 0.4, 1.6], rpy_rad: [0.0, 0.05, deg(55.0)] };
     let origin = LocalOrigin::near([0.0; 3]);
-    let view = CameraView::new(&origin, &pose, &pose, &mount, &settings);
-    let k = sensors::intrinsics(&settings);
+    let view = camera(mount, optics.clone(), &CameraSettings::default()).view(&origin, &pose, &pose);
+    let k = optics.matrix();
     let world_from_sensor: Pose<World, Sensor> = pose * mount.agent_from_sensor();
     for (id, forward) in [(5u16, [12.0, 3.0, 1.0]), (300, [20.0, -8.0, -2.0]), (65535, [9.0, 0.0, 0.0])] {
         let centre = world_from_sensor * Point3::from(forward);
@@ -69,7 +67,7 @@ fn known_points_project_as_the_pinhole_formula_says() {
 #[test]
 fn depth_decodes_to_the_buffer() {
     let snapshot = street(false);
-    let view = standing_view([0.0, -5.0, 0.0], [0.0; 3], &settings(320, 180));
+    let view = standing_view([0.0, -5.0, 0.0], [0.0; 3], optics(320, 180));
     let sight = with_scene(&snapshot, |scene| grey_sight(scene, &view));
     assert!(sight.picture.is_none());
     let depth = encoded::<Depth>(&snapshot, &sight);
@@ -106,12 +104,12 @@ fn depth_decodes_to_the_buffer() {
 #[test]
 fn flow_is_the_difference_of_two_projections() {
     // A level plane seen by a camera that drives and turns, and a block that moves by itself.
-    let settings = settings(160, 90);
+    let optics = Optics { fx: 96.0, fy: 99.0, cx: 75.25, cy: 50.5, ..optics(160, 90) };
     let mount = Mount::upright([0.6, 0.0, 1.6], 0.0);
     let before = Pose::<World, Agent>::from_xyz_rpy([0.0, 0.0, 0.0], [0.0, 0.0, 0.0]);
     let now = Pose::<World, Agent>::from_xyz_rpy([0.7, 0.05, 0.0], [0.0, 0.002, 0.03]);
     let origin = LocalOrigin::near([0.0; 3]);
-    let view = CameraView::new(&origin, &now, &before, &mount, &settings);
+    let view = camera(mount, optics.clone(), &CameraSettings::default()).view(&origin, &now, &before);
     let mut mover = instance(1, 2, at(15.0, -2.0, 0.0, 0.1));
     mover.previous_local_from_object = at(14.2, -2.0, 0.0, 0.0);
     let snapshot = snapshot(
@@ -134,13 +132,12 @@ fn flow_is_the_difference_of_two_projections() {
         let was = mover.previous_local_from_object.transform_point3(local);
         Point3::new(f64::from(was.x), f64::from(was.y), f64::from(was.z))
     };
-    let focal = settings.focal_px();
+    let Optics { fx, fy, cx, cy, .. } = optics;
     let (mut on_plane, mut on_block, mut on_sky) = (0, 0, 0);
     for y in 0..90u32 {
         for x in 0..160u32 {
             let i = buffer.index(x, y);
-            let ray =
-                Point3::new((f64::from(x) + 0.5 - 80.0) / focal, (f64::from(y) + 0.5 - 45.0) / focal, 1.0);
+            let ray = Point3::new((f64::from(x) + 0.5 - cx) / fx, (f64::from(y) + 0.5 - cy) / fy, 1.0);
             let was = match buffer.instance[i] {
                 0 => {
                     // Closed form: the ray meets z = 0.
@@ -159,8 +156,8 @@ fn flow_is_the_difference_of_two_projections() {
                     Point3::from(before_optical.rotate(now_optical.rotate(ray.coords)))
                 }
             };
-            let dx = (ray.x - was.x / was.z) * focal * 2.0 / 160.0;
-            let dy = -(ray.y - was.y / was.z) * focal * 2.0 / 90.0;
+            let dx = (ray.x - was.x / was.z) * fx * 2.0 / 160.0;
+            let dy = -(ray.y - was.y / was.z) * fy * 2.0 / 90.0;
             assert!((f64::from(flow.dx[i]) - dx).abs() < 2e-4, "{x} {y}: {} {dx}", flow.dx[i]);
             assert!((f64::from(flow.dy[i]) - dy).abs() < 2e-4, "{x} {y}: {} {dy}", flow.dy[i]);
         }
@@ -174,7 +171,7 @@ fn flow_is_the_difference_of_two_projections() {
 fn what_stands_still_has_no_flow() {
     // A turned camera high above the street, so that no coordinate is a round number.
     let snapshot = street(false);
-    let view = standing_view([0.0, -5.0, 5.7], [0.01, 0.33, 0.7], &settings(320, 180));
+    let view = standing_view([0.0, -5.0, 5.7], [0.01, 0.33, 0.7], optics(320, 180));
     let sight = with_scene(&snapshot, |scene| grey_sight(scene, &view));
     let flow = Flow::of(&snapshot, &sight, 0).expect("is no file");
     let buffer = &sight.seen;
@@ -195,7 +192,7 @@ fn bytes_do_not_depend_on_threads() {
     let snapshot = street(true);
     let weather =
         Weather { sun_altitude_deg: -10.0, precipitation: 40.0, fog_density: 10.0, ..Weather::default() };
-    let view = standing_view([0.0, -5.0, 0.0], [0.0; 3], &settings(320, 180));
+    let view = standing_view([0.0, -5.0, 0.0], [0.0; 3], optics(320, 180));
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("starts");
         pool.install(|| {

@@ -5,20 +5,16 @@ mod common;
 use std::fs::File;
 use std::path::PathBuf;
 
-use common::{grey_sight, picture, snapshot, standing_view, street, with_scene};
+use common::{grey_sight, optics, picture, set_view, snapshot, standing_view, street, with_scene};
 use schema::geometry::{Snapshot, Surface};
-use schema::settings::CameraSettings;
+use schema::settings::{CameraSettings, Optics};
 use schema::tables::Weather;
 use schema::{Tag, lights};
 use sensors::Picture;
 
-fn settings(width: u32, height: u32) -> CameraSettings {
-    CameraSettings { width, height, ..CameraSettings::default() }
-}
-
 /// The street from the middle of its right lane.
-fn of_street(snapshot: &Snapshot, weather: &Weather, settings: &CameraSettings) -> Picture {
-    picture(snapshot, &standing_view([0.0, -5.2, 0.0], [0.0; 3], settings), weather)
+fn of_street(snapshot: &Snapshot, weather: &Weather, optics: Optics) -> Picture {
+    picture(snapshot, &standing_view([0.0, -5.2, 0.0], [0.0; 3], optics), weather)
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
@@ -44,7 +40,9 @@ fn film(value: u8) -> f64 {
 fn half_the_opening_is_half_the_light() {
     let street = street(false);
     let at = |f_stop: f64| {
-        of_street(&street, &Weather::default(), &CameraSettings { f_stop, ..settings(200, 112) })
+        let settings = CameraSettings { f_stop, ..CameraSettings::default() };
+        let view = set_view([0.0, -5.2, 0.0], [0.0; 3], optics(200, 112), &settings);
+        picture(&street, &view, &Weather::default())
     };
     let (open, stopped) = (at(1.8), at(1.8 * std::f64::consts::SQRT_2));
     let mut ratios: Vec<f64> = open
@@ -67,7 +65,7 @@ fn night_is_darker_than_noon() {
     let street = street(false);
     let brightness = |sun_altitude_deg: f64| {
         let weather = Weather { sun_altitude_deg, ..Weather::default() };
-        mean(green(&of_street(&street, &weather, &settings(200, 112))))
+        mean(green(&of_street(&street, &weather, optics(200, 112))))
     };
     let (noon, night) = (brightness(60.0), brightness(-30.0));
     assert!((70.0..190.0).contains(&noon), "{noon}");
@@ -77,8 +75,8 @@ fn night_is_darker_than_noon() {
 #[test]
 fn fronts_that_face_the_sun_are_the_bright_ones() {
     let street = street(false);
-    let settings = settings(200, 112);
-    let view = standing_view([0.0, -5.2, 0.0], [0.0; 3], &settings);
+    let optics = optics(200, 112);
+    let view = standing_view([0.0, -5.2, 0.0], [0.0; 3], optics.clone());
     let seen = with_scene(&street, |scene| grey_sight(scene, &view)).seen;
     // Fronts left of the street look south, those right of it north.
     let fronts = |left: bool| {
@@ -93,7 +91,7 @@ fn fronts_that_face_the_sun_are_the_bright_ones() {
     let lit_from = |sun_azimuth_deg: f64| {
         let weather =
             Weather { sun_altitude_deg: 35.0, sun_azimuth_deg, cloudiness: 0.0, ..Weather::default() };
-        let p = of_street(&street, &weather, &settings);
+        let p = of_street(&street, &weather, optics.clone());
         let of = |left| mean(fronts(left).map(|pixel| f64::from(p.rgb[3 * pixel + 1])));
         [of(true), of(false), weather.direction_to_sun()[1]]
     };
@@ -107,14 +105,14 @@ fn fronts_that_face_the_sun_are_the_bright_ones() {
 #[test]
 fn fog_hides_what_is_far() {
     let street = street(false);
-    let settings = settings(200, 112);
-    let view = standing_view([0.0, -5.2, 0.0], [0.0; 3], &settings);
+    let optics = optics(200, 112);
+    let view = standing_view([0.0, -5.2, 0.0], [0.0; 3], optics.clone());
     let seen = with_scene(&street, |scene| grey_sight(scene, &view)).seen;
     // The same clouds in both, so that nothing but fog makes the difference.
     let clear = Weather { cloudiness: 90.0, fog_density: 0.0, ..Weather::default() };
     let foggy = Weather { fog_density: 90.0, fog_distance_m: 0.0, fog_falloff: 0.0, ..clear };
     let spread = |weather: &Weather, depth_m: std::ops::Range<f32>| {
-        let p = of_street(&street, weather, &settings);
+        let p = of_street(&street, weather, optics.clone());
         let there = |p: Picture| -> Vec<f64> {
             green(&p).zip(&seen.depth_m).filter(|(_, d)| depth_m.contains(d)).map(|(v, _)| v).collect()
         };
@@ -140,7 +138,7 @@ fn street_lamps_and_windows_shine_as_told() {
             }
         }
         let weather = Weather { sun_altitude_deg: -40.0, ..Weather::default() };
-        of_street(&snapshot, &weather, &settings(320, 180)).rgb
+        of_street(&snapshot, &weather, optics(320, 180)).rgb
     };
     let sum = |rgb: &[u8], k: usize| rgb.iter().skip(k).step_by(3).map(|&v| f64::from(v)).sum::<f64>();
     let all = |rgb: &[u8]| (0..3).map(|k| sum(rgb, k)).sum::<f64>();
@@ -169,7 +167,7 @@ fn the_street_looks_as_it_did() {
         fog_density: 0.0,
         ..Weather::default()
     };
-    let got = of_street(&street(false), &weather, &settings(160, 90));
+    let got = of_street(&street(false), &weather, optics(160, 90));
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/street.png");
     if std::env::var_os("CONVOY_ACCEPT").is_some() {
         let file = File::create(&path).expect("the file is written");
@@ -190,12 +188,12 @@ fn the_street_looks_as_it_did() {
 #[test]
 fn an_empty_world_is_sky() {
     let empty = snapshot(Vec::new(), Vec::new());
-    let p = of_street(&empty, &Weather::default(), &settings(17, 6));
+    let p = of_street(&empty, &Weather::default(), optics(17, 6));
     assert_eq!(p.rgb.len(), 3 * 17 * 6);
     // Blue above.
     assert!(p.rgb[2] > p.rgb[0], "{:?}", &p.rgb[..3]);
     let sight =
-        with_scene(&empty, |scene| grey_sight(scene, &standing_view([0.0; 3], [0.0; 3], &settings(17, 6))));
+        with_scene(&empty, |scene| grey_sight(scene, &standing_view([0.0; 3], [0.0; 3], optics(17, 6))));
     assert!(sensors::pixel_counts(&empty, &sight.seen).is_empty());
     let tags = common::encoded::<schema::images::Semantic>(&empty, &sight);
     let mut reader = png::Decoder::new(std::io::Cursor::new(tags)).read_info().expect("is PNG");

@@ -4,19 +4,21 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{first_frame, picture, standing_view, street, with_scene};
+use common::{first_frame, optics, picture, set_view, standing_view, street, with_scene};
 use frames::{Agent, Pose, World};
 use glam::{Affine3A, Vec3};
 use nalgebra::Vector3;
 use random::Stream;
 use renderer::{Alone, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer};
 use schema::geometry::{Snapshot, TriMesh};
-use schema::settings::{CameraSettings, GnssSpec, ImuSpec, LidarSpec, Rig, ScanPattern};
+use schema::settings::{
+    CameraSettings, CameraSpec, GnssSpec, ImuSpec, LidarSpec, Mount, Optics, Rig, ScanPattern,
+};
 use schema::tables::Weather;
 use schema::{AgentId, ImageKind, ImageSet};
 use sensors::{
-    AgentState, Carrier, CpuPainter, GeoOrigin, Lidar, Motion, Observation, RadarMotion, Sensor, SensorError,
-    SensorVisitor, radar,
+    AgentState, Camera, Cameras, Carrier, CpuPainter, GeoOrigin, Lidar, Motion, Observation, RadarMotion,
+    Sensor, SensorError, SensorVisitor, radar,
 };
 
 const ODD: [f64; 7] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 0.0, 1e300, 1e-300];
@@ -27,25 +29,32 @@ fn stream() -> Stream {
 
 #[test]
 fn cameras_that_cannot_be_are_refused() {
-    let view = |width, height, horizontal_fov_rad| {
-        let settings = CameraSettings { width, height, horizontal_fov_rad, ..CameraSettings::default() };
-        standing_view([0.0; 3], [0.0; 3], &settings).pinhole()
+    let of = |optics| {
+        let spec = CameraSpec { name: "CAM".into(), mount: Mount::upright([0.0; 3], 0.0), optics };
+        Camera::new(&spec, &CameraSettings::default())
     };
+    let view = |width, height, horizontal_fov_rad| of(Optics::pinhole(width, height, horizontal_fov_rad));
     for (width, height) in [(0, 10), (10, 0), (1 << 20, 10), (10, u32::MAX)] {
         assert!(matches!(view(width, height, 1.0), Err(SensorError::PictureSize { .. })));
     }
     for fov in ODD.into_iter().chain([3.2, std::f64::consts::PI]).filter(|fov| *fov != 1e-300) {
-        assert!(matches!(view(10, 10, fov), Err(SensorError::FieldOfView { .. })), "{fov}");
+        assert!(matches!(view(10, 10, fov), Err(SensorError::Intrinsics { .. })), "{fov}");
+    }
+    for odd in ODD.into_iter().filter(|odd| !(*odd > 0.0 && *odd < 1e300)) {
+        let good = Optics::pinhole(10, 10, 1.0);
+        assert!(of(Optics { fy: odd, ..good.clone() }).is_err(), "{odd}");
+        assert!(odd.abs() < 1e300 || of(Optics { cx: odd, ..good }).is_err(), "{odd}");
     }
 }
 
 #[test]
 fn odd_lenses_and_weathers_still_give_pictures() {
     let street = street(true);
-    let settings = CameraSettings { width: 24, height: 14, ..CameraSettings::default() };
+    let (settings, optics) = (CameraSettings::default(), optics(24, 14));
     for odd in ODD {
         let lens = CameraSettings { f_stop: odd, ..settings.clone() };
-        let p = picture(&street, &standing_view([0.0, -5.0, 0.0], [0.0; 3], &lens), &Weather::default());
+        let view = set_view([0.0, -5.0, 0.0], [0.0; 3], optics.clone(), &lens);
+        let p = picture(&street, &view, &Weather::default());
         assert_eq!(p.rgb.len(), 3 * 24 * 14);
         let weather = Weather {
             cloudiness: odd,
@@ -63,13 +72,13 @@ fn odd_lenses_and_weathers_still_give_pictures() {
             rayleigh_scattering_scale: odd,
             dust_storm: odd,
         };
-        let view = standing_view([0.0, -5.0, 0.0], [0.0; 3], &settings);
+        let view = standing_view([0.0, -5.0, 0.0], [0.0; 3], optics.clone());
         assert_eq!(picture(&street, &view, &weather).rgb.len(), 3 * 24 * 14);
     }
     // A camera at no place sees nothing or something, and a quality beyond 1 to 100 is the nearest.
     for quality in [0, 255] {
         let lost = CameraSettings { jpeg_quality: quality, ..settings.clone() };
-        let mut view = standing_view([0.0; 3], [0.0; 3], &lost);
+        let mut view = set_view([0.0; 3], [0.0; 3], optics.clone(), &lost);
         view.local_from_optical.translation.x = f32::NAN;
         let sight = with_scene(&street, |scene| common::sight(scene, &view, &Weather::default()));
         assert!(!common::encoded::<schema::images::Rgb>(&street, &sight).is_empty());
@@ -212,11 +221,13 @@ fn a_renderer_that_fails_fails_its_sensors_and_no_others() {
     let when = first_frame(&Weather::default());
     let mut rig = Rig::vehicle();
     let painter = CpuPainter::default();
-    let looked = Observation::new(&*scene, Some(&painter), &rig, &when, agent);
+    let cameras = Cameras::of(&rig).expect("are cameras");
+    let looked = Observation::new(&*scene, Some(&painter), &cameras, &when, agent);
     assert!(matches!(looked.err(), Some(SensorError::Render(RenderError::Device(_)))));
 
     rig.camera.images = ImageSet::NONE;
-    let at = Observation::new(&*scene, None, &rig, &when, agent).expect("nobody looks");
+    let cameras = Cameras::of(&rig).expect("are cameras");
+    let at = Observation::new(&*scene, None, &cameras, &when, agent).expect("nobody looks");
     let geo_origin = GeoOrigin::default();
     let carrier = Carrier { seed: 1, scene: 0, agent: AgentId::vehicle(0), geo_origin };
     let mut failures = Failures { at: &at, failed: Vec::new(), others: 0 };
@@ -230,7 +241,7 @@ fn colour_needs_a_painter() {
     let snapshot = street(false);
     let rig = {
         let mut rig = Rig::rsu();
-        (rig.camera.width, rig.camera.height) = (16, 9);
+        rig.cameras.iter_mut().for_each(|camera| camera.optics = optics(16, 9));
         rig.camera.images = ImageSet::of(&[ImageKind::Rgb]);
         rig
     };
@@ -240,12 +251,13 @@ fn colour_needs_a_painter() {
         angular_velocity_radps: Vector3::zeros(),
     };
     let agent = AgentState { own: 1, motion, previous: None };
+    let cameras = Cameras::of(&rig).expect("are cameras");
     with_scene(&snapshot, |scene| {
         let when = first_frame(&Weather::default());
-        let none = Observation::new(scene, None, &rig, &when, agent);
+        let none = Observation::new(scene, None, &cameras, &when, agent);
         assert!(matches!(none.err(), Some(SensorError::NoPainter)));
         let painter = CpuPainter::default();
-        let at = Observation::new(scene, Some(&painter), &rig, &when, agent).expect("all is there");
+        let at = Observation::new(scene, Some(&painter), &cameras, &when, agent).expect("all is there");
         assert_eq!(at.sights.len(), rig.cameras.len());
         assert!(at.sights.iter().all(|sight| sight.picture.is_some()));
     });

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{at, block, first_frame, instance, plane, prepared, snapshot};
+use common::{at, block, first_frame, instance, optics, plane, prepared, snapshot};
 use frames::{Agent, Pose, World};
 use glam::Affine3A;
 use nalgebra::Vector3;
@@ -13,7 +13,8 @@ use schema::table::{Column, Row};
 use schema::tables::Weather;
 use schema::{AgentId, ImageKind, ImageSet, Tag};
 use sensors::{
-    AgentState, Carrier, CpuPainter, GeoOrigin, Motion, Observation, Sensor, SensorError, SensorVisitor,
+    AgentState, Cameras, Carrier, CpuPainter, GeoOrigin, Motion, Observation, Sensor, SensorError,
+    SensorVisitor,
 };
 use testkit::BruteRenderer;
 
@@ -39,7 +40,7 @@ fn corner() -> Snapshot {
 fn rig() -> Rig {
     let mut rig = Rig::vehicle();
     rig.cameras.truncate(2);
-    (rig.camera.width, rig.camera.height) = (64, 36);
+    rig.cameras.iter_mut().for_each(|camera| camera.optics = optics(64, 36));
     rig.camera.images = ImageSet::of(ImageKind::ALL);
     (rig.lidars[0].scan.channels, rig.lidars[0].scan.columns) = (8, 64);
     rig.lidars.push(rig.lidars[0].semantic());
@@ -74,7 +75,9 @@ fn readings(scene: &dyn Scene) -> (Vec<(String, Vec<Column>)>, Vec<u8>) {
     let rig = rig();
     let weather = Weather { sun_altitude_deg: 40.0, fog_density: 0.0, ..Weather::default() };
     let painter = CpuPainter::default();
-    let at = Observation::new(scene, Some(&painter), &rig, &first_frame(&weather), agent).expect("no device");
+    let cameras = Cameras::of(&rig).expect("are cameras");
+    let at =
+        Observation::new(scene, Some(&painter), &cameras, &first_frame(&weather), agent).expect("no device");
     let carrier = Carrier { seed: 3, scene: 1, agent: AgentId::vehicle(0), geo_origin: GeoOrigin::default() };
     let mut readings = Readings { at: &at, tables: Vec::new() };
     sensors::visit_sensors(&rig, &carrier, &mut readings).expect("no device");

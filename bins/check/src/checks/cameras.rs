@@ -8,6 +8,7 @@ use super::boxes::{DOOR_M, Labelled, is_part};
 use crate::config::{AgentConfig, Mounted};
 use crate::files::{Picture, Table, Unreadable, jpeg_size};
 use crate::ledger::Ledger;
+use crate::optics::Optics;
 use crate::rules::Rule;
 use crate::scene::Scene;
 use crate::space::{Motion, V3, add, apart, scale, sub, within};
@@ -25,9 +26,7 @@ const EDGES: [[usize; 2]; 12] =
 /// A camera and the tables of its images.
 pub(crate) struct Camera {
     pub(crate) name: String,
-    pub(crate) width: usize,
-    pub(crate) height: usize,
-    pub(crate) focal_px: f64,
+    pub(crate) optics: Optics,
     /// It has pictures at frames 0, n, 2 n, ...
     every: usize,
     /// Whether flow is kept as half floats.
@@ -59,18 +58,18 @@ pub(crate) struct Sight<'a> {
 
 /// Opens the tables of all cameras of an agent.
 pub(crate) fn open(scene: &Scene, config: &AgentConfig, agent: &str, ledger: &mut Ledger) -> Vec<Camera> {
-    let ((width, height, focal_px), every) = (config.picture(), config.camera_every());
+    let every = config.camera_every();
     let flu_from_optical =
         Motion { rows: [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]], origin: [0.0; 3] };
     let mut cameras = Vec::new();
-    for mounted in config.cameras() {
+    for (mounted, optics) in config.cameras() {
         let optical = mounted.agent_from_sensor.then(&flu_from_optical);
         let about = Mounted { name: mounted.name.clone(), agent_from_sensor: optical };
         let mut table = |taken: &str, kind: &str| {
             let path = scene.file(&format!("sensors/{agent}/{kind}-{}.parquet", mounted.name));
             let table = config.takes(taken).then(|| ledger.read(Table::open(&path))).flatten()?;
             expect_mount(&table, &about, ("optical", every), ledger);
-            expect_lens(&table, (width, height, focal_px), ledger);
+            expect_lens(&table, &optics, ledger);
             Some(table)
         };
         cameras.push(Camera {
@@ -80,9 +79,7 @@ pub(crate) fn open(scene: &Scene, config: &AgentConfig, agent: &str, ledger: &mu
             depth: table("depth", "DPT"),
             flow: table("flow", "FLW"),
             name: mounted.name,
-            width,
-            height,
-            focal_px,
+            optics,
             every: every as usize,
             flow_half: config.takes("flow_half"),
             agent_from_optical: optical,
@@ -120,16 +117,17 @@ pub(crate) fn expect_mount(
     });
 }
 
-fn expect_lens(table: &Table, (width, height, focal): (usize, usize, f64), ledger: &mut Ledger) {
+fn expect_lens(table: &Table, optics: &Optics, ledger: &mut Ledger) {
     let about: Option<serde_json::Value> =
         table.note("sensor").and_then(|text| serde_json::from_str(text).ok());
     let Some(about) = about else { return };
-    let wanted = [[focal, 0.0, 0.5 * width as f64], [0.0, focal, 0.5 * height as f64], [0.0, 0.0, 1.0]];
+    let wanted = optics.matrix();
     let entry = |i: usize, j: usize| about["intrinsics"][i][j].as_f64().unwrap_or(f64::NAN);
     let off =
         (0..9).map(|k| (entry(k / 3, k % 3) - wanted[k / 3][k % 3]).abs()).fold(0.0, crate::space::worse);
     let size = (about["width"].as_u64(), about["height"].as_u64());
-    let same = size == (Some(width as u64), Some(height as u64)) && within(off, CALIBRATION * focal);
+    let wanted_size = (Some(optics.width as u64), Some(optics.height as u64));
+    let same = size == wanted_size && within(off, CALIBRATION * wanted[0][0]);
     ledger.expect(Rule::Calibration, same, || {
         format!("{}: intrinsics are off by {off:.6} pixels, or the size is {size:?}", table.path().display())
     });
@@ -151,7 +149,7 @@ impl Camera {
     pub(crate) fn look(&self, frame: usize, world_from_agent: &Motion, ledger: &mut Ledger) -> Sight<'_> {
         let mut read = |table: &Option<Table>| {
             let picture = ledger.read(picture(table.as_ref()?, self.row_of(frame)?))?;
-            let (size, told) = ((picture.width, picture.height), (self.width, self.height));
+            let (size, told) = ((picture.width, picture.height), self.size());
             ledger.expect(Rule::Pictures, size == told, || {
                 format!("frame {frame}: {} has a picture of {size:?} pixels", self.name)
             });
@@ -174,7 +172,7 @@ impl Camera {
         let Some(at) = self.row_of(frame) else { return };
         if let Some(row) = self.rgb.as_ref().and_then(|table| ledger.read(table.row(at))) {
             let size = ledger.read(row.first_bytes("image").map(jpeg_size)).flatten();
-            ledger.expect(Rule::Pictures, size == Some((self.width, self.height)), || {
+            ledger.expect(Rule::Pictures, size == Some(self.size()), || {
                 format!("frame {frame}: the colour image of {} has size {size:?}", self.name)
             });
         }
@@ -193,10 +191,9 @@ impl Camera {
         });
     }
 
-    /// Where a point of the optical frame falls, pixels.
-    pub(crate) fn project(&self, [x, y, z]: V3) -> [f64; 2] {
-        let centre = [0.5 * self.width as f64, 0.5 * self.height as f64];
-        [centre[0] + self.focal_px * x / z, centre[1] + self.focal_px * y / z]
+    /// Columns and rows of its pictures.
+    pub(crate) fn size(&self) -> (usize, usize) {
+        (self.optics.width, self.optics.height)
     }
 }
 
@@ -297,7 +294,7 @@ impl Sight<'_> {
                 ends.push(add(p, scale(sub(q, p), share)));
             }
         }
-        let places = ends.into_iter().map(|end| self.camera.project(end));
+        let places = ends.into_iter().filter_map(|end| self.camera.optics.project(end));
         places.fold(None, |bounds, [x, y]| {
             let [low, high] = bounds.unwrap_or([[x, y]; 2]);
             Some([[low[0].min(x), low[1].min(y)], [high[0].max(x), high[1].max(y)]])

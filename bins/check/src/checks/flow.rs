@@ -51,7 +51,8 @@ pub(crate) fn check(
     ledger.expect(Rule::Flow, is_half == camera.flow_half, || {
         format!("{}: flow is kept as {} floats", camera.name, if is_half { "half" } else { "32-bit" })
     });
-    let pixels = camera.width * camera.height;
+    let (width, height) = camera.size();
+    let pixels = width * height;
     ledger.expect(Rule::Pictures, dx.len() == pixels && dy.len() == pixels, || {
         format!("frame {frame}: the flow of {} has {} pixels", camera.name, dx.len())
     });
@@ -61,31 +62,31 @@ pub(crate) fn check(
     let (mut flow, mut found) = (Judged::new(), Judged::new());
     for (k, (pixel, depth)) in instance.pixels().iter().zip(depth.pixels()).enumerate() {
         let (id, tag) = label(*pixel);
-        let (x, y) = ((k % camera.width) as f64 + 0.5, (k / camera.width) as f64 + 0.5);
+        let (x, y) = ((k % width) as f64 + 0.5, (k / width) as f64 + 0.5);
         let (flow_x, flow_y) = (f64::from(dx[k]), f64::from(dy[k]));
         if flow_x.abs().max(flow_y.abs()) > CUT || id == own {
             continue;
         }
-        let moved = [0.5 * flow_x * camera.width as f64, -0.5 * flow_y * camera.height as f64];
+        let moved = [0.5 * flow_x * width as f64, -0.5 * flow_y * height as f64];
         let Some(point) = point_of(now, [x, y], depth_m(*depth), id) else { continue };
         let Some(was) = point_before_or_sky(scene, id, frame, point, now, before) else { continue };
         if was[2] < NEAR_M {
             continue;
         }
-        let [was_x, was_y] = camera.project(was);
+        let Some([was_x, was_y]) = camera.optics.project(was) else { continue };
         let wanted = [x - was_x, y - was_y];
         if !moves_its_limbs(tag) {
             let off = libm::hypot(moved[0] - wanted[0], moved[1] - wanted[1]);
             let allowed = FLOW[0] + FLOW[1] * libm::hypot(wanted[0], wanted[1]);
             // Beyond the cut the file says less than there was.
-            let is_cut = wanted[0].abs() > 0.48 * CUT * camera.width as f64
-                || wanted[1].abs() > 0.48 * CUT * camera.height as f64;
+            let is_cut =
+                wanted[0].abs() > 0.48 * CUT * width as f64 || wanted[1].abs() > 0.48 * CUT * height as f64;
             if !is_cut {
                 judge(&mut flow, id, off <= allowed);
             }
         }
         if id != 0
-            && now.inner(k % camera.width, k / camera.width).is_some()
+            && now.inner(k % width, k / width).is_some()
             && let Some(holds) = was_there(before, [x - moved[0], y - moved[1]], id, was[2])
         {
             judge(&mut found, id, holds);
@@ -121,12 +122,7 @@ fn moves_its_limbs(tag: u8) -> bool {
 
 /// The point at a pixel in the optical frame, or the direction of the sky.
 fn point_of(sight: &Sight<'_>, [x, y]: [f64; 2], depth: Option<f64>, id: u16) -> Option<V3> {
-    let camera = sight.camera;
-    let ray = [
-        (x - 0.5 * camera.width as f64) / camera.focal_px,
-        (y - 0.5 * camera.height as f64) / camera.focal_px,
-        1.0,
-    ];
+    let ray = sight.camera.optics.ray([x, y]);
     if id == 0 { Some(ray) } else { depth.map(|depth| ray.map(|part| part * depth)) }
 }
 

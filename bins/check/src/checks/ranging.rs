@@ -32,8 +32,9 @@ pub(crate) fn check_depth(sight: &Sight<'_>, cloud: &Cloud<'_>, own: u16, frame:
         if id == own || seen[2] < 0.2 {
             continue;
         }
-        let [u, v] = camera.project(seen);
-        if !(u >= 0.0 && v >= 0.0 && u < camera.width as f64 && v < camera.height as f64) {
+        let Some([u, v]) = camera.optics.project(seen) else { continue };
+        let (width, height) = camera.size();
+        if !(u >= 0.0 && v >= 0.0 && u < width as f64 && v < height as f64) {
             continue;
         }
         let (x, y) = (u as usize, v as usize);

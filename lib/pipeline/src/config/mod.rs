@@ -506,7 +506,10 @@ ignore_signs_percentage: 0.5
         let scan = &s.vehicle_rig.lidars[0].scan;
         assert_eq!((scan.channels, scan.columns, s.vehicle_rig.lidars[0].noise_m), (64, 1024, 0.05));
         assert!(s.rsu_rig.lidars.is_empty() && s.rsu_rig.radars.iter().all(|r| r.rays == 1200));
-        assert!((frames::to_deg(s.rsu_rig.camera.horizontal_fov_rad) - 100.0).abs() < 1e-9);
+        assert_eq!(
+            s.rsu_rig.cameras[0].optics,
+            schema::settings::Optics::pinhole(1600, 900, frames::deg(100.0))
+        );
         assert!(s.vehicle_occupancy.ignore_self && !s.rsu_occupancy.ignore_self);
         assert!(!s.vehicle_occupancy.full_sweep && s.rsu_occupancy.full_sweep);
         let sweeps = &s.vehicle_occupancy.sweeps;

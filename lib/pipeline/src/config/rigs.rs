@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use frames::{deg, to_deg};
 use schema::settings::{
-    CameraSettings, CameraSpec, FillingRule, GnssSpec, ImuSpec, LidarSpec, Mount, OccupancySettings, OwnRig,
-    RadarSpec, Rig, ScanPattern, SweepSettings, ZFill,
+    CameraSettings, CameraSpec, FillingRule, GnssSpec, ImuSpec, LidarSpec, Mount, OccupancySettings, Optics,
+    OwnRig, RadarSpec, Rig, ScanPattern, SweepSettings, ZFill,
 };
 use schema::tables::{GNSS_TABLE, IMU_TABLE, VISIBLE_TABLE};
 use schema::{AgentId, AgentKind, ImageKind, ImageSet};
@@ -76,9 +76,11 @@ fn common(s: &Section<'_>, d: &Rig) -> Rig {
     let fixed = [GNSS_TABLE, IMU_TABLE, VISIBLE_TABLE].map(str::to_owned);
     let lidars_tables = d.lidars.iter().flat_map(|l| [l.name.clone(), l.semantic().name]);
     let mut tables = TableNames::new(lidars_tables.chain(fixed));
+    let shared = s.section("camera", "what all cameras share");
+    let pictures = pictures(&shared, &PICTURES);
     Rig {
-        camera: camera(&s.section("camera", "what all cameras share"), &d.camera),
-        cameras: cameras(s, &d.cameras, &mut tables),
+        camera: camera(&shared, &d.camera),
+        cameras: cameras(s, (&d.cameras, &pictures), &mut tables),
         lidars: lidars(s, &d.lidars[0], &mut tables),
         radars: radars(s, &d.radars, &mut tables),
         gnss: gnss(&s.section("gnss", "GNSS receiver"), d.gnss.is_some()),
@@ -95,18 +97,55 @@ fn mount(s: &Section<'_>, d: &Mount) -> Mount {
     }
 }
 
-fn camera(s: &Section<'_>, d: &CameraSettings) -> CameraSettings {
-    let fov_deg = s.number(
-        "fov_deg",
-        to_deg(d.horizontal_fov_rad).round(),
-        1.0,
-        170.0,
-        "horizontal field of view, degrees",
-    );
-    CameraSettings {
+/// Size and width of view, where no camera says otherwise.
+struct Pictures {
+    width: u32,
+    height: u32,
+    fov_deg: f64,
+}
+
+/// The published ones.
+const PICTURES: Pictures = Pictures { width: 1600, height: 900, fov_deg: 80.0 };
+
+fn pictures(s: &Section<'_>, d: &Pictures) -> Pictures {
+    Pictures {
         width: s.integer("width", d.width.into(), 16, 8192, "image width, pixels") as u32,
         height: s.integer("height", d.height.into(), 16, 8192, "image height, pixels") as u32,
-        horizontal_fov_rad: deg(fov_deg),
+        fov_deg: s.number("fov_deg", d.fov_deg, 1.0, 170.0, "horizontal field of view, degrees"),
+    }
+}
+
+/// The same and intrinsics of one camera; what it does not say is as in `shared`.
+fn optics(s: &Section<'_>, shared: &Pictures) -> Optics {
+    let absent = "that of `camera`";
+    let side = |key, doc| s.optional_integer(key, absent, 16, 8192, doc).map(|pixels| pixels as u32);
+    let width = side("width", "image width, pixels").unwrap_or(shared.width);
+    let height = side("height", "image height, pixels").unwrap_or(shared.height);
+    let doc = "horizontal field of view, degrees, if `fx` does not say it";
+    let fov_deg = s.optional_number("fov_deg", absent, 1.0, 170.0, doc);
+    let by_angle = Optics::pinhole(width, height, deg(fov_deg.unwrap_or(shared.fov_deg)));
+    let focal = |key, absent, doc| s.optional_number(key, absent, 1.0, 1e6, doc);
+    let fx = focal("fx", "by the field of view", "focal length in columns, pixels");
+    let fy = focal("fy", "`fx`", "focal length in rows, pixels");
+    if fx.is_some() && fov_deg.is_some() {
+        let problem = format!("`{}` and fx say the same: name one of them", s.path_of("fov_deg"));
+        s.fault_at("fov_deg", problem);
+    }
+    let axis = |key, middle: f64, doc| {
+        s.optional_number(key, "the middle", -8192.0, 16_384.0, doc).unwrap_or(middle)
+    };
+    let fx = fx.unwrap_or(by_angle.fx);
+    Optics {
+        fx,
+        fy: fy.unwrap_or(fx),
+        cx: axis("cx", by_angle.cx, "column of the optical axis; the middle of the first pixel is at 0.5"),
+        cy: axis("cy", by_angle.cy, "row of the optical axis"),
+        ..by_angle
+    }
+}
+
+fn camera(s: &Section<'_>, d: &CameraSettings) -> CameraSettings {
+    CameraSettings {
         f_stop: s.number("f_stop", d.f_stop, 0.5, 64.0, "aperture of the RGB images"),
         jpeg_quality: s.integer(
             "jpeg_quality",
@@ -135,22 +174,25 @@ fn images(s: &Section<'_>, d: ImageSet) -> ImageSet {
     images
 }
 
-fn cameras(s: &Section<'_>, d: &[CameraSpec], tables: &mut TableNames) -> Vec<CameraSpec> {
+fn cameras(
+    s: &Section<'_>,
+    (d, shared): (&[CameraSpec], &Pictures),
+    tables: &mut TableNames,
+) -> Vec<CameraSpec> {
     let read = |item: &Section<'_>| CameraSpec {
         name: item.text("name", "CAM_FRONT", "camera name, part of the file names"),
         mount: mount(item, &d[0].mount),
+        optics: optics(item, shared),
     };
-    let sections = s.sections(
-        "cameras",
-        &names(d.iter().map(|c| &c.name)),
-        "camera positions; replaces the default list",
-    );
+    let sections =
+        s.sections("cameras", &names(d.iter().map(|c| &c.name)), "the cameras; replaces the default list");
     read(&s.describe_item("cameras"));
     let tables_of = |name: &str| ImageKind::ALL.iter().map(|kind| kind.table(name)).collect();
     match sections {
         None => {
             d.iter().for_each(|camera| tables.take(s, &camera.name, tables_of(&camera.name)));
-            d.to_vec()
+            let optics = Optics::pinhole(shared.width, shared.height, deg(shared.fov_deg));
+            d.iter().map(|camera| CameraSpec { optics: optics.clone(), ..camera.clone() }).collect()
         }
         Some(list) => list
             .iter()

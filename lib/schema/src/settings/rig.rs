@@ -7,6 +7,7 @@ use super::camera::{CameraSettings, CameraSpec};
 use super::inertial::{GnssSpec, ImuSpec};
 use super::lidar::LidarSpec;
 use super::mount::Mount;
+use super::optics::Optics;
 use super::radar::RadarSpec;
 
 /// All sensors of one kind of agent.
@@ -30,7 +31,12 @@ impl Rig {
     /// The published vehicle rig: six cameras, a lidar, four radars, GNSS and IMU.
     #[must_use]
     pub fn vehicle() -> Self {
-        let camera = |name: &str, xyz, yaw| CameraSpec { name: name.into(), mount: Mount::upright(xyz, yaw) };
+        let optics = Optics::pinhole(1600, 900, deg(80.0));
+        let camera = |name: &str, xyz, yaw| CameraSpec {
+            name: name.into(),
+            mount: Mount::upright(xyz, yaw),
+            optics: optics.clone(),
+        };
         let radar = |name: &str, xyz, yaw| RadarSpec {
             name: name.into(),
             mount: Mount::upright(xyz, yaw),
@@ -67,8 +73,11 @@ impl Rig {
     /// The published RSU rig: three cameras, a lidar and a radar.
     #[must_use]
     pub fn rsu() -> Self {
-        let camera =
-            |name: &str, yaw| CameraSpec { name: name.into(), mount: Mount::upright([0.0, 0.0, 1.6], yaw) };
+        let camera = |name: &str, yaw| CameraSpec {
+            name: name.into(),
+            mount: Mount::upright([0.0, 0.0, 1.6], yaw),
+            optics: Optics::pinhole(1600, 900, deg(80.0)),
+        };
         Self {
             camera: CameraSettings::default(),
             cameras: vec![

@@ -69,7 +69,7 @@ struct Rect {
 /// The boxes of one sight, by object; frame and camera are not said yet.
 fn measure(scene: &dyn Scene, sight: &Sight) -> Result<Vec<Box2dRow>, SensorError> {
     let (snapshot, seen) = (scene.snapshot(), &sight.seen);
-    let camera = sight.view.pinhole()?;
+    let camera = sight.view.pinhole();
     let shown = shown(snapshot, seen);
     let mut parts: BTreeMap<ObjectId, Vec<u32>> = shown.keys().map(|id| (*id, Vec::new())).collect();
     for (number, instance) in (0..).zip(&snapshot.instances) {
@@ -206,7 +206,7 @@ fn cropped(camera: &PinholeCamera, [left, top, right, bottom]: [f32; 4]) -> (Pin
     let inside = |v: f32, size: u32| v.clamp(0.0, size as f32);
     let low = [inside(left, camera.width), inside(top, camera.height)].map(|v| v.floor() as u32);
     let high = [inside(right, camera.width), inside(bottom, camera.height)].map(|v| v.ceil() as u32);
-    // Halves and whole numbers: every pixel keeps its ray, bit for bit.
+    // The axis lies at a 1024th of a pixel: every pixel keeps its ray, bit for bit.
     let crop = PinholeCamera {
         width: high[0] - low[0],
         height: high[1] - low[1],
@@ -249,11 +249,11 @@ fn truncation([left, top, right, bottom]: [f32; 4], camera: &PinholeCamera) -> f
 mod tests {
     use frames::Pose;
     use renderer::Renderer;
-    use schema::settings::{CameraSettings, Mount};
+    use schema::settings::{CameraSettings, CameraSpec, Mount, Optics};
     use testkit::{WorldBuilder, box_mesh};
     use visibility::CpuRenderer;
 
-    use super::super::view::CameraView;
+    use super::super::mounted::Camera;
     use super::*;
 
     /// Boxes in front of a camera at the origin that looks along x, 100 by 60 pixels, focal length 50 pixels.
@@ -262,15 +262,14 @@ mod tests {
         let mut renderer = CpuRenderer::default();
         renderer.prepare(&snapshot.meshes).expect("has no device");
         let scene = renderer.place(&snapshot).expect("is prepared");
-        let settings = CameraSettings {
-            width: 100,
-            height: 60,
-            horizontal_fov_rad: frames::deg(90.0),
-            ..CameraSettings::default()
+        let spec = CameraSpec {
+            name: "CAM".into(),
+            mount: Mount::upright([0.0; 3], 0.0),
+            optics: Optics::pinhole(100, 60, frames::deg(90.0)),
         };
-        let (here, mount) = (Pose::identity(), Mount::upright([0.0; 3], 0.0));
-        let view = CameraView::new(&snapshot.origin, &here, &here, &mount, &settings);
-        let seen = scene.look(&[view.pinhole().expect("a camera")]).expect("has no device").remove(0);
+        let camera = Camera::new(&spec, &CameraSettings::default()).expect("is one");
+        let view = camera.view(&snapshot.origin, &Pose::identity(), &Pose::identity());
+        let seen = scene.look(&[view.pinhole()]).expect("has no device").remove(0);
         measure(&*scene, &Sight { view, seen, picture: None }).expect("has no device")
     }
 

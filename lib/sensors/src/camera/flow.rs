@@ -1,8 +1,8 @@
 //! Optical flow: where each pixel's surface was one frame ago.
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Affine3A, Vec2};
 use rayon::prelude::*;
-use renderer::{PinholeCamera, Surfaces};
+use renderer::Surfaces;
 use schema::ImageKind;
 use schema::geometry::Snapshot;
 use schema::images::{Flow, OfKind};
@@ -10,6 +10,7 @@ use schema::table::Halves;
 use schema::tables::{FlowRow, HalfFlowRow};
 
 use super::image::Image;
+use super::model::project;
 use super::sight::Sight;
 use crate::error::SensorError;
 
@@ -97,11 +98,4 @@ fn flow(snapshot: &Snapshot, sight: &Sight) -> (Vec<f32>, Vec<f32>) {
 fn rounded(flow: f32) -> f32 {
     // A product with a power of 2 is exact. Adding 0 turns -0 into 0.
     (flow.clamp(-LIMIT, LIMIT) / STEP).round_ties_even() * STEP + 0.0
-}
-
-/// Position in the picture of a point in the optical frame, pixels; what is nearer than the near plane (or behind)
-/// is moved onto it.
-fn project(camera: &PinholeCamera, point: Vec3) -> Vec2 {
-    let z = point.z.max(camera.near_m);
-    Vec2::new(camera.fx * point.x / z + camera.cx, camera.fy * point.y / z + camera.cy)
 }

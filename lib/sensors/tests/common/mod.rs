@@ -7,10 +7,10 @@ use frames::{Agent, LocalOrigin, Pose, World};
 use glam::{Affine3A, Vec3};
 use renderer::{Renderer, Scene};
 use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
-use schema::settings::{CameraSettings, Mount};
+use schema::settings::{CameraSettings, CameraSpec, Mount, Optics};
 use schema::tables::{CameraRow, Weather};
 use schema::{ImageSet, Tag, lights};
-use sensors::{CameraView, CpuPainter, FrameWeather, Image, Lighting, Painter, Picture, Sight, Sky};
+use sensors::{Camera, CameraView, CpuPainter, FrameWeather, Image, Lighting, Painter, Picture, Sight, Sky};
 pub(crate) use testkit::{block, instance, plane, snapshot};
 use visibility::CpuRenderer;
 
@@ -31,11 +31,31 @@ pub(crate) fn first_frame(weather: &Weather) -> FrameWeather {
     FrameWeather { frame: 0, time_s: 0.0, weather: *weather }
 }
 
+/// Pictures of a size, 80 degrees wide.
+pub(crate) fn optics(width: u32, height: u32) -> Optics {
+    Optics::pinhole(width, height, frames::deg(80.0))
+}
+
+/// A camera of a rig.
+pub(crate) fn camera(mount: Mount, optics: Optics, settings: &CameraSettings) -> Camera {
+    Camera::new(&CameraSpec { name: "CAM".into(), mount, optics }, settings).expect("is a camera")
+}
+
 /// A camera on an agent that stands.
-pub(crate) fn standing_view(xyz_m: [f64; 3], rpy_rad: [f64; 3], settings: &CameraSettings) -> CameraView {
+pub(crate) fn standing_view(xyz_m: [f64; 3], rpy_rad: [f64; 3], optics: Optics) -> CameraView {
+    set_view(xyz_m, rpy_rad, optics, &CameraSettings::default())
+}
+
+/// The same with settings of its own.
+pub(crate) fn set_view(
+    xyz_m: [f64; 3],
+    rpy_rad: [f64; 3],
+    optics: Optics,
+    settings: &CameraSettings,
+) -> CameraView {
     let pose = Pose::<World, Agent>::from_xyz_rpy(xyz_m, rpy_rad);
     let mount = Mount::upright([0.6, 0.0, 1.6], 0.0);
-    CameraView::new(&LocalOrigin::near([0.0; 3]), &pose, &pose, &mount, settings)
+    camera(mount, optics, settings).view(&LocalOrigin::near([0.0; 3]), &pose, &pose)
 }
 
 /// What a camera sees, in colour if its settings say so.
