@@ -18,7 +18,7 @@ use schema::BevClass;
 use schema::settings::{AnnotationSettings, BevRule, BevSettings, DatasetSettings, TrackSettings};
 
 pub use reader::{ConfigKey, Fault};
-use reader::{Section, with_document};
+use reader::{Section, Source, with_documents};
 
 /// Reads a configuration file, and what it asks for in vain (keys of a YAML file that have no effect here). Files
 /// whose names end in `.yaml` or `.yml` are read as SimBEV2X configurations.
@@ -46,12 +46,21 @@ fn parse_yaml(text: &str, file: &str) -> Result<(DatasetSettings, Vec<Fault>), V
     Ok((settings, warnings))
 }
 
-/// Reads a configuration text; `file` is its name in messages.
+/// Reads a configuration text; `file` is its name in messages, and rigs that it names are files beside it.
 ///
 /// # Errors
-/// All faults of the text, with line numbers.
+/// All faults of the text and of these files, with line numbers.
 pub fn parse(text: &str, file: &str) -> Result<DatasetSettings, Vec<Fault>> {
-    with_document(text, file, dataset).map(|(settings, _)| settings)
+    let whole = Source { written: String::new(), file: file.to_owned(), text: Ok(text.to_owned()) };
+    let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+    let named = reader::texts_of(text, rigs::FILE_KEY, &["vehicle", "rsu"], &["rigs"]);
+    let rigs = named.into_iter().filter(|written| !written.is_empty()).map(|written| {
+        let path = folder.join(&written);
+        let text = std::fs::read_to_string(&path).map_err(|e| e.to_string());
+        Source { written, file: path.display().to_string(), text }
+    });
+    let sources: Vec<Source> = std::iter::once(whole).chain(rigs).collect();
+    with_documents(&sources, dataset).map(|(settings, _)| settings)
 }
 
 /// Every key with its type, default and meaning, in reading order: the source of `docs/configuration.md`.
@@ -73,9 +82,7 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
     let annotation = annotation(&root.section("annotation", "which objects are annotated"));
     let tracks = tracks(&root.section("tracks", "objects followed over a scene"));
     let bev = bev(&root.section("bev", "bird's-eye-view masks"));
-    let (vehicle_rig, vehicle_occupancy) =
-        rigs::vehicle(&root.section("vehicle", "sensors and voxel grid of every data-collection vehicle"));
-    let (rsu_rig, rsu_occupancy) = rigs::rsu(&root.section("rsu", "sensors and voxel grid of every RSU"));
+    let [(vehicle_rig, vehicle_occupancy), (rsu_rig, rsu_occupancy)] = rigs::of_kinds(root);
     let own_rigs = rigs::own(root);
     let settings = DatasetSettings {
         name,
@@ -254,7 +261,7 @@ pub(crate) fn example_settings() -> DatasetSettings {
 mod tests {
     use super::*;
     use schema::AgentId;
-    use schema::settings::{Split, ZFill};
+    use schema::settings::{Optics, Rig, Split, ZFill};
 
     fn faults(text: &str) -> String {
         let faults = parse(text, "bad.toml").expect_err("has faults");
@@ -320,6 +327,100 @@ mod tests {
             "{}",
             faults[0]
         );
+    }
+
+    /// A folder with a configuration that names a rig, `rigs/x.toml`; what the whole is read as.
+    fn with_rig(config: &str, rig: &str) -> Result<schema::settings::DatasetSettings, String> {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::create_dir(folder.path().join("rigs")).expect("a folder");
+        std::fs::write(folder.path().join("rigs/x.toml"), rig).expect("writes");
+        let path = folder.path().join("config.toml");
+        std::fs::write(&path, format!("[scenes.train]\n\"convoy/demo\" = 1\n{config}")).expect("writes");
+        let told = |fault: &Fault| fault.to_string().replace(&format!("{}/", folder.path().display()), "");
+        load(&path)
+            .map(|(settings, _)| settings)
+            .map_err(|faults| faults.iter().map(|fault| told(fault) + "\n").collect())
+    }
+
+    #[test]
+    fn keys_of_a_configuration_go_before_those_of_a_rig_file() {
+        let rig = "[camera]\nwidth = 640\nheight = 480\nevery_n_frames = 4\n[[cameras]]\nname = \"A\"\n[[cameras]]\nname = \"B\"\nfx = 500\ncx = 300\n[lidar]\nchannels = 16\n[occupancy]\nenabled = false\n";
+        let config = "[vehicle]\nrig = \"rigs/x.toml\"\nradars = []\n[vehicle.camera]\nheight = 360\n\
+                      [[rigs]]\nagents = [\"rsu_0\"]\nrig = \"rigs/x.toml\"\ncameras = []\n";
+        let settings = with_rig(config, rig).expect("is good");
+        let cameras = &settings.vehicle_rig.cameras;
+        assert_eq!(cameras.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), ["A", "B"]);
+        assert_eq!(cameras[0].optics, Optics::pinhole(640, 360, frames::deg(80.0)));
+        let Optics { width, height, fx, fy, cx, cy } = cameras[1].optics;
+        assert_eq!((width, height, [fx, fy, cx, cy]), (640, 360, [500.0, 500.0, 300.0, 180.0]));
+        assert_eq!((settings.vehicle_rig.camera.every_n_frames, settings.vehicle_rig.radars.len()), (4, 0));
+        assert_eq!(settings.vehicle_rig.lidars[0].scan.channels, 16);
+        assert!(!settings.vehicle_occupancy.enabled && settings.rsu_occupancy.enabled);
+        let own = &settings.own_rigs[0];
+        assert_eq!((own.rig.cameras.len(), own.rig.lidars[0].scan.channels), (0, 16));
+        assert_eq!(own.rig.radars.len(), 1, "an RSU's, which nobody named");
+        // What is read is what counts: the same keys without a file are the same settings.
+        let plain = format!(
+            "[vehicle]\nradars = []\n{}",
+            rig.replace("[[", "[[vehicle.")
+                .replace("\n[", "\n[vehicle.")
+                .replace("[vehicle.[", "[[")
+                .replace("[camera]", "[vehicle.camera]")
+                .replace("= 480", "= 360")
+        );
+        let plain = with_rig(&plain, "").expect("is good");
+        assert_eq!(
+            (plain.vehicle_rig, plain.vehicle_occupancy),
+            (settings.vehicle_rig, settings.vehicle_occupancy)
+        );
+    }
+
+    #[test]
+    fn faults_of_a_rig_file_are_told_with_its_lines() {
+        let rig = "rig = \"y.toml\"\n[camera]\nwidht = 640\nheight = \"low\"\n[[cameras]]\nname = \"A\"\nfx = 0\n[lidars]\n";
+        insta::assert_snapshot!(with_rig("[vehicle]\nrig = \"rigs/x.toml\"\ncamera = 3\n[rsu]\nrig = \"rigs/y.toml\"\n[[rigs]]\nagents = [\"rsu_0\"]\nrig = 7\n", rig).expect_err("is bad"), @r"
+        config.toml:5: `vehicle.camera` is an integer, expected a table
+        config.toml:7: `rsu.rig`: rigs/y.toml: cannot read: No such file or directory (os error 2)
+        config.toml:10: `rigs[0].rig` is an integer, expected a string
+        rigs/x.toml:1: `vehicle.rig`: such a file names no other
+        rigs/x.toml:3: unknown key `vehicle.camera.widht` (did you mean `width`?)
+        rigs/x.toml:4: `vehicle.camera.height` is a string, expected an integer
+        rigs/x.toml:7: `vehicle.cameras[0].fx` is 0, expected 1 to 1000000
+        rigs/x.toml:8: `vehicle.lidars` is a table, expected a list of tables
+        ");
+        let broken = with_rig("[vehicle]\nrig = \"rigs/x.toml\"\n", "[camera]\nwidth = = 3\n")
+            .expect_err("is no TOML");
+        assert!(broken.contains("rigs/x.toml:2: "), "{broken}");
+    }
+
+    #[test]
+    fn the_shipped_rigs_are_read() {
+        let of = |rig: &str| {
+            let configs = concat!(env!("CARGO_MANIFEST_DIR"), "/../../configs/some.toml");
+            let text = format!(
+                "[scenes.train]\n\"convoy/demo\" = 1\n[vehicle]\nrig = \"rigs/{rig}.toml\"\n[rsu]\nrig = \"rigs/{rig}.toml\"\n"
+            );
+            parse(&text, configs).unwrap_or_else(|faults| panic!("{faults:?}"))
+        };
+        let usual = example_settings();
+        let published = of("simbev2x-vehicle");
+        assert_eq!(
+            (published.vehicle_rig, published.vehicle_occupancy),
+            (usual.vehicle_rig, usual.vehicle_occupancy)
+        );
+        let published = of("simbev2x-rsu");
+        assert_eq!((published.rsu_rig, published.rsu_occupancy), (usual.rsu_rig, usual.rsu_occupancy));
+        let opv2v = of("opv2v").vehicle_rig;
+        // 800 / (2 tan 50 degrees), as OPV2V's files have it.
+        assert!(opv2v.cameras.iter().all(|c| (c.optics.fx - 335.64).abs() < 0.01 && c.optics.height == 600));
+        assert_eq!((opv2v.cameras.len(), opv2v.radars.len(), opv2v.lidars[0].every_n_frames), (4, 0, 2));
+        let nuscenes = of("nuscenes");
+        let Rig { cameras, radars, lidars, .. } = &nuscenes.vehicle_rig;
+        assert_eq!(
+            (cameras.len(), radars.len(), lidars[0].scan.channels, lidars[0].every_n_frames),
+            (6, 5, 32, 1)
+        );
+        assert!(cameras.iter().all(|c| c.optics.cx != 800.0) && !nuscenes.vehicle_occupancy.enabled);
     }
 
     #[test]

@@ -41,65 +41,114 @@ pub struct ConfigKey {
     pub doc: String,
 }
 
+/// A file with keys of a configuration: the configuration itself, or one that it names.
+pub(crate) struct Source {
+    /// As the configuration writes it; empty for the configuration itself.
+    pub(crate) written: String,
+    /// Its path, for messages.
+    pub(crate) file: String,
+    /// What is in it, or why it cannot be read.
+    pub(crate) text: Result<String, String>,
+}
+
+/// A source that was read and parsed.
+struct Document<'a> {
+    source: &'a Source,
+    table: Spanned<DeTable<'a>>,
+}
+
 struct Context<'a> {
-    text: &'a str,
-    file: &'a str,
-    faults: RefCell<Vec<(usize, Fault)>>,
+    /// The configuration first.
+    documents: &'a [Document<'a>],
+    faults: RefCell<Vec<(Home, Fault)>>,
     keys: RefCell<Vec<ConfigKey>>,
 }
 
+/// Number of a document and line in it.
+type Home = (usize, usize);
+
 impl Context<'_> {
-    fn fault(&self, span: Option<Range<usize>>, message: String) {
-        let line = span.map(|s| self.text[..s.start.min(self.text.len())].matches('\n').count() + 1);
-        let fault = Fault { file: self.file.to_owned(), line, message };
-        self.faults.borrow_mut().push((line.unwrap_or(usize::MAX), fault));
+    fn fault(&self, document: usize, span: Option<Range<usize>>, message: String) {
+        let Some(Document { source, .. }) = self.documents.get(document) else { return };
+        let text = source.text.as_deref().unwrap_or_default();
+        let line = span.map(|s| text[..s.start.min(text.len())].matches('\n').count() + 1);
+        let fault = Fault { file: source.file.clone(), line, message };
+        self.faults.borrow_mut().push(((document, line.unwrap_or(usize::MAX)), fault));
     }
 }
 
-/// A table of the document, or the absence of one (then every key has its default).
+/// A table of a document.
+#[derive(Clone)]
+struct Layer<'a> {
+    table: &'a DeTable<'a>,
+    document: usize,
+    /// Where the table stands; a document itself stands nowhere.
+    span: Option<Range<usize>>,
+}
+
+/// A table of the configuration, or the absence of one (then every key has its default). Below it may lie the same table of
+/// another file: it has the keys that the first one lacks.
 pub(crate) struct Section<'a> {
     context: &'a Context<'a>,
     path: String,
-    table: Option<&'a DeTable<'a>>,
-    /// Where the table stands; the document itself stands nowhere.
-    span: Option<Range<usize>>,
+    layers: Vec<Layer<'a>>,
     seen: RefCell<BTreeSet<String>>,
 }
 
-/// Parses a text and reads it; keys that were not asked for are faults.
-pub(crate) fn with_document<T>(
-    text: &str,
-    file: &str,
+/// A value and the document that it stands in.
+#[derive(Clone, Copy)]
+struct Found<'a> {
+    value: &'a Spanned<DeValue<'a>>,
+    document: usize,
+}
+
+/// Parses a configuration and the files that it names, and reads it; keys that were not asked for are faults.
+pub(crate) fn with_documents<T>(
+    sources: &[Source],
     read: impl FnOnce(&Section<'_>) -> T,
 ) -> Result<(T, Vec<ConfigKey>), Vec<Fault>> {
-    let context = Context { text, file, faults: RefCell::default(), keys: RefCell::default() };
-    let (document, errors) = DeTable::parse_recoverable(text);
-    for error in &errors {
-        context.fault(error.span(), error.message().replace('\n', ", "));
+    let (mut documents, mut broken) = (Vec::with_capacity(sources.len()), Vec::new());
+    for (number, source) in sources.iter().enumerate() {
+        let (table, errors) = DeTable::parse_recoverable(source.text.as_deref().unwrap_or_default());
+        broken.extend(errors.into_iter().map(|error| (number, error)));
+        documents.push(Document { source, table });
+    }
+    let context = Context { documents: &documents, faults: RefCell::default(), keys: RefCell::default() };
+    for (number, error) in broken {
+        context.fault(number, error.span(), error.message().replace('\n', ", "));
     }
     let value = {
-        let root = Section {
-            context: &context,
-            path: String::new(),
-            table: Some(document.get_ref()),
+        let layers = context.documents.first().map(|document| Layer {
+            table: document.table.get_ref(),
+            document: 0,
             span: None,
-            seen: RefCell::default(),
-        };
-        read(&root)
+        });
+        let layers = layers.into_iter().collect();
+        read(&Section { context: &context, path: String::new(), layers, seen: RefCell::default() })
     };
     let mut faults = context.faults.into_inner();
     if faults.is_empty() {
         return Ok((value, context.keys.into_inner()));
     }
-    faults.sort_by_key(|(line, _)| *line);
+    faults.sort_by_key(|(home, _)| *home);
+    faults.dedup();
     Err(faults.into_iter().map(|(_, fault)| fault).collect())
+}
+
+/// The texts that a key has in some tables of a configuration, and in the tables of some lists: the files that it names.
+pub(crate) fn texts_of(text: &str, key: &str, tables: &[&str], lists: &[&str]) -> BTreeSet<String> {
+    let (document, _) = DeTable::parse_recoverable(text);
+    let root = document.get_ref();
+    let in_tables = tables.iter().filter_map(|name| root.get(*name)?.get_ref().as_table());
+    let in_lists = lists.iter().filter_map(|name| root.get(*name)?.get_ref().as_array());
+    let in_lists = in_lists.flatten().filter_map(|item| item.get_ref().as_table());
+    in_tables.chain(in_lists).filter_map(|t| t.get(key)?.get_ref().as_str().map(str::to_owned)).collect()
 }
 
 /// The keys that a reading function asks for.
 pub(crate) fn describe<T>(read: impl FnOnce(&Section<'_>) -> T) -> Vec<ConfigKey> {
-    let context = Context { text: "", file: "", faults: RefCell::default(), keys: RefCell::default() };
-    let (path, seen) = (String::new(), RefCell::default());
-    read(&Section { context: &context, path, table: None, span: None, seen });
+    let context = Context { documents: &[], faults: RefCell::default(), keys: RefCell::default() };
+    read(&Section { context: &context, path: String::new(), layers: Vec::new(), seen: RefCell::default() });
     context.keys.into_inner()
 }
 
@@ -108,9 +157,44 @@ impl<'a> Section<'a> {
         if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
     }
 
-    fn get(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
+    fn get(&self, key: &str) -> Option<Found<'a>> {
         self.seen.borrow_mut().insert(key.to_owned());
-        self.table?.get(key)
+        self.all(key).next()
+    }
+
+    /// What a key has in each layer, the topmost first.
+    fn all(&self, key: &str) -> impl Iterator<Item = Found<'a>> {
+        let found = |l: &Layer<'a>| Some(Found { value: l.table.get(key)?, document: l.document });
+        self.layers.iter().filter_map(found)
+    }
+
+    fn fault(&self, found: Found<'_>, message: String) {
+        self.context.fault(found.document, Some(found.value.span()), message);
+    }
+
+    /// Lays the section over the file that a key names, if it does: keys that it lacks are taken from there.
+    pub(crate) fn over_file(mut self, key: &str, doc: &str) -> Self {
+        self.note(key, "string".into(), "none".into(), doc);
+        let Some(found) = self.get(key) else { return self };
+        let Some(written) = found.value.get_ref().as_str() else {
+            self.wrong_type(key, found, "a string");
+            return self;
+        };
+        let mut documents = self.context.documents.iter().enumerate();
+        let Some((number, document)) = documents.find(|(_, d)| d.source.written == written) else {
+            return self;
+        };
+        if let Err(why) = &document.source.text {
+            let message = format!("`{}`: {}: cannot read: {why}", self.full(key), document.source.file);
+            self.fault(found, message);
+        }
+        let table = document.table.get_ref();
+        if let Some(nested) = table.get(key) {
+            let message = format!("`{}`: such a file names no other", self.full(key));
+            self.context.fault(number, Some(nested.span()), message);
+        }
+        self.layers.push(Layer { table, document: number, span: None });
+        self
     }
 
     fn note(&self, key: &str, kind: String, default: String, doc: &str) {
@@ -118,11 +202,10 @@ impl<'a> Section<'a> {
         self.context.keys.borrow_mut().push(ConfigKey { path: self.full(key), kind, default, doc });
     }
 
-    fn wrong_type(&self, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) {
-        let found = value.get_ref().type_str();
-        let article = if found.starts_with(['a', 'i', 'o']) { "an" } else { "a" };
-        let message = format!("`{}` is {article} {found}, expected {expected}", self.full(key));
-        self.context.fault(Some(value.span()), message);
+    fn wrong_type(&self, key: &str, found: Found<'_>, expected: &str) {
+        let kind = found.value.get_ref().type_str();
+        let article = if kind.starts_with(['a', 'i', 'o']) { "an" } else { "a" };
+        self.fault(found, format!("`{}` is {article} {kind}, expected {expected}", self.full(key)));
     }
 
     /// Reports a fault at a key (or at its section when the key is absent).
@@ -132,8 +215,12 @@ impl<'a> Section<'a> {
 
     /// Reports a fault that several keys make together: at the first of them that is there, else at the section.
     pub(crate) fn fault_at_any(&self, keys: &[&str], message: String) {
-        let key = keys.iter().find_map(|key| self.table?.get(*key));
-        self.context.fault(key.map(Spanned::span).or_else(|| self.span.clone()), message);
+        if let Some(found) = keys.iter().find_map(|key| self.all(key).next()) {
+            self.fault(found, message);
+        } else {
+            let layer = self.layers.first();
+            self.context.fault(layer.map_or(0, |l| l.document), layer.and_then(|l| l.span.clone()), message);
+        }
     }
 
     /// The path of the section, for messages.
@@ -162,14 +249,13 @@ impl<'a> Section<'a> {
     ) -> Option<i64> {
         let range = if max == i64::MAX { format!("from {min}") } else { format!("{min} to {max}") };
         self.note(key, format!("integer, {range}"), absent.to_owned(), doc);
-        let value = self.get(key)?;
-        let Some(number) = as_integer(value.get_ref()) else {
-            self.wrong_type(key, value, "an integer");
+        let found = self.get(key)?;
+        let Some(number) = as_integer(found.value.get_ref()) else {
+            self.wrong_type(key, found, "an integer");
             return None;
         };
         if !(min..=max).contains(&number) {
-            let message = format!("`{}` is {number}, expected {min} to {max}", self.full(key));
-            self.context.fault(Some(value.span()), message);
+            self.fault(found, format!("`{}` is {number}, expected {min} to {max}", self.full(key)));
             return None;
         }
         Some(number)
@@ -190,14 +276,13 @@ impl<'a> Section<'a> {
         doc: &str,
     ) -> Option<f64> {
         self.note(key, format!("number, {min} to {max}"), absent.to_owned(), doc);
-        let value = self.get(key)?;
-        let Some(number) = as_number(value.get_ref()) else {
-            self.wrong_type(key, value, "a number");
+        let found = self.get(key)?;
+        let Some(number) = as_number(found.value.get_ref()) else {
+            self.wrong_type(key, found, "a number");
             return None;
         };
         if !(min..=max).contains(&number) {
-            let message = format!("`{}` is {number}, expected {min} to {max}", self.full(key));
-            self.context.fault(Some(value.span()), message);
+            self.fault(found, format!("`{}` is {number}, expected {min} to {max}", self.full(key)));
             return None;
         }
         Some(number)
@@ -206,9 +291,9 @@ impl<'a> Section<'a> {
     /// `true` or `false`.
     pub(crate) fn flag(&self, key: &str, default: bool, doc: &str) -> bool {
         self.note(key, "true or false".into(), default.to_string(), doc);
-        let Some(value) = self.get(key) else { return default };
-        value.get_ref().as_bool().unwrap_or_else(|| {
-            self.wrong_type(key, value, "true or false");
+        let Some(found) = self.get(key) else { return default };
+        found.value.get_ref().as_bool().unwrap_or_else(|| {
+            self.wrong_type(key, found, "true or false");
             default
         })
     }
@@ -216,9 +301,9 @@ impl<'a> Section<'a> {
     /// A text.
     pub(crate) fn text(&self, key: &str, default: &str, doc: &str) -> String {
         self.note(key, "string".into(), format!("\"{default}\""), doc);
-        let Some(value) = self.get(key) else { return default.to_owned() };
-        value.get_ref().as_str().map(str::to_owned).unwrap_or_else(|| {
-            self.wrong_type(key, value, "a string");
+        let Some(found) = self.get(key) else { return default.to_owned() };
+        found.value.get_ref().as_str().map(str::to_owned).unwrap_or_else(|| {
+            self.wrong_type(key, found, "a string");
             default.to_owned()
         })
     }
@@ -228,15 +313,15 @@ impl<'a> Section<'a> {
         let words: Vec<String> = options.iter().map(|(word, _)| format!("\"{word}\"")).collect();
         let words = words.join(", ");
         self.note(key, format!("one of {words}"), format!("\"{}\"", options[default].0), doc);
-        let Some(value) = self.get(key) else { return options[default].1 };
-        let Some(text) = value.get_ref().as_str() else {
-            self.wrong_type(key, value, &format!("one of {words}"));
+        let Some(found) = self.get(key) else { return options[default].1 };
+        let Some(text) = found.value.get_ref().as_str() else {
+            self.wrong_type(key, found, &format!("one of {words}"));
             return options[default].1;
         };
         options.iter().find(|(word, _)| *word == text).map_or_else(
             || {
                 let message = format!("`{}` is \"{text}\", expected one of {words}", self.full(key));
-                self.context.fault(Some(value.span()), message);
+                self.fault(found, message);
                 options[default].1
             },
             |(_, option)| *option,
@@ -280,17 +365,16 @@ impl<'a> Section<'a> {
         expected: &str,
         item: impl Fn(&DeValue<'_>) -> Option<T>,
     ) -> Option<Vec<T>> {
-        let value = self.get(key)?;
-        let items = value.get_ref().as_array().map(|a| a.iter().map(|v| item(v.get_ref())).collect());
+        let found = self.get(key)?;
+        let items = found.value.get_ref().as_array().map(|a| a.iter().map(|v| item(v.get_ref())).collect());
         match items {
             Some(Some(items)) => Some(items),
             Some(None) => {
-                let message = format!("`{}` is not {expected}", self.full(key));
-                self.context.fault(Some(value.span()), message);
+                self.fault(found, format!("`{}` is not {expected}", self.full(key)));
                 None
             }
             None => {
-                self.wrong_type(key, value, expected);
+                self.wrong_type(key, found, expected);
                 None
             }
         }
@@ -299,35 +383,37 @@ impl<'a> Section<'a> {
     /// A table within this one.
     pub(crate) fn section(&self, key: &str, doc: &str) -> Section<'a> {
         self.note(key, "table".into(), String::new(), doc);
-        let value = self.get(key);
-        let table = value.and_then(|value| {
-            let table = value.get_ref().as_table();
-            if table.is_none() {
-                self.wrong_type(key, value, "a table");
+        self.seen.borrow_mut().insert(key.to_owned());
+        let mut layers = Vec::new();
+        for found in self.all(key) {
+            match found.value.get_ref().as_table() {
+                Some(table) => {
+                    let span = Some(found.value.span());
+                    layers.push(Layer { table, document: found.document, span });
+                }
+                None => self.wrong_type(key, found, "a table"),
             }
-            table
-        });
-        let span = value.map(Spanned::span);
-        Section { context: self.context, path: self.full(key), table, span, seen: RefCell::default() }
+        }
+        Section { context: self.context, path: self.full(key), layers, seen: RefCell::default() }
     }
 
     /// A list of tables, or `None` when it is absent.
     pub(crate) fn sections(&self, key: &str, absent: &str, doc: &str) -> Option<Vec<Section<'a>>> {
         self.note(key, "list of tables".into(), absent.to_owned(), doc);
-        let value = self.get(key)?;
-        let Some(array) = value.get_ref().as_array() else {
-            self.wrong_type(key, value, "a list of tables");
+        let found = self.get(key)?;
+        let Some(array) = found.value.get_ref().as_array() else {
+            self.wrong_type(key, found, "a list of tables");
             return None;
         };
         let mut sections = Vec::new();
         for (i, item) in array.iter().enumerate() {
             let Some(table) = item.get_ref().as_table() else {
-                self.wrong_type(key, item, "a table");
+                self.wrong_type(key, Found { value: item, ..found }, "a table");
                 continue;
             };
             let path = format!("{}[{i}]", self.full(key));
-            let (span, seen) = (Some(item.span()), RefCell::default());
-            sections.push(Section { context: self.context, path, table: Some(table), span, seen });
+            let layers = vec![Layer { table, document: found.document, span: Some(item.span()) }];
+            sections.push(Section { context: self.context, path, layers, seen: RefCell::default() });
         }
         Some(sections)
     }
@@ -335,27 +421,26 @@ impl<'a> Section<'a> {
     /// A table within a list of tables, for the description of its keys alone.
     pub(crate) fn describe_item(&self, key: &str) -> Section<'a> {
         let path = format!("{}[]", self.full(key));
-        Section { context: self.context, path, table: None, span: None, seen: RefCell::default() }
+        Section { context: self.context, path, layers: Vec::new(), seen: RefCell::default() }
     }
 
     /// All keys of a table whose keys are free (map names, weather parameters), in file order.
     pub(crate) fn free_integers(&self, kind: &str, min: i64, max: i64, doc: &str) -> Vec<(String, i64)> {
         self.note(kind, format!("integer, {min} to {max}"), "none".into(), doc);
-        let Some(table) = self.table else { return Vec::new() };
+        let Some(Layer { table, .. }) = self.layers.first() else { return Vec::new() };
         let mut keys: Vec<_> =
             table.iter().map(|(key, _)| (key.span().start, key.get_ref().to_string())).collect();
         keys.sort_unstable();
         let read = |(_, key): (usize, String)| {
-            let value = self.get(&key)?;
-            match as_integer(value.get_ref()) {
+            let found = self.get(&key)?;
+            match as_integer(found.value.get_ref()) {
                 Some(n) if (min..=max).contains(&n) => Some((key, n)),
                 Some(n) => {
-                    let message = format!("`{}` is {n}, expected {min} to {max}", self.full(&key));
-                    self.context.fault(Some(value.span()), message);
+                    self.fault(found, format!("`{}` is {n}, expected {min} to {max}", self.full(&key)));
                     None
                 }
                 None => {
-                    self.wrong_type(&key, value, "an integer");
+                    self.wrong_type(&key, found, "an integer");
                     None
                 }
             }
@@ -367,9 +452,10 @@ impl<'a> Section<'a> {
 impl Drop for Section<'_> {
     /// Keys nobody asked for are faults: a typing mistake must not pass in silence.
     fn drop(&mut self) {
-        let Some(table) = self.table else { return };
         let seen = self.seen.borrow();
-        for (key, _) in table {
+        for (key, document) in
+            self.layers.iter().flat_map(|l| l.table.iter().map(|(key, _)| (key, l.document)))
+        {
             let name = key.get_ref().as_ref();
             if seen.contains(name) {
                 continue;
@@ -379,7 +465,11 @@ impl Drop for Section<'_> {
                 Some((d, near)) if d <= 2.max(name.len() / 4) => format!(" (did you mean `{near}`?)"),
                 _ => String::new(),
             };
-            self.context.fault(Some(key.span()), format!("unknown key `{}`{hint}", self.full(name)));
+            self.context.fault(
+                document,
+                Some(key.span()),
+                format!("unknown key `{}`{hint}", self.full(name)),
+            );
         }
     }
 }

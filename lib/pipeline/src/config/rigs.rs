@@ -14,11 +14,29 @@ use super::every_n_frames;
 use super::reader::Section;
 use super::table_names::TableNames;
 
-pub(crate) fn vehicle(s: &Section<'_>) -> (Rig, OccupancySettings) {
+/// Names the file that a rig is read from.
+pub(crate) const FILE_KEY: &str = "rig";
+
+/// All vehicles, all RSUs.
+pub(crate) fn of_kinds(root: &Section<'_>) -> [(Rig, OccupancySettings); 2] {
+    let section = |key, doc| over_file(root.section(key, doc));
+    [
+        vehicle(&section("vehicle", "sensors and voxel grid of every data-collection vehicle")),
+        rsu(&section("rsu", "sensors and voxel grid of every RSU")),
+    ]
+}
+
+/// Lays a rig over the file that it names.
+fn over_file(section: Section<'_>) -> Section<'_> {
+    let doc = "a file with keys of this table, beside this file; those that stand here go before its own (lists as a whole)";
+    section.over_file(FILE_KEY, doc)
+}
+
+fn vehicle(s: &Section<'_>) -> (Rig, OccupancySettings) {
     with_grid(s, common(s, &Rig::vehicle()))
 }
 
-pub(crate) fn rsu(s: &Section<'_>) -> (Rig, OccupancySettings) {
+fn rsu(s: &Section<'_>) -> (Rig, OccupancySettings) {
     with_grid(s, common(s, &Rig::rsu()))
 }
 
@@ -34,9 +52,10 @@ pub(crate) fn own(root: &Section<'_>) -> Vec<OwnRig> {
     let agents_of = |item: &Section<'_>| {
         item.texts("agents", &[], "who carries it: `vehicle_0`, `rsu_1`, ... of one kind")
     };
-    agents_of(&root.describe_item("rigs"));
+    agents_of(&over_file(root.describe_item("rigs")));
     let mut carriers = BTreeSet::new();
-    let read = |item: &Section<'_>| {
+    let read = |item: Section<'_>| {
+        let item = &over_file(item);
         let written = agents_of(item);
         let mut agents = Vec::new();
         let path = item.path_of("agents");
@@ -68,7 +87,7 @@ pub(crate) fn own(root: &Section<'_>) -> Vec<OwnRig> {
         let (rig, occupancy) = if kinds.contains(&AgentKind::Rsu) { rsu(item) } else { vehicle(item) };
         OwnRig { agents, rig, occupancy }
     };
-    root.sections("rigs", "none", doc).unwrap_or_default().iter().map(read).collect()
+    root.sections("rigs", "none", doc).unwrap_or_default().into_iter().map(read).collect()
 }
 
 fn common(s: &Section<'_>, d: &Rig) -> Rig {
