@@ -34,7 +34,7 @@ rules! {
     Numbers "numbers": "no number is NaN or infinite",
     Times "times": "frames count from 0 without a gap, in steps of every_n_frames, frame k is at k x 0.05 s within 1 ns, for every agent and sensor",
     Units "units": "every value lies in its unit's range, every word in its vocabulary, lists of a row are equally long",
-    Calibration "calibration": "poses, intrinsics and rates in sensor files are those of the configuration within 1e-9",
+    Calibration "calibration": "poses, intrinsics, lenses and rates in sensor files are those of the configuration within 1e-9",
     Poses "poses": "agents are where the log has them within 1e-6; objects move as their velocities say within 0.5 m/s and 0.5 rad/s",
     BoxList "box list": "an agent lists exactly the objects that annotation asks for nearer than the radius, within 1 mm",
     BoxShape "box shape": "corners, centre, size, rotation, velocity, distance, angle, tags (or some of them) and state of a box are those of the log within 1e-5",

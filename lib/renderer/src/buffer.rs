@@ -1,5 +1,9 @@
 //! What a camera sees, per pixel.
 
+use std::sync::Arc;
+
+use glam::Vec3;
+
 use crate::camera::PinholeCamera;
 
 /// In [`VisibilityBuffer::instance`] and [`VisibilityBuffer::triangle`]: nothing is seen here.
@@ -19,8 +23,11 @@ pub struct VisibilityBuffer {
     pub instance: Vec<u32>,
     /// Index into the triangles of that instance's mesh, or [`SKY`].
     pub triangle: Vec<u32>,
-    /// Planar depth along the optical axis, metres; infinite for sky.
+    /// A surface is at so many times the pixel's direction, which is planar depth where no rays say otherwise, metres; infinite
+    /// for sky.
     pub depth_m: Vec<f32>,
+    /// Where a lens bends light: the direction of each pixel in the optical frame.
+    pub rays: Option<Arc<[Vec3]>>,
 }
 
 impl VisibilityBuffer {
@@ -35,6 +42,16 @@ impl VisibilityBuffer {
             instance: vec![SKY; pixels],
             triangle: vec![SKY; pixels],
             depth_m: vec![f32::INFINITY; pixels],
+            rays: None,
+        }
+    }
+
+    /// The direction in the optical frame in which a pixel's centre looks; of pinholes 1 long along the axis.
+    #[must_use]
+    pub fn direction_optical(&self, x: u32, y: u32) -> Vec3 {
+        match &self.rays {
+            Some(rays) => rays[self.index(x, y)],
+            None => self.camera.direction_optical(x as f32 + 0.5, y as f32 + 0.5),
         }
     }
 

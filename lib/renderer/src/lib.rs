@@ -2,7 +2,7 @@
 //!
 //! [`Renderer`] owns prepared meshes; [`Renderer::place`] puts the instances of one frame over them and gives a
 //! [`Scene`], which answers batches of questions: what cameras see ([`Scene::look`]), of all or of some instances
-//! ([`Scene::look_at`]), and what rays hit ([`Scene::trace`]). Cameras, shadow maps, lidars and radars ask nothing else, and [`VoxelRenderer`] answers voxel
+//! ([`Scene::look_at`]), and what rays hit ([`Scene::trace`], [`Scene::trace_at`]). Cameras, shadow maps, lidars and radars ask nothing else, and [`VoxelRenderer`] answers voxel
 //! grids. Answers are plain buffers of numbers, nothing that lives on one device; [`Surfaces`] recovers the exact surface
 //! point of every pixel from them, the same for all renderers. `visibility` and `voxels` fill the seam on the CPU.
 //!
@@ -41,6 +41,6 @@ pub use buffer::{SKY, VisibilityBuffer};
 pub use camera::PinholeCamera;
 pub use error::RenderError;
 pub use ray::{Hit, Hits, RayBatch};
-pub use seeing::{Alone, Renderer, Scene};
+pub use seeing::{Alone, AloneRays, Renderer, Scene};
 pub use surface::{SurfacePoint, Surfaces};
 pub use voxels::{VoxelBlock, VoxelRenderer};

@@ -38,6 +38,15 @@ pub struct Alone<'a> {
     pub instances: &'a [u32],
 }
 
+/// Rays that look at some instances as if there were no others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AloneRays<'a> {
+    /// The rays.
+    pub rays: RayBatch<'a>,
+    /// Numbers of the instances, ascending.
+    pub instances: &'a [u32],
+}
+
 /// The instances of one frame over a renderer's meshes.
 ///
 /// Questions come in batches, because a device answers many at once for little more than the price of one: ask for
@@ -66,4 +75,10 @@ pub trait Scene: Send + Sync {
     /// # Errors
     /// The device failed.
     fn trace(&self, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError>;
+
+    /// The closest surface along every ray if there were nothing but some instances.
+    ///
+    /// # Errors
+    /// The device failed.
+    fn trace_at(&self, batches: &[AloneRays<'_>]) -> Result<Vec<Hits>, RenderError>;
 }

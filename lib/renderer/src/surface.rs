@@ -19,7 +19,7 @@ pub struct SurfacePoint<'a> {
     pub position_object: Vec3,
     /// Unit normal of the triangle's plane, on the camera's side, local frame.
     pub normal_local: Vec3,
-    /// Planar depth along the optical axis, metres.
+    /// As in [`VisibilityBuffer::depth_m`].
     pub depth_m: f32,
     /// What is there.
     pub part: &'a Part,
@@ -95,8 +95,8 @@ impl<'v, 'a> Facet<'v, 'a> {
     }
 
     #[inline]
-    fn point(&self, camera: &PinholeCamera, x: u32, y: u32, depth_m: f32) -> SurfacePoint<'a> {
-        let direction = self.view.rotation * camera.direction_optical(x as f32 + 0.5, y as f32 + 0.5);
+    fn point(&self, direction_optical: Vec3, depth_m: f32) -> SurfacePoint<'a> {
+        let direction = self.view.rotation * direction_optical;
         let slope = direction.dot(self.normal);
         // The plane seen edge-on has no one point: then the buffer's depth decides.
         let exact = self.offset / slope;
@@ -135,11 +135,28 @@ impl<'a> Surfaces<'a> {
     pub fn at(&self, x: u32, y: u32) -> Option<SurfacePoint<'a>> {
         let index = self.buffer.index(x, y);
         let facet = self.facet(self.buffer.instance[index], self.buffer.triangle[index])?;
-        Some(facet.point(&self.buffer.camera, x, y, self.buffer.depth_m[index]))
+        Some(facet.point(self.buffer.direction_optical(x, y), self.buffer.depth_m[index]))
     }
 
     /// Calls `each(x, point)` for every pixel of a row, in order; neighbours on one triangle share its set-up.
-    pub fn for_each_in_row(&self, y: u32, mut each: impl FnMut(u32, Option<&SurfacePoint<'a>>)) {
+    pub fn for_each_in_row(&self, y: u32, each: impl FnMut(u32, Option<&SurfacePoint<'a>>)) {
+        // Asked once a row, not once a pixel.
+        match &self.buffer.rays {
+            Some(rays) => self.for_each(y, |x| rays[self.buffer.index(x, y)], each),
+            None => {
+                let camera = self.buffer.camera;
+                self.for_each(y, |x| camera.direction_optical(x as f32 + 0.5, y as f32 + 0.5), each);
+            }
+        }
+    }
+
+    #[inline]
+    fn for_each(
+        &self,
+        y: u32,
+        direction_optical: impl Fn(u32) -> Vec3,
+        mut each: impl FnMut(u32, Option<&SurfacePoint<'a>>),
+    ) {
         let start = self.buffer.index(0, y);
         let end = start + self.buffer.width as usize;
         let row = self.buffer.instance[start..end]
@@ -153,7 +170,7 @@ impl<'a> Surfaces<'a> {
                 current = (instance, triangle);
                 facet = self.facet(instance, triangle);
             }
-            let point = facet.as_ref().map(|f| f.point(&self.buffer.camera, x as u32, y, depth_m));
+            let point = facet.as_ref().map(|f| f.point(direction_optical(x as u32), depth_m));
             each(x as u32, point.as_ref());
         }
     }

@@ -8,6 +8,7 @@ use scene::{ArrayReader, SceneError, SceneLog, SceneReader, SensorFrames, agent_
 use schema::arrays::BEV_MASKS;
 use schema::calibration::{Calibration, METADATA_KEY, Mounting};
 use schema::scene_info::{AgentInfo, LOG_STAGE, SCENE_FILE, SceneInfo};
+use schema::settings::Lens;
 use schema::table::{Blob, Row};
 use schema::tables::{
     ActorRow, AgentRow, CameraRow, FrameRow, GnssRow, LampRow, SignalRow, StateRow, VisibleRow,
@@ -140,6 +141,7 @@ fn sensors_give_one_row_a_frame_and_say_what_is_wrong() {
         width: Some(64),
         height: Some(32),
         intrinsics: Some([[10.0, 0.0, 32.0], [0.0, 10.0, 16.0], [0.0, 0.0, 1.0]]),
+        lens: Some(Lens::Brown { k: [-0.3, 0.1, 0.0], p: [1e-3, 0.0] }),
     };
     let json = serde_json::to_string(&calibration).expect("json");
     stage(&store, "render-sensors", |unit| {

@@ -3,6 +3,8 @@
 use frames::{Agent, Frame, Pose};
 use serde::{Deserialize, Serialize};
 
+use crate::settings::Lens;
+
 /// Key of the JSON text of a [`Calibration`] in a sensor table's metadata.
 pub const METADATA_KEY: &str = "sensor";
 
@@ -24,9 +26,12 @@ pub struct Calibration {
     /// Rows of a camera's pictures.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height: Option<u32>,
-    /// The 3 x 3 matrix that takes directions in a camera's optical frame to pixels.
+    /// The 3 x 3 matrix that takes directions in a camera's optical frame (bent by its lens) to pixels.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub intrinsics: Option<[[f64; 3]; 3]>,
+    /// What bends a camera's rays. Depth images of fisheyes hold distances along the ray, others along the axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lens: Option<Lens>,
 }
 
 /// Position and orientation on the agent.

@@ -113,7 +113,7 @@ image_kinds! {
         by_default: true,
         plural: "instance images",
     }
-    /// 24-bit planar depth, red lowest, 1000 m at 2^24 - 1.
+    /// 24-bit planar depth (of fisheyes along the ray), red lowest, 1000 m at 2^24 - 1.
     Depth {
         prefix: "DPT",
         encoding: Png,

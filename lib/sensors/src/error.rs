@@ -25,6 +25,12 @@ pub enum SensorError {
         /// Row of the axis.
         cy: f64,
     },
+    /// A lens that cannot make the picture.
+    #[error("camera: {problem}")]
+    Lens {
+        /// What is wrong.
+        problem: String,
+    },
     /// A colour picture was asked for and nobody to paint it.
     #[error("colour pictures need a painter")]
     NoPainter,

@@ -18,6 +18,7 @@ pub fn camera_metadata(camera: &CameraSpec, settings: &CameraSettings) -> String
         width: Some(camera.optics.width),
         height: Some(camera.optics.height),
         intrinsics: Some(camera.optics.matrix()),
+        lens: Some(camera.optics.lens),
         ..calibration(&camera.name, "optical", &agent_from_optical, settings.every_n_frames)
     })
 }
@@ -36,6 +37,7 @@ fn calibration<F: Frame>(
         width: None,
         height: None,
         intrinsics: None,
+        lens: None,
     }
 }
 
@@ -62,6 +64,7 @@ mod tests {
             let got = value["agent_from_sensor"]["quaternion"][i].as_f64().expect("is a number");
             assert!((got - want).abs() < 1e-7, "{got} {want}");
         }
+        assert_eq!(value["lens"], json!({"model": "pinhole"}));
         let focal = value["intrinsics"][0][0].as_f64().expect("is a number");
         assert!((focal - 953.402_874_075_368_1).abs() < 1e-9);
     }

@@ -2,14 +2,14 @@
 
 use frames::LocalOrigin;
 use glam::Affine3A;
-use renderer::{PinholeCamera, Scene};
+use renderer::Scene;
 use schema::settings::Mount;
 use schema::{ObjectId, rate};
 
-use crate::camera::Cameras;
 use crate::camera::picture::Picture;
 use crate::camera::sight::Sight;
 use crate::camera::view::CameraView;
+use crate::camera::{Cameras, look};
 use crate::error::SensorError;
 use crate::light::FrameWeather;
 use crate::motion::Motion;
@@ -84,8 +84,7 @@ pub fn see(
     place_local: glam::Vec3,
     views: Vec<CameraView>,
 ) -> Result<Vec<Sight>, SensorError> {
-    let cameras: Vec<PinholeCamera> = views.iter().map(CameraView::pinhole).collect();
-    let seen = scene.look(&cameras)?;
+    let seen = look(scene, &views)?;
     let in_colour = |view: &CameraView| view.settings.images.has(schema::ImageKind::Rgb);
     let shots: Vec<Shot<'_>> = views
         .iter()

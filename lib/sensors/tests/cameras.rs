@@ -14,9 +14,9 @@ use nalgebra::Point3;
 use schema::Tag;
 use schema::geometry::Surface;
 use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
-use schema::settings::{CameraSettings, Mount, Optics};
+use schema::settings::{CameraSettings, Lens, Mount, Optics};
 use schema::tables::Weather;
-use sensors::{Image, decode_depth_m, pixel_counts};
+use sensors::{Image, Sight, decode_depth_m, pixel_counts};
 
 fn decode(bytes: &[u8]) -> (Vec<u8>, png::OutputInfo) {
     let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
@@ -64,6 +64,100 @@ fn known_points_project_as_the_pinhole_formula_says() {
     }
 }
 
+/// The formulas of the lenses as they are printed.
+fn bent(lens: &Lens, [x, y, z]: [f64; 3]) -> [f64; 2] {
+    match *lens {
+        Lens::Pinhole => [x / z, y / z],
+        Lens::Brown { k: [k1, k2, k3], p: [p1, p2] } => {
+            let (x, y) = (x / z, y / z);
+            let r2 = x * x + y * y;
+            let radial = 1.0 + k1 * r2 + k2 * r2 * r2 + k3 * r2 * r2 * r2;
+            [
+                x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+                y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
+            ]
+        }
+        Lens::Fisheye { k } => {
+            let across = (x * x + y * y).sqrt();
+            let angle = frames::math::atan2(across, z);
+            let far =
+                (0..4).map(|i| k[i] * frames::math::pow(angle, 2.0 * i as f64 + 3.0)).sum::<f64>() + angle;
+            [x * far / across, y * far / across]
+        }
+    }
+}
+
+const LENSES: [Lens; 2] = [
+    Lens::Brown { k: [-0.25, 0.08, -0.01], p: [2e-3, -1e-3] },
+    Lens::Fisheye { k: [-0.03, 0.006, -0.001, 1e-4] },
+];
+
+#[test]
+fn lenses_put_known_points_where_their_formulas_say() {
+    let pose = Pose::<World, Agent>::from_xyz_rpy([3.0, -2.0, 0.5], [0.02, -0.03, 0.7]);
+    let mount = Mount { xyz_m: [0.4, 0.4, 1.6], rpy_rad: [0.0, 0.05, deg(55.0)] };
+    let world_from_sensor: Pose<World, Sensor> = pose * mount.agent_from_sensor();
+    for lens in LENSES {
+        let is_fisheye = matches!(lens, Lens::Fisheye { .. });
+        let (fx, fy) = if is_fisheye { (220.0, 215.0) } else { (500.0, 510.0) };
+        let optics = Optics { fx, fy, cx: 390.3, cy: 231.7, lens, ..optics(800, 450) };
+        let view = camera(mount, optics.clone(), &CameraSettings::default()).view(
+            &LocalOrigin::near([0.0; 3]),
+            &pose,
+            &pose,
+        );
+        // Forward, left, up; the last is beside the camera and a little behind it.
+        let mut places = vec![[12.0, 3.0, 1.0], [9.0, -5.0, -2.5], [9.0, 0.5, 0.5]];
+        places.extend(is_fisheye.then_some([-0.7, 8.0, 0.5]));
+        for forward in places {
+            let centre = world_from_sensor * Point3::from(forward);
+            let at = Vec3::new(centre.x as f32, centre.y as f32, centre.z as f32 - 0.1);
+            let instance = instance(0, 5, Affine3A::from_translation(at));
+            let snapshot = snapshot(vec![block([0.2; 3], Tag::Car, Surface::Plain)], vec![instance]);
+            let sight = with_scene(&snapshot, |scene| grey_sight(scene, &view));
+            let (data, info) = decode(&encoded::<Instance>(&snapshot, &sight));
+            let (depths, _) = decode(&encoded::<Depth>(&snapshot, &sight));
+            let (mut u, mut v, mut n, mut depth_m) = (0.0, 0.0, 0.0, 0.0);
+            for (i, (p, depth)) in data.as_chunks::<3>().0.iter().zip(depths.as_chunks::<3>().0).enumerate() {
+                if p[0] == Tag::Car as u8 {
+                    u += (i % info.width as usize) as f64 + 0.5;
+                    v += (i / info.width as usize) as f64 + 0.5;
+                    depth_m += decode_depth_m(*depth);
+                    n += 1.0;
+                }
+            }
+            let [x, y] = bent(&lens, [-forward[1], -forward[2], forward[0]]);
+            let want = [optics.cx + fx * x, optics.cy + fy * y];
+            let off = (u / n - want[0]).abs().max((v / n - want[1]).abs());
+            assert!(n > 4.0 && off < 1.0, "{lens:?} {forward:?}: {} {} {want:?}", u / n, v / n);
+            // Along the axis, of fisheyes along the ray; its near faces are seen.
+            let range_m = forward.iter().map(|part| part * part).sum::<f64>().sqrt();
+            let want_m = if is_fisheye { range_m } else { forward[0] };
+            assert!((depth_m / n - want_m).abs() < 0.2, "{lens:?} {forward:?}: {} {want_m}", depth_m / n);
+        }
+    }
+}
+
+#[test]
+fn a_lens_that_bends_nothing_sees_what_a_pinhole_does() {
+    let street = street(false);
+    let through = |lens| {
+        let view = standing_view([0.0, -5.0, 0.0], [0.0; 3], Optics { lens, ..optics(320, 180) });
+        with_scene(&street, |scene| sight(scene, &view, &Weather::default()))
+    };
+    let straight = through(Lens::Pinhole);
+    let traced = through(Lens::Brown { k: [0.0; 3], p: [0.0; 2] });
+    let pixels = straight.seen.depth_m.len();
+    let differ = |unlike: usize, most: usize, what: &str| assert!(unlike <= most, "{unlike} {what} differ");
+    let ids = straight.seen.instance.iter().zip(&traced.seen.instance).filter(|(a, b)| a != b).count();
+    differ(ids, pixels / 1000, "ids");
+    let depths = straight.seen.depth_m.iter().zip(&traced.seen.depth_m);
+    differ(depths.filter(|(a, b)| a != b && (*a / *b - 1.0).abs() > 1e-3).count(), pixels / 500, "depths");
+    let colours = |sight: &Sight| sight.picture.clone().expect("in colour").rgb;
+    let far = colours(&straight).iter().zip(colours(&traced)).filter(|(a, b)| a.abs_diff(*b) > 4).count();
+    differ(far, 3 * pixels / 200, "values");
+}
+
 #[test]
 fn depth_decodes_to_the_buffer() {
     let snapshot = street(false);
@@ -104,7 +198,12 @@ fn depth_decodes_to_the_buffer() {
 #[test]
 fn flow_is_the_difference_of_two_projections() {
     // A level plane seen by a camera that drives and turns, and a block that moves by itself.
-    let optics = Optics { fx: 96.0, fy: 99.0, cx: 75.25, cy: 50.5, ..optics(160, 90) };
+    for lens in [Lens::Pinhole, LENSES[0], LENSES[1]] {
+        flow_is_that_of(Optics { fx: 96.0, fy: 99.0, cx: 75.25, cy: 50.5, lens, ..optics(160, 90) });
+    }
+}
+
+fn flow_is_that_of(optics: Optics) {
     let mount = Mount::upright([0.6, 0.0, 1.6], 0.0);
     let before = Pose::<World, Agent>::from_xyz_rpy([0.0, 0.0, 0.0], [0.0, 0.0, 0.0]);
     let now = Pose::<World, Agent>::from_xyz_rpy([0.7, 0.05, 0.0], [0.0, 0.002, 0.03]);
@@ -132,12 +231,16 @@ fn flow_is_the_difference_of_two_projections() {
         let was = mover.previous_local_from_object.transform_point3(local);
         Point3::new(f64::from(was.x), f64::from(was.y), f64::from(was.z))
     };
-    let Optics { fx, fy, cx, cy, .. } = optics;
+    let Optics { fx, fy, cx, cy, lens, .. } = optics;
     let (mut on_plane, mut on_block, mut on_sky) = (0, 0, 0);
     for y in 0..90u32 {
         for x in 0..160u32 {
             let i = buffer.index(x, y);
-            let ray = Point3::new((f64::from(x) + 0.5 - cx) / fx, (f64::from(y) + 0.5 - cy) / fy, 1.0);
+            let now = [f64::from(x) + 0.5, f64::from(y) + 0.5];
+            let ray = Point3::from(buffer.direction_optical(x, y).to_array().map(f64::from));
+            let [u, v] = bent(&lens, [ray.x, ray.y, ray.z]);
+            let off = (cx + fx * u - now[0]).abs().max((cy + fy * v - now[1]).abs());
+            assert!(off < 1e-3, "{lens:?}: the ray of {now:?} is {off} pixels off");
             let was = match buffer.instance[i] {
                 0 => {
                     // Closed form: the ray meets z = 0.
@@ -156,8 +259,9 @@ fn flow_is_the_difference_of_two_projections() {
                     Point3::from(before_optical.rotate(now_optical.rotate(ray.coords)))
                 }
             };
-            let dx = (ray.x - was.x / was.z) * fx * 2.0 / 160.0;
-            let dy = -(ray.y - was.y / was.z) * fy * 2.0 / 90.0;
+            let [u, v] = bent(&lens, [was.x, was.y, was.z]);
+            let dx = (now[0] - cx - fx * u) * 2.0 / 160.0;
+            let dy = -(now[1] - cy - fy * v) * 2.0 / 90.0;
             assert!((f64::from(flow.dx[i]) - dx).abs() < 2e-4, "{x} {y}: {} {dx}", flow.dx[i]);
             assert!((f64::from(flow.dy[i]) - dy).abs() < 2e-4, "{x} {y}: {} {dy}", flow.dy[i]);
         }

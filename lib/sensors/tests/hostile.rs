@@ -9,7 +9,9 @@ use frames::{Agent, Pose, World};
 use glam::{Affine3A, Vec3};
 use nalgebra::Vector3;
 use random::Stream;
-use renderer::{Alone, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer};
+use renderer::{
+    Alone, AloneRays, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer,
+};
 use schema::geometry::{Snapshot, TriMesh};
 use schema::settings::{
     CameraSettings, CameraSpec, GnssSpec, ImuSpec, LidarSpec, Mount, Optics, Rig, ScanPattern,
@@ -180,6 +182,10 @@ impl Scene for Nothing<'_> {
     }
 
     fn trace(&self, _: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
+        unplugged()
+    }
+
+    fn trace_at(&self, _: &[AloneRays<'_>]) -> Result<Vec<Hits>, RenderError> {
         unplugged()
     }
 }

@@ -4,7 +4,9 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Mat3};
-use renderer::{Alone, Hit, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer};
+use renderer::{
+    Alone, AloneRays, Hit, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer,
+};
 use schema::geometry::{Snapshot, TriMesh};
 
 /// Tries every triangle of every instance, in double precision.
@@ -57,10 +59,6 @@ impl<'a> BruteScene<'a> {
 
     /// Closest hit: Moeller and Trumbore, "Fast, minimum storage ray-triangle intersection" (1997). Of equals, the
     /// first.
-    fn closest(&self, origin: DVec3, direction: DVec3, range: [f64; 2]) -> Option<Hit> {
-        self.closest_of(origin, direction, range, |_| true)
-    }
-
     fn closest_of(
         &self,
         origin: DVec3,
@@ -91,6 +89,22 @@ impl<'a> BruteScene<'a> {
             }
         }
         best.map(|(_, hit)| hit)
+    }
+
+    fn follow(&self, batch: &RayBatch<'_>, counts: impl Fn(u32) -> bool) -> Hits {
+        let mut hits = Hits::none(batch.directions.len());
+        let range = batch.range_m.map(f64::from);
+        for (ray, direction) in batch.directions.iter().enumerate() {
+            let (origin, direction) = (batch.origin.as_dvec3(), direction.as_dvec3());
+            if let Some(hit) = self.closest_of(origin, direction, range, &counts) {
+                hits.t[ray] = hit.t;
+                hits.instance[ray] = hit.instance;
+                hits.triangle[ray] = hit.triangle;
+                hits.u[ray] = hit.u;
+                hits.v[ray] = hit.v;
+            }
+        }
+        hits
     }
 
     fn look_through(&self, camera: &PinholeCamera, counts: impl Fn(u32) -> bool) -> VisibilityBuffer {
@@ -135,20 +149,11 @@ impl Scene for BruteScene<'_> {
     }
 
     fn trace(&self, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
-        let trace = |batch: &RayBatch<'_>| {
-            let mut hits = Hits::none(batch.directions.len());
-            let range = batch.range_m.map(f64::from);
-            for (ray, direction) in batch.directions.iter().enumerate() {
-                if let Some(hit) = self.closest(batch.origin.as_dvec3(), direction.as_dvec3(), range) {
-                    hits.t[ray] = hit.t;
-                    hits.instance[ray] = hit.instance;
-                    hits.triangle[ray] = hit.triangle;
-                    hits.u[ray] = hit.u;
-                    hits.v[ray] = hit.v;
-                }
-            }
-            hits
-        };
-        Ok(batches.iter().map(trace).collect())
+        Ok(batches.iter().map(|batch| self.follow(batch, |_| true)).collect())
+    }
+
+    fn trace_at(&self, batches: &[AloneRays<'_>]) -> Result<Vec<Hits>, RenderError> {
+        let alone = |one: &AloneRays<'_>| self.follow(&one.rays, |i| one.instances.contains(&i));
+        Ok(batches.iter().map(alone).collect())
     }
 }

@@ -3,7 +3,7 @@
 use frames::Aabb;
 use glam::Vec3;
 use rayon::prelude::*;
-use renderer::{Alone, Hits, PinholeCamera, RayBatch, RenderError, Scene, VisibilityBuffer};
+use renderer::{Alone, AloneRays, Hits, PinholeCamera, RayBatch, RenderError, Scene, VisibilityBuffer};
 use schema::geometry::Snapshot;
 
 use crate::bvh::{Bvh, QUICK, Stack};
@@ -44,7 +44,11 @@ impl Scene for CpuScene<'_> {
     }
 
     fn trace(&self, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
-        Ok(batches.par_iter().map(|batch| self.trace_batch(batch)).collect())
+        Ok(batches.par_iter().map(|batch| self.trace_batch(batch, None)).collect())
+    }
+
+    fn trace_at(&self, batches: &[AloneRays<'_>]) -> Result<Vec<Hits>, RenderError> {
+        Ok(batches.par_iter().map(|alone| self.trace_batch(&alone.rays, Some(alone.instances))).collect())
     }
 }
 
@@ -76,7 +80,8 @@ impl<'a> CpuScene<'a> {
         Self { snapshot, placed, tree }
     }
 
-    fn trace_batch(&self, batch: &RayBatch<'_>) -> Hits {
+    /// Follows rays, past all instances or some.
+    fn trace_batch(&self, batch: &RayBatch<'_>, only: Option<&[u32]>) -> Hits {
         let mut hits = Hits::none(batch.directions.len());
         let directions = batch.directions.par_chunks(RAYS_PER_TASK);
         directions
@@ -89,20 +94,36 @@ impl<'a> CpuScene<'a> {
                 let mut out = HitsMut { t, instance, triangle, u, v };
                 // A lane's bits do not depend on the other lanes, so a lone ray may have a packet of its own size.
                 if directions.len() == 1 {
-                    self.follow::<1>(batch, directions, &mut out);
+                    self.follow::<1>(batch, directions, only, &mut out);
                 } else {
-                    self.follow::<LANES>(batch, directions, &mut out);
+                    self.follow::<LANES>(batch, directions, only, &mut out);
                 }
             });
         hits
     }
 
     /// Follows rays of a batch in packets of `N`.
-    fn follow<const N: usize>(&self, batch: &RayBatch<'_>, directions: &[Vec3], out: &mut HitsMut<'_>) {
+    fn follow<const N: usize>(
+        &self,
+        batch: &RayBatch<'_>,
+        directions: &[Vec3],
+        only: Option<&[u32]>,
+        out: &mut HitsMut<'_>,
+    ) {
         let [t_min, t_max] = batch.range_m;
         for (number, directions) in directions.chunks(N).enumerate() {
             let mut packet = Packet::<N>::new(batch.origin, directions, t_min, t_max);
-            self.walk(&mut packet);
+            match only {
+                None => self.walk(&mut packet),
+                // Few: a tree would cost more than it saves.
+                Some(some) => {
+                    for &instance in some {
+                        if let Some(Some(placed)) = self.placed.get(instance as usize) {
+                            packet.visit(instance, placed);
+                        }
+                    }
+                }
+            }
             packet.store(directions.len(), number * N, out);
         }
     }

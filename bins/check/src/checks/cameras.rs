@@ -19,6 +19,8 @@ const CALIBRATION: f64 = 1e-9;
 const AROUND_PX: f64 = 2.0;
 /// Boxes are cut off this near the camera, m.
 const NEAR_M: f64 = 0.01;
+/// Pieces of an edge that a lens bends.
+const BENT: u32 = 256;
 /// Edges of a box as pairs of corners.
 const EDGES: [[usize; 2]; 12] =
     [[0, 1], [0, 2], [0, 4], [1, 3], [1, 5], [2, 3], [2, 6], [3, 7], [4, 5], [4, 6], [5, 7], [6, 7]];
@@ -130,6 +132,10 @@ fn expect_lens(table: &Table, optics: &Optics, ledger: &mut Ledger) {
     let same = size == wanted_size && within(off, CALIBRATION * wanted[0][0]);
     ledger.expect(Rule::Calibration, same, || {
         format!("{}: intrinsics are off by {off:.6} pixels, or the size is {size:?}", table.path().display())
+    });
+    ledger.expect(Rule::Calibration, about["lens"] == optics.lens_written, || {
+        let (said, wanted) = (&about["lens"], &optics.lens_written);
+        format!("{}: the lens is {said}, the configuration says {wanted}", table.path().display())
     });
 }
 
@@ -286,10 +292,14 @@ impl Sight<'_> {
     /// Bounds of a box in the picture; none where it is behind the camera.
     fn bounds(&self, corners: &[V3; 8]) -> Option<[[f64; 2]; 2]> {
         let seen = corners.map(|corner| self.world_from_optical.inward(corner));
-        let mut ends: Vec<V3> = seen.into_iter().filter(|p| p[2] >= NEAR_M).collect();
+        let is_straight = self.camera.optics.is_straight();
+        let mut ends: Vec<V3> = seen.into_iter().filter(|p| p[2] >= NEAR_M || !is_straight).collect();
         for [a, b] in EDGES {
             let (p, q) = (seen[a], seen[b]);
-            if (p[2] < NEAR_M) != (q[2] < NEAR_M) {
+            if !is_straight {
+                // Edges are bent: they are followed.
+                ends.extend((1..BENT).map(|i| add(p, scale(sub(q, p), f64::from(i) / f64::from(BENT)))));
+            } else if (p[2] < NEAR_M) != (q[2] < NEAR_M) {
                 let share = (NEAR_M - p[2]) / (q[2] - p[2]);
                 ends.push(add(p, scale(sub(q, p), share)));
             }

@@ -70,7 +70,8 @@ pub(crate) fn check(
         let moved = [0.5 * flow_x * width as f64, -0.5 * flow_y * height as f64];
         let Some(point) = point_of(now, [x, y], depth_m(*depth), id) else { continue };
         let Some(was) = point_before_or_sky(scene, id, frame, point, now, before) else { continue };
-        if was[2] < NEAR_M {
+        let was_m = camera.optics.depth_of(was);
+        if was_m < NEAR_M {
             continue;
         }
         let Some([was_x, was_y]) = camera.optics.project(was) else { continue };
@@ -87,7 +88,7 @@ pub(crate) fn check(
         }
         if id != 0
             && now.inner(k % width, k / width).is_some()
-            && let Some(holds) = was_there(before, [x - moved[0], y - moved[1]], id, was[2])
+            && let Some(holds) = was_there(before, [x - moved[0], y - moved[1]], id, was_m)
         {
             judge(&mut found, id, holds);
         }

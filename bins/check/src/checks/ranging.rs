@@ -29,7 +29,8 @@ pub(crate) fn check_depth(sight: &Sight<'_>, cloud: &Cloud<'_>, own: u16, frame:
     let mut judged: BTreeMap<u16, (u64, u64, f64)> = BTreeMap::new();
     for ((point, &id), &tag) in cloud.in_world().zip(&cloud.ids).zip(&cloud.tags) {
         let seen = sight.world_from_optical.inward(point);
-        if id == own || seen[2] < 0.2 {
+        let at_m = camera.optics.depth_of(seen);
+        if id == own || at_m < 0.2 {
             continue;
         }
         let Some([u, v]) = camera.optics.project(seen) else { continue };
@@ -43,8 +44,8 @@ pub(crate) fn check_depth(sight: &Sight<'_>, cloud: &Cloud<'_>, own: u16, frame:
         }
         let depths = (0..9).filter_map(|k| depth_m(depth.at(x + k % 3 - 1, y + k / 3 - 1)));
         let (low, high) = depths.fold((f64::INFINITY, 0.0_f64), |(low, high), d| (low.min(d), high.max(d)));
-        let tolerance = DEPTH[0] + DEPTH[1] * seen[2] + SIGMAS * cloud.ranger.noise_m;
-        let beyond = (low - seen[2]).max(seen[2] - high) - tolerance;
+        let tolerance = DEPTH[0] + DEPTH[1] * at_m + SIGMAS * cloud.ranger.noise_m;
+        let beyond = (low - at_m).max(at_m - high) - tolerance;
         let (all, off, worst) = judged.entry(id).or_insert((0, 0, 0.0));
         *all += 1;
         if beyond > 0.0 {

@@ -261,7 +261,7 @@ pub(crate) fn example_settings() -> DatasetSettings {
 mod tests {
     use super::*;
     use schema::AgentId;
-    use schema::settings::{Optics, Rig, Split, ZFill};
+    use schema::settings::{Lens, Optics, Rig, Split, ZFill};
 
     fn faults(text: &str) -> String {
         let faults = parse(text, "bad.toml").expect_err("has faults");
@@ -351,7 +351,7 @@ mod tests {
         let cameras = &settings.vehicle_rig.cameras;
         assert_eq!(cameras.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), ["A", "B"]);
         assert_eq!(cameras[0].optics, Optics::pinhole(640, 360, frames::deg(80.0)));
-        let Optics { width, height, fx, fy, cx, cy } = cameras[1].optics;
+        let Optics { width, height, fx, fy, cx, cy, .. } = cameras[1].optics;
         assert_eq!((width, height, [fx, fy, cx, cy]), (640, 360, [500.0, 500.0, 300.0, 180.0]));
         assert_eq!((settings.vehicle_rig.camera.every_n_frames, settings.vehicle_rig.radars.len()), (4, 0));
         assert_eq!(settings.vehicle_rig.lidars[0].scan.channels, 16);
@@ -373,6 +373,31 @@ mod tests {
             (plain.vehicle_rig, plain.vehicle_occupancy),
             (settings.vehicle_rig, settings.vehicle_occupancy)
         );
+    }
+
+    #[test]
+    fn lenses_are_read_as_opencv_orders_them() {
+        let with = |camera: &str| with_rig(&format!("[[vehicle.cameras]]\nname = \"A\"\n{camera}\n"), "");
+        let lens = |camera: &str| with(camera).expect("is good").vehicle_rig.cameras[0].optics.lens;
+        assert_eq!(
+            lens("lens = \"brown\"\ndistortion = [-0.3, 0.1, 1e-3, 2e-3, -0.01]"),
+            Lens::Brown { k: [-0.3, 0.1, -0.01], p: [1e-3, 2e-3] }
+        );
+        assert_eq!(lens("lens = \"brown\""), Lens::Brown { k: [0.0; 3], p: [0.0; 2] });
+        let wide = with("lens = \"fisheye\"\nfov_deg = 190\nwidth = 1000").expect("is good");
+        let optics = &wide.vehicle_rig.cameras[0].optics;
+        // Equidistant: half of the picture is half of the angle.
+        assert!((optics.fx - 500.0 / frames::deg(95.0)).abs() < 1e-9 && optics.fy == optics.fx, "{optics:?}");
+        for (camera, fault) in [
+            ("fov_deg = 190", "config.toml:5: `vehicle.cameras[0].fov_deg` is more than 170: that takes"),
+            ("distortion = [0.1]", "has 1 numbers, expected none: a pinhole bends nothing"),
+            ("lens = \"fisheye\"\ndistortion = [0.1, 0.2]", "has 2 numbers, expected k1, k2, k3, k4"),
+            ("lens = \"brown\"\ndistortion = [-0.9, 0, 0, 0]", "pixel (0, 0) looks nowhere"),
+            ("fx = 100\nfov_deg = 50", "name one of them"),
+        ] {
+            let told = with(camera).expect_err("is bad");
+            assert!(told.contains(fault), "{told}");
+        }
     }
 
     #[test]

@@ -335,6 +335,12 @@ impl<'a> Section<'a> {
             .unwrap_or_else(|| default.to_vec())
     }
 
+    /// Some numbers, or nothing; `absent` says what happens then.
+    pub(crate) fn numbers(&self, key: &str, absent: &str, doc: &str) -> Option<Vec<f64>> {
+        self.note(key, "list of numbers".into(), absent.to_owned(), doc);
+        self.items(key, "a list of numbers", as_number)
+    }
+
     /// Three numbers.
     pub(crate) fn triple(&self, key: &str, default: [f64; 3], doc: &str) -> [f64; 3] {
         self.note(key, "three numbers".into(), format!("{default:?}"), doc);

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use frames::{deg, to_deg};
 use schema::settings::{
-    CameraSettings, CameraSpec, FillingRule, GnssSpec, ImuSpec, LidarSpec, Mount, OccupancySettings, Optics,
-    OwnRig, RadarSpec, Rig, ScanPattern, SweepSettings, ZFill,
+    CameraSettings, CameraSpec, FillingRule, GnssSpec, ImuSpec, Lens, LidarSpec, Mount, OccupancySettings,
+    Optics, OwnRig, RadarSpec, Rig, ScanPattern, SweepSettings, ZFill,
 };
 use schema::tables::{GNSS_TABLE, IMU_TABLE, VISIBLE_TABLE};
 use schema::{AgentId, AgentKind, ImageKind, ImageSet};
@@ -134,18 +134,24 @@ fn pictures(s: &Section<'_>, d: &Pictures) -> Pictures {
     }
 }
 
-/// The same and intrinsics of one camera; what it does not say is as in `shared`.
+/// The same, intrinsics and lens of one camera; what it does not say is as in `shared`.
 fn optics(s: &Section<'_>, shared: &Pictures) -> Optics {
-    let absent = "that of `camera`";
+    let absent = "that of camera";
     let side = |key, doc| s.optional_integer(key, absent, 16, 8192, doc).map(|pixels| pixels as u32);
     let width = side("width", "image width, pixels").unwrap_or(shared.width);
     let height = side("height", "image height, pixels").unwrap_or(shared.height);
-    let doc = "horizontal field of view, degrees, if `fx` does not say it";
-    let fov_deg = s.optional_number("fov_deg", absent, 1.0, 170.0, doc);
-    let by_angle = Optics::pinhole(width, height, deg(fov_deg.unwrap_or(shared.fov_deg)));
+    let doc = "horizontal field of view, degrees, if `fx` does not say it; beyond 170 of fisheyes alone";
+    let fov_deg = s.optional_number("fov_deg", absent, 1.0, 350.0, doc);
+    let lens = lens(s);
+    if fov_deg.is_some_and(|fov| fov > 170.0) && !matches!(lens, Lens::Fisheye { .. }) {
+        let path = s.path_of("fov_deg");
+        s.fault_at("fov_deg", format!("`{path}` is more than 170: that takes `lens = \"fisheye\"`"));
+    }
+    let fov_rad = deg(fov_deg.unwrap_or(shared.fov_deg));
+    let by_angle = Optics::by_angle(width, height, fov_rad, &lens);
     let focal = |key, absent, doc| s.optional_number(key, absent, 1.0, 1e6, doc);
     let fx = focal("fx", "by the field of view", "focal length in columns, pixels");
-    let fy = focal("fy", "`fx`", "focal length in rows, pixels");
+    let fy = focal("fy", "fx", "focal length in rows, pixels");
     if fx.is_some() && fov_deg.is_some() {
         let problem = format!("`{}` and fx say the same: name one of them", s.path_of("fov_deg"));
         s.fault_at("fov_deg", problem);
@@ -154,12 +160,44 @@ fn optics(s: &Section<'_>, shared: &Pictures) -> Optics {
         s.optional_number(key, "the middle", -8192.0, 16_384.0, doc).unwrap_or(middle)
     };
     let fx = fx.unwrap_or(by_angle.fx);
-    Optics {
+    let optics = Optics {
         fx,
         fy: fy.unwrap_or(fx),
         cx: axis("cx", by_angle.cx, "column of the optical axis; the middle of the first pixel is at 0.5"),
         cy: axis("cy", by_angle.cy, "row of the optical axis"),
         ..by_angle
+    };
+    if let Some(problem) = optics.problem() {
+        s.fault_at_any(&["distortion", "fx", "fov_deg", "lens"], format!("`{}`: {problem}", s.path()));
+    }
+    optics
+}
+
+/// What bends a camera's rays.
+fn lens(s: &Section<'_>) -> Lens {
+    let doc = "`brown`: radial and tangential distortion; `fisheye`: equidistant, by Kannala and Brandt";
+    let options = [
+        ("pinhole", Lens::Pinhole),
+        ("brown", Lens::Brown { k: [0.0; 3], p: [0.0; 2] }),
+        ("fisheye", Lens::Fisheye { k: [0.0; 4] }),
+    ];
+    let plain = s.choice("lens", &options, 0, doc);
+    let doc = "coefficients of the lens as OpenCV orders them: k1, k2, p1, p2, k3 of `brown`, k1 to k4 of `fisheye`";
+    let Some(numbers) = s.numbers("distortion", "zeros", doc) else { return plain };
+    match (plain, numbers.as_slice()) {
+        (Lens::Brown { .. }, &[k1, k2, p1, p2]) => Lens::Brown { k: [k1, k2, 0.0], p: [p1, p2] },
+        (Lens::Brown { .. }, &[k1, k2, p1, p2, k3]) => Lens::Brown { k: [k1, k2, k3], p: [p1, p2] },
+        (Lens::Fisheye { .. }, &[k1, k2, k3, k4]) => Lens::Fisheye { k: [k1, k2, k3, k4] },
+        (_, numbers) => {
+            let wanted = match plain {
+                Lens::Pinhole => "none: a pinhole bends nothing",
+                Lens::Brown { .. } => "k1, k2, p1, p2 and perhaps k3",
+                Lens::Fisheye { .. } => "k1, k2, k3, k4",
+            };
+            let path = s.path_of("distortion");
+            s.fault_at("distortion", format!("`{path}` has {} numbers, expected {wanted}", numbers.len()));
+            plain
+        }
     }
 }
 

@@ -206,8 +206,8 @@ table! {
         pixels: u32,
         /// Box around these pixels.
         visible_px: [f32; 4],
-        /// Box around all of the object that is before the camera, hidden or outside of the picture or not; no farther outside
-        /// than the picture is wide and high.
+        /// Box around all of the object that is before the camera and that its lens may show, hidden or outside of the picture or
+        /// not; no farther outside than the picture is wide and high.
         amodal_px: [f32; 4],
         /// Share of its pixels in the picture that others hide, 0 to 1.
         occlusion: f32,

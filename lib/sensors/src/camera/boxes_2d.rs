@@ -9,7 +9,9 @@ use schema::settings::Rig;
 use schema::tables::{BOXES_2D_TABLE, Box2dRow};
 use schema::{DetectionClass, ObjectId, Tag};
 
+use super::looking::{Window, look_bent_at};
 use super::sight::Sight;
+use super::view::CameraView;
 use crate::error::SensorError;
 use crate::observation::Observation;
 use crate::sensor::{Layout, Sensor, SensorTable};
@@ -69,7 +71,7 @@ struct Rect {
 /// The boxes of one sight, by object; frame and camera are not said yet.
 fn measure(scene: &dyn Scene, sight: &Sight) -> Result<Vec<Box2dRow>, SensorError> {
     let (snapshot, seen) = (scene.snapshot(), &sight.seen);
-    let camera = sight.view.pinhole();
+    let (view, camera) = (&sight.view, sight.view.pinhole());
     let shown = shown(snapshot, seen);
     let mut parts: BTreeMap<ObjectId, Vec<u32>> = shown.keys().map(|id| (*id, Vec::new())).collect();
     for (number, instance) in (0..).zip(&snapshot.instances) {
@@ -82,35 +84,45 @@ fn measure(scene: &dyn Scene, sight: &Sight) -> Result<Vec<Box2dRow>, SensorErro
         .filter_map(|(id, parts)| {
             let object = shown.get(id)?;
             let instances = parts.iter().map(|&i| &snapshot.instances[i as usize]);
-            let amodal = silhouette(snapshot, instances, &camera, object.visible);
+            let amodal = silhouette(snapshot, instances, view, object.visible);
             Some((*id, object, amodal, parts.as_slice()))
         })
         .collect();
-    let shots: Vec<(Alone<'_>, [u32; 2])> = measured
-        .iter()
-        .map(|(_, _, amodal, instances)| {
-            let (camera, corner) = cropped(&camera, *amodal);
-            (Alone { camera, instances }, corner)
-        })
-        .collect();
-    let alone: Vec<Alone<'_>> = shots.iter().map(|(alone, _)| *alone).collect();
-    let views = scene.look_at(&alone)?;
-    let rows =
-        measured.iter().zip(&shots).zip(&views).map(|(((id, object, amodal, _), (_, corner)), view)| {
-            let hidden = hidden(snapshot, seen, *id, view, *corner);
-            let Rect { low, high } = object.visible;
-            Box2dRow {
-                id: *id,
-                class: object.class.name().to_owned(),
-                pixels: object.pixels,
-                visible_px: [low[0], low[1], high[0], high[1]].map(|v| v as f32),
-                amodal_px: *amodal,
-                occlusion: hidden as f32 / (hidden + object.pixels) as f32,
-                truncation: truncation(*amodal, &camera),
-                ..Box2dRow::default()
-            }
-        });
+    let windows: Vec<Window> = measured.iter().map(|(_, _, amodal, _)| window(&camera, *amodal)).collect();
+    let parts = measured.iter().map(|(_, _, _, instances)| *instances);
+    let alone = look_alone(scene, view, &windows, parts)?;
+    let rows = measured.iter().zip(&windows).zip(&alone).map(|(((id, object, amodal, _), window), alone)| {
+        let hidden = hidden(snapshot, seen, *id, alone, window.corner);
+        let Rect { low, high } = object.visible;
+        Box2dRow {
+            id: *id,
+            class: object.class.name().to_owned(),
+            pixels: object.pixels,
+            visible_px: [low[0], low[1], high[0], high[1]].map(|v| v as f32),
+            amodal_px: *amodal,
+            occlusion: hidden as f32 / (hidden + object.pixels) as f32,
+            truncation: truncation(*amodal, &camera),
+            ..Box2dRow::default()
+        }
+    });
     Ok(rows.collect())
+}
+
+/// What windows of a picture would show of some instances each, if there were no others.
+fn look_alone<'a>(
+    scene: &dyn Scene,
+    view: &CameraView,
+    windows: &[Window],
+    parts: impl Iterator<Item = &'a [u32]>,
+) -> Result<Vec<VisibilityBuffer>, SensorError> {
+    let pairs = windows.iter().zip(parts);
+    if view.model.rays().is_some() {
+        return pairs.map(|(window, instances)| look_bent_at(scene, view, *window, instances)).collect();
+    }
+    let camera = view.pinhole();
+    let alone: Vec<Alone<'_>> =
+        pairs.map(|(window, instances)| Alone { camera: cropped(&camera, window), instances }).collect();
+    Ok(scene.look_at(&alone)?)
 }
 
 /// The tag of what a pixel shows, and whose it is; none of the sky.
@@ -165,19 +177,24 @@ fn classes_of(snapshot: &Snapshot, of: &[ObjectId]) -> BTreeMap<ObjectId, Detect
 fn silhouette<'a>(
     snapshot: &Snapshot,
     instances: impl Iterator<Item = &'a Instance>,
-    camera: &PinholeCamera,
+    view: &CameraView,
     visible: Rect,
 ) -> [f32; 4] {
+    let camera = view.pinhole();
     let optical_from_local = camera.local_from_optical.inverse();
     let (mut low, mut high) = (visible.low.map(|v| v as f32), visible.high.map(|v| v as f32));
     let size = [camera.width as f32, camera.height as f32];
     let mut add = |p: Vec3| {
-        let at = [camera.fx * p.x / p.z + camera.cx, camera.fy * p.y / p.z + camera.cy];
-        for k in 0..2 {
-            let at = at[k].clamp(-size[k], 2.0 * size[k]);
+        let (at, is_shown) = view.model.project(p);
+        if !is_shown {
+            return;
+        }
+        for (k, at) in at.to_array().into_iter().enumerate() {
+            let at = at.clamp(-size[k], 2.0 * size[k]);
             (low[k], high[k]) = (low[k].min(at), high[k].max(at));
         }
     };
+    let is_bent = view.model.rays().is_some();
     for instance in instances {
         let (mesh, pose) = (snapshot.mesh(instance), optical_from_local * instance.local_from_object);
         let points: Vec<Vec3> = mesh.positions.iter().map(|p| pose.transform_point3(*p)).collect();
@@ -188,12 +205,15 @@ fn silhouette<'a>(
             let corners = corners.map(|i| points[i as usize]);
             for k in 0..3 {
                 let (a, b) = (corners[k], corners[(k + 1) % 3]);
-                if a.z >= camera.near_m {
-                    add(a);
+                if is_bent {
+                    along(a, b, &mut add);
+                    continue;
                 }
+                add(a);
                 // An edge through the near plane ends there.
                 if (a.z < camera.near_m) != (b.z < camera.near_m) {
-                    add(a + (b - a) * ((camera.near_m - a.z) / (b.z - a.z)));
+                    let end = a + (b - a) * ((camera.near_m - a.z) / (b.z - a.z));
+                    add(Vec3::new(end.x, end.y, camera.near_m));
                 }
             }
         }
@@ -201,20 +221,30 @@ fn silhouette<'a>(
     [low[0], low[1], high[0], high[1]]
 }
 
-/// The part of a camera's picture that a box lies in, as a camera of its own, and where in the picture it begins.
-fn cropped(camera: &PinholeCamera, [left, top, right, bottom]: [f32; 4]) -> (PinholeCamera, [u32; 2]) {
+/// Calls with points of an edge, from the first on and short of the last, as near to one another as a lens may bend it: they are
+/// a degree apart at most.
+fn along(a: Vec3, b: Vec3, each: &mut impl FnMut(Vec3)) {
+    let (mut share, whole) = (0.0_f32, (b - a).length());
+    while share < 1.0 {
+        let point = a + (b - a) * share;
+        each(point);
+        share += (point.length() / (57.3 * whole)).max(1.0 / 4096.0);
+    }
+}
+
+/// The part of a camera's picture that a box lies in.
+fn window(camera: &PinholeCamera, [left, top, right, bottom]: [f32; 4]) -> Window {
     let inside = |v: f32, size: u32| v.clamp(0.0, size as f32);
     let low = [inside(left, camera.width), inside(top, camera.height)].map(|v| v.floor() as u32);
     let high = [inside(right, camera.width), inside(bottom, camera.height)].map(|v| v.ceil() as u32);
+    Window { corner: low, size: [high[0] - low[0], high[1] - low[1]] }
+}
+
+/// A window of a picture as a camera of its own.
+fn cropped(camera: &PinholeCamera, window: &Window) -> PinholeCamera {
+    let ([left, top], [width, height]) = (window.corner, window.size);
     // The axis lies at a 1024th of a pixel: every pixel keeps its ray, bit for bit.
-    let crop = PinholeCamera {
-        width: high[0] - low[0],
-        height: high[1] - low[1],
-        cx: camera.cx - low[0] as f32,
-        cy: camera.cy - low[1] as f32,
-        ..*camera
-    };
-    (crop, low)
+    PinholeCamera { width, height, cx: camera.cx - left as f32, cy: camera.cy - top as f32, ..*camera }
 }
 
 /// Pixels that would show an object if nothing else were there, and show something else.
@@ -249,15 +279,20 @@ fn truncation([left, top, right, bottom]: [f32; 4], camera: &PinholeCamera) -> f
 mod tests {
     use frames::Pose;
     use renderer::Renderer;
-    use schema::settings::{CameraSettings, CameraSpec, Mount, Optics};
+    use schema::settings::{CameraSettings, CameraSpec, Lens, Mount, Optics};
     use testkit::{WorldBuilder, box_mesh};
     use visibility::CpuRenderer;
 
+    use super::super::looking::look;
     use super::super::mounted::Camera;
     use super::*;
 
     /// Boxes in front of a camera at the origin that looks along x, 100 by 60 pixels, focal length 50 pixels.
     fn boxes_of(world: WorldBuilder) -> Vec<Box2dRow> {
+        boxes_through(world, Lens::Pinhole)
+    }
+
+    fn boxes_through(world: WorldBuilder, lens: Lens) -> Vec<Box2dRow> {
         let snapshot = world.snapshot([0.0; 3]);
         let mut renderer = CpuRenderer::default();
         renderer.prepare(&snapshot.meshes).expect("has no device");
@@ -265,11 +300,11 @@ mod tests {
         let spec = CameraSpec {
             name: "CAM".into(),
             mount: Mount::upright([0.0; 3], 0.0),
-            optics: Optics::pinhole(100, 60, frames::deg(90.0)),
+            optics: Optics { lens, ..Optics::pinhole(100, 60, frames::deg(90.0)) },
         };
         let camera = Camera::new(&spec, &CameraSettings::default()).expect("is one");
         let view = camera.view(&snapshot.origin, &Pose::identity(), &Pose::identity());
-        let seen = scene.look(&[view.pinhole()]).expect("has no device").remove(0);
+        let seen = look(&*scene, std::slice::from_ref(&view)).expect("has no device").remove(0);
         measure(&*scene, &Sight { view, seen, picture: None }).expect("has no device")
     }
 
@@ -288,6 +323,24 @@ mod tests {
         assert_eq!(row.visible_px, [45.0, 25.0, 55.0, 35.0]);
         assert!(row.amodal_px.iter().zip([45.0, 25.0, 55.0, 35.0]).all(|(a, b)| (a - b).abs() < 1e-3));
         assert_eq!((row.occlusion, row.truncation < 1e-4), (0.0, true));
+    }
+
+    #[test]
+    fn a_fisheye_bends_the_edges_of_a_box() {
+        let mut world = WorldBuilder::default();
+        // A face at x = 2 from -2 to 2 both ways, with a wall before all that is left of the middle.
+        thing(&mut world, Tag::Car, [1.0, 4.0, 4.0], 7, [2.5, 0.0, -2.0]);
+        thing(&mut world, Tag::Wall, [0.1, 4.0, 8.0], 8, [1.0, 2.0, -4.0]);
+        let got = boxes_through(world, Lens::Fisheye { k: [0.0; 4] });
+        let [row] = got.as_slice() else { panic!("a wall has no class: {got:?}") };
+        // The middles of its edges are at 45 degrees, 50 pi / 4 pixels from the axis; its corners are nearer both ways.
+        let reach = 50.0 * std::f32::consts::FRAC_PI_4;
+        let want = [50.0 - reach, 30.0 - reach, 50.0 + reach, 30.0 + reach];
+        assert!(row.amodal_px.iter().zip(want).all(|(a, b)| (a - b).abs() < 0.02), "{row:?} {want:?}");
+        assert!((row.occlusion - 0.5).abs() < 0.01, "{row:?}");
+        assert_eq!((row.visible_px[0], row.visible_px[1], row.visible_px[3]), (50.0, 0.0, 60.0));
+        let outside = 1.0 - 60.0 / (2.0 * reach);
+        assert!((row.truncation - outside).abs() < 1e-3, "{row:?}");
     }
 
     #[test]

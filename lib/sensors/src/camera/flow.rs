@@ -10,7 +10,6 @@ use schema::table::Halves;
 use schema::tables::{FlowRow, HalfFlowRow};
 
 use super::image::Image;
-use super::model::project;
 use super::sight::Sight;
 use crate::error::SensorError;
 
@@ -81,12 +80,12 @@ fn flow(snapshot: &Snapshot, sight: &Sight) -> (Vec<f32>, Vec<f32>) {
                 None if camera_stands => return,
                 Some(p) => before[p.instance as usize].transform_point3(p.position_object),
                 None => {
-                    let direction = camera.direction_optical(x as f32 + 0.5, y as f32 + 0.5);
+                    let direction = buffer.direction_optical(x, y);
                     optical_before.transform_vector3(camera.local_from_optical.transform_vector3(direction))
                 }
             };
             let now = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-            let moved = now - project(camera, was);
+            let moved = now - view.model.project(was).0;
             dx[x as usize] = rounded(2.0 * moved.x / camera.width as f32);
             dy[x as usize] = rounded(-2.0 * moved.y / camera.height as f32);
         });

@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 use renderer::VisibilityBuffer;
 
+use super::model::CameraModel;
 use super::picture::Picture;
 use crate::look::{hash2, unit};
 
@@ -18,7 +19,7 @@ const FARTHEST_M: f32 = 9.0;
 /// direction alone: a frame rendered twice has the same drops.
 pub(super) fn draw_rain(
     picture: &mut Picture,
-    buffer: &VisibilityBuffer,
+    (model, buffer): (&CameraModel, &VisibilityBuffer),
     rain: f32,
     world_from_local_m: Vec3,
 ) {
@@ -39,12 +40,12 @@ pub(super) fn draw_rain(
         let z = NEAREST_M + (FARTHEST_M - NEAREST_M) * frames::math::cbrt(f64::from(t)) as f32;
         let start =
             Vec2::new(number(1) * 1.1 * width - 0.05 * width, number(2) * 1.2 * height - 0.2 * height);
-        let head = Vec3::new((start.x - camera.cx) / camera.fx * z, (start.y - camera.cy) / camera.fy * z, z);
-        let tail = head + down * STREAK_M;
-        if tail.z < 0.3 {
+        let Some(direction) = model.direction(start.x, start.y) else { continue };
+        let tail = direction * z + down * STREAK_M;
+        let (end, is_shown) = model.project(tail);
+        if !is_shown || tail.length() < 0.3 {
             continue;
         }
-        let end = Vec2::new(tail.x / tail.z * camera.fx + camera.cx, tail.y / tail.z * camera.fy + camera.cy);
         let strength = 0.12 + 0.3 * number(3) / z.max(1.0);
         streak(picture, buffer, start, end, z, strength);
     }

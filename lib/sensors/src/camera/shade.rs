@@ -50,7 +50,7 @@ impl Picture {
         let mut picture = Self { width: buffer.width, height: buffer.height, rgb };
         smooth_edges(&mut picture);
         if lighting.rain > 0.0 {
-            draw_rain(&mut picture, buffer, lighting.rain, lighting.around.world_from_local_m);
+            draw_rain(&mut picture, (&view.model, buffer), lighting.rain, lighting.around.world_from_local_m);
         }
         picture
     }
@@ -178,10 +178,8 @@ impl Shader<'_> {
     /// Film value of a pixel that shows the sky.
     fn sky(&self, x: u32, y: u32) -> Vec3 {
         let camera = &self.buffer.camera;
-        let direction = camera
-            .local_from_optical
-            .transform_vector3(camera.direction_optical(x as f32 + 0.5, y as f32 + 0.5))
-            .normalize();
+        let direction =
+            camera.local_from_optical.transform_vector3(self.buffer.direction_optical(x, y)).normalize();
         let seen = self.lighting.sky.seen(direction);
         let fog = &self.lighting.fog;
         if !self.hazy {

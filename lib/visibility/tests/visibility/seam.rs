@@ -1,7 +1,7 @@
 //! Two renderers behind one seam: the processor's trees, tiles and packets against every triangle one by one.
 
 use glam::Vec3;
-use renderer::{Alone, RayBatch, RenderError, Renderer, SKY, Scene, Surfaces};
+use renderer::{Alone, AloneRays, RayBatch, RenderError, Renderer, SKY, Scene, Surfaces};
 use schema::geometry::Snapshot;
 use testkit::BruteRenderer;
 use visibility::CpuRenderer;
@@ -66,7 +66,7 @@ fn both_see_the_same_ids_depths_and_surfaces() {
 
 #[test]
 fn both_hit_the_same_triangles() {
-    let mut found = 0;
+    let (mut found, mut alone_found) = (0, 0);
     for number in 10..14 {
         let world = world(number);
         let mut s = stream("seam/rays", number);
@@ -90,7 +90,17 @@ fn both_hit_the_same_triangles() {
                     found += 1;
                 }
             }
+            // The same rays past every other instance.
+            let some: Vec<u32> = (0..world.instances.len() as u32).step_by(2).collect();
+            let alone: Vec<_> =
+                batches.iter().map(|rays| AloneRays { rays: *rays, instances: &some }).collect();
+            let (ours, theirs) = (cpu.trace_at(&alone).unwrap(), brute.trace_at(&alone).unwrap());
+            for (ours, theirs) in ours.iter().zip(&theirs) {
+                assert_eq!((&ours.instance, &ours.triangle), (&theirs.instance, &theirs.triangle));
+                assert!(ours.instance.iter().all(|&i| i == SKY || i % 2 == 0));
+                alone_found += ours.iter().flatten().count();
+            }
         });
     }
-    assert!(found > 50, "{found}");
+    assert!(found > 50 && alone_found > 20, "{found} {alone_found}");
 }
