@@ -153,6 +153,26 @@ fn repaint(path: PathBuf, with: impl Fn(&mut [[u8; 3]])) {
     edit(&path, each, |note| note);
 }
 
+/// A depth image's row with other depths.
+fn with_depths(rows: &RecordBatch, change: impl Fn(u32) -> u32) -> RecordBatch {
+    let image = rows.column_by_name("image").expect("is there").as_binary::<i32>().value(0);
+    let mut reader = png::Decoder::new(Cursor::new(image)).read_info().expect("is a picture");
+    let mut rgb = vec![0; reader.output_buffer_size().expect("is small")];
+    let info = reader.next_frame(&mut rgb).expect("reads");
+    for pixel in rgb.as_chunks_mut::<3>().0.iter_mut().filter(|p| **p != [255; 3]) {
+        let depth = change(u32::from_le_bytes([pixel[0], pixel[1], pixel[2], 0]));
+        let [low, middle, high, _] = depth.min(0xff_fffe).to_le_bytes();
+        *pixel = [low, middle, high];
+    }
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, info.width, info.height);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header().expect("writes");
+    writer.write_image_data(&rgb).expect("writes");
+    writer.finish().expect("ends");
+    replaced(rows, "image", Arc::new(BinaryArray::from_vec(vec![&bytes])))
+}
+
 /// Changes the array of [`FRAME`].
 fn recell(path: PathBuf, scalar: Scalar, with: impl Fn(&mut [u8])) {
     let mut reader = NpzReader::new(File::open(&path).expect("opens")).expect("is an archive");
@@ -527,6 +547,114 @@ noise_gyro_radps = 0
         lines.take_while(|line| !line.is_empty()).map(|line| line.split("  ").next().unwrap_or_default());
     let faulty: Vec<&str> = rules.filter(|rule| off(&whole.stdout, rule) > 0).collect();
     assert_eq!(faulty, [""; 0], "{}", whole.stdout);
+}
+
+/// Faults of a store whose sensors and labels are at a part of the frame rate.
+const OF_SELDOM: &[Plant] = &[
+    ("times", "rows do not count every 2. of the 20 frames", |store| {
+        let without = |first: usize, rows: RecordBatch| if first == 3 { Vec::new() } else { vec![rows] };
+        edit(&sensor(store, "LIDAR"), without, |note| note);
+    }),
+    ("times", "not every 4. of 20 frames", |store| {
+        let path = store.join("scenes/0000/bev/vehicle_0.npz");
+        let mut reader = NpzReader::new(File::open(&path).expect("opens")).expect("is an archive");
+        let mut writer = NpzWriter::new(Vec::new());
+        for (name, as_name) in [("0000.npy", "0000.npy"), ("0004.npy", "0002.npy")] {
+            let array = reader.read(name).expect("reads");
+            let packed = encode_member(as_name, Scalar::Bool, &array.shape, &array.bytes, 1).expect("packs");
+            writer.append(packed).expect("writes");
+        }
+        rewrite(&path, &writer.finish().expect("ends"));
+    }),
+    ("times", "has frame 3, only every 2. is wanted", |store| {
+        change::<UInt32Type>(table(store, "hd_map"), "frame", 0, |all| all[2] = 3);
+    }),
+    ("calibration", "says every_n_frames is 1", |store| {
+        let faster = |note: String| note.replace("\"every_n_frames\":2", "\"every_n_frames\":1");
+        edit(&sensor(store, "LIDAR"), |_, rows| vec![rows], faster);
+    }),
+    ("calibration", "the lens is", |store| {
+        edit(&sensor(store, "IST-CAM_BENT"), |_, rows| vec![rows], |note| note.replace("-0.28", "-0.27"));
+    }),
+    ("depth", "are at another depth than in CAM_WIDE", |store| {
+        let farther = |_: usize, rows: RecordBatch| vec![with_depths(&rows, |depth| depth + depth / 16)];
+        edit(&sensor(store, "DPT-CAM_WIDE"), farther, |note| note);
+    }),
+];
+
+/// [`TINY`] with everything at a rate of its own, and cameras with lenses.
+fn seldom() -> String {
+    let cameras = r#"cameras = [
+  { name = "CAM_FRONT", xyz_m = [0.6, 0.0, 1.6], fx = 90, fy = 95, cx = 71.5, cy = 50.25 },
+  { name = "CAM_BENT", xyz_m = [0.6, 0.0, 1.6], fx = 120, lens = "brown", distortion = [-0.28, 0.09, 1e-3, -5e-4, -0.01] },
+  { name = "CAM_WIDE", xyz_m = [0.0, 0.4, 1.7], rpy_deg = [0, 0, 90], lens = "fisheye", fov_deg = 190, distortion = [-0.02, 0.004, 0, 0] },
+  { name = "CAM_SMALL", xyz_m = [-1.0, 0.0, 1.6], rpy_deg = [0, 0, 180], width = 96, height = 64, fov_deg = 60 },
+]
+"#;
+    let with = |text: &str, table: &str, keys: &str| {
+        assert_eq!(text.matches(table).count(), 1, "{table}");
+        text.replace(table, &format!("{keys}{table}"))
+    };
+    let text = with(TINY, "[vehicle.camera]\n", &format!("[vehicle]\n{cameras}\n"));
+    let text = text.replace(
+        "[vehicle.camera]\n",
+        "[vehicle.camera]\nevery_n_frames = 2\nboxes_2d = true\nflow_half = true\n",
+    );
+    let text = text
+        .replace("[vehicle.lidar]\n", "[vehicle.lidar]\nevery_n_frames = 2\nsemantic_every_n_frames = 4\n");
+    let text =
+        text.replace("[vehicle.occupancy]\n", "[vehicle.occupancy]\nevery_n_frames = 4\nobserved = true\n");
+    let more = "[vehicle.radar]\nevery_n_frames = 3\n[vehicle.gnss]\nevery_n_frames = 5\n[vehicle.imu]\nevery_n_frames = 2\n\
+                [annotation]\nevery_n_frames = 2\n[bev]\nevery_n_frames = 4\n";
+    format!("{text}\n{more}")
+}
+
+#[test]
+fn part_rates_lenses_and_half_floats_are_held_to() {
+    let bench = Bench::new(&seldom());
+    bench.run("convoy", &["run", "--progress", "none"]).expect_done();
+    let store = bench.store();
+    let whole = checked(&store, "1");
+    assert_eq!(whole.code, 0, "{}{}", whole.stdout, whole.stderr);
+    let rows = |path: PathBuf| -> i64 {
+        let file = File::open(path).expect("opens");
+        ArrowReaderMetadata::load(&file, Default::default())
+            .expect("is a table")
+            .metadata()
+            .file_metadata()
+            .num_rows()
+    };
+    // Of 20 frames.
+    for (name, want) in [
+        ("LIDAR", 10),
+        ("SEG-LIDAR", 5),
+        ("RAD_FRONT", 7),
+        ("GNSS", 4),
+        ("IMU", 10),
+        ("RGB-CAM_WIDE", 10),
+        ("FLW-CAM_BENT", 10),
+    ] {
+        assert_eq!(rows(sensor(&store, name)), want, "{name}");
+    }
+    assert_eq!(rows(table(&store, "agents")), 40);
+    for (folder, want) in [("bev", 5), ("occupancy", 5), ("occupancy_filled", 5)] {
+        let archive = File::open(store.join(format!("scenes/0000/{folder}/vehicle_0.npz"))).expect("opens");
+        assert_eq!(NpzReader::new(archive).expect("is one").members().len(), want, "{folder}");
+    }
+    let unfound: Vec<String> = OF_SELDOM
+        .iter()
+        .enumerate()
+        .filter_map(|(k, (rule, words, plant))| {
+            let copy = bench.folder.path().join(format!("seldom-{k}"));
+            copied(&store, &copy);
+            plant(&copy);
+            let after = checked(&copy, "1");
+            fs::remove_dir_all(&copy).expect("goes");
+            let found = after.code == 1 && off(&after.stdout, rule) > 0 && after.stdout.contains(words);
+            (!found).then(|| format!("{rule} ({words}):\n{}{}", after.stdout, after.stderr))
+        })
+        .collect();
+    assert!(unfound.is_empty(), "{}", unfound.join("\n"));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Agents that carry different sensors, and sensors that are added to a finished scene.
 
-use convoy_tests::Bench;
+use convoy_tests::{Bench, workspace};
 use schema::AgentId;
 use schema::tables::LidarRow;
 use store::{Scope, Store};
@@ -110,4 +110,41 @@ fn each_agent_carries_its_own_sensors_and_more_can_be_added() {
     };
     let wrong: Vec<&str> = changed.filter(|k| !allowed(k)).collect();
     assert_eq!(wrong, [""; 0]);
+}
+
+/// One frame of each rig that comes with the programs: a row of each of its sensors.
+#[test]
+fn shipped_rigs_render_a_frame() {
+    let rigs = workspace().join("configs/rigs");
+    for (kind, other, rig, cameras, others) in [
+        ("vehicle", "rsu", "simbev2x-vehicle", 6, 7),
+        ("rsu", "vehicle", "simbev2x-rsu", 3, 2),
+        ("vehicle", "rsu", "opv2v", 4, 3),
+        ("vehicle", "rsu", "nuscenes", 6, 8),
+    ] {
+        let path = rigs.join(format!("{rig}.toml"));
+        // The frames after the first are nobody's; encoding is what takes time, so colour alone.
+        let seldom = "every_n_frames = 1000";
+        let text = format!(
+            "{}\n[{kind}]\nrig = '{}'\ncamera = {{ {seldom}, rgb = true, instance = false }}\nlidar = {{ {seldom} }}\n\
+             radar = {{ {seldom} }}\ngnss = {{ {seldom} }}\nimu = {{ {seldom} }}\n[{other}]\ncameras = []\nradars = []\nlidar = {{ enabled = false }}\n",
+            convoy_tests::SMALL,
+            path.display()
+        );
+        let bench = Bench::new(&text);
+        for stage in ["spawn-planner", "simulate-and-log", "render-sensors"] {
+            bench.run(stage, &[]).expect_done();
+        }
+        let store = Store::open(bench.store()).expect("is a folder");
+        let manifest = store.manifest(Scope::Scene(0), "render-sensors").expect("reads").expect("is there");
+        let of_agent = format!("/{kind}_0/");
+        let outputs: Vec<_> = manifest
+            .outputs
+            .iter()
+            .filter(|o| o.key.contains(&of_agent) && o.key.contains("/sensors/"))
+            .collect();
+        assert!(outputs.iter().all(|o| o.rows == 1), "{rig}: {outputs:?}");
+        let pictures = outputs.iter().filter(|o| o.key.contains("RGB-")).count();
+        assert_eq!((pictures, outputs.len() - pictures), (cameras, others), "{rig}: {outputs:?}");
+    }
 }
