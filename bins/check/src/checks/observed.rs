@@ -116,8 +116,8 @@ impl Observed {
     /// Whether a ray passes a cell, or an edge's width beside it: clipped at its six faces.
     fn passes(&self, ray: &Ray, cell: [usize; 3]) -> bool {
         let (mut first, mut last) = (0.0_f64, 1.0_f64);
-        for axis in 0..3 {
-            let low = self.low()[axis] + cell[axis] as f64 * self.config.voxel_m - EDGE_M;
+        for (axis, &place) in cell.iter().enumerate() {
+            let low = self.low()[axis] + place as f64 * self.config.voxel_m - EDGE_M;
             let high = low + self.config.voxel_m + 2.0 * EDGE_M;
             let way = ray.to[axis] - ray.from[axis];
             if way.abs() < 1e-12 {
