@@ -32,6 +32,7 @@
 mod buffer;
 mod camera;
 mod error;
+mod moment;
 mod ray;
 mod seeing;
 mod surface;
@@ -40,6 +41,7 @@ mod voxels;
 pub use buffer::{SKY, VisibilityBuffer};
 pub use camera::PinholeCamera;
 pub use error::RenderError;
+pub use moment::pose_before;
 pub use ray::{Hit, Hits, RayBatch};
 pub use seeing::{Alone, AloneRays, Renderer, Scene};
 pub use surface::{SurfacePoint, Surfaces};

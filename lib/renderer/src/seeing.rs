@@ -81,4 +81,11 @@ pub trait Scene: Send + Sync {
     /// # Errors
     /// The device failed.
     fn trace_at(&self, batches: &[AloneRays<'_>]) -> Result<Vec<Hits>, RenderError>;
+
+    /// The closest surface along every ray at a moment between the previous frame and this one: `before` is 0 at this frame and 1 at the previous one.
+    /// Every instance is where [`pose_before`](crate::pose_before) has it then.
+    ///
+    /// # Errors
+    /// The device failed.
+    fn trace_before(&self, before: f32, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError>;
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3, Mat3};
 use renderer::{
     Alone, AloneRays, Hit, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer,
+    pose_before,
 };
 use schema::geometry::{Snapshot, TriMesh};
 
@@ -38,16 +39,18 @@ impl Renderer for BruteRenderer {
         if in_snapshot > prepared {
             return Err(RenderError::Unprepared { in_snapshot, prepared });
         }
-        Ok(Box::new(BruteScene::new(snapshot)))
+        Ok(Box::new(BruteScene::new(snapshot, 0.0)))
     }
 }
 
 impl<'a> BruteScene<'a> {
-    fn new(snapshot: &'a Snapshot) -> Self {
+    /// The instances as they were at a moment before the frame.
+    fn new(snapshot: &'a Snapshot, before: f32) -> Self {
         let mut triangles = Vec::new();
         for (number, instance) in snapshot.instances.iter().enumerate() {
-            let rotation = Mat3::from(instance.local_from_object.matrix3).as_dmat3();
-            let shift = instance.local_from_object.translation.as_dvec3();
+            let pose = pose_before(&instance.previous_local_from_object, &instance.local_from_object, before);
+            let rotation = Mat3::from(pose.matrix3).as_dmat3();
+            let shift = pose.translation.as_dvec3();
             let mesh = snapshot.mesh(instance);
             for triangle in 0..mesh.triangles.len() {
                 let corners = mesh.corners(triangle).map(|p| rotation * p.as_dvec3() + shift);
@@ -155,5 +158,9 @@ impl Scene for BruteScene<'_> {
     fn trace_at(&self, batches: &[AloneRays<'_>]) -> Result<Vec<Hits>, RenderError> {
         let alone = |one: &AloneRays<'_>| self.follow(&one.rays, |i| one.instances.contains(&i));
         Ok(batches.iter().map(alone).collect())
+    }
+
+    fn trace_before(&self, before: f32, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
+        Self::new(self.snapshot, before).trace(batches)
     }
 }

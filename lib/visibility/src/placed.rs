@@ -1,6 +1,6 @@
 //! An instance where it is.
 
-use glam::{Mat3, Vec3};
+use glam::{Affine3A, Mat3, Vec3};
 
 use crate::meshes::MeshData;
 
@@ -10,4 +10,11 @@ pub(crate) struct Placed<'a> {
     pub(crate) mesh: &'a MeshData,
     pub(crate) rotation: Mat3,
     pub(crate) translation: Vec3,
+}
+
+impl<'a> Placed<'a> {
+    /// At a pose.
+    pub(crate) fn new(mesh: &'a MeshData, pose: &Affine3A) -> Self {
+        Self { mesh, rotation: pose.matrix3.into(), translation: pose.translation.into() }
+    }
 }

@@ -1,9 +1,13 @@
 //! The instances of one frame over their meshes.
 
+use std::sync::OnceLock;
+
 use frames::Aabb;
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 use rayon::prelude::*;
-use renderer::{Alone, AloneRays, Hits, PinholeCamera, RayBatch, RenderError, Scene, VisibilityBuffer};
+use renderer::{
+    Alone, AloneRays, Hits, PinholeCamera, RayBatch, RenderError, Scene, VisibilityBuffer, pose_before,
+};
 use schema::geometry::Snapshot;
 
 use crate::bvh::{Bvh, QUICK, Stack};
@@ -23,6 +27,30 @@ pub(crate) struct CpuScene<'a> {
     snapshot: &'a Snapshot,
     placed: Vec<Option<Placed<'a>>>,
     tree: Bvh,
+    split: OnceLock<Split>,
+}
+
+/// The instances of a frame, told apart by whether they moved since the previous one.
+#[derive(Debug)]
+struct Split {
+    still: Bvh,
+    /// Numbers of the others.
+    moving: Vec<u32>,
+}
+
+/// What rays are followed through: some of a list of instances.
+struct Placement<'p, 'a> {
+    placed: &'p [Option<Placed<'a>>],
+    among: Among<'p>,
+}
+
+/// Which instances of a list, by their places in it.
+#[derive(Clone, Copy)]
+enum Among<'p> {
+    /// The leaves of some trees.
+    Trees(&'p [&'p Bvh]),
+    /// Just these.
+    Some(&'p [u32]),
 }
 
 impl Scene for CpuScene<'_> {
@@ -44,12 +72,59 @@ impl Scene for CpuScene<'_> {
     }
 
     fn trace(&self, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
-        Ok(batches.par_iter().map(|batch| self.trace_batch(batch, None)).collect())
+        let all = Placement { placed: &self.placed, among: Among::Trees(&[&self.tree]) };
+        Ok(batches.par_iter().map(|batch| all.trace(batch)).collect())
     }
 
     fn trace_at(&self, batches: &[AloneRays<'_>]) -> Result<Vec<Hits>, RenderError> {
-        Ok(batches.par_iter().map(|alone| self.trace_batch(&alone.rays, Some(alone.instances))).collect())
+        let alone = |one: &AloneRays<'_>| {
+            Placement { placed: &self.placed, among: Among::Some(one.instances) }.trace(&one.rays)
+        };
+        Ok(batches.par_iter().map(alone).collect())
     }
+
+    fn trace_before(&self, before: f32, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
+        let split = self.split.get_or_init(|| self.split());
+        let mut placed = self.placed.clone();
+        let (mut numbers, mut boxes) = (Vec::new(), Vec::new());
+        for &number in &split.moving {
+            let Some(there) = &mut placed[number as usize] else { continue };
+            let instance = &self.snapshot.instances[number as usize];
+            let pose = pose_before(&instance.previous_local_from_object, &instance.local_from_object, before);
+            let around = around(there, &pose);
+            // Of many that drive about a town few are within a lidar's reach.
+            if batches.iter().any(|batch| reaches(batch, &around)) {
+                *there = Placed::new(there.mesh, &pose);
+                boxes.push(around);
+                numbers.push(number);
+            }
+        }
+        let moving = tree_over(&numbers, &boxes);
+        let then = Placement { placed: &placed, among: Among::Trees(&[&split.still, &moving]) };
+        Ok(batches.par_iter().map(|batch| then.trace(batch)).collect())
+    }
+}
+
+/// The box around an instance where it is.
+fn around(placed: &Placed<'_>, pose: &Affine3A) -> Aabb {
+    Aabb::from_points(&placed.mesh.aabb.corners().map(|corner| pose.transform_point3(corner)))
+}
+
+/// Whether something in a box may be met by rays of a batch.
+fn reaches(batch: &RayBatch<'_>, around: &Aabb) -> bool {
+    let nearest = batch.origin.clamp(around.min, around.max);
+    let away = nearest.distance(batch.origin);
+    // A hair more than their range: distances are rounded. Not a number reaches.
+    away <= batch.range_m[1] * 1.001 || away.is_nan()
+}
+
+/// A tree whose leaves are instances.
+fn tree_over(numbers: &[u32], boxes: &[Aabb]) -> Bvh {
+    let mut tree = Bvh::build(boxes, QUICK);
+    for slot in &mut tree.order {
+        *slot = numbers[*slot as usize];
+    }
+    tree
 }
 
 impl<'a> CpuScene<'a> {
@@ -67,21 +142,35 @@ impl<'a> CpuScene<'a> {
                 if mesh.bvh.nodes.is_empty() || !pose.is_finite() {
                     return None;
                 }
-                let corners = mesh.aabb.corners().map(|c| pose.transform_point3(c));
-                boxes.push(Aabb::from_points(&corners));
+                let placed = Placed::new(mesh, &pose);
+                boxes.push(around(&placed, &pose));
                 numbers.push(number as u32);
-                Some(Placed { mesh, rotation: pose.matrix3.into(), translation: pose.translation.into() })
+                Some(placed)
             })
             .collect();
-        let mut tree = Bvh::build(&boxes, QUICK);
-        for slot in &mut tree.order {
-            *slot = numbers[*slot as usize];
-        }
-        Self { snapshot, placed, tree }
+        let tree = tree_over(&numbers, &boxes);
+        Self { snapshot, placed, tree, split: OnceLock::new() }
     }
 
-    /// Follows rays, past all instances or some.
-    fn trace_batch(&self, batch: &RayBatch<'_>, only: Option<&[u32]>) -> Hits {
+    fn split(&self) -> Split {
+        let (mut moving, mut numbers, mut boxes) = (Vec::new(), Vec::new(), Vec::new());
+        for ((number, placed), instance) in (0..).zip(&self.placed).zip(&self.snapshot.instances) {
+            let Some(placed) = placed else { continue };
+            let (now, previous) = (&instance.local_from_object, &instance.previous_local_from_object);
+            // From a pose that is not finite nothing came.
+            if now == previous || !previous.is_finite() {
+                numbers.push(number);
+                boxes.push(around(placed, now));
+            } else {
+                moving.push(number);
+            }
+        }
+        Split { still: tree_over(&numbers, &boxes), moving }
+    }
+}
+
+impl Placement<'_, '_> {
+    fn trace(&self, batch: &RayBatch<'_>) -> Hits {
         let mut hits = Hits::none(batch.directions.len());
         let directions = batch.directions.par_chunks(RAYS_PER_TASK);
         directions
@@ -94,29 +183,23 @@ impl<'a> CpuScene<'a> {
                 let mut out = HitsMut { t, instance, triangle, u, v };
                 // A lane's bits do not depend on the other lanes, so a lone ray may have a packet of its own size.
                 if directions.len() == 1 {
-                    self.follow::<1>(batch, directions, only, &mut out);
+                    self.follow::<1>(batch, directions, &mut out);
                 } else {
-                    self.follow::<LANES>(batch, directions, only, &mut out);
+                    self.follow::<LANES>(batch, directions, &mut out);
                 }
             });
         hits
     }
 
     /// Follows rays of a batch in packets of `N`.
-    fn follow<const N: usize>(
-        &self,
-        batch: &RayBatch<'_>,
-        directions: &[Vec3],
-        only: Option<&[u32]>,
-        out: &mut HitsMut<'_>,
-    ) {
+    fn follow<const N: usize>(&self, batch: &RayBatch<'_>, directions: &[Vec3], out: &mut HitsMut<'_>) {
         let [t_min, t_max] = batch.range_m;
         for (number, directions) in directions.chunks(N).enumerate() {
             let mut packet = Packet::<N>::new(batch.origin, directions, t_min, t_max);
-            match only {
-                None => self.walk(&mut packet),
+            match self.among {
+                Among::Trees(trees) => trees.iter().for_each(|tree| self.walk(tree, &mut packet)),
                 // Few: a tree would cost more than it saves.
-                Some(some) => {
+                Among::Some(some) => {
                     for &instance in some {
                         if let Some(Some(placed)) = self.placed.get(instance as usize) {
                             packet.visit(instance, placed);
@@ -128,9 +211,9 @@ impl<'a> CpuScene<'a> {
         }
     }
 
-    /// Walks the tree of instances front to back.
-    fn walk<const N: usize>(&self, packet: &mut Packet<N>) {
-        let Some(root) = self.tree.nodes.first() else { return };
+    /// Walks a tree of instances front to back.
+    fn walk<const N: usize>(&self, tree: &Bvh, packet: &mut Packet<N>) {
+        let Some(root) = tree.nodes.first() else { return };
         let reach = root.min.abs().max(root.max.abs()).max_element();
         let (origin, lanes) = packet.lanes_local();
         let slabs = lanes.slabs(origin, reach);
@@ -140,15 +223,15 @@ impl<'a> CpuScene<'a> {
             if !packet.may_be_closer(entry) {
                 continue;
             }
-            let node = &self.tree.nodes[index as usize];
+            let node = &tree.nodes[index as usize];
             if node.child == 0 {
-                for &instance in &self.tree.order[node.first as usize..(node.first + node.count) as usize] {
+                for &instance in &tree.order[node.first as usize..(node.first + node.count) as usize] {
                     if let Some(placed) = &self.placed[instance as usize] {
                         packet.visit(instance, placed);
                     }
                 }
             } else {
-                packet.push_children(&slabs, &self.tree.nodes, node.child, &mut stack);
+                packet.push_children(&slabs, &tree.nodes, node.child, &mut stack);
             }
         }
     }

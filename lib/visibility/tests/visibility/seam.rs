@@ -104,3 +104,39 @@ fn both_hit_the_same_triangles() {
     }
     assert!(found > 50 && alone_found > 20, "{found} {alone_found}");
 }
+
+#[test]
+fn both_hit_the_same_triangles_between_frames() {
+    let (mut found, mut moved) = (0, 0);
+    for number in 20..23 {
+        let mut world = world(number);
+        let mut s = stream("seam/between", number);
+        // Two of three move and turn; one of them came from nowhere.
+        for (i, instance) in world.instances.iter_mut().enumerate().filter(|(i, _)| i % 3 != 0) {
+            let turn = glam::Quat::from_axis_angle(unit(&mut s), uniform(&mut s, -1.0, 1.0));
+            let step = glam::Affine3A::from_rotation_translation(turn, point(&mut s, 2.0));
+            instance.previous_local_from_object = instance.local_from_object * step;
+            if i == 4 {
+                instance.previous_local_from_object.translation = glam::Vec3A::NAN;
+            }
+        }
+        let directions: Vec<Vec3> = (0..400).map(|_| unit(&mut s)).collect();
+        let origin = point(&mut s, 10.0);
+        let fan = [RayBatch { origin, directions: &directions, range_m: [0.0, 15.0] }];
+        with_both(&world, |cpu, brute| {
+            let now = cpu.trace(&fan).unwrap().remove(0);
+            assert_eq!(cpu.trace_before(0.0, &fan).unwrap().remove(0), now);
+            for before in [0.25, 0.7, 1.0] {
+                let ours = cpu.trace_before(before, &fan).unwrap().remove(0);
+                let theirs = brute.trace_before(before, &fan).unwrap().remove(0);
+                assert_eq!((&ours.instance, &ours.triangle), (&theirs.instance, &theirs.triangle));
+                for (a, b) in ours.t.iter().zip(&theirs.t).filter(|(a, _)| a.is_finite()) {
+                    assert!((a / b - 1.0).abs() < 1e-4);
+                    found += 1;
+                }
+                moved += ours.t.iter().zip(&now.t).filter(|(then, now)| then != now).count();
+            }
+        });
+    }
+    assert!(found > 300 && moved > 100, "{found} {moved}");
+}
