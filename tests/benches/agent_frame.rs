@@ -27,7 +27,8 @@ use schema::settings::{DatasetSettings, LidarSpec};
 use schema::tables::{ActorRow, BoxRow};
 use schema::{ActorRole, AgentId, BevClass, DetectionClass};
 use sensors::{
-    Camera, CameraView, CpuPainter, FrameWeather, Image, Lidar, Painter, RadarMotion, Shot, Sight,
+    Camera, CameraView, CpuPainter, FrameWeather, Image, Lidar, LidarMoment, Painter, RadarMotion, Shot,
+    Sight,
 };
 use tiles::{Surroundings, TileMaker};
 use traffic::{SceneInput, SimulationLog};
@@ -244,7 +245,7 @@ impl<'a> Agentframe<'a> {
         best(3, || {
             let spec: &LidarSpec = lidar.spec();
             let at = origin.local_from_body(&(self.pose * spec.mount.agent_from_sensor()));
-            black_box(lidar.sweep(scene, at, &stream, 0).is_ok());
+            black_box(lidar.sweep(scene, &LidarMoment::standing(0, at), &stream).is_ok());
             for radar in &rig.radars {
                 let at = origin.local_from_body(&(self.pose * radar.mount.agent_from_sensor()));
                 let motion = RadarMotion {
@@ -318,7 +319,7 @@ impl<'a> Agentframe<'a> {
         let mount = lidar.spec().mount.agent_from_sensor();
         let at = scene.snapshot().origin.local_from_body(&(self.pose * mount));
         let stream = Stream::new(1, 2, "bench", 3);
-        let sweep = lidar.sweep(scene, at, &stream, 0).expect("has no device");
+        let sweep = lidar.sweep(scene, &LidarMoment::standing(0, at), &stream).expect("has no device");
         let cloud =
             PointCloud { world_from_sensor: self.pose * mount, x: &sweep.x_m, y: &sweep.y_m, z: &sweep.z_m };
         let pixels = BTreeMap::new();

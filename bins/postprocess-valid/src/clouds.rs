@@ -2,12 +2,10 @@
 
 use frames::{Agent, Pose, World};
 use scene::{SceneError, SceneReader, SensorFrames};
-use schema::AgentId;
 use schema::settings::Mount;
 use schema::settings::stages::{RangeRig, RangeSensor};
-use schema::table::{Framed, Row};
 use schema::tables::{LidarRow, RadarRow};
-use schema::{columns, framed, rate};
+use schema::{AgentId, ReturnKind, columns, framed, rate};
 use validity::{PointCloud, radar_to_cartesian};
 
 columns! {
@@ -16,23 +14,34 @@ columns! {
 }
 
 columns! {
+    /// The same of a lidar that may see rain and fog, and which returns these are.
+    LidarReturns of LidarRow { frame: u32, x: Vec<f32>, y: Vec<f32>, z: Vec<f32>, return_kind: Vec<u8> }
+}
+
+columns! {
     /// Where a radar's returns are.
     RadarPoints of RadarRow { frame: u32, depth: Vec<f32>, altitude: Vec<f32>, azimuth: Vec<f32> }
 }
 
-framed!(LidarPoints, RadarPoints);
+framed!(LidarPoints, LidarReturns, RadarPoints);
+
+/// The open table of a lidar.
+enum LidarTable {
+    Plain(SensorFrames<LidarPoints>),
+    Told(SensorFrames<LidarReturns>),
+}
 
 /// The open table of a range sensor.
-struct Source<R> {
+struct Source<T> {
     mount: Mount,
     every_n_frames: u32,
-    rows: SensorFrames<R>,
+    rows: T,
 }
 
 /// The open tables of an agent's range sensors.
 pub(crate) struct Clouds {
-    lidars: Vec<Source<LidarPoints>>,
-    radars: Vec<Source<RadarPoints>>,
+    lidars: Vec<Source<LidarTable>>,
+    radars: Vec<Source<SensorFrames<RadarPoints>>>,
 }
 
 /// Points of one frame, in sensor frames.
@@ -52,22 +61,22 @@ impl Clouds {
         rig: &RangeRig,
         frames: u32,
     ) -> Result<Self, SceneError> {
-        fn tables<R: Row + Framed>(
-            scene: &SceneReader,
-            agent: AgentId,
-            sensors: &[RangeSensor],
-            frames: u32,
-        ) -> Result<Vec<Source<R>>, SceneError> {
-            let open = |sensor: &RangeSensor| {
-                let RangeSensor { name, mount, every_n_frames } = sensor;
-                let rows = SensorFrames::open(scene, agent, name, (frames, *every_n_frames))?;
-                Ok(Source { mount: *mount, every_n_frames: *every_n_frames, rows })
+        let lidar = |s: &RangeSensor| {
+            let frames = (frames, s.every_n_frames);
+            let rows = if s.tells_returns {
+                LidarTable::Told(SensorFrames::open(scene, agent, &s.name, frames)?)
+            } else {
+                LidarTable::Plain(SensorFrames::open(scene, agent, &s.name, frames)?)
             };
-            sensors.iter().map(open).collect()
-        }
+            Ok(Source { mount: s.mount, every_n_frames: s.every_n_frames, rows })
+        };
+        let radar = |s: &RangeSensor| {
+            let rows = SensorFrames::open(scene, agent, &s.name, (frames, s.every_n_frames))?;
+            Ok(Source { mount: s.mount, every_n_frames: s.every_n_frames, rows })
+        };
         Ok(Self {
-            lidars: tables(scene, agent, &rig.lidars, frames)?,
-            radars: tables(scene, agent, &rig.radars, frames)?,
+            lidars: rig.lidars.iter().map(lidar).collect::<Result<_, SceneError>>()?,
+            radars: rig.radars.iter().map(radar).collect::<Result<_, SceneError>>()?,
         })
     }
 
@@ -77,13 +86,15 @@ impl Clouds {
     /// A table is broken, ends, or goes on with another frame.
     pub(crate) fn next_frame(&mut self, frame: u32) -> Result<Readings, SceneError> {
         let mut readings = Readings { lidars: Vec::new(), radars: Vec::new() };
-        for source in &mut self.lidars {
-            if let Some(row) = source.row(frame)? {
-                readings.lidars.push((source.mount, [row.x, row.y, row.z]));
-            }
+        for source in self.lidars.iter_mut().filter(|source| source.is_due(frame)) {
+            let points = match &mut source.rows {
+                LidarTable::Plain(rows) => rows.next().transpose()?.map(|row| [row.x, row.y, row.z]),
+                LidarTable::Told(rows) => rows.next().transpose()?.map(|row| of_surfaces(&row)),
+            };
+            readings.lidars.extend(points.map(|points| (source.mount, points)));
         }
-        for source in &mut self.radars {
-            if let Some(row) = source.row(frame)? {
+        for source in self.radars.iter_mut().filter(|source| source.is_due(frame)) {
+            if let Some(row) = source.rows.next().transpose()? {
                 let points = radar_to_cartesian(&row.depth, &row.altitude, &row.azimuth);
                 readings.radars.push((source.mount, points));
             }
@@ -92,10 +103,18 @@ impl Clouds {
     }
 }
 
-impl<R: Row + Framed> Source<R> {
-    fn row(&mut self, frame: u32) -> Result<Option<R>, SceneError> {
-        if rate::is_due(frame, self.every_n_frames) { self.rows.next().transpose() } else { Ok(None) }
+impl<T> Source<T> {
+    fn is_due(&self, frame: u32) -> bool {
+        rate::is_due(frame, self.every_n_frames)
     }
+}
+
+/// Points on surfaces: no object is seen by a drop of rain within its box.
+fn of_surfaces(row: &LidarReturns) -> [Vec<f32>; 3] {
+    [&row.x, &row.y, &row.z].map(|axis| {
+        let kinds = axis.iter().zip(&row.return_kind);
+        kinds.filter(|(_, kind)| **kind == ReturnKind::Surface as u8).map(|(value, _)| *value).collect()
+    })
 }
 
 impl Readings {

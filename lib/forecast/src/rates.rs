@@ -46,7 +46,8 @@ pub(crate) fn reading_costs(rig: &Rig) -> impl Iterator<Item = ReadingCost> {
     let lidars = rig.lidars.iter().map(move |lidar| {
         let (output, bytes_ray) =
             if lidar.semantic { ("semantic lidar sweeps", 8.0) } else { ("lidar sweeps", 9.2) };
-        of_rays(output, lidar.scan.rays() as f64, bytes_ray, lidar.every_n_frames)
+        let cost = of_rays(output, lidar.scan.rays() as f64, bytes_ray, lidar.every_n_frames);
+        ReadingCost { core_s: cost.core_s * f64::from(lidar.beam.rays), ..cost }
     });
     let of_radar =
         move |radar: &RadarSpec| of_rays("radar readings", f64::from(radar.rays), 20.4, radar.every_n_frames);

@@ -5,7 +5,7 @@ use schema::settings::stages::{
     MaskSettings, PlanSettings, RangeRig, RangeSensor, SensorSettings, SimulationSettings,
     StatisticsSettings, ValiditySettings,
 };
-use schema::settings::{DatasetSettings, OccupancySettings, PerAgent, Rig, TrackSettings};
+use schema::settings::{DatasetSettings, Mount, OccupancySettings, PerAgent, Rig, TrackSettings};
 use serde::Serialize;
 
 use crate::graph::StageSpec;
@@ -102,12 +102,16 @@ impl StageSettings for ValiditySettings {
 }
 
 fn range_rig(rig: &Rig) -> RangeRig {
-    let sensor =
-        |name: &str, mount, every_n_frames| RangeSensor { name: name.to_owned(), mount, every_n_frames };
     let plain = rig.lidars.iter().filter(|lidar| !lidar.semantic);
+    let sensor = |name: &str, mount, every_n_frames, tells_returns| RangeSensor {
+        name: name.to_owned(),
+        mount,
+        every_n_frames,
+        tells_returns,
+    };
     RangeRig {
-        lidars: plain.map(|s| sensor(&s.name, s.mount, s.every_n_frames)).collect(),
-        radars: rig.radars.iter().map(|s| sensor(&s.name, s.mount, s.every_n_frames)).collect(),
+        lidars: plain.map(|s| sensor(&s.name, s.mount, s.every_n_frames, s.tells_returns())).collect(),
+        radars: rig.radars.iter().map(|s| sensor(&s.name, s.mount, s.every_n_frames, false)).collect(),
         instance: rig.camera.images.has(ImageKind::Instance),
     }
 }
@@ -181,7 +185,7 @@ pub fn config_hash(spec: &StageSpec, settings: &DatasetSettings) -> Result<Strin
 #[cfg(test)]
 mod tests {
     use schema::ImageSet;
-    use schema::settings::{BevRule, OwnRig};
+    use schema::settings::{BevRule, OwnRig, RollingScan, WeatherSpec};
 
     use super::*;
     use crate::graph::Graph;
@@ -211,7 +215,12 @@ mod tests {
         assert_eq!(stale(|s| s.vehicle_rig.lidars[0].noise_m = 0.5), rendered);
         assert_eq!(stale(|s| s.own_rigs[0].rig.lidars[0].noise_m = 0.5), rendered);
         assert_eq!(stale(|s| s.rsu_rig.camera.jpeg_quality = 17), rendered);
+        let rolls = |s: &mut DatasetSettings| {
+            s.vehicle_rig.lidars[0].rolling = Some(RollingScan { slices: 8, compensated: true });
+        };
+        assert_eq!(stale(rolls), rendered);
         let judged = ["render-sensors", "postprocess-valid"];
+        assert_eq!(stale(|s| s.rsu_rig.lidars[0].weather = Some(WeatherSpec { detected: 0.1 })), judged);
         assert_eq!(stale(|s| s.rsu_rig.camera.images = ImageSet::NONE), judged);
         assert_eq!(stale(|s| s.rsu_rig.camera.images.set(ImageKind::Flow, true)), rendered);
         assert_eq!(stale(|s| s.rsu_rig.camera.flow_half = true), rendered);

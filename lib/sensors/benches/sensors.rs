@@ -10,9 +10,9 @@ use glam::Vec3;
 use random::Stream;
 use renderer::Scene;
 use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
-use schema::settings::{LidarSpec, Rig};
+use schema::settings::{BeamSpec, LidarSpec, Rig, RollingScan, WeatherSpec};
 use schema::tables::Weather;
-use sensors::{Image, Lidar, Lighting, Picture, RadarMotion, Sight, Sky, pixel_counts, radar};
+use sensors::{Image, Lidar, LidarMoment, Lighting, Picture, RadarMotion, Sight, Sky, pixel_counts, radar};
 
 fn main() {
     divan::main();
@@ -78,13 +78,40 @@ fn camera_pixel_counts(bencher: Bencher) {
     with_sight(&day(), |scene, sight, _| bencher.bench(|| pixel_counts(scene.snapshot(), &sight.seen)));
 }
 
+/// A sweep of 262,144 beams from a vehicle that drives at 15 m/s.
+fn bench_lidar(bencher: Bencher, spec: &LidarSpec, weather: Weather) {
+    with_sight(&day(), |scene, _, _| {
+        let lidar = Lidar::new(spec).expect("is possible");
+        let stream = Stream::new(27, 0, "bench", 0);
+        let mut moment = LidarMoment { weather, ..LidarMoment::standing(3, common::at(0.0, -5.2, 1.8, 0.0)) };
+        moment.path.previous_local_from_agent = common::at(-0.75, -5.2, 1.8, 0.0);
+        bencher.bench(|| lidar.sweep(scene, &moment, &stream));
+    });
+}
+
 #[divan::bench]
 fn lidar_262144_rays(bencher: Bencher) {
-    with_sight(&day(), |scene, _, _| {
-        let lidar = Lidar::new(&LidarSpec::vehicle()).expect("is possible");
-        let stream = Stream::new(27, 0, "bench", 0);
-        bencher.bench(|| lidar.sweep(scene, common::at(0.0, -5.2, 1.8, 0.0), &stream, 3));
-    });
+    bench_lidar(bencher, &LidarSpec::vehicle(), Weather::default());
+}
+
+#[divan::bench]
+fn lidar_rolling_in_64_slices(bencher: Bencher) {
+    let rolling = Some(RollingScan { slices: 64, compensated: true });
+    bench_lidar(bencher, &LidarSpec { rolling, ..LidarSpec::vehicle() }, Weather::default());
+}
+
+#[divan::bench]
+fn lidar_seven_rays_a_beam(bencher: Bencher) {
+    let base = LidarSpec::vehicle();
+    let beam = BeamSpec { rays: 7, ..base.beam.clone() };
+    bench_lidar(bencher, &LidarSpec { beam, ..base }, Weather::default());
+}
+
+#[divan::bench]
+fn lidar_in_rain_and_fog(bencher: Bencher) {
+    let weather = Some(WeatherSpec { detected: 0.1 });
+    let sky = Weather { precipitation: 50.0, fog_density: 80.0, ..Weather::default() };
+    bench_lidar(bencher, &LidarSpec { weather, ..LidarSpec::vehicle() }, sky);
 }
 
 #[divan::bench]

@@ -20,7 +20,7 @@
 //! use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
 //! use schema::settings::{CameraSettings, CameraSpec, LidarSpec, Mount, Optics};
 //! use schema::{Tag, images};
-//! use sensors::{Camera, CpuPainter, FrameWeather, Image, Lidar};
+//! use sensors::{Camera, CpuPainter, FrameWeather, Image, Lidar, LidarMoment};
 //! use renderer::Renderer;
 //! use visibility::CpuRenderer;
 //!
@@ -66,7 +66,8 @@
 //! // A lidar at the same place: what comes back lies on the ground.
 //! let lidar = Lidar::new(&LidarSpec::rsu().semantic())?;
 //! let stream = random::Stream::new(1, 0, "docs", 0);
-//! let sweep = lidar.sweep(&*scene, Affine3A::from_translation(Vec3::Z * 1.6), &stream, 0)?;
+//! let moment = LidarMoment::standing(0, Affine3A::from_translation(Vec3::Z * 1.6));
+//! let sweep = lidar.sweep(&*scene, &moment, &stream)?;
 //! assert!(!sweep.is_empty() && sweep.z_m.iter().all(|z| (z + 1.6).abs() < 1e-3));
 //! # Ok::<(), sensors::SensorError>(())
 //! ```
@@ -97,7 +98,7 @@ pub use error::SensorError;
 pub use geo::GeoOrigin;
 pub use gnss::gnss;
 pub use imu::imu;
-pub use lidar::{Lidar, LidarSweep};
+pub use lidar::{Lidar, LidarMoment, LidarSweep, OfBeam, SensorPath};
 pub use light::{FrameWeather, Lighting, Sky};
 pub use metadata::{camera_metadata, sensor_metadata};
 pub use motion::Motion;

@@ -4,6 +4,7 @@ use frames::LocalOrigin;
 use glam::Affine3A;
 use renderer::Scene;
 use schema::settings::Mount;
+use schema::tables::Weather;
 use schema::{ObjectId, rate};
 
 use crate::camera::picture::Picture;
@@ -34,6 +35,8 @@ pub struct Observation<'a> {
     pub scene: &'a dyn Scene,
     /// The agent.
     pub agent: AgentState,
+    /// The weather.
+    pub weather: Weather,
     /// What the cameras of the rig see, in the rig's order; empty when no images are wanted, or none at this frame.
     pub sights: Vec<Sight>,
 }
@@ -59,7 +62,16 @@ impl<'a> Observation<'a> {
             let views = cameras.list.iter().map(|camera| camera.view(origin, now, before)).collect();
             see(scene, painter, when, origin.local_from_world(now.xyz()), views)?
         };
-        Ok(Self { frame: when.frame, scene, agent, sights })
+        Ok(Self { frame: when.frame, scene, agent, weather: when.weather, sights })
+    }
+
+    /// Where the agent is: its frame to the snapshot's local frame, now and one frame before.
+    #[must_use]
+    pub fn local_from_agent(&self) -> [Affine3A; 2] {
+        let origin: &LocalOrigin = &self.scene.snapshot().origin;
+        let now = origin.local_from_body(&self.agent.motion.world_from_agent);
+        let before = self.agent.previous.as_ref();
+        [now, before.map_or(now, |previous| origin.local_from_body(&previous.world_from_agent))]
     }
 
     /// Where a sensor is: its frame to the snapshot's local frame, now and one frame before.

@@ -1,11 +1,13 @@
 //! The list of all sensors: one line a kind.
 
-use schema::settings::Rig;
+use schema::Joined;
+use schema::settings::{LidarSpec, Rig};
+use schema::tables::{LidarReturnsRow, LidarRow, SemanticLidarRow};
 
 use crate::camera::{Boxes2d, VisibleObjects, visit_images};
 use crate::gnss::Gnss;
 use crate::imu::Imu;
-use crate::lidar::{PlainLidar, SemanticLidar};
+use crate::lidar::{LidarSensor, SweepRow};
 use crate::radar::Radar;
 use crate::sensor::{Carrier, SensorVisitor};
 
@@ -21,9 +23,9 @@ pub fn visit_sensors<V: SensorVisitor>(
     visit_images(rig, visitor)?;
     for lidar in &rig.lidars {
         if lidar.semantic {
-            visitor.visit(SemanticLidar::new(lidar, carrier)?)?;
+            visit_lidar::<SemanticLidarRow, V>(lidar, carrier, visitor)?;
         } else {
-            visitor.visit(PlainLidar::new(lidar, carrier)?)?;
+            visit_lidar::<LidarRow, V>(lidar, carrier, visitor)?;
         }
     }
     for radar in &rig.radars {
@@ -42,4 +44,17 @@ pub fn visit_sensors<V: SensorVisitor>(
         visitor.visit(boxes)?;
     }
     Ok(())
+}
+
+/// Shows a lidar with the columns that its settings ask for.
+fn visit_lidar<R: SweepRow, V: SensorVisitor>(
+    lidar: &LidarSpec,
+    carrier: &Carrier,
+    visitor: &mut V,
+) -> Result<(), V::Error> {
+    if lidar.tells_returns() {
+        visitor.visit(LidarSensor::<Joined<R, LidarReturnsRow>>::new(lidar, carrier)?)
+    } else {
+        visitor.visit(LidarSensor::<R>::new(lidar, carrier)?)
+    }
 }

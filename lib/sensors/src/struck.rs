@@ -1,7 +1,7 @@
 //! What a ray struck.
 
 use glam::Vec3;
-use renderer::Hit;
+use renderer::{Hit, pose_before};
 use schema::ObjectId;
 use schema::geometry::{Part, Snapshot};
 
@@ -17,10 +17,16 @@ pub(crate) struct Struck<'a> {
 
 impl<'a> Struck<'a> {
     pub(crate) fn new(snapshot: &'a Snapshot, hit: &Hit) -> Option<Self> {
+        Self::before(snapshot, hit, 0.0)
+    }
+
+    /// At a moment between the previous frame (1) and this one (0).
+    pub(crate) fn before(snapshot: &'a Snapshot, hit: &Hit, before: f32) -> Option<Self> {
         let instance = snapshot.instances.get(hit.instance as usize)?;
+        let pose = pose_before(&instance.previous_local_from_object, &instance.local_from_object, before);
         let mesh = snapshot.mesh(instance);
         let [a, b, c] = mesh.corners(hit.triangle as usize);
-        let normal = instance.local_from_object.transform_vector3((b - a).cross(c - a));
+        let normal = pose.transform_vector3((b - a).cross(c - a));
         Some(Self {
             part: mesh.part(hit.triangle as usize),
             object: instance.object,

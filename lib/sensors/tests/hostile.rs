@@ -14,13 +14,14 @@ use renderer::{
 };
 use schema::geometry::{Snapshot, TriMesh};
 use schema::settings::{
-    CameraSettings, CameraSpec, GnssSpec, ImuSpec, LidarSpec, Mount, Optics, Rig, ScanPattern,
+    BeamSpec, CameraSettings, CameraSpec, GnssSpec, ImuSpec, LidarSpec, Mount, Optics, Rig, RollingScan,
+    ScanPattern, WeatherSpec,
 };
 use schema::tables::Weather;
 use schema::{AgentId, ImageKind, ImageSet};
 use sensors::{
-    AgentState, Camera, Cameras, Carrier, CpuPainter, GeoOrigin, Lidar, Motion, Observation, RadarMotion,
-    Sensor, SensorError, SensorVisitor, radar,
+    AgentState, Camera, Cameras, Carrier, CpuPainter, GeoOrigin, Lidar, LidarMoment, Motion, Observation,
+    RadarMotion, Sensor, SensorError, SensorVisitor, radar,
 };
 
 const ODD: [f64; 7] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 0.0, 1e300, 1e-300];
@@ -110,10 +111,20 @@ fn odd_lidars_and_radars_return_something_or_nothing() {
                 LidarSpec { dropoff_rate: odd, ..plain.clone() },
                 LidarSpec { dropoff_intensity_limit: odd, dropoff_zero_intensity: odd, ..plain.clone() },
                 LidarSpec { attenuation_per_m: odd, noise_m: odd, ..plain.clone() },
+                LidarSpec {
+                    beam: BeamSpec { rays: 7, divergence_rad: odd, ..plain.beam.clone() },
+                    ..plain.clone()
+                },
+                LidarSpec { weather: Some(WeatherSpec { detected: odd }), ..plain.clone() },
+                LidarSpec { weather: Some(WeatherSpec { detected: 0.1 }), range_m: odd, ..plain.clone() },
+                LidarSpec { rolling: Some(RollingScan { slices: 0, compensated: true }), ..plain.clone() },
             ];
             for spec in specs {
                 let lidar = Lidar::new(&spec).expect("its number of rays is possible");
-                let sweep = lidar.sweep(scene, Affine3A::IDENTITY, &stream(), 0).expect("has no device");
+                let mut moment = LidarMoment::standing(0, Affine3A::IDENTITY);
+                moment.weather = Weather { fog_density: odd, precipitation: 60.0, ..Weather::default() };
+                moment.path.previous_local_from_agent.translation.x = odd as f32;
+                let sweep = lidar.sweep(scene, &moment, &stream()).expect("has no device");
                 assert!(sweep.len() <= 64);
             }
             let base = &Rig::vehicle().radars[0];
@@ -186,6 +197,10 @@ impl Scene for Nothing<'_> {
     }
 
     fn trace_at(&self, _: &[AloneRays<'_>]) -> Result<Vec<Hits>, RenderError> {
+        unplugged()
+    }
+
+    fn trace_before(&self, _: f32, _: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
         unplugged()
     }
 }

@@ -2,6 +2,7 @@
 //! translated first.
 
 mod cameras;
+mod lidar_scan;
 mod parts;
 mod reader;
 mod rigs;
@@ -262,7 +263,7 @@ mod rig_tests;
 mod tests {
     use super::*;
     use schema::AgentId;
-    use schema::settings::{Optics, Split, ZFill};
+    use schema::settings::{BeamSpec, LidarSpec, Optics, Returned, RollingScan, Split, WeatherSpec, ZFill};
 
     fn faults(text: &str) -> String {
         let faults = parse(text, "bad.toml").expect_err("has faults");
@@ -328,6 +329,39 @@ mod tests {
             "{}",
             faults[0]
         );
+    }
+
+    #[test]
+    fn a_lidars_scan_beams_and_weather_are_read_and_checked() {
+        let with = |keys: &str| {
+            let text =
+                format!("[scenes.train]\n\"convoy/demo\" = 1\n[vehicle.lidar]\nsemantic = true\n{keys}");
+            parse(&text, "scan.toml").map_err(|f| f.iter().map(Fault::to_string).collect::<Vec<_>>())
+        };
+        let lidars = with("").expect("is good").vehicle_rig.lidars;
+        assert_eq!((&lidars[0].beam, &lidars[0].rolling), (&LidarSpec::vehicle().beam, &None));
+        let keys = "rolling = true\nrolling_slices = 32\nrolling_compensated = false\nbeam_rays = 7\n\
+                    beam_divergence_mrad = 2\nreturns = [\"last\", \"first\"]\nweather = true\nweather_detected = 0.2\n";
+        let lidars = with(keys).expect("is good").vehicle_rig.lidars;
+        let [plain, semantic] = lidars.as_slice() else { panic!("{lidars:?}") };
+        assert_eq!(plain.rolling, Some(RollingScan { slices: 32, compensated: false }));
+        let returned = Returned { first: true, strongest: false, last: true };
+        assert_eq!(plain.beam, BeamSpec { rays: 7, divergence_rad: 0.002, returned });
+        assert_eq!(plain.weather, Some(WeatherSpec { detected: 0.2 }));
+        assert_eq!((&semantic.rolling, &semantic.beam), (&plain.rolling, &plain.beam));
+        assert!(semantic.weather.is_none() && plain.tells_returns());
+
+        for (keys, fault) in [
+            ("rolling = true\nrolling_slices = 4000", "there are 2048 columns"),
+            ("beam_rays = 3", "expected 1 or 7"),
+            ("returns = [\"second\"]", "`second` is none of"),
+            ("returns = []", "would return nothing"),
+            ("returns = [\"first\", \"last\"]", "set beam_rays = 7"),
+        ] {
+            let faults = with(keys).expect_err(keys);
+            assert!(faults.len() == 1 && faults[0].contains(fault), "{faults:?}");
+        }
+        assert!(with("returns = [\"last\"]\nweather = true").is_ok());
     }
 
     #[test]

@@ -11,6 +11,7 @@ use schema::tables::{GNSS_TABLE, IMU_TABLE, VISIBLE_TABLE};
 use schema::{AgentId, AgentKind};
 
 use super::cameras::{PICTURES, camera, cameras, pictures};
+use super::lidar_scan;
 use super::parts::{every_n_frames, mount, names};
 use super::reader::Section;
 use super::table_names::TableNames;
@@ -154,6 +155,8 @@ fn lidar(s: &Section<'_>, d: &LidarSpec) -> Vec<LidarSpec> {
     if let Some(problem) = scan.problem() {
         s.fault_at_any(&["columns", "channels"], format!("`{}`: {problem}", s.path()));
     }
+    let weather = lidar_scan::weather(s);
+    let beam = lidar_scan::beam(s, &d.beam, weather.is_some());
     let lidar = LidarSpec {
         name: d.name.clone(),
         mount: mount(s, &d.mount),
@@ -184,6 +187,9 @@ fn lidar(s: &Section<'_>, d: &LidarSpec) -> Vec<LidarSpec> {
         noise_m: s.number("noise_m", d.noise_m, 0.0, 10.0, "standard deviation of the distance, m"),
         semantic: false,
         every_n_frames: every_n_frames(s, "it sweeps"),
+        rolling: lidar_scan::rolling(s, columns),
+        beam,
+        weather,
     };
     let doc = "the same of the semantic lidar";
     let semantic_every = s.optional_integer("semantic_every_n_frames", "that of the lidar", 1, 1000, doc);

@@ -46,6 +46,51 @@ impl ScanPattern {
     }
 }
 
+/// A revolution that takes the whole frame: its last column is fired at the frame's time, the first one a period before.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RollingScan {
+    /// Moments at which rays are fired (64), at most as many as there are columns. Neighbouring columns share one, the middle of
+    /// theirs, so that rays are fired at most `period / (2 slices)` from when a steadily turning lidar would.
+    pub slices: u32,
+    /// Whether points are given from where the sensor is at the frame's time (its own motion taken out), not from where it was
+    /// when the ray was fired.
+    pub compensated: bool,
+}
+
+/// Which echoes of a beam are returned; one that is several of these is returned once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Returned {
+    /// The nearest.
+    pub first: bool,
+    /// The one of the greatest power.
+    pub strongest: bool,
+    /// The farthest.
+    pub last: bool,
+}
+
+/// A beam.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BeamSpec {
+    /// Rays that stand for it: 1 along its axis, or 7 over its cross-section.
+    pub rays: u32,
+    /// Full angle of its cone, radians (0.003).
+    pub divergence_rad: f64,
+    /// Which of its echoes are returned.
+    pub returned: Returned,
+}
+
+impl BeamSpec {
+    /// Numbers of rays that a beam can have.
+    pub const RAYS: [u32; 2] = [1, 7];
+}
+
+/// A lidar that rain and fog weaken and send light back to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WeatherSpec {
+    /// Reflectance of the surface, met straight on in clear air at the lidar's reach, whose echo it just detects (0.1).
+    pub detected: f64,
+}
+
 /// A lidar.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LidarSpec {
@@ -68,10 +113,16 @@ pub struct LidarSpec {
     pub attenuation_per_m: f64,
     /// Standard deviation of the distance, metres (0.03; semantic 0).
     pub noise_m: f64,
-    /// A semantic lidar: no drops, no noise, and the incidence cosine is written.
+    /// A semantic lidar: no drops, no noise, no weather.
     pub semantic: bool,
     /// It sweeps at frames 0, n, 2 n, ... (1).
     pub every_n_frames: u32,
+    /// A revolution that takes time; none fires all rays at the frame's time.
+    pub rolling: Option<RollingScan>,
+    /// The beams.
+    pub beam: BeamSpec,
+    /// Rain and fog; none sees through them.
+    pub weather: Option<WeatherSpec>,
 }
 
 impl LidarSpec {
@@ -96,6 +147,13 @@ impl LidarSpec {
             noise_m: 0.03,
             semantic: false,
             every_n_frames: 1,
+            rolling: None,
+            beam: BeamSpec {
+                rays: 1,
+                divergence_rad: 0.003,
+                returned: Returned { first: false, strongest: true, last: false },
+            },
+            weather: None,
         }
     }
 
@@ -124,8 +182,15 @@ impl LidarSpec {
             dropoff_zero_intensity: 0.0,
             noise_m: 0.0,
             semantic: true,
+            weather: None,
             ..self.clone()
         }
+    }
+
+    /// Whether a beam can have several echoes, or some that are no surface's: then the table says of each return which it is.
+    #[must_use]
+    pub fn tells_returns(&self) -> bool {
+        self.beam.rays > 1 || self.weather.is_some()
     }
 }
 

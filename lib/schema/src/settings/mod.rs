@@ -37,7 +37,7 @@ pub use dataset::{DatasetSettings, OwnRig};
 pub use hazards::HazardSettings;
 pub use inertial::{GnssSpec, ImuSpec};
 pub use lens::{Lens, LensModel};
-pub use lidar::{LidarSpec, ScanPattern};
+pub use lidar::{BeamSpec, LidarSpec, Returned, RollingScan, ScanPattern, WeatherSpec};
 pub use lights::LightSettings;
 pub use mount::Mount;
 pub use occupancy::{FillingRule, OccupancySettings, SweepSettings, ZFill};

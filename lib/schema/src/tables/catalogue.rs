@@ -42,6 +42,7 @@ pub fn every_table() -> Vec<TableDoc> {
         describe_table::<FlowRow>(),
         describe_table::<LidarRow>(),
         describe_table::<SemanticLidarRow>(),
+        describe_table::<LidarReturnsRow>(),
         describe_table::<RadarRow>(),
         describe_table::<GnssRow>(),
         describe_table::<ImuRow>(),

@@ -77,7 +77,7 @@ table! {
         intensity: Vec<f32>,
         /// Beam number, 0 is the highest.
         ring: Vec<u16>,
-        /// Seconds after the frame's time at which the ray was fired (0: all rays of a sweep at once).
+        /// Seconds after the frame's time at which the ray was fired: 0, or with `lidar.rolling` between minus a frame period and 0.
         time_offset_s: Vec<f32>,
         /// Cosine of the angle between ray and surface normal, 0 to 1.
         cos_angle: Vec<f32>,
@@ -113,6 +113,19 @@ table! {
         id: Vec<u16>,
         /// Semantic tag of what was hit.
         tag: Vec<u8>,
+    }
+}
+
+table! {
+    /// Further columns of the tables of lidars and semantic lidars with `beam_rays` above 1 or `weather`; of others every return
+    /// is the only one of its beam, from a surface. Returns of a beam stand together, the nearest first.
+    LidarReturnsRow in "sensors/{agent}/{lidar}" by "render-sensors" {
+        /// Number of the return among those of its beam, from 1.
+        return_number: Vec<u8>,
+        /// Returns of its beam.
+        return_count: Vec<u8>,
+        /// What sent the light back: 0 a surface, 1 fog, 2 a drop of rain. Fog and rain have object id, tag and `cos_angle` 0.
+        return_kind: Vec<u8>,
     }
 }
 

@@ -1,83 +1,59 @@
-//! Lidars: a table of rays, one sweep a frame.
+//! Lidars: a table of beams, one sweep a frame.
+
+mod air;
+mod beam;
+mod path;
+mod receive;
+mod reflectance;
+mod sweep;
+
+use std::marker::PhantomData;
+use std::ops::Range;
 
 use glam::{Affine3A, Vec3};
 use random::Stream;
 use rayon::prelude::*;
-use renderer::{Hit, RayBatch, Scene};
-use schema::ObjectId;
-use schema::geometry::{Part, Snapshot, Surface};
+use renderer::{RayBatch, Scene};
 use schema::measures::sensors::LIDAR_POINTS;
-use schema::settings::LidarSpec;
-use schema::tables::{LidarRow, SemanticLidarRow};
+use schema::settings::{LidarSpec, ScanPattern};
 
+use self::air::Air;
+use self::beam::{beside, offsets};
+pub use self::path::{LidarMoment, SensorPath};
+use self::receive::{Receiver, Return, Volley, words_of};
+pub(crate) use self::sweep::SweepRow;
+pub use self::sweep::{LidarSweep, OfBeam};
 use crate::error::SensorError;
 use crate::metadata::sensor_metadata;
 use crate::observation::Observation;
 use crate::sensor::{Amount, Carrier, Layout, Sensor, SensorTable};
-use crate::struck::Struck;
 
-/// Returns within this distance ahead or behind and [`CROP_LEFT_M`] to the sides are of the agent's own body.
-const CROP_AHEAD_M: f32 = 2.44;
-/// See [`CROP_AHEAD_M`].
-const CROP_LEFT_M: f32 = 1.04;
 /// Columns and channels of the blocks in which rays are followed: 16 neighbours make a packet.
 const BLOCK: [usize; 2] = [4, 4];
-/// Rays a parallel task: fixed, so that results are joined in the same order on any number of threads.
+/// Beams a parallel task: fixed, so that results are joined in the same order on any number of threads.
 const CHUNK: usize = 4096;
 
-/// A lidar with its rays worked out, for all sweeps of all agents that carry it.
+/// A lidar with its beams worked out, for all sweeps of all agents that carry it.
 #[derive(Clone, Debug)]
 pub struct Lidar {
     spec: LidarSpec,
     /// Unit directions in the sensor frame, highest channel first.
     directions: Vec<Vec3>,
-    /// The order in which rays are followed: neighbours together.
+    slices: Vec<Slice>,
+}
+
+/// Columns that are fired at one moment.
+#[derive(Clone, Debug)]
+struct Slice {
+    columns: Range<usize>,
+    /// The moment: 0 at the frame, 1 a period ago.
+    before: f32,
+    /// The order in which its beams are followed: neighbours together.
     order: Vec<u32>,
 }
 
-/// One sweep, in the order of the rays: highest channel first, each from the left end of the field of view
-/// clockwise. All lists are equally long.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LidarSweep {
-    /// Forward, metres, sensor frame.
-    pub x_m: Vec<f32>,
-    /// Left, metres.
-    pub y_m: Vec<f32>,
-    /// Up, metres.
-    pub z_m: Vec<f32>,
-    /// Returned intensity, 0 to 1.
-    pub intensity: Vec<f32>,
-    /// Channel, 0 is the highest.
-    pub ring: Vec<u16>,
-    /// Seconds after the frame's time: 0, all rays of a sweep are fired at once.
-    pub time_offset_s: Vec<f32>,
-    /// Whose surface was hit.
-    pub id: Vec<ObjectId>,
-    /// What was hit.
-    pub tag: Vec<u8>,
-    /// Cosine of the angle between ray and surface normal, 0 to 1.
-    pub cos_angle: Vec<f32>,
-}
-
-/// Some rays of a sweep: numbers and random words, and where they go in the snapshot's local frame.
-struct Volley {
-    rays: Vec<(u32, [u32; 4])>,
-    directions: Vec<Vec3>,
-}
-
-/// One return.
-#[derive(Clone, Copy)]
-struct Return {
-    ray: u32,
-    point_m: Vec3,
-    intensity: f32,
-    id: ObjectId,
-    tag: u8,
-    cos_angle: f32,
-}
-
 impl Lidar {
-    /// Works out the rays of a lidar.
+    /// Works out the beams of a lidar.
     ///
     /// Channel `i` of `n` is at `upper - i (upper - lower) / (n - 1)`, column `j` of `m` at `fov / 2 - j fov / m`
     /// to the left.
@@ -103,16 +79,7 @@ impl Lidar {
                     .map(|&(left, ahead)| Vec3::new((flat * ahead) as f32, (flat * left) as f32, up as f32)),
             );
         }
-        let (rows, width) = (scan.channels as usize, scan.columns as usize);
-        let mut order = Vec::with_capacity(directions.len());
-        for row in (0..rows).step_by(BLOCK[1]) {
-            for column in (0..width).step_by(BLOCK[0]) {
-                for r in row..(row + BLOCK[1]).min(rows) {
-                    order.extend((column..(column + BLOCK[0]).min(width)).map(|c| (r * width + c) as u32));
-                }
-            }
-        }
-        Ok(Self { spec: spec.clone(), directions, order })
+        Ok(Self { spec: spec.clone(), directions, slices: slices(spec) })
     }
 
     /// What it was made from.
@@ -127,7 +94,7 @@ impl Lidar {
         SensorTable::new(&self.spec.name, Some(about), Layout::Frames, every)
     }
 
-    /// Unit directions of all rays in the sensor frame, highest channel first.
+    /// Unit directions of all beams in the sensor frame, highest channel first.
     #[must_use]
     pub fn directions(&self) -> &[Vec3] {
         &self.directions
@@ -135,280 +102,181 @@ impl Lidar {
 
     /// One sweep from where the sensor is.
     ///
-    /// `stream` gives the random drops and the noise: ray `r` of frame `f` reads the words at `f << 32 | r`, so
-    /// that nothing depends on which rays hit or on threads. A ray is dropped with [`LidarSpec::dropoff_rate`];
-    /// a return whose bare intensity `I = exp(-attenuation d)` is at most [`LidarSpec::dropoff_intensity_limit`]
-    /// is kept with the chance `1 - zero + I zero / limit`. Semantic lidars have neither drops nor noise. Returns
-    /// with `|x| <= 2.44` and `|y| <= 1.04` are left out (the agent's own body).
+    /// `stream` gives the random drops and the noise: ray `r` of frame `f` reads the words at `f << 32 | r` (further returns and
+    /// weather those at `f << 32 | n << 22 | r`), so that nothing depends on which rays hit or on threads. A ray is dropped with
+    /// [`LidarSpec::dropoff_rate`]; a surface's return whose bare intensity `I = exp(-attenuation d)` is at most
+    /// [`LidarSpec::dropoff_intensity_limit`] is kept with the chance `1 - zero + I zero / limit`. Semantic lidars have neither
+    /// drops nor noise. Returns with `|x| <= 2.44` and `|y| <= 1.04` are left out (the agent's own body).
+    ///
+    /// Of a rolling lidar, columns of a slice are fired at one moment: from where the sensor is then, at instances that are where
+    /// [`renderer::pose_before`] has them.
     ///
     /// # Errors
     /// The renderer failed.
     pub fn sweep(
         &self,
         scene: &dyn Scene,
-        local_from_sensor: Affine3A,
+        at: &LidarMoment,
         stream: &Stream,
-        frame: u32,
     ) -> Result<LidarSweep, SensorError> {
-        let fired = self.fire(local_from_sensor, stream, frame);
+        let air = Air::of(&self.spec, &at.weather);
+        let swept =
+            self.slices.par_iter().map(|slice| self.sweep_slice(scene, at, stream, air.as_ref(), slice));
+        let swept = swept.collect::<Result<Vec<_>, _>>()?;
+        Ok(self.collect(&swept.into_iter().flatten().collect::<Vec<_>>()))
+    }
+
+    fn sweep_slice(
+        &self,
+        scene: &dyn Scene,
+        at: &LidarMoment,
+        stream: &Stream,
+        air: Option<&Air>,
+        slice: &Slice,
+    ) -> Result<Vec<Vec<Return>>, SensorError> {
+        let local_from_sensor = at.path.before(slice.before);
+        let fired = self.fire(&slice.order, local_from_sensor, stream, at.frame);
         let origin = Vec3::from(local_from_sensor.translation);
         let range_m = [0.0, self.spec.range_m as f32];
         let batches: Vec<RayBatch<'_>> =
             fired.iter().map(|volley| RayBatch { origin, directions: &volley.directions, range_m }).collect();
-        let hits = scene.trace(&batches)?;
-        let snapshot = scene.snapshot();
-        let returns: Vec<Vec<Return>> = fired
-            .par_iter()
-            .zip(&hits)
-            .map(|(volley, hits)| {
-                volley
-                    .rays
-                    .iter()
-                    .zip(&volley.directions)
-                    .zip(hits.iter())
-                    .filter_map(|((&(ray, words), &direction), hit)| {
-                        self.receive(snapshot, ray, words, direction, &hit?)
-                    })
-                    .collect()
-            })
-            .collect();
-        Ok(self.collect(&returns))
+        let is_now = slice.before == 0.0;
+        let hits =
+            if is_now { scene.trace(&batches)? } else { scene.trace_before(slice.before, &batches)? };
+        let compensated = self.spec.rolling.as_ref().is_some_and(|rolling| rolling.compensated);
+        let receiver = Receiver {
+            spec: &self.spec,
+            directions: &self.directions,
+            snapshot: scene.snapshot(),
+            before: slice.before,
+            now_from_then: compensated.then(|| at.path.local_from_sensor.inverse() * local_from_sensor),
+            air,
+            stream,
+            frame: at.frame,
+        };
+        Ok(fired.par_iter().zip(&hits).map(|(volley, hits)| receiver.receive(volley, hits)).collect())
     }
 
-    /// The rays of a sweep that are not dropped at random, chunk by chunk.
-    fn fire(&self, local_from_sensor: Affine3A, stream: &Stream, frame: u32) -> Vec<Volley> {
+    /// The beams that are not dropped at random, chunk by chunk.
+    fn fire(&self, order: &[u32], local_from_sensor: Affine3A, stream: &Stream, frame: u32) -> Vec<Volley> {
         let semantic = self.spec.semantic;
         let drop_below = if semantic { 0.0 } else { self.spec.dropoff_rate as f32 };
-        let words_of = |ray: u32| stream.at(u64::from(frame) << 32 | u64::from(ray));
+        let offsets = offsets(&self.spec.beam);
         let volley = |rays: &[u32]| {
-            let rays: Vec<(u32, [u32; 4])> = rays
+            let beams: Vec<(u32, [u32; 4])> = rays
                 .iter()
-                .map(|&ray| (ray, if semantic { [0; 4] } else { words_of(ray) }))
+                .map(|&ray| (ray, if semantic { [0; 4] } else { words_of(stream, frame, ray, 0) }))
                 .filter(|(_, words)| drop_below <= 0.0 || random::unit_f32(words[0]) >= drop_below)
                 .collect();
-            let turned = |ray: u32| local_from_sensor.transform_vector3(self.directions[ray as usize]);
-            let directions = rays.iter().map(|&(ray, _)| turned(ray).normalize()).collect();
-            Volley { rays, directions }
+            let turned = |direction: Vec3| local_from_sensor.transform_vector3(direction).normalize();
+            let mut directions = Vec::with_capacity(beams.len() * (1 + offsets.len()));
+            for &(ray, _) in &beams {
+                let axis = self.directions[ray as usize];
+                directions.push(turned(axis));
+                directions.extend(offsets.iter().map(|&offset| turned(beside(axis, offset))));
+            }
+            Volley { beams, directions }
         };
-        self.order.par_chunks(CHUNK).map(volley).collect()
+        order.par_chunks(CHUNK).map(volley).collect()
     }
 
-    /// Turns a hit into a return, unless it is too weak or on the agent's own body.
-    fn receive(
-        &self,
-        snapshot: &Snapshot,
-        ray: u32,
-        words: [u32; 4],
-        direction_local: Vec3,
-        hit: &Hit,
-    ) -> Option<Return> {
-        let spec = &self.spec;
-        let bare = frames::math::f32::exp(-(spec.attenuation_per_m as f32) * hit.t);
-        let mut range_m = hit.t;
-        if !spec.semantic {
-            let limit = spec.dropoff_intensity_limit as f32;
-            let zero = spec.dropoff_zero_intensity as f32;
-            if limit > 0.0 && bare <= limit && random::unit_f32(words[1]) >= 1.0 - zero + bare * zero / limit
-            {
-                return None;
-            }
-            if spec.noise_m > 0.0 {
-                range_m += spec.noise_m as f32 * random::normal_pair_f32(words[2], words[3]).0;
-            }
-        }
-        let point_m = self.directions[ray as usize] * range_m;
-        if point_m.x.abs() <= CROP_AHEAD_M && point_m.y.abs() <= CROP_LEFT_M {
-            return None;
-        }
-        let surface = Struck::new(snapshot, hit)?;
-        let cos_angle = surface.normal_local.dot(direction_local).abs().min(1.0);
-        Some(Return {
-            ray,
-            point_m,
-            intensity: bare * reflectance(surface.part) * (0.25 + 0.75 * cos_angle),
-            id: surface.object,
-            tag: surface.part.tag as u8,
-            cos_angle,
-        })
-    }
-
-    /// Returns in following order to lists in ray order.
+    /// Returns in following order to lists in the order of the beams.
     fn collect(&self, returns: &[Vec<Return>]) -> LidarSweep {
         const NONE: u32 = u32::MAX;
         let all: Vec<&Return> = returns.iter().flatten().collect();
         let mut by_ray = vec![NONE; self.directions.len()];
-        for (index, r) in all.iter().enumerate() {
+        for (index, r) in all.iter().enumerate().filter(|(_, r)| r.number == 1) {
             by_ray[r.ray as usize] = index as u32;
         }
         let columns = self.spec.scan.columns.max(1);
-        let n = all.len();
-        let mut sweep = LidarSweep::with_capacity(n);
-        for index in by_ray.into_iter().filter(|&index| index != NONE) {
-            let r = all[index as usize];
-            sweep.x_m.push(r.point_m.x);
-            sweep.y_m.push(r.point_m.y);
-            sweep.z_m.push(r.point_m.z);
-            sweep.intensity.push(r.intensity);
-            sweep.ring.push((r.ray / columns) as u16);
-            sweep.id.push(r.id);
-            sweep.tag.push(r.tag);
-            sweep.cos_angle.push(r.cos_angle);
+        let mut offset_s = vec![0.0; columns as usize];
+        for slice in self.slices.iter().filter(|_| self.spec.rolling.is_some()) {
+            let offset = -f64::from(slice.before) * schema::FRAME_PERIOD_S;
+            offset_s[slice.columns.clone()].fill(offset as f32);
         }
-        sweep.time_offset_s = vec![0.0; n];
+        let mut sweep = LidarSweep::with_capacity(all.len(), self.spec.tells_returns());
+        for index in by_ray.into_iter().filter(|&index| index != NONE) {
+            let first = index as usize;
+            for r in &all[first..first + usize::from(all[first].count)] {
+                sweep.x_m.push(r.point_m.x);
+                sweep.y_m.push(r.point_m.y);
+                sweep.z_m.push(r.point_m.z);
+                sweep.intensity.push(r.intensity);
+                sweep.ring.push((r.ray / columns) as u16);
+                sweep.time_offset_s.push(offset_s[(r.ray % columns) as usize]);
+                sweep.id.push(r.id);
+                sweep.tag.push(r.tag);
+                sweep.cos_angle.push(r.cos_angle);
+                if let Some(of_beam) = &mut sweep.of_beam {
+                    of_beam.number.push(r.number);
+                    of_beam.count.push(r.count);
+                    of_beam.kind.push(r.kind as u8);
+                }
+            }
+        }
         sweep
     }
 }
 
-impl LidarSweep {
-    fn with_capacity(n: usize) -> Self {
-        Self {
-            x_m: Vec::with_capacity(n),
-            y_m: Vec::with_capacity(n),
-            z_m: Vec::with_capacity(n),
-            intensity: Vec::with_capacity(n),
-            ring: Vec::with_capacity(n),
-            time_offset_s: Vec::new(),
-            id: Vec::with_capacity(n),
-            tag: Vec::with_capacity(n),
-            cos_angle: Vec::with_capacity(n),
-        }
-    }
-
-    /// Number of returns.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.x_m.len()
-    }
-
-    /// Whether nothing came back.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.x_m.is_empty()
-    }
-
-    /// The sweep as a row of an ordinary lidar's table.
-    #[must_use]
-    pub fn into_row(self, frame: u32) -> LidarRow {
-        LidarRow {
-            frame,
-            time_s: crate::frame_time_s(frame),
-            x: self.x_m,
-            y: self.y_m,
-            z: self.z_m,
-            intensity: self.intensity,
-            ring: self.ring,
-            time_offset_s: self.time_offset_s,
-            cos_angle: self.cos_angle,
-            id: self.id,
-            tag: self.tag,
-        }
-    }
-
-    /// The sweep as a row of a semantic lidar's table.
-    #[must_use]
-    pub fn into_semantic_row(self, frame: u32) -> SemanticLidarRow {
-        SemanticLidarRow {
-            frame,
-            time_s: crate::frame_time_s(frame),
-            x: self.x_m,
-            y: self.y_m,
-            z: self.z_m,
-            cos_angle: self.cos_angle,
-            intensity: self.intensity,
-            ring: self.ring,
-            time_offset_s: self.time_offset_s,
-            id: self.id,
-            tag: self.tag,
-        }
-    }
+/// The slices of a revolution; all of it at the frame's time unless it rolls.
+fn slices(spec: &LidarSpec) -> Vec<Slice> {
+    let columns = spec.scan.columns as usize;
+    let Some(rolling) = &spec.rolling else {
+        return vec![Slice { columns: 0..columns, before: 0.0, order: order(&spec.scan, 0..columns) }];
+    };
+    let count = (rolling.slices as usize).clamp(1, columns.max(1));
+    let slice = |k: usize| {
+        let [first, end] = [k, k + 1].map(|k| k * columns / count);
+        let middle = (first + end) as f64 / (2 * columns.max(1)) as f64;
+        Slice { columns: first..end, before: (1.0 - middle) as f32, order: order(&spec.scan, first..end) }
+    };
+    (0..count).map(slice).collect()
 }
 
-/// A lidar of an agent whose returns fade, get lost and scatter.
-pub(crate) struct PlainLidar {
+/// Numbers of the beams of some columns, block by block.
+fn order(scan: &ScanPattern, columns: Range<usize>) -> Vec<u32> {
+    let (rows, width) = (scan.channels as usize, scan.columns as usize);
+    let mut order = Vec::with_capacity(rows * columns.len());
+    for row in (0..rows).step_by(BLOCK[1]) {
+        for column in columns.clone().step_by(BLOCK[0]) {
+            for r in row..(row + BLOCK[1]).min(rows) {
+                order.extend((column..(column + BLOCK[0]).min(columns.end)).map(|c| (r * width + c) as u32));
+            }
+        }
+    }
+    order
+}
+
+/// A lidar of an agent, with the rows of its table.
+pub(crate) struct LidarSensor<R> {
     lidar: Lidar,
     stream: Stream,
+    rows: PhantomData<fn() -> R>,
 }
 
-impl PlainLidar {
+impl<R> LidarSensor<R> {
     pub(crate) fn new(spec: &LidarSpec, carrier: &Carrier) -> Result<Self, SensorError> {
-        Ok(Self { lidar: Lidar::new(spec)?, stream: carrier.stream(&spec.name) })
+        Ok(Self { lidar: Lidar::new(spec)?, stream: carrier.stream(&spec.name), rows: PhantomData })
     }
 }
 
-impl Sensor for PlainLidar {
-    type Row = LidarRow;
+impl<R: SweepRow> Sensor for LidarSensor<R> {
+    type Row = R;
 
     fn table(&self) -> SensorTable {
         self.lidar.table()
     }
 
-    fn sense(&self, at: &Observation<'_>) -> Result<Vec<LidarRow>, SensorError> {
-        let [pose, _] = at.local_from_sensor(&self.lidar.spec.mount);
-        Ok(vec![self.lidar.sweep(at.scene, pose, &self.stream, at.frame)?.into_row(at.frame)])
+    fn sense(&self, at: &Observation<'_>) -> Result<Vec<R>, SensorError> {
+        let [local_from_sensor, _] = at.local_from_sensor(&self.lidar.spec.mount);
+        let [local_from_agent, previous_local_from_agent] = at.local_from_agent();
+        let path = SensorPath { local_from_sensor, local_from_agent, previous_local_from_agent };
+        let moment = LidarMoment { frame: at.frame, path, weather: at.weather };
+        Ok(vec![R::of(self.lidar.sweep(at.scene, &moment, &self.stream)?, at.frame)])
     }
 
-    fn amount(&self, rows: &[LidarRow]) -> Option<Amount> {
-        Some(points(rows.iter().map(|row| row.x.len())))
-    }
-}
-
-/// A semantic lidar of an agent.
-pub(crate) struct SemanticLidar {
-    lidar: Lidar,
-    stream: Stream,
-}
-
-impl SemanticLidar {
-    pub(crate) fn new(spec: &LidarSpec, carrier: &Carrier) -> Result<Self, SensorError> {
-        Ok(Self { lidar: Lidar::new(spec)?, stream: carrier.stream(&spec.name) })
-    }
-}
-
-impl Sensor for SemanticLidar {
-    type Row = SemanticLidarRow;
-
-    fn table(&self) -> SensorTable {
-        self.lidar.table()
-    }
-
-    fn sense(&self, at: &Observation<'_>) -> Result<Vec<SemanticLidarRow>, SensorError> {
-        let [pose, _] = at.local_from_sensor(&self.lidar.spec.mount);
-        Ok(vec![self.lidar.sweep(at.scene, pose, &self.stream, at.frame)?.into_semantic_row(at.frame)])
-    }
-
-    fn amount(&self, rows: &[SemanticLidarRow]) -> Option<Amount> {
-        Some(points(rows.iter().map(|row| row.x.len())))
-    }
-}
-
-fn points(lengths: impl Iterator<Item = usize>) -> Amount {
-    Amount { measure: LIDAR_POINTS, count: lengths.sum::<usize>() as u64 }
-}
-
-/// Share of near-infrared light (905 nm) that a surface sends back, 0 to 1.
-///
-/// Round figures of the usual measurements for dry surfaces: asphalt 0.15, concrete 0.35, plants 0.5, dark glass 0.05.
-/// Signs and road markings are retroreflective. Cloth and surfaces that are nothing in particular follow the brightness
-/// of their colour; car paint does not, because its clear coat and the metal flakes under it send back light whatever
-/// the pigment.
-fn reflectance(part: &Part) -> f32 {
-    use schema::Tag;
-    let [r, g, b] = part.rgb;
-    let brightness = (0.2126 * r + 0.7152 * g + 0.0722 * b).clamp(0.0, 1.0);
-    if part.tag == Tag::TrafficSign && !matches!(part.surface, Surface::Metal) {
-        return 1.0;
-    }
-    match part.surface {
-        Surface::Plain | Surface::Cloth => 0.15 + 0.6 * brightness,
-        Surface::Paint => 0.45,
-        Surface::Glass => 0.05,
-        Surface::Metal => 0.4,
-        Surface::Rubber => 0.06,
-        Surface::Asphalt => 0.15,
-        Surface::RoadMarking => 0.8,
-        Surface::Concrete | Surface::Facade => 0.35,
-        Surface::Grass | Surface::Foliage => 0.5,
-        Surface::Wood => 0.35,
-        Surface::Lamp(_) => 0.6,
+    fn amount(&self, rows: &[R]) -> Option<Amount> {
+        let count = rows.iter().map(|row| row.returns() as u64).sum();
+        Some(Amount { measure: LIDAR_POINTS, count })
     }
 }

@@ -13,6 +13,12 @@ const FALLOFF_PER_M: f32 = 0.04;
 /// Distance at which the sky is seen through fog, metres.
 const SKY_M: f32 = 4000.0;
 
+/// Extinction of fog at the ground, per metre, by its density (0 to 1): `d (0.02 + 0.03 d)`. That is a visibility
+/// (3.9 / extinction, Koschmieder) of 1.7 km at 10 %, 220 m at 50 %, 78 m at 100 %.
+pub(crate) fn fog_extinction_per_m(density: f32) -> f32 {
+    density * (0.02 + 0.03 * density)
+}
+
 /// Extinction of a fog layer that thins with height above the ground.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fog {
@@ -27,9 +33,6 @@ pub(crate) struct Fog {
 
 impl Fog {
     /// The fog of a weather; `ground_z` is the height (local) from which it thins.
-    ///
-    /// Extinction is `d (0.02 + 0.03 d)` per metre for density `d` (0 to 1): a visibility (3.9 / extinction,
-    /// Koschmieder) of 1.7 km at 10 %, 220 m at 50 %, 78 m at 100 %.
     pub(crate) fn new(weather: &Weather, sky: &Sky, ground_z: f32) -> Self {
         let share = |percent: f64| (percent / 100.0).clamp(0.0, 1.0) as f32;
         let density = share(weather.fog_density);
@@ -40,7 +43,7 @@ impl Fog {
         Self {
             rgb: sky.horizon * (0.85 + 0.15 * scattered) * Vec3::ONE.lerp(dust_rgb, dust),
             even_per_m: AIR_PER_M + 0.0028 * rain * rain + 0.02 * dust,
-            ground_per_m: density * (0.02 + 0.03 * density),
+            ground_per_m: fog_extinction_per_m(density),
             per_height: FALLOFF_PER_M * weather.fog_falloff.clamp(0.0, 5.0) as f32,
             start_m: weather.fog_distance_m.max(0.0) as f32,
             ground_z,

@@ -12,6 +12,7 @@ mod scene_lights;
 mod shadow;
 mod sky;
 
+pub(crate) use fog::fog_extinction_per_m;
 pub use lighting::{FrameWeather, Lighting};
 pub(crate) use math::exp_neg;
 pub(crate) use scene_lights::SceneLights;

@@ -1,6 +1,10 @@
 //! Lidar and radar against closed forms and statistics.
 
+mod beams;
+#[path = "../common/mod.rs"]
 mod common;
+mod rolling;
+mod weather;
 
 use common::{at, block, instance, plane, prepared, snapshot, street, with_scene};
 use glam::{Affine3A, Vec3};
@@ -9,7 +13,7 @@ use renderer::{RayBatch, Renderer, Scene};
 use schema::Tag;
 use schema::geometry::Surface;
 use schema::settings::{LidarSpec, RadarSpec, Rig, ScanPattern};
-use sensors::{Lidar, LidarSweep, RadarMotion, RadarReturns, SensorError};
+use sensors::{Lidar, LidarMoment, LidarSweep, RadarMotion, RadarReturns, SensorError};
 
 fn stream() -> Stream {
     Stream::new(27, 0, "test/sensors", 1)
@@ -17,7 +21,7 @@ fn stream() -> Stream {
 
 fn sweep(spec: &LidarSpec, scene: &dyn Scene, pose: Affine3A, frame: u32) -> LidarSweep {
     let lidar = Lidar::new(spec).expect("is small");
-    lidar.sweep(scene, pose, &stream(), frame).expect("has no device")
+    lidar.sweep(scene, &LidarMoment::standing(frame, pose), &stream()).expect("has no device")
 }
 
 fn radar(scene: &dyn Scene, spec: &RadarSpec, motion: &RadarMotion, frame: u32) -> RadarReturns {
@@ -122,7 +126,7 @@ fn sweeps_equal_single_rays_and_do_not_depend_on_threads() {
     let scene = &*renderer.place(&snapshot).expect("all meshes are prepared");
     let pose = at(0.0, -5.0, 1.8, 0.2);
     let lidar = Lidar::new(&small(LidarSpec::vehicle().semantic())).expect("is small");
-    let sweep = lidar.sweep(scene, pose, &stream(), 1).expect("has no device");
+    let sweep = lidar.sweep(scene, &LidarMoment::standing(1, pose), &stream()).expect("has no device");
     let mut next = 0;
     for direction in lidar.directions() {
         let ray = RayBatch {
@@ -144,7 +148,8 @@ fn sweeps_equal_single_rays_and_do_not_depend_on_threads() {
     let noisy = Lidar::new(&small(LidarSpec::rsu())).expect("is small");
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("starts");
-        pool.install(|| noisy.sweep(scene, pose, &stream(), 2).expect("has no device"))
+        let moment = LidarMoment::standing(2, pose);
+        pool.install(|| noisy.sweep(scene, &moment, &stream()).expect("has no device"))
     };
     let one = with(1);
     assert_eq!(one, with(2));

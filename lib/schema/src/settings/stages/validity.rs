@@ -13,6 +13,8 @@ pub struct RangeSensor {
     pub mount: Mount,
     /// It gives points at frames 0, n, 2 n, ...
     pub every_n_frames: u32,
+    /// Whether its table tells which returns are of rain and fog.
+    pub tells_returns: bool,
 }
 
 /// Sensors of an agent that tell whether an object was seen.

@@ -1,0 +1,130 @@
+//! Beams that meet more than one surface, against shares counted by hand.
+
+use glam::Affine3A;
+use renderer::Renderer;
+use schema::geometry::{Instance, Surface};
+use schema::settings::{BeamSpec, LidarSpec, Returned, ScanPattern};
+use schema::{ReturnKind, Tag};
+use sensors::{Lidar, LidarMoment, LidarSweep, OfBeam};
+
+use super::common::{at, block, instance, prepared, snapshot, street};
+use super::stream;
+
+const ALL: Returned = Returned { first: true, strongest: true, last: true };
+
+/// One beam of seven rays straight ahead.
+fn beam(returned: Returned) -> LidarSpec {
+    LidarSpec {
+        scan: ScanPattern {
+            channels: 1,
+            columns: 1,
+            upper_rad: 0.0,
+            lower_rad: 0.0,
+            horizontal_fov_rad: 0.0,
+        },
+        beam: BeamSpec { rays: 7, divergence_rad: 0.003, returned },
+        dropoff_rate: 0.0,
+        dropoff_zero_intensity: 0.0,
+        noise_m: 0.0,
+        ..LidarSpec::vehicle()
+    }
+}
+
+/// A painted board (object 4) that covers all to the left of the beam's axis and ends a hair before it, and a concrete wall
+/// (object 5) behind it.
+fn sweep(board_m: f32, wall_m: f32, returned: Returned) -> LidarSweep {
+    let behind = |m: f32, left: f32| at(m + 0.05, left, -20.0, 0.0);
+    let instances: Vec<Instance> =
+        vec![instance(0, 4, behind(board_m, 10.001)), instance(1, 5, behind(wall_m, 0.0))];
+    let world = snapshot(
+        vec![
+            block([0.1, 20.0, 40.0], Tag::Car, Surface::Paint),
+            block([0.1, 40.0, 40.0], Tag::Building, Surface::Concrete),
+        ],
+        instances,
+    );
+    let renderer = prepared(&world);
+    let scene = &*renderer.place(&world).expect("all meshes are prepared");
+    let lidar = Lidar::new(&beam(returned)).expect("is small");
+    lidar.sweep(scene, &LidarMoment::standing(0, Affine3A::IDENTITY), &stream()).expect("has no device")
+}
+
+fn of_beam(number: &[u8]) -> Option<OfBeam> {
+    let count = vec![number.len() as u8; number.len()];
+    Some(OfBeam { number: number.to_vec(), count, kind: vec![ReturnKind::Surface as u8; number.len()] })
+}
+
+fn near(got: &[f32], wanted: &[f64]) {
+    assert_eq!(got.len(), wanted.len());
+    for (got, wanted) in got.iter().zip(wanted) {
+        assert!((f64::from(*got) / wanted - 1.0).abs() < 1e-5, "{got} {wanted}");
+    }
+}
+
+#[test]
+fn a_half_covered_beam_gives_two_returns() {
+    let both = sweep(20.0, 40.0, ALL);
+    assert_eq!((both.id.as_slice(), &both.of_beam), ([4, 5].as_slice(), &of_beam(&[1, 2])));
+    near(&both.x_m, &[20.0, 40.0]);
+    assert_eq!(both.y_m, [0.0; 2], "a lidar does not know where in its beam a surface was");
+    // Three of seven rays go to the left; the axis and three others pass the board.
+    let board = 0.45 * 3.0 / 7.0 * frames::math::exp(-0.004 * 20.0);
+    let wall = 0.35 * 4.0 / 7.0 * frames::math::exp(-0.004 * 40.0);
+    near(&both.intensity, &[board, wall]);
+    assert_eq!(both.tag, [Tag::Car as u8, Tag::Building as u8]);
+}
+
+#[test]
+fn echoes_are_chosen_by_distance_and_power() {
+    let none = Returned { first: false, strongest: false, last: false };
+    let of = |returned| (sweep(20.0, 40.0, returned).id, sweep(20.0, 22.0, returned).id);
+    assert_eq!(of(Returned { first: true, ..none }), (vec![4], vec![4]));
+    assert_eq!(of(Returned { last: true, ..none }), (vec![5], vec![5]));
+    // Light over squared distance: 0.193 / 400 against 0.2 / 1600 or 0.2 / 484.
+    assert_eq!(of(Returned { strongest: true, ..none }), (vec![4], vec![4]));
+    assert_eq!(of(Returned { first: true, strongest: true, ..none }), (vec![4], vec![4]), "once");
+    assert_eq!(sweep(20.0, 40.0, Returned { strongest: true, ..none }).of_beam, of_beam(&[1]));
+}
+
+#[test]
+fn surfaces_less_than_a_metre_apart_make_one_echo() {
+    let one = sweep(20.0, 20.2, ALL);
+    // The wall sends more of the light (0.2 against 0.193): its place and name, and the light of both.
+    assert_eq!((one.id.as_slice(), &one.of_beam), ([5].as_slice(), &of_beam(&[1])));
+    near(&one.x_m, &[20.2]);
+    near(&one.intensity, &[(0.45 * 3.0 + 0.35 * 4.0) / 7.0 * frames::math::exp(-0.004 * 20.2)]);
+}
+
+#[test]
+fn seven_rays_find_what_one_does_and_more() {
+    let world = street(false);
+    let renderer = prepared(&world);
+    let scene = &*renderer.place(&world).expect("all meshes are prepared");
+    let base = LidarSpec {
+        scan: ScanPattern { channels: 32, columns: 256, ..LidarSpec::vehicle().scan },
+        ..LidarSpec::vehicle().semantic()
+    };
+    let of = |spec: LidarSpec| {
+        let moment = LidarMoment::standing(0, at(0.0, -5.0, 1.8, 0.2));
+        Lidar::new(&spec).expect("is small").sweep(scene, &moment, &stream()).expect("has no device")
+    };
+    let one = of(base.clone());
+    let seven =
+        of(LidarSpec { beam: BeamSpec { rays: 7, divergence_rad: 0.003, returned: ALL }, ..base.clone() });
+    let told = seven.of_beam.as_ref().expect("is told");
+    // Numbers count up to the count, the nearest first.
+    let (mut k, mut beams, mut several) = (0, 0, 0);
+    while k < seven.len() {
+        let count = usize::from(told.count[k]);
+        for number in 0..count {
+            assert_eq!((told.number[k + number], told.count[k + number]), (number as u8 + 1, count as u8));
+        }
+        several += usize::from(count > 1);
+        (k, beams) = (k + count, beams + 1);
+    }
+    assert!(beams >= one.len() && beams < one.len() + one.len() / 10, "{beams} {}", one.len());
+    assert!(several > 50 && several * 5 < beams, "{several} of {beams}");
+    // A beam too narrow to meet two things is a ray.
+    let narrow = of(LidarSpec { beam: BeamSpec { rays: 7, divergence_rad: 1e-9, returned: ALL }, ..base });
+    assert_eq!((&narrow.x_m, &narrow.id), (&one.x_m, &one.id));
+}
