@@ -7,7 +7,9 @@ use std::process::Command;
 use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
-use arrow_array::types::{ArrowPrimitiveType, Float32Type, Float64Type, UInt16Type, UInt32Type, UInt64Type};
+use arrow_array::types::{
+    ArrowPrimitiveType, Float32Type, Float64Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type,
+};
 use arrow_array::{
     Array, ArrayRef, BinaryArray, FixedSizeListArray, ListArray, PrimitiveArray, RecordBatch, StringArray,
 };
@@ -247,6 +249,16 @@ fn a_voxel(store: &Path) -> usize {
     (i * 256 + j) * 16 + k
 }
 
+/// The place in the list of a return of the turning lidar at [`FRAME`] that is no surface's.
+fn a_backscatter(store: &Path) -> usize {
+    let file = File::open(sensor(store, "TURNING")).expect("opens");
+    let reader = ParquetRecordBatchReaderBuilder::try_new(file).expect("is a table");
+    let rows = reader.with_batch_size(1).build().expect("opens").nth(FRAME).expect("a frame").expect("reads");
+    let kinds = rows.column_by_name("return_kind").expect("is there").as_list::<i32>().value(0);
+    let kinds = kinds.as_primitive::<UInt8Type>().values().to_vec();
+    kinds.iter().position(|kind| *kind != 0).expect("there is fog")
+}
+
 fn sensor(store: &Path, name: &str) -> PathBuf {
     store.join(VEHICLE).join(format!("{name}.parquet"))
 }
@@ -382,6 +394,54 @@ const OF_SENSORS: &[Plant] = &[
     ("point ids", "from object 60000, which the log has not", |store| {
         change::<UInt16Type>(sensor(store, "SEG-LIDAR"), "id", FRAME, |all| all[0] = 60_000);
     }),
+    ("units", "time_offset_s goes from", |store| {
+        change::<Float32Type>(sensor(store, "TURNING"), "time_offset_s", FRAME, |all| all[9] = 0.001);
+    }),
+    ("scan times", "returns of LIDAR were fired", |store| {
+        change::<Float32Type>(sensor(store, "LIDAR"), "time_offset_s", FRAME, |all| all[9] = -0.001);
+    }),
+    ("scan times", "returns of TURNING were fired", |store| {
+        // Two slices late.
+        change::<Float32Type>(sensor(store, "TURNING"), "time_offset_s", FRAME, |all| {
+            all.iter_mut().for_each(|t| *t = (*t + 2.0 * 0.05 / 32.0).min(0.0));
+        });
+    }),
+    ("scan times", "returns of SMOOTH were fired", |store| {
+        change::<Float32Type>(sensor(store, "SMOOTH"), "time_offset_s", FRAME, |all| {
+            all.iter_mut().for_each(|t| *t = (*t + 2.0 * 0.05 / 32.0).min(0.0));
+        });
+    }),
+    ("returns", "is numbered out of turn", |store| {
+        change::<UInt8Type>(sensor(store, "TURNING"), "return_number", FRAME, |all| all[0] = 3);
+    }),
+    ("returns", "of more returns of its beam than are asked for", |store| {
+        for column in ["return_number", "return_count"] {
+            change::<UInt8Type>(sensor(store, "SMOOTH"), column, FRAME, |all| {
+                (0..)
+                    .zip(&mut all[..3])
+                    .for_each(|(k, n)| *n = if column == "return_count" { 3 } else { k + 1 });
+            });
+        }
+        for column in ["x", "y", "z", "time_offset_s"] {
+            change::<Float32Type>(sensor(store, "SMOOTH"), column, FRAME, |all| all.copy_within(0..1, 1));
+            change::<Float32Type>(sensor(store, "SMOOTH"), column, FRAME, |all| all.copy_within(0..1, 2));
+        }
+    }),
+    ("returns", "has an id, a tag or an angle", |store| {
+        let at = a_backscatter(store);
+        change::<UInt16Type>(sensor(store, "TURNING"), "id", FRAME, move |all| all[at] = 1);
+    }),
+    ("returns", "has an id, a tag or an angle", |store| {
+        let at = a_backscatter(store);
+        change::<UInt8Type>(sensor(store, "TURNING"), "tag", FRAME, move |all| all[at] = 1);
+    }),
+    ("returns", "that the lidar does not feel", |store| {
+        change::<UInt8Type>(sensor(store, "SEG-TURNING"), "return_kind", FRAME, |all| all[0] = 1);
+    }),
+    ("point ids", "from object 0, which the log has not", |store| {
+        let at = a_backscatter(store);
+        change::<UInt8Type>(sensor(store, "TURNING"), "return_kind", FRAME, move |all| all[at] = 0);
+    }),
     ("radar velocity", "m/s off", |store| {
         change::<Float32Type>(sensor(store, "RAD_FRONT"), "velocity", FRAME, |all| {
             all.iter_mut().for_each(|v| *v += 0.1);
@@ -511,15 +571,40 @@ noise_accel_mps2 = 0
 gyro_bias_radps = 0
 noise_gyro_radps = 0
 ";
+    let scans = "
+[[vehicle.lidars]]
+name = \"TURNING\"
+channels = 16
+columns = 256
+semantic = true
+rolling = true
+rolling_slices = 32
+rolling_compensated = false
+beam_rays = 7
+returns = [\"first\", \"strongest\", \"last\"]
+weather = true
+
+[[vehicle.lidars]]
+name = \"SMOOTH\"
+channels = 16
+columns = 256
+semantic = true
+noise_m = 0
+rolling = true
+rolling_slices = 32
+beam_rays = 7
+";
     let config = TINY
         .replace("flow = true\n", "flow = true\nboxes_2d = true\n")
-        .replace("[vehicle.occupancy]\n", "[vehicle.occupancy]\nobserved = true\n");
-    let bench = Bench::new(&format!("{config}{exact}"));
+        .replace("[vehicle.occupancy]\n", "[vehicle.occupancy]\nobserved = true\n")
+        .replace("sun_altitude_deg = 30\n", "sun_altitude_deg = 30\nfog_density = 100\nprecipitation = 60\n");
+    let bench = Bench::new(&format!("{config}{scans}{exact}"));
     bench.run("convoy", &["run", "--progress", "none"]).expect_done();
     let store = bench.store();
     let whole = checked(&store, "1");
     let before = checked(&store, "5");
     assert!(before.stdout.contains("voxels: LIDAR: it has noise"), "{}", before.stdout);
+    assert!(before.stdout.contains("voxels: SEG-SMOOTH: of what moves"), "{}", before.stdout);
     assert!(before.stdout.contains("gnss: rsu: carries none"), "{}", before.stdout);
 
     let plants = [OF_TABLES, OF_SENSORS, OF_ARRAYS].concat();

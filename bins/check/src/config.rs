@@ -27,6 +27,44 @@ pub(crate) struct LidarConfig {
     pub(crate) semantic: bool,
     /// It sweeps at frames 0, n, 2 n, ...
     pub(crate) every: u32,
+    pub(crate) scan: ScanConfig,
+}
+
+/// How a lidar's beams leave and what comes back of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ScanConfig {
+    pub(crate) columns: f64,
+    pub(crate) horizontal_fov_rad: f64,
+    /// Moments at which columns are fired over the frame; none if all are at once.
+    pub(crate) slices: Option<f64>,
+    /// Whether points are given from where the sensor is at the frame's time.
+    pub(crate) compensated: bool,
+    /// Whether the table tells beams' returns apart.
+    pub(crate) tells_returns: bool,
+    /// How far from a beam's axis its light goes, rad.
+    pub(crate) beam_rad: f64,
+    /// Most returns of a beam.
+    pub(crate) returns: u64,
+    /// Whether rain and fog send light back.
+    pub(crate) weather: bool,
+}
+
+fn scan(lidar: &Value) -> ScanConfig {
+    let (rolling, beam) = (&lidar["rolling"], &lidar["beam"]);
+    let many = beam["rays"].as_u64().unwrap_or(1) > 1;
+    let weather = lidar["weather"].is_object();
+    let kinds = ["first", "strongest", "last"];
+    let returned = kinds.iter().filter(|kind| beam["returned"][**kind] == Value::Bool(true)).count() as u64;
+    ScanConfig {
+        columns: number(&lidar["scan"], "columns"),
+        horizontal_fov_rad: number(&lidar["scan"], "horizontal_fov_rad"),
+        slices: rolling.is_object().then(|| number(rolling, "slices")),
+        compensated: rolling["compensated"].as_bool().unwrap_or(true),
+        tells_returns: many || weather,
+        beam_rad: if many { 0.5 * number(beam, "divergence_rad") } else { 0.0 },
+        returns: returned,
+        weather,
+    }
 }
 
 /// A radar.
@@ -214,6 +252,7 @@ impl AgentConfig {
             noise_m: number(lidar, "noise_m"),
             semantic: lidar["semantic"].as_bool().unwrap_or(false),
             every: every(lidar),
+            scan: scan(lidar),
         };
         self.list("lidars").map(lidar).collect()
     }

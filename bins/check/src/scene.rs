@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
-use schema::SIGN_TYPES;
+use schema::{FRAME_PERIOD_S, SIGN_TYPES};
 use serde_json::Value;
 
 use crate::files::{Batch, Table, Unreadable, read_json};
@@ -62,6 +62,8 @@ pub(crate) struct Scene {
     pub(crate) actors: BTreeMap<u16, Actor>,
     /// Moving objects by frame, from frame -1.
     states: Vec<HashMap<u16, State>>,
+    /// Fog and rain by frame, percent.
+    pub(crate) fog_and_rain: Vec<[f64; 2]>,
     /// State of traffic lights by frame and id.
     pub(crate) signals: HashMap<(i64, u16), String>,
     /// By name.
@@ -88,6 +90,7 @@ impl Scene {
             facts,
             actors: BTreeMap::new(),
             states: Vec::new(),
+            fog_and_rain: Vec::new(),
             signals: HashMap::new(),
             agents: BTreeMap::new(),
             done,
@@ -96,6 +99,7 @@ impl Scene {
         };
         let read = scene.read_actors(ledger).and_then(|()| scene.read_states(ledger));
         let read = read.and_then(|()| scene.read_agents(ledger)).and_then(|()| scene.read_signals());
+        let read = read.and_then(|()| scene.read_weather());
         ledger.read(read)?;
         Some(scene)
     }
@@ -126,6 +130,19 @@ impl Scene {
             Ok(frame) => agent.rows.get(frame).map(|row| row.world_from_agent),
             Err(_) => self.pose(agent.id, frame),
         }
+    }
+
+    /// Where an object is some seconds after a frame (or before it): on the straight way from the frame before.
+    pub(crate) fn pose_at(&self, id: u16, frame: i64, offset_s: f64) -> Option<Motion> {
+        let now = self.pose(id, frame)?;
+        Some(self.pose(id, frame - 1).map_or(now, |before| now.towards(&before, -offset_s / FRAME_PERIOD_S)))
+    }
+
+    /// Where an agent is some seconds after a frame, likewise.
+    pub(crate) fn agent_pose_at(&self, agent: &AgentTrack, frame: i64, offset_s: f64) -> Option<Motion> {
+        let now = self.agent_pose(agent, frame)?;
+        let before = self.agent_pose(agent, frame - 1);
+        Some(before.map_or(now, |before| now.towards(&before, -offset_s / FRAME_PERIOD_S)))
     }
 
     /// All objects that move, at a frame.
@@ -219,6 +236,14 @@ impl Scene {
             ledger.expect(Rule::ImageIds, role == Some(name), || {
                 format!("agents: {name} is object {}, whose role is {role:?}", track.id)
             });
+        }
+        Ok(())
+    }
+
+    fn read_weather(&mut self) -> Result<(), Unreadable> {
+        for rows in Table::open(&self.file("log/frames.parquet"))?.batches()? {
+            let (fog, rain) = (rows.reals("fog_density")?, rows.reals("precipitation")?);
+            self.fog_and_rain.extend(fog.into_iter().zip(rain).map(|(fog, rain)| [fog, rain]));
         }
         Ok(())
     }

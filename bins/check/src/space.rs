@@ -93,6 +93,26 @@ impl Motion {
         Self { rows: [0, 1, 2].map(|i| [a[i], b[i], c[i]]), origin: self.outward(inner.origin) }
     }
 
+    /// This motion on its way to another one: 0 is this one, 1 the other. The origin goes straight, the rotation evenly about
+    /// one axis (Rodrigues); by half a turn, which has none, it does not turn.
+    pub(crate) fn towards(&self, there: &Self, share: f64) -> Self {
+        let origin = add(self.origin, scale(sub(there.origin, self.origin), share));
+        let turn = there.rows.map(|row| self.rows.map(|own| dot(row, own)));
+        let twice = [turn[2][1] - turn[1][2], turn[0][2] - turn[2][0], turn[1][0] - turn[0][1]];
+        let (sine, cosine) = (0.5 * norm(twice), 0.5 * (turn[0][0] + turn[1][1] + turn[2][2] - 1.0));
+        if sine < 1e-12 {
+            return Self { rows: self.rows, origin };
+        }
+        let axis = scale(twice, 0.5 / sine);
+        let (sin, cos) = libm::sincos(share * libm::atan2(sine, cosine));
+        let turned = |v: V3| {
+            let along = scale(axis, dot(axis, v) * (1.0 - cos));
+            add(add(scale(v, cos), scale(cross(axis, v), sin)), along)
+        };
+        let columns = [0, 1, 2].map(|i| turned(self.rows.map(|row| row[i])));
+        Self { rows: [0, 1, 2].map(|i| columns.map(|column| column[i])), origin }
+    }
+
     /// The x axis of the inner frame in the outer one.
     pub(crate) fn ahead(&self) -> V3 {
         self.rows.map(|row| row[0])
@@ -159,5 +179,17 @@ mod tests {
         assert!((wrapped(3.0 * PI) - PI).abs() < 1e-12);
         assert!((wrapped(-FRAC_PI_2) + FRAC_PI_2).abs() < 1e-12);
         assert!((wrapped(-PI) - PI).abs() < 1e-12);
+    }
+
+    #[test]
+    fn half_way_between_two_poses_is_half_the_turn() {
+        let (a, b) = ([1.0, 2.0, 3.0], [3.0, 2.0, 1.0]);
+        let [from, to] =
+            [0.3, 1.1].map(|yaw| Motion::of_angles(if yaw < 1.0 { a } else { b }, [0.0, 0.0, yaw]));
+        let quarter = from.towards(&to, 0.25);
+        let want = Motion::of_angles([1.5, 2.0, 2.5], [0.0, 0.0, 0.5]);
+        assert!(quarter.turned_from(&want) < 1e-12 && apart(quarter.origin, want.origin) < 1e-12);
+        assert!(from.towards(&to, 1.0).turned_from(&to) < 1e-12);
+        assert_eq!(from.towards(&from, 0.7), from);
     }
 }

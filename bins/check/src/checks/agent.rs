@@ -12,7 +12,7 @@ use super::clouds::{self, Cloud, Kind, Ranger};
 use super::counts::{self, Evidence, Visible};
 use super::observed::Observed;
 use super::voxels::Grids;
-use super::{flow, inertial, ranging, tables};
+use super::{flow, inertial, ranging, scans, tables};
 use crate::config::{AgentConfig, Config};
 use crate::files::{Npz, Table, Unreadable};
 use crate::ledger::Ledger;
@@ -169,11 +169,13 @@ impl Agent<'_> {
         let (boxes, own) = (&self.boxes[frame], self.track.id);
         let rangers = self.rangers.iter().filter(|ranger| ranger.is_due(frame));
         let clouds: Vec<Cloud<'_>> =
-            rangers.filter_map(|ranger| ledger.read(ranger.frame(frame, &pose))).collect();
+            rangers.filter_map(|ranger| ledger.read(ranger.frame(self.scene, self.track, frame))).collect();
         let mut points = Points::new();
         for cloud in &clouds {
             cloud.check(self.scene, boxes, frame, ledger);
             cloud.ranger.check_reach(cloud, frame, ledger);
+            let checked = scans::check(self.scene, cloud, frame, ledger);
+            ledger.read(checked);
             ranging::check_velocity(self.scene, self.track, cloud, frame, ledger);
             let measure = if cloud.ranger.kind == Kind::Radar { "radar_points" } else { "lidar_points" };
             points.insert((measure, cloud.ranger.name.clone()), cloud.points.len() as u64);
@@ -204,7 +206,7 @@ impl Agent<'_> {
             masks.check(self.scene, frame, &pose, (boxes, &clouds), ledger);
         }
         if let Some(grids) = self.grids.as_ref().filter(|grids| frame_number.is_multiple_of(grids.every())) {
-            grids.check(frame, &pose, &clouds, own, ledger);
+            grids.check(self.scene, frame, (&pose, own), &clouds, ledger);
         }
         if let Some(observed) = self.observed.as_ref().filter(|o| frame_number.is_multiple_of(o.every())) {
             observed.check(frame, &clouds, ledger);

@@ -3,7 +3,7 @@
 use schema::{BevClass, Tag};
 
 use super::boxes::{AROUND_M, DOOR_M, Labelled};
-use super::clouds::{Cloud, SIGMAS};
+use super::clouds::{Cloud, OfSurface, SIGMAS};
 use crate::files::{Npz, Unreadable};
 use crate::ledger::Ledger;
 use crate::rules::Rule;
@@ -215,15 +215,9 @@ impl Mask<'_> {
     fn check_ground(&self, clouds: &[Cloud<'_>], agent: &Motion, frame: usize, ledger: &mut Ledger) {
         let size = self.masks.cells as f64;
         for cloud in clouds {
-            if cloud.rolls {
-                ledger.skip(
-                    Rule::BevGround,
-                    format!("{}: its rays are fired over the frame", cloud.ranger.name),
-                );
-                continue;
-            }
             let reach = GROUND_CELLS + SIGMAS * cloud.ranger.noise_m / self.masks.cell_m;
-            for (point, &tag) in cloud.in_world().zip(&cloud.tags) {
+            for OfSurface { point, tag, around_m, .. } in cloud.surfaces() {
+                let reach = reach + around_m / self.masks.cell_m;
                 let class = match Tag::from_u8(tag) {
                     Some(Tag::Road | Tag::RoadLine) => BevClass::Road,
                     Some(Tag::Sidewalk) => BevClass::Sidewalk,

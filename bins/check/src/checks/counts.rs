@@ -77,7 +77,9 @@ pub(crate) fn check(boxes: &[Labelled], evidence: &Evidence<'_>, frame: usize, l
     let pixels = evidence.sights.map(pixels_of);
     let counts = |kind: Kind| {
         let mut counts = vec![[0_u64; 2]; boxes.len()];
-        for point in evidence.clouds.iter().filter(|c| c.ranger.kind == kind).flat_map(Cloud::in_world) {
+        for point in
+            evidence.clouds.iter().filter(|c| c.ranger.kind == kind).flat_map(Cloud::surfaces_in_world)
+        {
             for (count, labelled) in counts.iter_mut().zip(boxes) {
                 let far = (0..3).map(|i| (point[i] - labelled.center_m[i]).abs()).fold(0.0, f64::max);
                 // No annotated object is larger than 30 m.

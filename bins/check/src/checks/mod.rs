@@ -11,6 +11,7 @@ mod inertial;
 pub(crate) mod log;
 mod observed;
 mod ranging;
+mod scans;
 pub(crate) mod statistics;
 pub(crate) mod tables;
 pub(crate) mod tracks;

@@ -158,5 +158,7 @@ impl Observed {
 fn rays_of<'a>(cloud: &'a Cloud<'_>) -> impl Iterator<Item = Ray> + 'a {
     let agent_from_sensor = &cloud.ranger.agent_from_sensor;
     let from = agent_from_sensor.origin;
-    cloud.points.iter().map(move |point| Ray { from, to: agent_from_sensor.outward(*point) })
+    // Rays that fog or rain ended are left out.
+    let points = cloud.points.iter().zip(&cloud.kinds).filter(|(_, kind)| **kind == 0);
+    points.map(move |(point, _)| Ray { from, to: agent_from_sensor.outward(*point) })
 }

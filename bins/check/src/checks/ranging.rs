@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schema::FRAME_PERIOD_S;
 
 use super::cameras::{Sight, depth_m};
-use super::clouds::{Cloud, Kind, SIGMAS};
+use super::clouds::{Cloud, Kind, OfSurface, SIGMAS};
 use crate::ledger::Ledger;
 use crate::rules::Rule;
 use crate::scene::{AgentTrack, Scene};
@@ -22,12 +22,8 @@ const VELOCITY_MPS: f64 = 0.05;
 /// other's edge is why more than half of an object's returns count.
 pub(crate) fn check_depth(sight: &Sight<'_>, cloud: &Cloud<'_>, own: u16, frame: usize, ledger: &mut Ledger) {
     let (Some(depth), camera) = (&sight.depth, sight.camera) else { return };
-    if cloud.rolls {
-        ledger.skip(Rule::DepthLidar, format!("{}: its rays are fired over the frame", cloud.ranger.name));
-        return;
-    }
     let mut judged: BTreeMap<u16, (u64, u64, f64)> = BTreeMap::new();
-    for ((point, &id), &tag) in cloud.in_world().zip(&cloud.ids).zip(&cloud.tags) {
+    for OfSurface { point, id, tag, .. } in cloud.surfaces() {
         let seen = sight.world_from_optical.inward(point);
         let at_m = camera.optics.depth_of(seen);
         if id == own || at_m < 0.2 {

@@ -2,11 +2,12 @@
 
 use schema::Tag;
 
-use super::clouds::{Cloud, Kind};
+use super::clouds::{Cloud, Kind, OfSurface};
 use crate::config::GridConfig;
 use crate::files::{Array, Npz, Unreadable};
 use crate::ledger::Ledger;
 use crate::rules::Rule;
+use crate::scene::Scene;
 use crate::space::Motion;
 
 /// A return this near to a voxel's face may lie on its other side, m.
@@ -62,10 +63,10 @@ impl Grids {
     /// Checks the grids of a frame.
     pub(crate) fn check(
         &self,
+        scene: &Scene,
         frame: usize,
-        world_from_agent: &Motion,
+        (world_from_agent, own): (&Motion, u16),
         clouds: &[Cloud<'_>],
-        own: u16,
         ledger: &mut Ledger,
     ) {
         let Some(plain) = self.frame(&self.plain, frame, ledger) else { return };
@@ -86,14 +87,13 @@ impl Grids {
         let world_from_grid = world_from_agent.then(&mount);
         for cloud in clouds {
             let ranger = cloud.ranger;
-            if ranger.noise_m > 0.0 || cloud.rolls {
-                let why = if cloud.rolls { "its rays are fired over the frame" } else { "it has noise" };
+            if ranger.noise_m > 0.0 {
                 if ranger.kind != Kind::Radar {
-                    ledger.skip(Rule::VoxelPoints, format!("{}: {why}", ranger.name));
+                    ledger.skip(Rule::VoxelPoints, format!("{}: it has noise", ranger.name));
                 }
                 continue;
             }
-            grid.check(cloud, &world_from_grid, own, frame, ledger);
+            grid.check(scene, cloud, (&world_from_grid, own), frame, ledger);
         }
     }
 }
@@ -107,18 +107,24 @@ fn count(tags: &[u8], counts: &mut [u64; Tag::COUNT]) {
 impl Grid<'_> {
     fn check(
         &self,
+        scene: &Scene,
         cloud: &Cloud<'_>,
-        world_from_grid: &Motion,
-        own: u16,
+        (world_from_grid, own): (&Motion, u16),
         frame: usize,
         ledger: &mut Ledger,
     ) {
         let GridConfig { range_m, voxel_m, lower_m, ignore_self, .. } = *self.config;
         let low = [-range_m, -range_m, lower_m];
-        for ((point, &id), &tag) in cloud.in_world().zip(&cloud.ids).zip(&cloud.tags) {
+        for OfSurface { point, id, tag, around_m } in cloud.surfaces() {
+            if cloud.rolls && scene.actors.get(&id).is_none_or(|actor| !actor.fixed) {
+                let why = "of what moves: its rays are fired over the frame, and wheels and limbs go on by themselves";
+                ledger.skip(Rule::VoxelPoints, format!("{}: {why}", cloud.ranger.name));
+                continue;
+            }
             let place = world_from_grid.inward(point);
+            let edge_m = EDGE_M + around_m;
             let cell = |edge: f64| [0, 1, 2].map(|axis| ((place[axis] + edge - low[axis]) / voxel_m).floor());
-            let (first, last) = (cell(-EDGE_M), cell(EDGE_M));
+            let (first, last) = (cell(-edge_m), cell(edge_m));
             let is_inside = (0..3).all(|a| first[a] >= 0.0 && last[a] < self.sides[a] as f64);
             if !is_inside || (id == own && ignore_self) {
                 continue;
