@@ -5,7 +5,7 @@ use schema::settings::stages::{
     MaskSettings, PlanSettings, RangeRig, RangeSensor, SensorSettings, SimulationSettings,
     StatisticsSettings, ValiditySettings,
 };
-use schema::settings::{DatasetSettings, Mount, OccupancySettings, PerAgent, Rig, TrackSettings};
+use schema::settings::{DatasetSettings, OccupancySettings, PerAgent, Rig, TrackSettings};
 use serde::Serialize;
 
 use crate::graph::StageSpec;
