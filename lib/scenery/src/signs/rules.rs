@@ -15,7 +15,7 @@ use crate::frontage::Frontage;
 use crate::site::Site;
 
 /// Roads with a higher limit have no signs about parking, m/s.
-const TOWN_MPS: f64 = 16.0;
+const TOWN_MPS: f64 = 21.0;
 /// Roads with this limit are motorways, if they have no sidewalk, m/s.
 const MOTORWAY_MPS: f64 = 24.0;
 /// The turn of a bend that is warned of, over so much road, and how far before it, radians and metres.
