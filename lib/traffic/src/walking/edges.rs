@@ -21,7 +21,7 @@ const LEAST_M: f64 = 10.0;
 const LEAST_IN_JUNCTION_M: f64 = 2.0;
 
 /// The lane that traffic has at the edge of a side of a section without sidewalk.
-fn outermost<'a>(lanes: &'a [LaneInfo], left: bool) -> Option<&'a LaneInfo> {
+fn outermost(lanes: &[LaneInfo], left: bool) -> Option<&LaneInfo> {
     let side = || lanes.iter().filter(move |l| (l.id.lane > 0) == left && l.id.lane != 0);
     let has_sidewalk = side().any(|l| l.lane_type.is_walkable() && l.width_range_m[1] >= 1.0);
     let driven = side().filter(|l| l.lane_type.is_drivable()).max_by_key(|l| l.id.lane.unsigned_abs());
