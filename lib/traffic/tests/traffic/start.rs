@@ -69,7 +69,8 @@ fn nobody_who_is_under_way_has_to_brake_hard() {
         for track in tracks(&log).values() {
             let speeds: Vec<f64> = track
                 .iter()
-                .map(|s| (s.velocity_mps[0].powi(2) + s.velocity_mps[1].powi(2)).sqrt().into())
+                .map(|s| s.velocity_mps.map(|v| f64::from(v) * f64::from(v)))
+                .map(|square| (square[0] + square[1]).sqrt())
                 .collect();
             fastest = fastest.max(speeds[1]);
             for pair in speeds[1..60].windows(2) {

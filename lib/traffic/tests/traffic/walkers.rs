@@ -201,7 +201,10 @@ fn nearest_m(log: &SimulationLog, state: usize) -> Vec<f64> {
     let tracks = tracks(log);
     let at = |id: u16| tracks[&id][state].xyz_m;
     let ids: Vec<u16> = log.actors.iter().filter(|a| a.kind == ActorKind::Walker).map(|a| a.id).collect();
-    let away = |a: u16, b: u16| ((at(a)[0] - at(b)[0]).powi(2) + (at(a)[1] - at(b)[1]).powi(2)).sqrt();
+    let away = |a: u16, b: u16| {
+        let [dx, dy] = [0, 1].map(|k| at(a)[k] - at(b)[k]);
+        (dx * dx + dy * dy).sqrt()
+    };
     let nearest =
         |&a: &u16| ids.iter().filter(|b| **b != a).map(|&b| away(a, b)).fold(f64::INFINITY, f64::min);
     ids.iter().map(nearest).collect()
