@@ -249,7 +249,7 @@ fn areas(replay: &Replay, grid: &Grid, level: &[f64], bits: &mut Bits) {
         let corners: Vec<Vector3<f64>> = polygon.iter().map(|&p| grid.of(p)).collect();
         let (lows, highs) = (corners.iter().map(|p| p.z), corners.iter().map(|p| p.z));
         let (low, high) = (lows.fold(f64::INFINITY, f64::min), highs.fold(f64::NEG_INFINITY, f64::max));
-        for cell in 0..SIDE * SIDE {
+        for (cell, &level) in level.iter().enumerate() {
             let at = Point2::new((cell % SIDE) as f64 + 0.5, (cell / SIDE) as f64 + 0.5);
             let (mut inside, mut nearest) = (false, f64::INFINITY);
             for (k, b) in corners.iter().enumerate() {
@@ -261,9 +261,9 @@ fn areas(replay: &Replay, grid: &Grid, level: &[f64], bits: &mut Bits) {
                 let share = (away.dot(&along) / along.norm_squared().max(1e-30)).clamp(0.0, 1.0);
                 nearest = nearest.min((away - along * share).norm());
             }
-            let far = |z: f64| (z - level[cell]).abs();
+            let far = |z: f64| (z - level).abs();
             let on_layer = far(low).max(far(high)) < 2.4 - TIE;
-            let may_be = low - 2.4 - TIE < level[cell] && level[cell] < high + 2.4 + TIE;
+            let may_be = low - 2.4 - TIE < level && level < high + 2.4 + TIE;
             let road = class == BevClass::Hazard || bits.sure[cell] & bit(BevClass::Road) != 0;
             if (inside || nearest < TIE) && may_be && road {
                 bits.set(cell, class, inside && nearest >= TIE && on_layer);
