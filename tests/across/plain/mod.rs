@@ -1,5 +1,6 @@
 //! Masks and voxel grids of real frames, computed a second time: every triangle against every cell that it may touch, in
-//! double precision, without any code of the stages that made them. Only geometry, tags and the container are shared.
+//! double precision, without the code that draws them. Geometry, tags, the middles of the map's markings and the
+//! container are shared.
 
 mod masks;
 mod soup;
