@@ -749,3 +749,23 @@ fn what_is_no_store_is_told_from_a_faulty_one() {
     assert_eq!(outcome.code, 2, "{outcome:?}");
     assert!(outcome.stderr.contains("dataset.json"), "{outcome:?}");
 }
+
+#[test]
+fn what_options_leave_out_is_said_and_no_fault() {
+    let config = TINY
+        .replace("[vehicle.occupancy]\n", "[vehicle.occupancy]\nsparse = true\nobserved = true\n")
+        .replace("[rsu.occupancy]\n", "[rsu.occupancy]\nfull_sweep = false\n")
+        .replace("[rsu.lidar]\n", "[rsu.lidar]\nsemantic = true\n");
+    let bench = Bench::new(&format!("{config}\n[bev]\nclasses = [\"car\", \"road\"]\n"));
+    bench.run("convoy", &["run", "--progress", "none"]).expect_done();
+    let found = checked(&bench.store(), "1");
+    for said in [
+        "masks have chosen classes",
+        "vehicle_0: cells are listed",
+        "voxels: sweeps find",
+        "some agents are listed",
+    ] {
+        assert!(found.stdout.contains(said), "{said}: {}", found.stdout);
+    }
+    found.expect_done();
+}

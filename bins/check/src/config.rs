@@ -1,5 +1,6 @@
 //! The configuration as `dataset.json` has it: what sensors there are and what exempts from a check.
 
+use schema::BevClass;
 use serde_json::Value;
 
 use crate::optics::Optics;
@@ -90,6 +91,10 @@ pub(crate) struct GridConfig {
     pub(crate) upper_m: f64,
     pub(crate) mount_z_m: f64,
     pub(crate) ignore_self: bool,
+    /// Whether occupied cells are listed instead of whole grids.
+    pub(crate) sparse: bool,
+    /// Whether a cell has all that touches it; else what sweeps meet first.
+    pub(crate) full_sweep: bool,
     /// Whether there are grids of what lidars saw.
     pub(crate) observed: bool,
     /// There is one at frames 0, n, 2 n, ...
@@ -154,6 +159,8 @@ impl Config {
             upper_m: number(grid, "upper_m"),
             mount_z_m: number(grid, "mount_z_m"),
             ignore_self: grid["ignore_self"].as_bool().unwrap_or(false),
+            sparse: grid["sparse"].as_bool().unwrap_or(false),
+            full_sweep: grid["full_sweep"].as_bool().unwrap_or(true),
             observed: grid["observed"].as_bool().unwrap_or(false),
             every: every(grid),
         };
@@ -198,6 +205,13 @@ impl Config {
             }
             _ => 1,
         }
+    }
+
+    /// Whether masks have all classes in their own order.
+    pub(crate) fn has_all_bev_classes(&self) -> bool {
+        let Some(classes) = self.0["bev"]["classes"].as_array() else { return true };
+        let names = BevClass::ALL.iter().map(|class| class.name());
+        classes.len() == BevClass::COUNT && names.zip(classes).all(|(name, told)| told == name)
     }
 
     /// The rule that masks follow.

@@ -128,6 +128,11 @@ impl Agent<'_> {
     }
 
     fn open_masks(&mut self, name: &str, ledger: &mut Ledger) {
+        let rules = [Rule::BevObjects, Rule::BevPresent, Rule::BevGround, Rule::BevHazard];
+        if !self.config.has_all_bev_classes() {
+            rules.into_iter().for_each(|rule| ledger.skip(rule, "masks have chosen classes"));
+            return;
+        }
         match self.config.bev() {
             Some(size) if self.scene.done.contains("bev-gt") => {
                 let archive = ledger.read(Npz::open(&self.scene.file(&format!("bev/{name}.npz"))));
@@ -135,7 +140,7 @@ impl Agent<'_> {
                 self.masks = archive.map(|archive| Masks::new(archive, size, rule));
             }
             _ => {
-                for rule in [Rule::BevObjects, Rule::BevPresent, Rule::BevGround, Rule::BevHazard] {
+                for rule in rules {
                     ledger.skip(rule, format!("{name}: there are no masks"));
                 }
             }
@@ -148,18 +153,24 @@ impl Agent<'_> {
             ledger.skip(Rule::VoxelFill, format!("{name}: there are no voxel grids"));
             return;
         }
+        if about.grid.observed && self.is_validated {
+            let archive = Npz::open(&self.scene.file(&format!("occupancy_observed/{name}.npz")));
+            self.observed = ledger.read(archive).map(|archive| Observed::new(about.grid, archive));
+        } else {
+            ledger.skip(Rule::Observed, format!("{name}: not asked for, or not validated yet"));
+        }
+        if about.grid.sparse {
+            ledger.shares.listed_agents += 1;
+            ledger.skip(Rule::VoxelPoints, format!("{name}: cells are listed"));
+            ledger.skip(Rule::VoxelFill, format!("{name}: cells are listed"));
+            return;
+        }
         let plain = ledger.read(Npz::open(&self.scene.file(&format!("occupancy/{name}.npz"))));
         let filled = self
             .is_validated
             .then(|| ledger.read(Npz::open(&self.scene.file(&format!("occupancy_filled/{name}.npz")))));
         if filled.is_none() {
             ledger.skip(Rule::VoxelFill, format!("{name}: grids are not filled yet"));
-        }
-        if about.grid.observed && self.is_validated {
-            let archive = Npz::open(&self.scene.file(&format!("occupancy_observed/{name}.npz")));
-            self.observed = ledger.read(archive).map(|archive| Observed::new(about.grid, archive));
-        } else {
-            ledger.skip(Rule::Observed, format!("{name}: not asked for, or not validated yet"));
         }
         self.grids = plain.map(|plain| Grids::new(about.grid, plain, filled.flatten()));
     }

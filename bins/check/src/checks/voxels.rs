@@ -85,6 +85,10 @@ impl Grids {
         let grid = Grid { config: &self.config, sides: self.sides(), tags: &plain.bytes };
         let mount = Motion::of_angles([0.0, 0.0, self.config.mount_z_m], [0.0; 3]);
         let world_from_grid = world_from_agent.then(&mount);
+        if !self.config.full_sweep {
+            ledger.skip(Rule::VoxelPoints, "sweeps find what they meet first, returns come from more");
+            return;
+        }
         for cloud in clouds {
             let ranger = cloud.ranger;
             if ranger.noise_m > 0.0 {
