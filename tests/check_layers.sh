@@ -43,6 +43,7 @@ declare -A allowed=(
     [analysis]="frames schema"
     [testkit]="frames opendrive renderer schema"
     [scene]="formats frames schema store"
+    [export]="formats frames scene schema store"
     [forecast]="plan schema"
     [mapstore]="opendrive store"
     [framewise]="counts formats pipeline scene schema store"

@@ -51,6 +51,14 @@ pub enum SceneError {
         /// Its frame.
         frame: i64,
     },
+    /// Two tables of boxes do not go together row by row.
+    #[error("{path}: at frame {frame} its rows are not those of `boxes` (run the stage again with --force)")]
+    Unlike {
+        /// The file.
+        path: String,
+        /// The frame.
+        frame: i64,
+    },
     /// A sensor's table goes on with another frame, or ends.
     #[error("{path}: {}", match found {
         Some(found) => format!("has frame {found} where {expected} was expected"),

@@ -1,8 +1,8 @@
 //! Tables of a sensor, one row a reading.
 
-use schema::AgentId;
 use schema::calibration::{Calibration, METADATA_KEY};
 use schema::table::{Framed, Row};
+use schema::{AgentId, rate};
 use store::{RowGroups, keys};
 
 use crate::{SceneError, SceneReader};
@@ -41,6 +41,24 @@ impl<R: Row + Framed> SensorFrames<R> {
             frames,
             every_n_frames: every_n_frames.max(1),
         })
+    }
+
+    /// The row of a frame; none where the sensor has no reading then. Frames must be asked for in ascending order; those between
+    /// are passed over.
+    ///
+    /// # Errors
+    /// The table cannot be read, or goes on with another frame.
+    pub fn at(&mut self, frame: u32) -> Result<Option<R>, SceneError> {
+        if frame >= self.frames || !rate::is_due(frame, self.every_n_frames) {
+            return Ok(None);
+        }
+        for row in self.by_ref() {
+            let row = row?;
+            if row.frame() == i64::from(frame) {
+                return Ok(Some(row));
+            }
+        }
+        Err(SceneError::Frame { path: self.path.clone(), expected: frame, found: None })
     }
 
     fn row(&mut self) -> Result<R, SceneError> {

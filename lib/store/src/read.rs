@@ -66,6 +66,17 @@ impl Store {
         Ok(entry.and_then(|entry| entry.value.clone()))
     }
 
+    /// Names of the columns of a table that a manifest names, in file order.
+    ///
+    /// # Errors
+    /// As [`Store::read_rows`].
+    pub fn table_columns(&self, manifest: &Manifest, key: &str) -> Result<Vec<String>, StoreError> {
+        let chunks = Chunks::new(self.open_output(manifest, key)?, self.location(key));
+        let builder =
+            ParquetRecordBatchReaderBuilder::try_new(chunks.clone()).map_err(|e| chunks.error(&e))?;
+        Ok(builder.schema().fields().iter().map(|field| field.name().clone()).collect())
+    }
+
     /// A record in JSON that a manifest names.
     ///
     /// # Errors

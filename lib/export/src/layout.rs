@@ -1,0 +1,115 @@
+//! What a layout has to say.
+
+use std::fmt;
+
+use schema::AgentId;
+
+use crate::{ExportError, SceneSource, Source, UnitFiles};
+
+/// A piece of an export that is made by itself and kept once it is finished: an agent of a scene, or a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct UnitName {
+    /// The scene.
+    pub scene: u32,
+    /// The agent; none where a scene is one piece.
+    pub agent: Option<AgentId>,
+}
+
+impl fmt::Display for UnitName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "scene_{:04}", self.scene)?;
+        self.agent.map_or(Ok(()), |agent| write!(f, ".{agent}"))
+    }
+}
+
+/// What a unit will come to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cost {
+    /// Frames of agents, for progress.
+    pub agent_frames: u64,
+    /// Bytes to be written, about.
+    pub bytes: u64,
+    /// Seconds of one core, about.
+    pub cpu_s: f64,
+}
+
+impl std::ops::AddAssign for Cost {
+    fn add_assign(&mut self, other: Self) {
+        self.agent_frames += other.agent_frames;
+        self.bytes += other.bytes;
+        self.cpu_s += other.cpu_s;
+    }
+}
+
+/// Something of the store that is not in the export.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Omission {
+    /// What: `SEG-* images`, `radar cross-sections`.
+    pub what: String,
+    /// Why: `the layout has no place for them`.
+    pub why: String,
+}
+
+impl Omission {
+    /// Something that is left out, and why.
+    #[must_use]
+    pub fn new(what: impl Into<String>, why: impl Into<String>) -> Self {
+        Self { what: what.into(), why: why.into() }
+    }
+}
+
+/// A layout in which stores are exported.
+///
+/// Units are written in parallel, each by one call; what one writes depends on the store and the layout's options alone. What
+/// is common to all (lists of scenes, tables that name tokens of several) is made of the units' fragments at the end.
+pub trait Layout: Sync {
+    /// Its name: `kitti`.
+    fn name(&self) -> &'static str;
+
+    /// Its options in words that stay the same for the same bytes.
+    fn identity(&self) -> String;
+
+    /// The stages that it cannot do without.
+    fn needs(&self) -> Vec<&'static str>;
+
+    /// What it leaves out of these scenes, and why; is called before anything is written.
+    ///
+    /// # Errors
+    /// It cannot hold what is asked for: with what to do.
+    fn survey(&self, source: &Source) -> Result<Vec<Omission>, ExportError>;
+
+    /// The units of a scene, in order.
+    fn units(&self, scene: &SceneSource) -> Vec<UnitName> {
+        let number = scene.number();
+        scene.agents().iter().map(|agent| UnitName { scene: number, agent: Some(*agent) }).collect()
+    }
+
+    /// What a unit will come to.
+    ///
+    /// # Errors
+    /// The store cannot be read.
+    fn cost(&self, scene: &SceneSource, unit: UnitName) -> Result<Cost, ExportError>;
+
+    /// Writes a unit. What it returns is kept with it for [`Layout::finish`]. `files` is told of every frame that is done.
+    ///
+    /// # Errors
+    /// The store cannot be read, the destination not be written, or a signal came.
+    fn write_unit(
+        &self,
+        scene: &SceneSource,
+        unit: UnitName,
+        files: &mut UnitFiles<'_>,
+    ) -> Result<Vec<u8>, ExportError>;
+
+    /// Writes what is common to all, from the fragments of all units that the destination holds, in their order. Scenes of
+    /// earlier runs are among them; `source` has the ones of this run.
+    ///
+    /// # Errors
+    /// As [`Layout::write_unit`].
+    fn finish(
+        &self,
+        source: &Source,
+        units: &[(UnitName, Vec<u8>)],
+        files: &mut UnitFiles<'_>,
+    ) -> Result<(), ExportError>;
+}

@@ -1,0 +1,128 @@
+//! Makes an export: what is missing of it, unit by unit, then what is common to all.
+
+use rayon::prelude::*;
+use store::hash_bytes;
+
+use crate::layout::Cost;
+use crate::{Destination, ExportError, Layout, Omission, SceneSource, Source, UnitName};
+
+/// Watches an export, from any thread.
+pub trait Watch: Sync {
+    /// So many frames of agents are done; whether to stop.
+    fn advance(&self, agent_frames: u64) -> bool;
+}
+
+/// What an export will come to.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The units that are to be made, in order.
+    units: Vec<(UnitName, String)>,
+    /// What they come to together.
+    pub cost: Cost,
+    /// How many units are there already.
+    pub done: usize,
+    /// What is left out of the store's content, and why.
+    pub omissions: Vec<Omission>,
+    options: String,
+}
+
+impl Plan {
+    /// How many units are to be made.
+    #[must_use]
+    pub fn missing(&self) -> usize {
+        self.units.len()
+    }
+}
+
+/// What an export came to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Outcome {
+    /// Units made.
+    pub made: usize,
+    /// Units in the destination, those of earlier runs among them.
+    pub units: usize,
+}
+
+/// Looks what of an export is missing. Writes nothing. With `force` everything is made again.
+///
+/// # Errors
+/// The layout refuses, the destination holds something else, or something cannot be read.
+pub fn plan(
+    layout: &dyn Layout,
+    source: &Source,
+    place: &Destination,
+    code_version: &str,
+    force: bool,
+) -> Result<Plan, ExportError> {
+    if source.scenes.is_empty() {
+        let why: Vec<String> =
+            source.unfinished.iter().map(|(scene, why)| format!("scene {scene}: {why}")).collect();
+        let why = if why.is_empty() { "none is wanted".to_owned() } else { why.join(", ") };
+        return Err(ExportError::Refused(format!("there is no finished scene to export ({why})")));
+    }
+    let omissions = layout.survey(source)?;
+    let options = format!("{}; {}; {}", layout.name(), layout.identity(), source.selection.identity());
+    place.claim(&options, force)?;
+    let (mut units, mut cost, mut done) = (Vec::new(), Cost::default(), 0);
+    for scene in &source.scenes {
+        for unit in layout.units(scene) {
+            let identity = hash_bytes(format!("{options}\n{code_version}\n{}", scene.digest()).as_bytes());
+            if !force && place.is_done(unit, &identity)? {
+                done += 1;
+                continue;
+            }
+            cost += layout.cost(scene, unit)?;
+            units.push((unit, identity));
+        }
+    }
+    Ok(Plan { units, cost, done, omissions, options })
+}
+
+/// Makes what a plan says, on the threads of the pool that it is called in. The files do not depend on their number.
+///
+/// # Errors
+/// The first error in the order of units; what is finished is kept.
+pub fn export(
+    layout: &dyn Layout,
+    source: &Source,
+    place: &Destination,
+    plan: &Plan,
+    watch: &dyn Watch,
+) -> Result<Outcome, ExportError> {
+    place.declare(&plan.options)?;
+    let scene_of = |unit: &UnitName| source.scenes.iter().find(|scene| scene.number() == unit.scene);
+    let made: Vec<Result<(), ExportError>> = plan
+        .units
+        .par_iter()
+        .map(|(unit, identity)| match scene_of(unit) {
+            Some(scene) => one_unit(layout, scene, *unit, identity, (place, watch)),
+            None => Ok(()),
+        })
+        .collect();
+    made.into_iter().collect::<Result<(), _>>()?;
+    let mut fragments = Vec::new();
+    for unit in place.finished()? {
+        if let Some(fragment) = place.fragment(unit)? {
+            fragments.push((unit, fragment));
+        }
+    }
+    let mut files = place.files(watch);
+    layout.finish(source, &fragments, &mut files)?;
+    place.sync()?;
+    Ok(Outcome { made: plan.units.len(), units: fragments.len() })
+}
+
+fn one_unit(
+    layout: &dyn Layout,
+    scene: &SceneSource,
+    unit: UnitName,
+    identity: &str,
+    (place, watch): (&Destination, &dyn Watch),
+) -> Result<(), ExportError> {
+    if watch.advance(0) {
+        return Err(ExportError::Stopped);
+    }
+    let mut files = place.begin(unit, watch)?;
+    let fragment = layout.write_unit(scene, unit, &mut files)?;
+    place.end(unit, identity, files, &fragment)
+}

@@ -1,0 +1,91 @@
+//! What is exported: the finished scenes of a store.
+
+mod scene_source;
+
+use std::collections::BTreeMap;
+
+use schema::arrays::{BEV_MASKS, FILLED_VOXEL_GRIDS, VOXEL_GRIDS};
+use schema::table::Row;
+use schema::tables::{BoxRow, CameraRow, PlanSceneRow, TrackRow};
+use store::{Scope, Store, keys};
+
+pub use scene_source::SceneSource;
+
+use crate::{ExportError, Selection};
+
+/// The stages of scenes: an export may read what any of them has made.
+const STAGES: [&str; 6] = [
+    BoxRow::STAGE,
+    CameraRow::STAGE,
+    BEV_MASKS.stage,
+    VOXEL_GRIDS.stage,
+    FILLED_VOXEL_GRIDS.stage,
+    TrackRow::STAGE,
+];
+
+schema::columns! {
+    /// Which scenes there are.
+    Planned of PlanSceneRow { scene: u32, split: String }
+}
+
+/// The scenes of a store that are wanted.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// The store.
+    pub store: Store,
+    /// What of it is wanted.
+    pub selection: Selection,
+    /// The wanted scenes that are finished, as far as the layout needs them, by number.
+    pub scenes: Vec<SceneSource>,
+    /// The wanted scenes that are not, and why.
+    pub unfinished: BTreeMap<u32, String>,
+}
+
+impl Source {
+    /// Opens the wanted scenes of a store that some stages have finished.
+    ///
+    /// # Errors
+    /// It is no store, it cannot be read, or scenes were named that are not in its plan.
+    pub fn open(store: &Store, selection: &Selection, needs: &[&'static str]) -> Result<Self, ExportError> {
+        let plan = store.manifest(Scope::Plan, PlanSceneRow::STAGE)?.ok_or_else(|| {
+            let place = store.location("");
+            ExportError::Refused(format!(
+                "{place}: there is no finished store (no plan); run `make dataset` first"
+            ))
+        })?;
+        let planned: Vec<Planned> = store.read_rows(&plan, keys::PLAN_SCENES)?;
+        let named = selection.scenes.iter().flatten();
+        let unknown: Vec<u32> =
+            named.copied().filter(|scene| planned.iter().all(|p| p.scene != *scene)).collect();
+        if !unknown.is_empty() {
+            return Err(ExportError::Refused(format!(
+                "scenes {unknown:?} are not in the plan of this store"
+            )));
+        }
+        let (mut scenes, mut unfinished) = (Vec::new(), BTreeMap::new());
+        for Planned { scene, split } in planned {
+            if !selection.has_scene(scene, &split) {
+                continue;
+            }
+            match SceneSource::open(store, scene, selection, &STAGES, needs)? {
+                Ok(source) => scenes.push(source),
+                Err(stage) => {
+                    unfinished.insert(scene, format!("{stage} is missing"));
+                }
+            }
+        }
+        scenes.sort_by_key(SceneSource::number);
+        Ok(Self { store: store.clone(), selection: selection.clone(), scenes, unfinished })
+    }
+
+    /// The configuration that the store was made from, as `dataset.json` has it.
+    ///
+    /// # Errors
+    /// It is not there, or no JSON.
+    pub fn dataset(&self) -> Result<serde_json::Value, ExportError> {
+        let path = self.store.location(keys::DATASET);
+        let bytes = self.store.read(keys::DATASET)?;
+        let bytes = bytes.ok_or_else(|| ExportError::Refused(format!("{path}: is missing")))?;
+        serde_json::from_slice(&bytes).map_err(|e| ExportError::Refused(format!("{path}: {e}")))
+    }
+}
