@@ -22,7 +22,7 @@ EVERY_ARG   = $(if $(EVERY),--every $(EVERY))
 SEED_ARG    = $(if $(SEED),--seed $(SEED))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset forecast stage scene-video stats status verify check town towns town-pictures check-towns traffic-report build test soak lint bench bench-kernels docs help
+.PHONY: dataset forecast stage scene-video stats status verify check export town towns town-pictures check-towns traffic-report build test soak lint bench bench-kernels docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
@@ -30,6 +30,7 @@ help:
 	@echo "make stage STAGE=render-sensors [SCENES=3,7-9] [FORCE=1]"
 	@echo "make status | stats | verify        (same CONFIG and STORE)"
 	@echo "make check [STORE=dataset] [SCENES=3,7-9] [EVERY=10]    (labels against each other; EVERY: some frames only)"
+	@echo "make export FORMAT=kitti DEST=folder [STORE=dataset] [SCENES=] [SPLIT=] [ARGS=]    (docs/exports.md; ARGS=--dry-run first)"
 	@echo "make town NAME=convoy/demo [SEED=7] [DEST=folder]       (a road network of our own, with its picture)"
 	@echo "make towns DEST=folder                                  (all of them)"
 	@echo "make scene-video SCENE=0 [STORE=dataset] [OUT=film.png] (a scene's log from above, animated)"
@@ -65,6 +66,11 @@ verify: build
 # Holds the labels of a store against each other, from its files alone: make check STORE=dataset [SCENES=0] [EVERY=10].
 check: build
 	$(BIN)/convoy check --store $(STORE) $(SCENES_ARG) $(EVERY_ARG) $(THREADS_ARG)
+
+# A finished store in a layout of other people's loaders: make export FORMAT=kitti DEST=folder [SCENES=0,3-5] [SPLIT=train] [ARGS=--dry-run]
+export: build
+	@test -n "$(FORMAT)" -a -n "$(DEST)" || { echo "say which and where: make export FORMAT=kitti DEST=folder"; exit 2; }
+	$(BIN)/export $(FORMAT) --store $(STORE) --dest $(DEST) $(SCENES_ARG) $(if $(SPLIT),--split $(SPLIT)) $(THREADS_ARG) $(ARGS)
 
 # One of our towns as OpenDRIVE, with a picture.
 town: build

@@ -60,6 +60,7 @@ declare -A cores=(
     [postprocess-valid]="carve counts fill formats framewise validity voxelgrid"
     [merge-tracks]="tracks"
     [stats]="analysis"
+    [export]="export-core"
     [convoy]="check driver mapstore mapview opendrive town"
 )
 bad=0

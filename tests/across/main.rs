@@ -4,6 +4,7 @@ mod check;
 mod crates;
 mod crosswalks;
 mod docs;
+mod exports;
 mod failures;
 mod far;
 mod growth;

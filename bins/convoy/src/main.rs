@@ -3,6 +3,7 @@
 mod files;
 mod film;
 mod maps;
+mod programs;
 
 use std::process::ExitCode;
 
@@ -26,6 +27,8 @@ enum Command {
     /// Checks the labels of a store against each other, from its files alone; exit code 1 when something is wrong.
     Check(check::CheckArgs),
     #[command(flatten)]
+    Program(programs::ProgramCommand),
+    #[command(flatten)]
     Map(MapCommand),
     #[command(flatten)]
     Film(FilmCommand),
@@ -37,6 +40,7 @@ fn main() -> ExitCode {
     ExitCode::from(match args.command {
         Command::Store(command) => driver::drive(command),
         Command::Check(args) => check::run(&args),
+        Command::Program(command) => programs::run(command),
         Command::Map(command) => maps::run(command),
         Command::Film(command) => film::run(command),
     })

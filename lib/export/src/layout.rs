@@ -1,26 +1,9 @@
 //! What a layout has to say.
 
-use std::fmt;
+use scene::{SensorEntry, SensorKind};
 
-use schema::AgentId;
-
+use crate::unit::UnitName;
 use crate::{ExportError, SceneSource, Source, UnitFiles};
-
-/// A piece of an export that is made by itself and kept once it is finished: an agent of a scene, or a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct UnitName {
-    /// The scene.
-    pub scene: u32,
-    /// The agent; none where a scene is one piece.
-    pub agent: Option<AgentId>,
-}
-
-impl fmt::Display for UnitName {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "scene_{:04}", self.scene)?;
-        self.agent.map_or(Ok(()), |agent| write!(f, ".{agent}"))
-    }
-}
 
 /// What a unit will come to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -56,6 +39,15 @@ impl Omission {
     pub fn new(what: impl Into<String>, why: impl Into<String>) -> Self {
         Self { what: what.into(), why: why.into() }
     }
+
+    /// A sensor that is left out, and why: of images the kind is told, of others the name.
+    #[must_use]
+    pub fn sensor(sensor: &SensorEntry, why: impl Into<String>) -> Self {
+        match sensor.kind {
+            SensorKind::Image(kind) => Self::new(kind.spec().plural, why),
+            _ => Self::new(&sensor.name, why),
+        }
+    }
 }
 
 /// A layout in which stores are exported.
@@ -68,6 +60,11 @@ pub trait Layout: Sync {
 
     /// Its options in words that stay the same for the same bytes.
     fn identity(&self) -> String;
+
+    /// Where the user does not say, it takes frames 0, n, 2 n, ...
+    fn every_n_frames(&self) -> u32 {
+        1
+    }
 
     /// The stages that it cannot do without.
     fn needs(&self) -> Vec<&'static str>;

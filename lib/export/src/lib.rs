@@ -1,15 +1,19 @@
 #![doc = include_str!("../README.md")]
 
 mod error;
+pub mod kitti;
 mod layout;
+mod picture;
 mod place;
 mod run;
 mod selection;
 mod source;
+mod unit;
 
 pub use error::ExportError;
-pub use layout::{Cost, Layout, Omission, UnitName};
+pub use layout::{Cost, Layout, Omission};
 pub use place::{Destination, UnitFiles};
-pub use run::{Outcome, Plan, Watch, export, plan};
+pub use run::{Outcome, Plan, export, plan};
 pub use selection::Selection;
 pub use source::{SceneSource, Source};
+pub use unit::{UnitName, Watch};

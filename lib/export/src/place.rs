@@ -11,8 +11,8 @@ use std::path::{Component, Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use store::hash_bytes;
 
-use crate::run::Watch;
-use crate::{ExportError, UnitName};
+use crate::ExportError;
+use crate::unit::{UnitName, Watch};
 
 /// Folder of the records.
 const RECORDS: &str = ".convoy-export";
@@ -249,11 +249,7 @@ impl UnitFiles<'_> {
         if self.files.contains_key(name) {
             return Err(ExportError::Refused(format!("{}: is written twice", path.display())));
         }
-        let folder = path.parent().unwrap_or(&self.place.root);
-        if !self.folders.contains(folder) {
-            fs::create_dir_all(folder).map_err(|source| write_error(folder, "make", source))?;
-            self.folders.insert(folder.to_owned());
-        }
+        self.folder_of(&path)?;
         let mut unfinished = path.clone().into_os_string();
         unfinished.push(UNFINISHED);
         let unfinished = PathBuf::from(unfinished);
@@ -277,6 +273,34 @@ impl UnitFiles<'_> {
         drop(stream);
         fs::rename(&unfinished, &path).map_err(|source| write_error(&path, "rename into place", source))?;
         self.files.insert(name, bytes);
+        Ok(())
+    }
+
+    /// Gives a finished file of the unit a second name: a link where the file system has them, else a copy.
+    ///
+    /// # Errors
+    /// It cannot be written, or there is no such file.
+    pub fn link(&mut self, name: &str, second: &str) -> Result<(), ExportError> {
+        let from = self.place.inside(name)?;
+        let Some(bytes) = self.files.get(name).copied() else {
+            return Err(ExportError::Refused(format!("{}: is not written yet", from.display())));
+        };
+        let to = self.place.inside(second)?;
+        self.folder_of(&to)?;
+        remove(&to)?;
+        fs::hard_link(&from, &to)
+            .or_else(|_| fs::copy(&from, &to).map(|_| ()))
+            .map_err(|source| write_error(&to, "write", source))?;
+        self.files.insert(second.to_owned(), bytes);
+        Ok(())
+    }
+
+    fn folder_of(&mut self, path: &Path) -> Result<(), ExportError> {
+        let folder = path.parent().unwrap_or(&self.place.root);
+        if !self.folders.contains(folder) {
+            fs::create_dir_all(folder).map_err(|source| write_error(folder, "make", source))?;
+            self.folders.insert(folder.to_owned());
+        }
         Ok(())
     }
 

@@ -4,13 +4,8 @@ use rayon::prelude::*;
 use store::hash_bytes;
 
 use crate::layout::Cost;
-use crate::{Destination, ExportError, Layout, Omission, SceneSource, Source, UnitName};
-
-/// Watches an export, from any thread.
-pub trait Watch: Sync {
-    /// So many frames of agents are done; whether to stop.
-    fn advance(&self, agent_frames: u64) -> bool;
-}
+use crate::unit::{UnitName, Watch};
+use crate::{Destination, ExportError, Layout, Omission, SceneSource, Source};
 
 /// What an export will come to.
 #[derive(Clone, Debug)]

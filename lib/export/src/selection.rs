@@ -5,8 +5,8 @@ use schema::AgentId;
 /// A part of a store. Everything is wanted where nothing is said.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
-    /// Numbers of scenes.
-    pub scenes: Option<Vec<u32>>,
+    /// Numbers of scenes: first and last of each piece.
+    pub scenes: Option<Vec<(u32, u32)>>,
     /// Splits: `train`, `val`, `test`.
     pub splits: Vec<String>,
     /// Names of agents, in which `*` stands for anything: `vehicle_0`, `rsu_*`.
@@ -21,7 +21,9 @@ impl Selection {
     /// Whether a scene of a split is wanted.
     #[must_use]
     pub fn has_scene(&self, scene: u32, split: &str) -> bool {
-        self.scenes.as_ref().is_none_or(|scenes| scenes.contains(&scene))
+        self.scenes
+            .as_ref()
+            .is_none_or(|pieces| pieces.iter().any(|(first, last)| (*first..=*last).contains(&scene)))
             && (self.splits.is_empty() || self.splits.iter().any(|s| s == split))
     }
 
@@ -92,7 +94,7 @@ mod tests {
         assert!(all.has_scene(7, "val") && all.has_agent(AgentId::rsu(3)) && all.has_sensor("IMU"));
         assert_eq!(all.frames(3).collect::<Vec<_>>(), [0, 1, 2]);
         let some = Selection {
-            scenes: Some(vec![7]),
+            scenes: Some(vec![(7, 8)]),
             splits: vec!["val".into()],
             agents: vec!["vehicle_*".into()],
             every_n_frames: 4,

@@ -64,6 +64,12 @@ pub enum ProgressMode {
 pub struct SceneList(Vec<(u32, u32)>);
 
 impl SceneList {
+    /// First and last number of each piece.
+    #[must_use]
+    pub fn ranges(&self) -> &[(u32, u32)] {
+        &self.0
+    }
+
     /// Whether a scene is meant.
     #[must_use]
     pub fn contains(&self, scene: u32) -> bool {

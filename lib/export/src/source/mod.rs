@@ -2,7 +2,7 @@
 
 mod scene_source;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use schema::arrays::{BEV_MASKS, FILLED_VOXEL_GRIDS, VOXEL_GRIDS};
 use schema::table::Row;
@@ -54,9 +54,9 @@ impl Source {
             ))
         })?;
         let planned: Vec<Planned> = store.read_rows(&plan, keys::PLAN_SCENES)?;
-        let named = selection.scenes.iter().flatten();
-        let unknown: Vec<u32> =
-            named.copied().filter(|scene| planned.iter().all(|p| p.scene != *scene)).collect();
+        let named = selection.scenes.iter().flatten().flat_map(|(first, last)| [*first, *last]);
+        let unknown: BTreeSet<u32> =
+            named.filter(|scene| planned.iter().all(|p| p.scene != *scene)).collect();
         if !unknown.is_empty() {
             return Err(ExportError::Refused(format!(
                 "scenes {unknown:?} are not in the plan of this store"

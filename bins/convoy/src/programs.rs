@@ -1,0 +1,44 @@
+//! Programs of their own that `convoy` starts: what is behind their name is theirs.
+
+use std::ffi::OsString;
+use std::process::Command;
+
+use clap::Subcommand;
+use pipeline::{EXIT_SOME_FAILED, EXIT_USAGE};
+
+/// Programs beside this one.
+#[derive(Debug, Subcommand)]
+pub(crate) enum ProgramCommand {
+    /// Exports a finished store in a layout that other people's loaders read.
+    #[command(disable_help_flag = true)]
+    Export(Rest),
+}
+
+/// Arguments that are handed on as they are.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Rest {
+    /// What the program takes; --help lists it.
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENTS")]
+    arguments: Vec<OsString>,
+}
+
+/// Runs a program to its end; its exit code.
+pub(crate) fn run(command: ProgramCommand) -> u8 {
+    let (name, Rest { arguments }) = match command {
+        ProgramCommand::Export(rest) => ("export", rest),
+    };
+    let beside = std::env::current_exe().ok().and_then(|exe| Some(exe.parent()?.join(name)));
+    let program = beside.unwrap_or_else(|| name.into());
+    // A signal reaches the program, too, and it is the one to answer.
+    pipeline::listen_for_signals();
+    match Command::new(&program).args(arguments).status() {
+        Ok(status) => status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(EXIT_SOME_FAILED),
+        Err(e) => {
+            tracing::error!(
+                "{}: cannot be started: {e} (build all programs: cargo build --release)",
+                program.display()
+            );
+            EXIT_USAGE
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Exports a finished store in the layouts that other people's loaders read.
+
+mod args;
+mod layouts;
+
+use std::collections::BTreeMap;
+use std::process::ExitCode;
+
+use clap::Parser;
+use export_core::{Destination, ExportError, Layout, Omission, Plan, Source, Watch, export, plan};
+use indicatif::{DecimalBytes, HumanDuration};
+use pipeline::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Progress, say};
+use store::Store;
+
+use args::CommonArgs;
+use layouts::LayoutCommand;
+
+/// Exports a finished store in a layout that other people's loaders read.
+#[derive(Debug, Parser)]
+#[command(
+    name = "export",
+    version,
+    after_help = "Exit codes: 0 done, 1 the store or what it holds does not allow it, 2 bad arguments or a destination of \
+                  something else, 75 stopped by a signal or a full disk (run the same command again)."
+)]
+struct Args {
+    #[command(subcommand)]
+    layout: LayoutCommand,
+}
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    pipeline::init_logging();
+    pipeline::listen_for_signals();
+    let (layout, common) = args.layout.split();
+    ExitCode::from(match run(layout.as_ref(), &common) {
+        Ok(()) => EXIT_DONE,
+        Err(error) => {
+            tracing::error!("{}", pipeline::report(&error));
+            exit_code(&error)
+        }
+    })
+}
+
+fn exit_code(error: &ExportError) -> u8 {
+    match error {
+        ExportError::Refused(_) => EXIT_USAGE,
+        ExportError::Write { .. } | ExportError::Stopped => EXIT_TRY_AGAIN,
+        ExportError::Store(error) if error.is_transient() => EXIT_TRY_AGAIN,
+        ExportError::Store(error) if error.is_usage() => EXIT_USAGE,
+        _ => EXIT_SOME_FAILED,
+    }
+}
+
+fn run(layout: &dyn Layout, common: &CommonArgs) -> Result<(), ExportError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(common.threads.unwrap_or(0)).build();
+    let pool = pool.map_err(|e| ExportError::Refused(format!("--threads: {e}")))?;
+    let store = Store::open(&common.store)?;
+    let source = Source::open(&store, &common.selection(layout.every_n_frames()), &layout.needs())?;
+    let place = Destination::new(&common.dest, layout.name());
+    let plan = plan(layout, &source, &place, pipeline::code_version("export"), common.force)?;
+    announce(&plan, &source, pool.current_num_threads());
+    if common.dry_run {
+        return Ok(());
+    }
+    let progress =
+        Progress::start(common.progress, format!("export {}", layout.name()), plan.cost.agent_frames);
+    let outcome = pool.install(|| export(layout, &source, &place, &plan, &Watching(progress)))?;
+    let (made, units, root) = (outcome.made, outcome.units, place.root().display());
+    say(&format!("{root}: {made} of {units} parts made now"));
+    Ok(())
+}
+
+/// Says what will be made, and what not.
+fn announce(plan: &Plan, source: &Source, threads: usize) {
+    let cost = plan.cost;
+    let wall_s = cost.cpu_s / threads.max(1) as f64;
+    say(&format!(
+        "{} scenes: {} parts to make, {} there already; {} agent-frames, about {} and {} on {threads} threads",
+        source.scenes.len(),
+        plan.missing(),
+        plan.done,
+        cost.agent_frames,
+        DecimalBytes(cost.bytes),
+        HumanDuration(std::time::Duration::from_secs_f64(wall_s.clamp(0.0, 1e9))),
+    ));
+    for (scene, why) in &source.unfinished {
+        tracing::warn!("scene {scene} is left out: {why}");
+    }
+    let mut by_reason: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for Omission { what, why } in &plan.omissions {
+        by_reason.entry(why).or_default().push(what);
+    }
+    for (why, what) in by_reason {
+        say(&format!("left out: {} ({why})", what.join(", ")));
+    }
+}
+
+/// The progress of a stage, for the export.
+struct Watching(Progress);
+
+impl Watch for Watching {
+    fn advance(&self, agent_frames: u64) -> bool {
+        self.0.advance(agent_frames).is_err()
+    }
+}

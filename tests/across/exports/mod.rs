@@ -1,0 +1,62 @@
+//! Exports of a tiny dataset, each read back by a script that knows its layout and shares no code with us.
+
+mod kitti;
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use convoy_tests::{Bench, Outcome, TINY, digests, program};
+
+/// All image kinds and every sensor at both kinds of agents.
+fn store() -> Bench {
+    let config =
+        TINY.replace("min_vehicles = 1", "min_vehicles = 2").replace("max_vehicles = 1", "max_vehicles = 2");
+    let bench = Bench::new(&config);
+    bench.run("convoy", &["run", "--progress", "none"]).expect_done();
+    bench
+}
+
+/// Runs `export LAYOUT` on a dataset; the destination's path and how it ended.
+fn export(bench: &Bench, layout: &str, dest: &str, args: &[&str]) -> (PathBuf, Outcome) {
+    let dest = bench.folder.path().join(dest);
+    let mut command = Command::new(program("export"));
+    command.arg(layout).arg("--store").arg(bench.store()).arg("--dest").arg(&dest);
+    let output = command.args(["--progress", "none"]).args(args).output().expect("the program starts");
+    (dest, Outcome::of(&output))
+}
+
+#[test]
+fn every_layout_reads_back() {
+    let bench = store();
+    a_destination_is_gone_on_with(&bench);
+    kitti::check(&bench);
+}
+
+/// However an export is made, its bytes are the same; what is there is kept, what is damaged made again, what is somebody
+/// else's left alone.
+fn a_destination_is_gone_on_with(bench: &Bench) {
+    let (one, outcome) = export(bench, "kitti", "one", &["--threads", "1"]);
+    outcome.expect_done();
+    let whole = digests(&one);
+    let (two, outcome) = export(bench, "kitti", "two", &["--threads", "2", "--agents", "vehicle_0,rsu_*"]);
+    outcome.expect_done();
+    let (_, refused) = export(bench, "kitti", "two", &["--threads", "2"]);
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+    assert!(refused.stderr.contains("other options"), "{}", refused.stderr);
+    export(bench, "kitti", "two", &["--threads", "2", "--force"]).1.expect_done();
+    assert_eq!(whole, digests(&two));
+
+    let (_, again) = export(bench, "kitti", "one", &[]);
+    assert!(again.stdout.contains("0 parts to make"), "{}", again.stdout);
+    let label = whole.keys().find(|name| name.contains("label_02")).expect("has labels");
+    std::fs::write(two.join(label), "short").expect("is written");
+    let (_, mended) = export(bench, "kitti", "two", &["--dry-run"]);
+    assert!(mended.stdout.contains("1 parts to make"), "{}", mended.stdout);
+    export(bench, "kitti", "two", &[]).1.expect_done();
+    assert_eq!(whole, digests(&two));
+
+    let (_, strange) = export(bench, "kitti", "store", &[]);
+    assert_eq!(strange.code, 2, "{}", strange.stderr);
+    let (_, unknown) = export(bench, "kitti", "three", &["--scenes", "0,7"]);
+    assert!(unknown.code == 2 && unknown.stderr.contains('7'), "{}", unknown.stderr);
+}
