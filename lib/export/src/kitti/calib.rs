@@ -2,7 +2,7 @@
 
 use nalgebra::Isometry3;
 
-use super::Pair;
+use super::pair::Pair;
 
 /// Numbers in KITTI's way.
 fn numbers(values: impl IntoIterator<Item = f64>) -> String {

@@ -13,22 +13,19 @@
 
 mod calib;
 mod label;
+mod pair;
 mod unit;
 
 use std::collections::BTreeMap;
 
-use nalgebra::Isometry3;
 use scene::{SensorEntry, SensorKind};
 use schema::settings::Lens;
 use schema::table::Row;
 use schema::tables::{BoxRow, CameraRow, ValidBoxRow};
 use schema::{AgentId, ImageKind};
-use serde::{Deserialize, Serialize};
 
+use self::pair::{MOST, Pair, Sequence};
 use crate::{Cost, ExportError, Layout, Omission, SceneSource, Source, UnitFiles, UnitName};
-
-/// Scenes and frames that six digits can number: 1000 of 1000.
-const MOST: u32 = 1000;
 
 /// What a user may choose.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,54 +46,6 @@ impl Default for KittiOptions {
 #[derive(Clone, Debug)]
 pub struct Kitti {
     options: KittiOptions,
-}
-
-/// The camera and lidar of an agent, and its other sensors.
-pub(crate) struct Pair {
-    pub(crate) camera: SensorEntry,
-    pub(crate) lidar: SensorEntry,
-    others: Vec<SensorEntry>,
-}
-
-impl Pair {
-    /// Pixels from directions in the camera's optical frame, row by row.
-    pub(crate) fn intrinsics(&self) -> [[f64; 3]; 3] {
-        self.camera.about.intrinsics.unwrap_or_default()
-    }
-
-    pub(crate) fn optical_from_lidar(&self) -> Isometry3<f64> {
-        isometry(&self.camera).inverse() * isometry(&self.lidar)
-    }
-
-    /// Where a sensor's agent is from the camera.
-    pub(crate) fn optical_from_agent(&self) -> Isometry3<f64> {
-        isometry(&self.camera).inverse()
-    }
-
-    pub(crate) fn lidar_from_agent(&self) -> Isometry3<f64> {
-        isometry(&self.lidar).inverse()
-    }
-
-    /// Frames that both have, of those that are wanted.
-    pub(crate) fn frames(&self, scene: &SceneSource) -> Vec<u32> {
-        let rates = [
-            self.camera.about.every_n_frames,
-            self.lidar.about.every_n_frames,
-            scene.info().label_every_n_frames,
-        ];
-        scene.frames().filter(|frame| rates.iter().all(|rate| schema::rate::is_due(*frame, *rate))).collect()
-    }
-}
-
-fn isometry(sensor: &SensorEntry) -> Isometry3<f64> {
-    *sensor.about.agent_from_sensor.agent_from_sensor::<frames::Sensor>().isometry()
-}
-
-/// What a unit leaves for the lists of the end.
-#[derive(Debug, Serialize, Deserialize)]
-pub(crate) struct Sequence {
-    pub(crate) split: String,
-    pub(crate) frames: u32,
 }
 
 impl Kitti {

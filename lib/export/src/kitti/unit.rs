@@ -6,7 +6,8 @@ use scene::{FrameRanges, SensorFrames, agent_rows};
 use schema::AgentId;
 use schema::tables::{AgentRow, BOXES_2D_TABLE, Box2dRow, CameraRow, GnssRow, ImuRow};
 
-use super::{MOST, Pair, Sequence, calib, label};
+use super::pair::{MOST, Pair, Sequence};
+use super::{calib, label};
 use crate::picture::Picture;
 use crate::{ExportError, SceneSource, UnitFiles};
 
