@@ -51,16 +51,29 @@ impl Stream {
     /// Four random words that depend on `index` alone: random access for parallel loops.
     #[must_use]
     pub fn at(&self, index: u64) -> [u32; 4] {
-        let [low, next] = split(index);
-        // The top bit keeps random access apart from the sequential draws below.
-        philox4x32_10([low, next, self.high[0], self.high[1] | 0x8000_0000], self.key)
+        self.run_at::<1>(index).map(|[word]| word)
+    }
+
+    /// The words of [`Stream::at`] at `N` indices from `first` on, by word and index: faster than one by one.
+    #[must_use]
+    pub fn run_at<const N: usize>(&self, first: u64) -> [[u32; N]; 4] {
+        let indices: [[u32; 2]; N] = std::array::from_fn(|i| split(first.wrapping_add(i as u64)));
+        let counters = [
+            indices.map(|[low, _]| low),
+            indices.map(|[_, next]| next),
+            [self.high[0]; N],
+            // The top bit keeps random access apart from the sequential draws below.
+            [self.high[1] | 0x8000_0000; N],
+        ];
+        philox4x32_10(counters, self.key)
     }
 
     /// The next random word.
     pub fn next_u32(&mut self) -> u32 {
         if self.used == 4 {
             let [low, next] = split(self.block);
-            self.buffer = philox4x32_10([low, next, self.high[0], self.high[1] & 0x7fff_ffff], self.key);
+            let counter = [low, next, self.high[0], self.high[1] & 0x7fff_ffff];
+            self.buffer = philox4x32_10(counter.map(|word| [word]), self.key).map(|[word]| word);
             self.block += 1;
             self.used = 0;
         }
@@ -119,6 +132,17 @@ mod tests {
             }
         }
         assert_eq!(firsts.len(), 20 * 5 * 20);
+    }
+
+    #[test]
+    fn a_run_is_what_its_places_are() {
+        let stream = Stream::new(1, 2, "x", 3);
+        for first in [0, 7, 5 << 32, u64::from(u32::MAX) - 2] {
+            let words = stream.run_at::<8>(first);
+            for i in 0..8 {
+                assert_eq!(words.map(|word| word[i]), stream.at(first + i as u64), "{first} + {i}");
+            }
+        }
     }
 
     #[test]

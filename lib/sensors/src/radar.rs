@@ -83,7 +83,7 @@ pub fn radar(
         let Some(struck) = Struck::new(snapshot, &hit) else { continue };
         let at = hit.instance as usize;
         let moves = &snapshot.instances[if spec.micro_motion { at } else { bodies[at] }];
-        let moved = way_of(&snapshot.instances[at], moves, struck.position_object);
+        let moved = way_of(&snapshot.instances[at], moves, struck.position_object(&hit));
         let cos_angle = f64::from(struck.normal_local.dot(ray.direction).abs().min(1.0));
         let range_m = f64::from(hit.t);
         let patch_m2 = echo::cross_section_m2(struck.part, ray.solid_angle_sr, range_m, cos_angle);

@@ -5,14 +5,16 @@ use renderer::{Hit, pose_before};
 use schema::ObjectId;
 use schema::geometry::{Part, Snapshot};
 
-/// The surface that a ray struck.
+/// The triangle that a ray struck.
+#[derive(Clone, Copy)]
 pub(crate) struct Struck<'a> {
     pub(crate) part: &'a Part,
     pub(crate) object: ObjectId,
     /// Unit normal, either side, local frame.
     pub(crate) normal_local: Vec3,
-    /// Where the ray met it, in the object's frame.
-    pub(crate) position_object: Vec3,
+    /// First corner and the edges from there, object's frame, metres.
+    corner: Vec3,
+    edges: [Vec3; 2],
 }
 
 impl<'a> Struck<'a> {
@@ -26,12 +28,19 @@ impl<'a> Struck<'a> {
         let pose = pose_before(&instance.previous_local_from_object, &instance.local_from_object, before);
         let mesh = snapshot.mesh(instance);
         let [a, b, c] = mesh.corners(hit.triangle as usize);
-        let normal = pose.transform_vector3((b - a).cross(c - a));
+        let edges = [b - a, c - a];
+        let normal = pose.transform_vector3(edges[0].cross(edges[1]));
         Some(Self {
             part: mesh.part(hit.triangle as usize),
             object: instance.object,
             normal_local: normal.normalize_or_zero(),
-            position_object: a + (b - a) * hit.u + (c - a) * hit.v,
+            corner: a,
+            edges,
         })
+    }
+
+    /// Where a ray met it, in the object's frame.
+    pub(crate) fn position_object(&self, hit: &Hit) -> Vec3 {
+        self.corner + self.edges[0] * hit.u + self.edges[1] * hit.v
     }
 }

@@ -2,36 +2,34 @@
 
 mod air;
 mod beam;
+mod fire;
+mod patch;
 mod path;
 mod receive;
 mod reflectance;
 mod sweep;
 
 use std::marker::PhantomData;
-use std::ops::Range;
 
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 use random::Stream;
 use rayon::prelude::*;
 use renderer::{RayBatch, Scene};
 use schema::measures::sensors::LIDAR_POINTS;
-use schema::settings::{LidarSpec, ScanPattern};
+use schema::settings::LidarSpec;
 
 use self::air::Air;
-use self::beam::{beside, offsets};
+use self::fire::Gun;
+use self::patch::{Slice, slices};
 pub use self::path::{LidarMoment, SensorPath};
-use self::receive::{Receiver, Return, Volley, words_of};
+use self::receive::Receiver;
 pub(crate) use self::sweep::SweepRow;
 pub use self::sweep::{LidarSweep, OfBeam};
+use self::sweep::{Part, joined};
 use crate::error::SensorError;
 use crate::metadata::sensor_metadata;
 use crate::observation::Observation;
 use crate::sensor::{Amount, Carrier, Layout, Sensor, SensorTable};
-
-/// Columns and channels of the blocks in which rays are followed: 16 neighbours make a packet.
-const BLOCK: [usize; 2] = [4, 4];
-/// Beams a parallel task: fixed, so that results are joined in the same order on any number of threads.
-const CHUNK: usize = 4096;
 
 /// A lidar with its beams worked out, for all sweeps of all agents that carry it.
 #[derive(Clone, Debug)]
@@ -40,16 +38,6 @@ pub struct Lidar {
     /// Unit directions in the sensor frame, highest channel first.
     directions: Vec<Vec3>,
     slices: Vec<Slice>,
-}
-
-/// Columns that are fired at one moment.
-#[derive(Clone, Debug)]
-struct Slice {
-    columns: Range<usize>,
-    /// The moment: 0 at the frame, 1 a period ago.
-    before: f32,
-    /// The order in which its beams are followed: neighbours together.
-    order: Vec<u32>,
 }
 
 impl Lidar {
@@ -122,10 +110,10 @@ impl Lidar {
         let air = Air::of(&self.spec, &at.weather);
         let swept =
             self.slices.par_iter().map(|slice| self.sweep_slice(scene, at, stream, air.as_ref(), slice));
-        let swept = swept.collect::<Result<Vec<_>, _>>()?;
-        Ok(self.collect(&swept.into_iter().flatten().collect::<Vec<_>>()))
+        Ok(joined(&swept.collect::<Result<Vec<_>, _>>()?, self.spec.tells_returns()))
     }
 
+    /// The returns of a slice, patch by patch.
     fn sweep_slice(
         &self,
         scene: &dyn Scene,
@@ -133,9 +121,10 @@ impl Lidar {
         stream: &Stream,
         air: Option<&Air>,
         slice: &Slice,
-    ) -> Result<Vec<Vec<Return>>, SensorError> {
+    ) -> Result<Vec<Part>, SensorError> {
         let local_from_sensor = at.path.before(slice.before);
-        let fired = self.fire(&slice.order, local_from_sensor, stream, at.frame);
+        let gun = Gun::new(&self.spec, &self.directions, local_from_sensor, stream, at.frame);
+        let fired: Vec<_> = slice.patches.par_iter().map(|patch| gun.fire(patch)).collect();
         let origin = Vec3::from(local_from_sensor.translation);
         let range_m = [0.0, self.spec.range_m as f32];
         let batches: Vec<RayBatch<'_>> =
@@ -154,97 +143,9 @@ impl Lidar {
             stream,
             frame: at.frame,
         };
-        Ok(fired.par_iter().zip(&hits).map(|(volley, hits)| receiver.receive(volley, hits)).collect())
+        let received = slice.patches.par_iter().zip(&fired).zip(&hits);
+        Ok(received.map(|((patch, volley), hits)| receiver.receive(patch, volley, hits)).collect())
     }
-
-    /// The beams that are not dropped at random, chunk by chunk.
-    fn fire(&self, order: &[u32], local_from_sensor: Affine3A, stream: &Stream, frame: u32) -> Vec<Volley> {
-        let semantic = self.spec.semantic;
-        let drop_below = if semantic { 0.0 } else { self.spec.dropoff_rate as f32 };
-        let offsets = offsets(&self.spec.beam);
-        let volley = |rays: &[u32]| {
-            let beams: Vec<(u32, [u32; 4])> = rays
-                .iter()
-                .map(|&ray| (ray, if semantic { [0; 4] } else { words_of(stream, frame, ray, 0) }))
-                .filter(|(_, words)| drop_below <= 0.0 || random::unit_f32(words[0]) >= drop_below)
-                .collect();
-            let turned = |direction: Vec3| local_from_sensor.transform_vector3(direction).normalize();
-            let mut directions = Vec::with_capacity(beams.len() * (1 + offsets.len()));
-            for &(ray, _) in &beams {
-                let axis = self.directions[ray as usize];
-                directions.push(turned(axis));
-                directions.extend(offsets.iter().map(|&offset| turned(beside(axis, offset))));
-            }
-            Volley { beams, directions }
-        };
-        order.par_chunks(CHUNK).map(volley).collect()
-    }
-
-    /// Returns in following order to lists in the order of the beams.
-    fn collect(&self, returns: &[Vec<Return>]) -> LidarSweep {
-        const NONE: u32 = u32::MAX;
-        let all: Vec<&Return> = returns.iter().flatten().collect();
-        let mut by_ray = vec![NONE; self.directions.len()];
-        for (index, r) in all.iter().enumerate().filter(|(_, r)| r.number == 1) {
-            by_ray[r.ray as usize] = index as u32;
-        }
-        let columns = self.spec.scan.columns.max(1);
-        let mut offset_s = vec![0.0; columns as usize];
-        for slice in self.slices.iter().filter(|_| self.spec.rolling.is_some()) {
-            let offset = -f64::from(slice.before) * schema::FRAME_PERIOD_S;
-            offset_s[slice.columns.clone()].fill(offset as f32);
-        }
-        let mut sweep = LidarSweep::with_capacity(all.len(), self.spec.tells_returns());
-        for index in by_ray.into_iter().filter(|&index| index != NONE) {
-            let first = index as usize;
-            for r in &all[first..first + usize::from(all[first].count)] {
-                sweep.x_m.push(r.point_m.x);
-                sweep.y_m.push(r.point_m.y);
-                sweep.z_m.push(r.point_m.z);
-                sweep.intensity.push(r.intensity);
-                sweep.ring.push((r.ray / columns) as u16);
-                sweep.time_offset_s.push(offset_s[(r.ray % columns) as usize]);
-                sweep.id.push(r.id);
-                sweep.tag.push(r.tag);
-                sweep.cos_angle.push(r.cos_angle);
-                if let Some(of_beam) = &mut sweep.of_beam {
-                    of_beam.number.push(r.number);
-                    of_beam.count.push(r.count);
-                    of_beam.kind.push(r.kind as u8);
-                }
-            }
-        }
-        sweep
-    }
-}
-
-/// The slices of a revolution; all of it at the frame's time unless it rolls.
-fn slices(spec: &LidarSpec) -> Vec<Slice> {
-    let columns = spec.scan.columns as usize;
-    let Some(rolling) = &spec.rolling else {
-        return vec![Slice { columns: 0..columns, before: 0.0, order: order(&spec.scan, 0..columns) }];
-    };
-    let count = (rolling.slices as usize).clamp(1, columns.max(1));
-    let slice = |k: usize| {
-        let [first, end] = [k, k + 1].map(|k| k * columns / count);
-        let middle = (first + end) as f64 / (2 * columns.max(1)) as f64;
-        Slice { columns: first..end, before: (1.0 - middle) as f32, order: order(&spec.scan, first..end) }
-    };
-    (0..count).map(slice).collect()
-}
-
-/// Numbers of the beams of some columns, block by block.
-fn order(scan: &ScanPattern, columns: Range<usize>) -> Vec<u32> {
-    let (rows, width) = (scan.channels as usize, scan.columns as usize);
-    let mut order = Vec::with_capacity(rows * columns.len());
-    for row in (0..rows).step_by(BLOCK[1]) {
-        for column in columns.clone().step_by(BLOCK[0]) {
-            for r in row..(row + BLOCK[1]).min(rows) {
-                order.extend((column..(column + BLOCK[0]).min(columns.end)).map(|c| (r * width + c) as u32));
-            }
-        }
-    }
-    order
 }
 
 /// A lidar of an agent, with the rows of its table.

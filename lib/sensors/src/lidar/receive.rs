@@ -1,5 +1,7 @@
 //! From hits of rays to returns.
 
+use std::ops::Range;
+
 use glam::{Affine3A, Vec3};
 use random::Stream;
 use renderer::{Hit, Hits};
@@ -9,7 +11,10 @@ use schema::{ObjectId, ReturnKind};
 
 use super::air::Air;
 use super::beam::{Echo, Met, add_air, echoes_of, keep};
+use super::fire::{Volley, words_index};
+use super::patch::Patch;
 use super::reflectance::reflectance;
+use super::sweep::{LidarSweep, Part, Return};
 use crate::struck::Struck;
 
 /// Returns within this distance ahead or behind and [`CROP_LEFT_M`] to the sides are of the agent's own body.
@@ -20,28 +25,6 @@ const CROP_LEFT_M: f32 = 1.04;
 const FURTHER: u32 = 1;
 /// See [`FURTHER`].
 const OF_AIR: u32 = 4;
-
-/// Some beams of a sweep: numbers and random words, and where their rays go in the snapshot's local frame.
-pub(super) struct Volley {
-    pub(super) beams: Vec<(u32, [u32; 4])>,
-    /// As many for each beam.
-    pub(super) directions: Vec<Vec3>,
-}
-
-/// One return.
-#[derive(Clone, Copy)]
-pub(super) struct Return {
-    pub(super) ray: u32,
-    pub(super) point_m: Vec3,
-    pub(super) intensity: f32,
-    pub(super) id: ObjectId,
-    pub(super) tag: u8,
-    pub(super) cos_angle: f32,
-    /// Number among the returns of its beam, from 1, and how many these are.
-    pub(super) number: u8,
-    pub(super) count: u8,
-    pub(super) kind: ReturnKind,
-}
 
 /// Turns hits of rays that were fired at one moment into returns.
 pub(super) struct Receiver<'a> {
@@ -58,95 +41,151 @@ pub(super) struct Receiver<'a> {
     pub(super) frame: u32,
 }
 
-/// The random words of a beam at a frame, by number.
-pub(super) fn words_of(stream: &Stream, frame: u32, ray: u32, number: u32) -> [u32; 4] {
-    // Rays are numbered below 2^22 (`ScanPattern::MAX_RAYS`).
-    stream.at(u64::from(frame) << 32 | u64::from(number) << 22 | u64::from(ray))
+/// What a task keeps from beam to beam: memory, and the surface that was met last, which neighbours often meet too.
+#[derive(Default)]
+struct Desk {
+    face: Option<Face>,
+    met: Vec<Met>,
+    echoes: Vec<Echo>,
+    returns: Vec<Return>,
+}
+
+/// A triangle as a lidar sees it.
+#[derive(Clone, Copy)]
+struct Face {
+    instance: u32,
+    triangle: u32,
+    /// Unit normal, either side, local frame.
+    normal_local: Vec3,
+    reflectance: f32,
+    id: ObjectId,
+    tag: u8,
 }
 
 impl Receiver<'_> {
-    /// The returns of a volley, beam by beam.
-    pub(super) fn receive(&self, volley: &Volley, hits: &Hits) -> Vec<Return> {
-        if !self.spec.tells_returns() {
-            let rays = volley.beams.iter().zip(&volley.directions).zip(hits.iter());
-            return rays
-                .filter_map(|((&(ray, words), &direction), hit)| self.single(ray, words, direction, &hit?))
-                .collect();
-        }
-        let rays = volley.directions.len() / volley.beams.len().max(1);
-        let (mut met, mut echoes, mut returns) = (Vec::new(), Vec::new(), Vec::new());
-        for (beam, &(ray, words)) in volley.beams.iter().enumerate() {
-            met.clear();
-            echoes.clear();
-            let own = beam * rays..(beam + 1) * rays;
-            met.extend(
-                own.clone().filter_map(|at| self.met(volley.directions[at], &hits.get(at)?, at == own.start)),
-            );
-            echoes_of(&mut met, rays, self.air, &mut echoes);
-            if let Some(air) = self.air {
-                let nearest_m = met.first().map_or(f32::INFINITY, |met| met.range_m);
-                let words = |number| words_of(self.stream, self.frame, ray, OF_AIR + number);
-                add_air(air, self.spec.range_m as f32, nearest_m, &words, &mut echoes);
+    /// The returns of a patch, beam by beam.
+    pub(super) fn receive(&self, patch: &Patch, volley: &Volley, hits: &Hits) -> Part {
+        let tells_returns = self.spec.tells_returns();
+        let mut sweep = LidarSweep::with_capacity(volley.directions.len() / volley.rays, tells_returns);
+        let mut beams = volley.places.iter().zip(&volley.words);
+        let mut row_ends = Vec::with_capacity(patch.rows.len());
+        let mut desk = Desk::default();
+        for row in patch.rows.clone() {
+            for (ray, (&place, &words)) in patch.beams(row, self.spec).zip(&mut beams) {
+                if place == Volley::DROPPED {
+                    continue;
+                }
+                let own = place as usize * volley.rays..(place as usize + 1) * volley.rays;
+                if tells_returns {
+                    self.echoed(ray as u32, words, (own, volley, hits), &mut desk);
+                    desk.returns.iter().for_each(|back| sweep.push(back));
+                } else if let Some(hit) = hits.get(own.start) {
+                    let direction_local = volley.directions[own.start];
+                    let back = self.single(ray as u32, words, direction_local, &hit, &mut desk.face);
+                    back.iter().for_each(|back| sweep.push(back));
+                }
             }
-            keep(&mut echoes, self.spec.beam.returned);
-            self.echoed(ray, words, &echoes, &mut returns);
+            sweep.ring.resize(sweep.x_m.len(), row as u16);
+            row_ends.push(sweep.x_m.len());
         }
-        returns
+        sweep.time_offset_s.resize(sweep.x_m.len(), self.time_offset_s());
+        Part { sweep, row_ends }
+    }
+
+    fn time_offset_s(&self) -> f32 {
+        match self.spec.rolling {
+            Some(_) => (-f64::from(self.before) * schema::FRAME_PERIOD_S) as f32,
+            None => 0.0,
+        }
     }
 
     /// The return of a beam of one ray, unless it is too weak or of the agent's own body.
-    fn single(&self, ray: u32, words: [u32; 4], direction_local: Vec3, hit: &Hit) -> Option<Return> {
+    #[inline]
+    fn single(
+        &self,
+        ray: u32,
+        words: [u32; 4],
+        direction_local: Vec3,
+        hit: &Hit,
+        face: &mut Option<Face>,
+    ) -> Option<Return> {
         let (point_m, bare) = self.place(ray, words, hit.t, true)?;
-        let met = self.met(direction_local, hit, true)?;
+        let met = self.met(direction_local, hit, true, face)?;
         let (intensity, kind) = (met.intensity(bare), ReturnKind::Surface);
         let Met { cos_angle, id, tag, .. } = met;
-        Some(Return { ray, point_m, intensity, id, tag, cos_angle, number: 1, count: 1, kind })
+        Some(Return { point_m, intensity, id, tag, cos_angle, number: 1, count: 1, kind })
     }
 
-    /// The returns of a beam from its echoes, the nearest first.
-    fn echoed(&self, ray: u32, words: [u32; 4], echoes: &[Echo], returns: &mut Vec<Return>) {
-        let first = returns.len();
-        for (number, echo) in (0..).zip(echoes) {
+    /// Leaves the returns of a beam of some of the rays on the desk, the nearest first.
+    fn echoed(
+        &self,
+        ray: u32,
+        words: [u32; 4],
+        (own, volley, hits): (Range<usize>, &Volley, &Hits),
+        desk: &mut Desk,
+    ) {
+        let Desk { face, met, echoes, returns } = desk;
+        met.clear();
+        echoes.clear();
+        returns.clear();
+        met.extend(
+            own.clone()
+                .filter_map(|at| self.met(volley.directions[at], &hits.get(at)?, at == own.start, face)),
+        );
+        echoes_of(met, volley.rays, self.air, echoes);
+        if let Some(air) = self.air {
+            let nearest_m = met.first().map_or(f32::INFINITY, |met| met.range_m);
+            let words = |number| self.further_words(ray, OF_AIR + number);
+            add_air(air, self.spec.range_m as f32, nearest_m, &words, echoes);
+        }
+        keep(echoes, self.spec.beam.returned);
+        for (number, echo) in (0..).zip(&*echoes) {
             let words = match number {
                 0 => words,
-                further => words_of(self.stream, self.frame, ray, FURTHER + further - 1),
+                further => self.further_words(ray, FURTHER + further - 1),
             };
             let is_surface = echo.kind == ReturnKind::Surface;
             let Some((point_m, bare)) = self.place(ray, words, echo.range_m, is_surface) else { continue };
             let Echo { intensity, id, tag, cos_angle, kind, .. } = *echo;
-            let number = (returns.len() - first + 1) as u8;
-            returns.push(Return {
-                ray,
-                point_m,
-                intensity: bare * intensity,
-                id,
-                tag,
-                cos_angle,
-                number,
-                count: 0,
-                kind,
-            });
+            let (intensity, number) = (bare * intensity, (returns.len() + 1) as u8);
+            returns.push(Return { point_m, intensity, id, tag, cos_angle, number, count: 0, kind });
         }
-        let count = (returns.len() - first) as u8;
-        returns[first..].iter_mut().for_each(|r| r.count = count);
+        let count = returns.len() as u8;
+        returns.iter_mut().for_each(|r| r.count = count);
+    }
+
+    fn further_words(&self, ray: u32, number: u32) -> [u32; 4] {
+        self.stream.at(words_index(self.frame, ray, number))
     }
 
     /// What a ray met.
-    fn met(&self, direction_local: Vec3, hit: &Hit, is_axis: bool) -> Option<Met> {
-        let surface = Struck::before(self.snapshot, hit, self.before)?;
-        let cos_angle = surface.normal_local.dot(direction_local).abs().min(1.0);
-        Some(Met {
-            range_m: hit.t,
-            reflectance: reflectance(surface.part),
-            cos_angle,
-            id: surface.object,
-            tag: surface.part.tag as u8,
-            is_axis,
+    #[inline]
+    fn met(&self, direction_local: Vec3, hit: &Hit, is_axis: bool, last: &mut Option<Face>) -> Option<Met> {
+        let known = last.filter(|face| (face.instance, face.triangle) == (hit.instance, hit.triangle));
+        let face = match known {
+            Some(face) => face,
+            None => *last.insert(self.face(hit)?),
+        };
+        let cos_angle = face.normal_local.dot(direction_local).abs().min(1.0);
+        let Face { reflectance, id, tag, .. } = face;
+        Some(Met { range_m: hit.t, reflectance, cos_angle, id, tag, is_axis })
+    }
+
+    fn face(&self, hit: &Hit) -> Option<Face> {
+        let struck = Struck::before(self.snapshot, hit, self.before)?;
+        Some(Face {
+            instance: hit.instance,
+            triangle: hit.triangle,
+            normal_local: struck.normal_local,
+            reflectance: reflectance(struck.part),
+            id: struck.object,
+            tag: struck.part.tag as u8,
         })
     }
 
     /// Where a return of a distance is seen, and its bare intensity `exp(-attenuation d)`; none if it is dropped for weakness (a
     /// surface's) or of the agent's own body.
+    #[inline]
     fn place(&self, ray: u32, words: [u32; 4], range_m: f32, is_surface: bool) -> Option<(Vec3, f32)> {
         let spec = self.spec;
         let bare = frames::math::f32::exp(-(spec.attenuation_per_m as f32) * range_m);
