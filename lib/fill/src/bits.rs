@@ -1,6 +1,6 @@
 //! A column of cells as a mask of `64 * W` bits; bit 0 is the lowest cell.
 
-use std::ops::{BitAnd, BitOr, Not};
+use std::ops::{BitAnd, BitOr, Not, Range};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Bits<const W: usize>(pub(super) [u64; W]);
@@ -22,25 +22,34 @@ impl<const W: usize> Bits<W> {
         }))
     }
 
-    pub(super) fn set(&mut self, at: usize) {
-        self.0[at / 64] |= 1 << (at % 64);
-    }
-
     pub(super) fn is_zero(self) -> bool {
         self.0.iter().fold(0, |any, word| any | word) == 0
     }
 
-    /// Positions of the bits that are set, ascending.
-    pub(super) fn ones(self) -> impl Iterator<Item = usize> {
+    /// Runs of bits that are set, ascending; those that go from word to word in pieces.
+    pub(super) fn runs(self) -> impl Iterator<Item = Range<usize>> {
         self.0.into_iter().enumerate().flat_map(|(word, mut bits)| {
             std::iter::from_fn(move || {
                 (bits != 0).then(|| {
-                    let at = bits.trailing_zeros() as usize;
-                    bits &= bits - 1;
-                    64 * word + at
+                    let start = bits.trailing_zeros();
+                    let end = start + (bits >> start).trailing_ones();
+                    bits = if end < 64 { bits >> end << end } else { 0 };
+                    64 * word + start as usize..64 * word + end as usize
                 })
             })
         })
+    }
+
+    /// Positions of the bits that are set, ascending.
+    fn ones(self) -> impl Iterator<Item = usize> {
+        self.runs().flatten()
+    }
+
+    /// Where the run of bits begins that ends right below a place.
+    fn start_of_run(self, end: usize) -> usize {
+        let unset = !self & Self::range_below(end);
+        let last = (0..W).rev().find(|&word| unset.0[word] != 0);
+        last.map_or(0, |word| 64 * (word + 1) - unset.0[word].leading_zeros() as usize)
     }
 
     /// One place up.
@@ -65,12 +74,6 @@ impl<const W: usize> Bits<W> {
         Self(out)
     }
 
-    fn reversed(self) -> Self {
-        let mut out = self.0.map(u64::reverse_bits);
-        out.reverse();
-        Self(out)
-    }
-
     /// The free cells whose next occupied cell below is one of `wanted` (occupied cells).
     ///
     /// A run of free cells right above a wanted cell is a run of ones that gets a one added at its lowest place: the
@@ -83,11 +86,17 @@ impl<const W: usize> Bits<W> {
 
     /// The free cells whose next occupied cells below and above are both of `wanted`.
     pub(super) fn enclosed(free: Self, wanted: Self) -> Self {
-        let below = free.above(wanted);
-        if below.is_zero() {
-            return below;
+        let mut found = free.above(wanted);
+        if found.is_zero() {
+            return found;
         }
-        below & free.reversed().above(wanted.reversed()).reversed()
+        // Whole runs of free cells, of which few end below something else, or at the top.
+        let elsewhere = found.up() & !free & !wanted;
+        let top = (found.0[W - 1] >> 63 != 0).then_some(64 * W);
+        for end in elsewhere.ones().chain(top) {
+            found = found & !Self::range(found.start_of_run(end), end);
+        }
+        found
     }
 }
 
@@ -129,7 +138,9 @@ mod tests {
             // 0 and 1: free; 2: wanted; 3: something else.
             let mask = |f: fn(u8) -> bool| {
                 let mut bits = Bits::<2>::ZERO;
-                cells.iter().enumerate().filter(|(_, c)| f(**c)).for_each(|(at, _)| bits.set(at));
+                for (at, _) in cells.iter().enumerate().filter(|(_, c)| f(**c)) {
+                    bits.0[at / 64] |= 1 << (at % 64);
+                }
                 bits
             };
             let got = Bits::enclosed(mask(|c| c < 2), mask(|c| c == 2));

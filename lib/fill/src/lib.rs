@@ -13,11 +13,14 @@
 //! around them have (of equally many the smaller), if that is a class of [`ORDER`].
 //!
 //! For the first two a column of cells along z is a bit mask here. "The first occupied cell below (above) is of the class" is
-//! one addition whose carries run through free cells; the four horizontal directions are sweeps that carry a
-//! mask from column to column, over the rows where a candidate is left.
+//! one addition whose carries run through free cells. In the four horizontal directions only candidates are followed: a walk away
+//! from each run of them, until all that is asked is decided, and a mask that is carried from column to column through the run.
 
 mod bits;
+mod lines;
+mod met;
 mod order;
+mod read;
 mod solid;
 mod sweep;
 
@@ -26,6 +29,8 @@ use schema::settings::{FillingRule, OccupancySettings};
 
 pub use order::ORDER;
 use voxelgrid::VoxelGrid;
+
+use crate::read::Entry;
 
 /// A grid that can't be filled.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -105,17 +110,19 @@ fn run<const W: usize>(
     voxel_m: f64,
     rule: FillingRule,
 ) {
-    if rule == FillingRule::Paper {
-        columns.read(grid, &order::EVERY);
-        for tag in Tag::ALL.into_iter().filter(|tag| *tag != Tag::Unlabeled) {
-            columns.fill_class(tag as usize - 1, tag, grid.shape, false, grid);
+    let (classes, passes): (_, Vec<(Tag, [usize; 3])>) = if rule == FillingRule::Paper {
+        let every = Tag::ALL.into_iter().filter(|tag| *tag != Tag::Unlabeled);
+        (&order::EVERY, every.map(|tag| (tag, grid.shape)).collect())
+    } else {
+        let chunk = |(tag, chunk)| (tag, chunk_cells(chunk, voxel_m, grid.shape));
+        (&order::ORDERED, ORDER.into_iter().map(chunk).collect())
+    };
+    let read = columns.read(grid, classes);
+    for (class, (tag, chunk)) in passes.into_iter().enumerate() {
+        let parts: Vec<&[Entry<W>]> = read.iter().map(|part| &*part.columns[class]).collect();
+        if parts.iter().any(|columns| !columns.is_empty()) {
+            columns.fill_class(&parts, tag, chunk, rule != FillingRule::Paper, grid);
         }
-        return;
-    }
-    columns.read(grid, &order::ORDERED);
-    for (class, (tag, chunk)) in ORDER.into_iter().enumerate() {
-        let chunk = chunk_cells(chunk, voxel_m, grid.shape);
-        columns.fill_class(class, tag, chunk, true, grid);
     }
 }
 
