@@ -1,6 +1,8 @@
 #![doc = include_str!("../README.md")]
 
+mod disk;
 mod error;
+mod files;
 pub mod kitti;
 mod layout;
 mod picture;
@@ -11,8 +13,9 @@ mod source;
 mod unit;
 
 pub use error::ExportError;
+pub use files::{ExportFile, UnitFiles};
 pub use layout::{Cost, Layout, Omission};
-pub use place::{Destination, UnitFiles};
+pub use place::Destination;
 pub use run::{Outcome, Plan, export, plan};
 pub use selection::Selection;
 pub use source::{SceneSource, Source};

@@ -1,23 +1,26 @@
 //! Where an export is written, and what of it is finished.
 //!
 //! Files get their names when they are whole. A unit counts once its record stands, which is put after all its files are on
-//! the disk: a killed export loses the units in hand, and the next one makes just these.
+//! the disk: a killed export loses the units in hand, and the next one makes just these. Until then a journal names the unit's
+//! files before they are made, so that nothing is left of it that nobody knows.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
-use std::path::{Component, Path, PathBuf};
+use std::io;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use store::hash_bytes;
 
 use crate::ExportError;
+use crate::disk::{inside, put, read_error, remove, unfinished, write_error};
+use crate::files::UnitFiles;
 use crate::unit::{UnitName, Watch};
 
 /// Folder of the records.
 const RECORDS: &str = ".convoy-export";
-/// What a file in hand is called behind its name.
-const UNFINISHED: &str = ".unfinished";
+/// Ends the names of lists of what a unit in hand makes.
+const JOURNAL: &str = ".journal";
 
 /// A folder that an export is written into.
 #[derive(Clone, Debug)]
@@ -104,7 +107,7 @@ impl Destination {
 
     /// Removes the files and records of all units.
     fn forget_all(&self) -> Result<(), ExportError> {
-        for unit in self.finished()? {
+        for unit in self.named(".json")?.into_iter().chain(self.named(JOURNAL)?) {
             self.forget(unit)?;
         }
         Ok(())
@@ -112,6 +115,11 @@ impl Destination {
 
     /// Names of the units that have records.
     pub(crate) fn finished(&self) -> Result<Vec<UnitName>, ExportError> {
+        self.named(".json")
+    }
+
+    /// The units that have a file of some kind among the records.
+    fn named(&self, ending: &str) -> Result<Vec<UnitName>, ExportError> {
         let entries = match fs::read_dir(self.records()) {
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
             other => other.map_err(|source| read_error(&self.records(), "list", source))?,
@@ -120,7 +128,7 @@ impl Destination {
         for entry in entries {
             let entry = entry.map_err(|source| read_error(&self.records(), "list", source))?;
             let name = entry.file_name();
-            units.extend(name.to_str().and_then(|n| n.strip_suffix(".json")).and_then(unit_of));
+            units.extend(name.to_str().and_then(|n| n.strip_suffix(ending)).and_then(unit_of));
         }
         units.sort_unstable();
         Ok(units)
@@ -158,12 +166,30 @@ impl Destination {
         }
     }
 
-    /// Removes a unit: its record first, then its files.
+    fn journal_path(&self, unit: UnitName) -> PathBuf {
+        self.records().join(format!("{unit}{JOURNAL}"))
+    }
+
+    /// Removes a unit: its record first, then its files, also those that a killed run has begun.
     fn forget(&self, unit: UnitName) -> Result<(), ExportError> {
         if let Some(record) = self.record(unit)? {
             remove(&self.record_path(unit))?;
             for name in record.files.keys() {
-                remove(&self.inside(name)?)?;
+                remove(&inside(&self.root, name)?)?;
+            }
+        }
+        let journal = self.journal_path(unit);
+        match fs::read_to_string(&journal) {
+            Err(e) if e.kind() == io::ErrorKind::NotFound => {}
+            Err(source) => return Err(read_error(&journal, "read", source)),
+            Ok(begun) => {
+                for name in begun.lines() {
+                    // Its last line may have been cut off.
+                    let Ok(path) = inside(&self.root, name) else { continue };
+                    remove(&unfinished(&path))?;
+                    remove(&path)?;
+                }
+                remove(&journal)?;
             }
         }
         remove(&self.fragment_path(unit))
@@ -176,12 +202,16 @@ impl Destination {
         watch: &'a dyn Watch,
     ) -> Result<UnitFiles<'a>, ExportError> {
         self.forget(unit)?;
-        Ok(self.files(watch))
+        let path = self.journal_path(unit);
+        fs::create_dir_all(self.records())
+            .map_err(|source| write_error(&path, "make the folder of", source))?;
+        let journal = File::create(&path).map_err(|source| write_error(&path, "create", source))?;
+        Ok(UnitFiles::new(&self.root, Some((path, journal)), watch))
     }
 
     /// Files that belong to no unit.
     pub(crate) fn files<'a>(&'a self, watch: &'a dyn Watch) -> UnitFiles<'a> {
-        UnitFiles { place: self, files: BTreeMap::new(), folders: BTreeSet::new(), watch }
+        UnitFiles::new(&self.root, None, watch)
     }
 
     /// Ends a unit: from here on it is kept.
@@ -192,11 +222,15 @@ impl Destination {
         files: UnitFiles<'_>,
         fragment: &[u8],
     ) -> Result<(), ExportError> {
-        let record =
-            Record { identity: identity.to_owned(), files: files.files, fragment: hash_bytes(fragment) };
+        let record = Record {
+            identity: identity.to_owned(),
+            files: files.into_sizes(),
+            fragment: hash_bytes(fragment),
+        };
         put(&self.fragment_path(unit), fragment)?;
         self.sync()?;
-        put(&self.record_path(unit), &to_json(&record))
+        put(&self.record_path(unit), &to_json(&record))?;
+        remove(&self.journal_path(unit))
     }
 
     /// Everything written so far is on the disk after this.
@@ -208,142 +242,6 @@ impl Destination {
         let done = folder.sync_all();
         done.map_err(|source| write_error(&self.root, "sync", source))
     }
-
-    /// A path below the folder.
-    fn inside(&self, name: &str) -> Result<PathBuf, ExportError> {
-        let plain = Path::new(name).components().all(|part| matches!(part, Component::Normal(_)));
-        if name.is_empty() || !plain {
-            return Err(ExportError::Refused(format!(
-                "`{name}` is no name of a file below the export's folder"
-            )));
-        }
-        Ok(self.root.join(name))
-    }
-}
-
-/// The files of a unit in hand.
-pub struct UnitFiles<'a> {
-    place: &'a Destination,
-    files: BTreeMap<String, u64>,
-    folders: BTreeSet<PathBuf>,
-    watch: &'a dyn Watch,
-}
-
-impl UnitFiles<'_> {
-    /// Writes a whole file, by its path below the export's folder (`/` between parts).
-    ///
-    /// # Errors
-    /// It cannot be written, or is written twice.
-    pub fn put(&mut self, name: &str, bytes: &[u8]) -> Result<(), ExportError> {
-        let mut file = self.create(name)?;
-        file.write_all(bytes)?;
-        self.add(file)
-    }
-
-    /// Starts a file that is written piece by piece; [`UnitFiles::add`] ends it.
-    ///
-    /// # Errors
-    /// It cannot be made.
-    pub fn create(&mut self, name: &str) -> Result<ExportFile, ExportError> {
-        let path = self.place.inside(name)?;
-        if self.files.contains_key(name) {
-            return Err(ExportError::Refused(format!("{}: is written twice", path.display())));
-        }
-        self.folder_of(&path)?;
-        let mut unfinished = path.clone().into_os_string();
-        unfinished.push(UNFINISHED);
-        let unfinished = PathBuf::from(unfinished);
-        let file = File::create(&unfinished).map_err(|source| write_error(&path, "create", source))?;
-        Ok(ExportFile {
-            name: name.to_owned(),
-            path,
-            unfinished,
-            stream: BufWriter::with_capacity(1 << 16, file),
-            bytes: 0,
-        })
-    }
-
-    /// Ends a file: it gets its name.
-    ///
-    /// # Errors
-    /// It cannot be written.
-    pub fn add(&mut self, file: ExportFile) -> Result<(), ExportError> {
-        let ExportFile { name, path, unfinished, mut stream, bytes } = file;
-        stream.flush().map_err(|source| write_error(&path, "write", source))?;
-        drop(stream);
-        fs::rename(&unfinished, &path).map_err(|source| write_error(&path, "rename into place", source))?;
-        self.files.insert(name, bytes);
-        Ok(())
-    }
-
-    /// Gives a finished file of the unit a second name: a link where the file system has them, else a copy.
-    ///
-    /// # Errors
-    /// It cannot be written, or there is no such file.
-    pub fn link(&mut self, name: &str, second: &str) -> Result<(), ExportError> {
-        let from = self.place.inside(name)?;
-        let Some(bytes) = self.files.get(name).copied() else {
-            return Err(ExportError::Refused(format!("{}: is not written yet", from.display())));
-        };
-        let to = self.place.inside(second)?;
-        self.folder_of(&to)?;
-        remove(&to)?;
-        fs::hard_link(&from, &to)
-            .or_else(|_| fs::copy(&from, &to).map(|_| ()))
-            .map_err(|source| write_error(&to, "write", source))?;
-        self.files.insert(second.to_owned(), bytes);
-        Ok(())
-    }
-
-    fn folder_of(&mut self, path: &Path) -> Result<(), ExportError> {
-        let folder = path.parent().unwrap_or(&self.place.root);
-        if !self.folders.contains(folder) {
-            fs::create_dir_all(folder).map_err(|source| write_error(folder, "make", source))?;
-            self.folders.insert(folder.to_owned());
-        }
-        Ok(())
-    }
-
-    /// Counts frames of agents as done.
-    ///
-    /// # Errors
-    /// A signal came: drop what is in hand and return.
-    pub fn advance(&self, agent_frames: u64) -> Result<(), ExportError> {
-        if self.watch.advance(agent_frames) { Err(ExportError::Stopped) } else { Ok(()) }
-    }
-}
-
-/// A file that is being written.
-#[derive(Debug)]
-pub struct ExportFile {
-    name: String,
-    path: PathBuf,
-    unfinished: PathBuf,
-    stream: BufWriter<File>,
-    bytes: u64,
-}
-
-impl ExportFile {
-    /// Appends bytes.
-    ///
-    /// # Errors
-    /// They cannot be written.
-    pub fn write_all(&mut self, bytes: &[u8]) -> Result<(), ExportError> {
-        self.bytes += bytes.len() as u64;
-        self.stream.write_all(bytes).map_err(|source| write_error(&self.path, "write", source))
-    }
-}
-
-/// For writers of formats that want a stream.
-impl Write for ExportFile {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.stream.write(bytes)?;
-        self.bytes += written as u64;
-        Ok(written)
-    }
-    fn flush(&mut self) -> io::Result<()> {
-        self.stream.flush()
-    }
 }
 
 fn unit_of(name: &str) -> Option<UnitName> {
@@ -353,14 +251,6 @@ fn unit_of(name: &str) -> Option<UnitName> {
         None => (rest, None),
     };
     Some(UnitName { scene: scene.parse().ok()?, agent })
-}
-
-fn read_error(path: &Path, action: &'static str, source: io::Error) -> ExportError {
-    ExportError::Read { path: path.to_owned(), action, source }
-}
-
-fn write_error(path: &Path, action: &'static str, source: io::Error) -> ExportError {
-    ExportError::Write { path: path.to_owned(), action, source }
 }
 
 /// A record; a damaged one counts as none.
@@ -377,23 +267,69 @@ fn to_json<T: Serialize>(value: &T) -> Vec<u8> {
     serde_json::to_vec_pretty(value).unwrap_or_default()
 }
 
-/// Writes a small file whole, and synced.
-fn put(path: &Path, bytes: &[u8]) -> Result<(), ExportError> {
-    let folder = path.parent().unwrap_or(path);
-    fs::create_dir_all(folder).map_err(|source| write_error(folder, "make", source))?;
-    let mut unfinished = path.to_owned().into_os_string();
-    unfinished.push(UNFINISHED);
-    let unfinished = PathBuf::from(unfinished);
-    let written = File::create(&unfinished).and_then(|mut file| {
-        file.write_all(bytes)?;
-        file.sync_all()
-    });
-    written.and_then(|()| fs::rename(&unfinished, path)).map_err(|source| write_error(path, "write", source))
-}
+#[cfg(test)]
+mod tests {
+    use schema::AgentId;
 
-fn remove(path: &Path) -> Result<(), ExportError> {
-    match fs::remove_file(path) {
-        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(write_error(path, "remove", e)),
-        _ => Ok(()),
+    use super::*;
+
+    struct Nobody;
+
+    impl Watch for Nobody {
+        fn advance(&self, _: u64) -> bool {
+            false
+        }
+    }
+
+    fn files_below(folder: &Path) -> Vec<String> {
+        let mut found = Vec::new();
+        for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                found.extend(files_below(&path));
+            } else {
+                found.push(path.file_name().unwrap_or_default().to_string_lossy().into_owned());
+            }
+        }
+        found.sort();
+        found
+    }
+
+    #[test]
+    fn a_unit_counts_once_it_is_ended_and_leaves_nothing_when_it_is_not() -> Result<(), ExportError> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = Destination::new(folder.path(), "test");
+        let unit = UnitName { scene: 3, agent: Some(AgentId::rsu(1)) };
+        let mut files = place.begin(unit, &Nobody)?;
+        files.put("a/one.bin", b"12345")?;
+        files.link("a/one.bin", "b/two.bin")?;
+        // Killed while a file is in hand.
+        drop(files.create("a/three.bin")?);
+        drop(files);
+        assert!(!place.is_done(unit, "x")? && place.finished()?.is_empty());
+
+        let mut files = place.begin(unit, &Nobody)?;
+        assert_eq!(files_below(folder.path()), ["scene_0003.rsu_1.journal"]);
+        files.put("a/four.bin", b"1")?;
+        place.end(unit, "x", files, b"fragment")?;
+        assert!(place.is_done(unit, "x")? && !place.is_done(unit, "y")?);
+        assert_eq!((place.finished()?, place.fragment(unit)?), (vec![unit], Some(b"fragment".to_vec())));
+
+        // Another size is another file; a changed fragment is none.
+        fs::write(folder.path().join("a/four.bin"), "12").expect("is written");
+        assert!(!place.is_done(unit, "x")?);
+        fs::write(folder.path().join("a/four.bin"), "2").expect("is written");
+        fs::write(place.fragment_path(unit), "other").expect("is written");
+        assert!(!place.is_done(unit, "x")?);
+        Ok(())
+    }
+
+    #[test]
+    fn names_stay_below_the_folder() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = Destination::new(folder.path(), "test");
+        for name in ["", "/etc/x", "../x", "a/../../x"] {
+            assert!(place.files(&Nobody).put(name, b"").is_err(), "{name}");
+        }
     }
 }
