@@ -32,8 +32,8 @@ fn main() -> ExitCode {
     let args = Args::parse();
     pipeline::init_logging();
     pipeline::listen_for_signals();
-    let (layout, common) = args.layout.split();
-    ExitCode::from(match run(layout.as_ref(), &common) {
+    let done = args.layout.split().and_then(|(layout, common)| run(layout.as_ref(), &common));
+    ExitCode::from(match done {
         Ok(()) => EXIT_DONE,
         Err(error) => {
             tracing::error!("{}", pipeline::report(&error));

@@ -52,8 +52,9 @@ impl Omission {
 
 /// A layout in which stores are exported.
 ///
-/// Units are written in parallel, each by one call; what one writes depends on the store and the layout's options alone. What
-/// is common to all (lists of scenes, tables that name tokens of several) is made of the units' fragments at the end.
+/// Units are written in parallel (unless [`Layout::is_parallel_inside`]), each by one call; what one writes depends on the store and
+/// the layout's options alone. What is common to all (lists of scenes, tables that name tokens of several) is made of the units'
+/// fragments at the end.
 pub trait Layout: Sync {
     /// Its name: `kitti`.
     fn name(&self) -> &'static str;
@@ -64,6 +65,11 @@ pub trait Layout: Sync {
     /// Where the user does not say, it takes frames 0, n, 2 n, ...
     fn every_n_frames(&self) -> u32 {
         1
+    }
+
+    /// Whether a unit of it keeps all threads busy: then units are made one after another.
+    fn is_parallel_inside(&self) -> bool {
+        false
     }
 
     /// The stages that it cannot do without.

@@ -5,6 +5,7 @@ mod error;
 mod files;
 pub mod kitti;
 mod layout;
+pub mod mcap;
 mod picture;
 mod place;
 mod run;

@@ -86,15 +86,16 @@ pub fn export(
 ) -> Result<Outcome, ExportError> {
     place.declare(&plan.options)?;
     let scene_of = |unit: &UnitName| source.scenes.iter().find(|scene| scene.number() == unit.scene);
-    let made: Vec<Result<(), ExportError>> = plan
-        .units
-        .par_iter()
-        .map(|(unit, identity)| match scene_of(unit) {
-            Some(scene) => one_unit(layout, scene, *unit, identity, (place, watch)),
-            None => Ok(()),
-        })
-        .collect();
-    made.into_iter().collect::<Result<(), _>>()?;
+    let make = |(unit, identity): &(UnitName, String)| match scene_of(unit) {
+        Some(scene) => one_unit(layout, scene, *unit, identity, (place, watch)),
+        None => Ok(()),
+    };
+    if layout.is_parallel_inside() {
+        plan.units.iter().try_for_each(make)?;
+    } else {
+        let made: Vec<Result<(), ExportError>> = plan.units.par_iter().map(make).collect();
+        made.into_iter().collect::<Result<(), _>>()?;
+    }
     let mut fragments = Vec::new();
     for unit in place.finished()? {
         if let Some(fragment) = place.fragment(unit)? {

@@ -1,9 +1,10 @@
 //! The layouts, each a subcommand.
 
 mod kitti;
+mod mcap;
 
 use clap::Subcommand;
-use export_core::Layout;
+use export_core::{ExportError, Layout};
 
 use crate::args::CommonArgs;
 
@@ -12,13 +13,19 @@ use crate::args::CommonArgs;
 pub(crate) enum LayoutCommand {
     /// KITTI's object and tracking benchmarks: a folder of sequences for each agent.
     Kitti(kitti::KittiArgs),
+    /// MCAP recordings of Foxglove's messages: a file for each scene.
+    Mcap(mcap::McapArgs),
 }
 
 impl LayoutCommand {
     /// The layout, with its options, and what all layouts take.
-    pub(crate) fn split(self) -> (Box<dyn Layout>, CommonArgs) {
+    ///
+    /// # Errors
+    /// An option makes no sense.
+    pub(crate) fn split(self) -> Result<(Box<dyn Layout>, CommonArgs), ExportError> {
         match self {
-            Self::Kitti(args) => args.split(),
+            Self::Kitti(args) => Ok(args.split()),
+            Self::Mcap(args) => args.split(),
         }
     }
 }

@@ -1,0 +1,122 @@
+//! MCAP files (mcap.dev) of Foxglove's messages in protocol buffers: one for each scene, for Foxglove, Rerun and whoever reads
+//! recordings of robots.
+//!
+//! ```text
+//! SPLIT/scene_SSSS.mcap
+//!   /tf /tf_static /map /weather /boxes
+//!   /AGENT/state /AGENT/boxes /AGENT/bev /AGENT/occupancy
+//!   /AGENT/SENSOR                                              lidars, radars, GNSS, IMU
+//!   /AGENT/CAMERA/{image,semantic,instance,depth,calibration}
+//! ```
+//!
+//! A scene is made by tracks (what is read together) that run side by side, a frame at a time; each makes a chunk of its own
+//! of every frame, and the chunks are written in the tracks' order. So a reader of boxes need not unpack pictures, and the
+//! bytes do not depend on the number of threads.
+
+mod clock;
+mod comment;
+mod container;
+mod cost;
+mod descriptor;
+mod drawn;
+mod map;
+mod messages;
+mod packed;
+mod survey;
+mod topics;
+mod tracks;
+mod wire;
+mod write;
+
+use schema::table::Row;
+use schema::tables::BoxRow;
+
+use crate::{Cost, ExportError, Layout, Omission, SceneSource, Source, UnitFiles, UnitName};
+
+/// What a user may choose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct McapOptions {
+    /// Voxels reach this far ahead, behind and to the sides, metres; 0 for none.
+    pub voxel_range_m: f64,
+    /// So many voxels along each axis become one.
+    pub voxel_block: u32,
+    /// Write depth pictures, as metres.
+    pub depth: bool,
+}
+
+impl Default for McapOptions {
+    fn default() -> Self {
+        Self { voxel_range_m: 24.0, voxel_block: 4, depth: false }
+    }
+}
+
+/// The layout.
+#[derive(Clone, Copy, Debug)]
+pub struct Mcap {
+    options: McapOptions,
+}
+
+impl Mcap {
+    /// With options.
+    ///
+    /// # Errors
+    /// The range is no length.
+    pub fn new(options: McapOptions) -> Result<Self, ExportError> {
+        if !(options.voxel_range_m.is_finite() && options.voxel_range_m >= 0.0) {
+            let problem =
+                format!("voxels cannot reach {} m: a length is wanted, or 0 for none", options.voxel_range_m);
+            return Err(ExportError::Refused(problem));
+        }
+        Ok(Self { options })
+    }
+}
+
+impl Layout for Mcap {
+    fn name(&self) -> &'static str {
+        "mcap"
+    }
+
+    fn identity(&self) -> String {
+        let McapOptions { voxel_range_m, voxel_block, depth } = self.options;
+        format!("voxels to {voxel_range_m} m in blocks of {voxel_block}, depth {depth}")
+    }
+
+    fn needs(&self) -> Vec<&'static str> {
+        vec![BoxRow::STAGE]
+    }
+
+    fn is_parallel_inside(&self) -> bool {
+        true
+    }
+
+    fn survey(&self, source: &Source) -> Result<Vec<Omission>, ExportError> {
+        survey::omissions(source, self.options)
+    }
+
+    fn units(&self, scene: &SceneSource) -> Vec<UnitName> {
+        vec![UnitName { scene: scene.number(), agent: None }]
+    }
+
+    fn cost(&self, scene: &SceneSource, _unit: UnitName) -> Result<Cost, ExportError> {
+        cost::of_scene(scene, self.options)
+    }
+
+    fn write_unit(
+        &self,
+        scene: &SceneSource,
+        _unit: UnitName,
+        files: &mut UnitFiles<'_>,
+    ) -> Result<Vec<u8>, ExportError> {
+        write::scene(scene, self.options, files)?;
+        Ok(Vec::new())
+    }
+
+    fn finish(
+        &self,
+        _source: &Source,
+        _units: &[(UnitName, Vec<u8>)],
+        _files: &mut UnitFiles<'_>,
+    ) -> Result<(), ExportError> {
+        Ok(())
+    }
+}
