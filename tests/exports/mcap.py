@@ -1,6 +1,6 @@
 """Reads an export's MCAP files with the format's own Python reader and holds them against the store.
 
-Usage: python3 mcap.py STORE EXPORT
+Usage: python3 mcap.py STORE EXPORT [depth]: depth where the export has depth pictures
 Needs mcap and mcap-protobuf-support (pip); with foxglove-schemas-protobuf the schemas are held against Foxglove's own.
 Exit code 77: something could not be looked at.
 """
@@ -26,6 +26,7 @@ except ImportError:
 
 EPOCH_NS, PERIOD_NS = 10**18, 50_000_000
 KINDS = {"IST": "instance", "SEG": "semantic", "RGB": "image"}
+WITH_DEPTH = sys.argv[3:] == ["depth"]
 NUMPY = {1: "u1", 3: "<u2", 7: "<f4"}
 
 
@@ -170,7 +171,8 @@ class Scene:
                     want[f"/{agent}/{camera}/{KINDS[kind]}"] = read
                     want[f"/{agent}/{camera}/calibration"] = read
                 elif kind == "DPT":
-                    want[f"/{agent}/{camera}/depth"] = read
+                    if WITH_DEPTH:
+                        want[f"/{agent}/{camera}/depth"] = read
                 elif kind != "FLW":
                     want[f"/{agent}/{name}"] = read
             for folder, topic in (("bev", "bev"), ("occupancy", "occupancy")):
@@ -255,7 +257,7 @@ class Scene:
                     assert np.allclose(np.reshape(cal.K, (3, 3)), about["intrinsics"])
                     assert (cal.width, cal.height) == (about["width"], about["height"])
                     assert cal.frame_id == image.frame_id and not any(cal.D)
-            elif name.startswith("DPT-"):
+            elif name.startswith("DPT-") and WITH_DEPTH:
                 self.check_depth(agent, name[4:], table)
 
     def check_depth(self, agent, camera, table):
@@ -343,7 +345,8 @@ class Scene:
                 for entity in self.topics[f"/{agent}/boxes"].get(frame, type("N", (), {"entities": []})).entities:
                     shown = np.argwhere(ids == int(entity.id))
                     at = move(np.linalg.inv(world), corners(entity.cubes[0]))
-                    if len(shown) < 20 or (at[:, 2] < 0.5).any() or entity.texts[0].text.startswith("traffic_light"):
+                    # Poles of lights and signs have their ids and stand outside of their boxes.
+                    if len(shown) < 20 or (at[:, 2] < 0.5).any() or entity.texts[0].text.startswith("traffic_"):
                         continue
                     uv = at @ np.reshape(cal.K, (3, 3)).T
                     uv = uv[:, :2] / uv[:, 2:]

@@ -1,6 +1,7 @@
 //! Exports of a tiny dataset, each read back by a script that knows its layout and shares no code with us.
 
 mod kitti;
+mod mcap;
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -30,6 +31,7 @@ fn every_layout_reads_back() {
     let bench = store();
     a_destination_is_gone_on_with(&bench);
     kitti::check(&bench);
+    mcap::check(&bench);
 }
 
 /// However an export is made, its bytes are the same; what is there is kept, what is damaged made again, what is somebody

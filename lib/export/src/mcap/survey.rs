@@ -3,7 +3,8 @@
 use scene::SensorKind;
 use schema::ImageKind;
 use schema::arrays::{
-    ArrayKind, BEV_HEIGHTS, BEV_IDS, BEV_PAINT, FILLED_VOXEL_GRIDS, OBSERVED_VOXELS, VOXEL_FLOW, VOXEL_IDS,
+    ArrayKind, BEV_HEIGHTS, BEV_IDS, BEV_PAINT, FILLED_VOXEL_GRIDS, OBSERVED_VOXELS, VOXEL_CELLS, VOXEL_FLOW,
+    VOXEL_GRIDS, VOXEL_IDS,
 };
 use schema::table::Row;
 use schema::tables::{CameraRow, TrackRow, ValidBoxRow};
@@ -35,6 +36,7 @@ pub(super) fn omissions(source: &Source, options: McapOptions) -> Result<Vec<Omi
         ),
         Omission::new("angular velocities of boxes", "things that are drawn have no place for them"),
     ];
+    let mut has_voxels = false;
     for scene in &source.scenes {
         for (stage, what) in [
             (CameraRow::STAGE, "sensors"),
@@ -47,6 +49,7 @@ pub(super) fn omissions(source: &Source, options: McapOptions) -> Result<Vec<Omi
             }
         }
         for agent in scene.agents() {
+            has_voxels |= scene.has_arrays(&VOXEL_GRIDS, *agent) || scene.has_arrays(&VOXEL_CELLS, *agent);
             for (kind, what, why) in ARRAYS {
                 if scene.has_arrays(kind, *agent) {
                     found.push(Omission::new(what, why));
@@ -70,14 +73,15 @@ pub(super) fn omissions(source: &Source, options: McapOptions) -> Result<Vec<Omi
             found.push(Omission::new("boxes in pictures", "viewers draw the 3-D boxes into pictures"));
         }
     }
-    let McapOptions { voxel_range_m, voxel_block, .. } = options;
-    found.push(match (voxel_range_m > 0.0, voxel_block) {
-        (false, _) => Omission::new("voxels", "--voxel-range is 0"),
-        (true, block) => Omission::new(
-            format!("voxels beyond {voxel_range_m} m, and {block} x {block} x {block} of them in one"),
+    let McapOptions { voxel_range_m: range, voxel_block: block, .. } = options;
+    if has_voxels && range > 0.0 {
+        found.push(Omission::new(
+            format!("voxels beyond {range} m, and {block} x {block} x {block} of them in one"),
             "whole grids are too large for viewers; --voxel-range and --voxel-block",
-        ),
-    });
+        ));
+    } else if has_voxels {
+        found.push(Omission::new("voxels", "--voxel-range is 0"));
+    }
     found.sort();
     found.dedup();
     Ok(found)
