@@ -6,7 +6,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use crate::ExportError;
-use crate::disk::{inside, remove, unfinished, write_error};
+use crate::disk::{inside, read_error, remove, unfinished, write_error};
 use crate::unit::Watch;
 
 /// The files of a unit in hand.
@@ -73,6 +73,15 @@ impl<'a> UnitFiles<'a> {
         fs::rename(&unfinished, &path).map_err(|source| write_error(&path, "rename into place", source))?;
         self.files.insert(name, bytes);
         Ok(())
+    }
+
+    /// Opens a finished file of any unit, for what is made at the end.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn open(&self, name: &str) -> Result<File, ExportError> {
+        let path = inside(self.root, name)?;
+        File::open(&path).map_err(|source| read_error(&path, "open", source))
     }
 
     /// Gives a finished file of the unit a second name: a link where the file system has them, else a copy.

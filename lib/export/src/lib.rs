@@ -6,6 +6,7 @@ mod files;
 pub mod kitti;
 mod layout;
 pub mod mcap;
+pub mod nuscenes;
 mod picture;
 mod place;
 mod run;

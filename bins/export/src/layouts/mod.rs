@@ -2,6 +2,7 @@
 
 mod kitti;
 mod mcap;
+mod nuscenes;
 
 use clap::Subcommand;
 use export_core::{ExportError, Layout};
@@ -15,6 +16,9 @@ pub(crate) enum LayoutCommand {
     Kitti(kitti::KittiArgs),
     /// MCAP recordings of Foxglove's messages: a file for each scene.
     Mcap(mcap::McapArgs),
+    /// nuScenes 1.x, as nuscenes-devkit reads it: a scene of it for every agent of a scene.
+    #[command(name = "nuscenes")]
+    NuScenes(nuscenes::NuScenesArgs),
 }
 
 impl LayoutCommand {
@@ -26,6 +30,7 @@ impl LayoutCommand {
         match self {
             Self::Kitti(args) => Ok(args.split()),
             Self::Mcap(args) => args.split(),
+            Self::NuScenes(args) => Ok(args.split()),
         }
     }
 }

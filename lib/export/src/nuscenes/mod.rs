@@ -1,0 +1,114 @@
+//! nuScenes 1.x, as nuscenes-devkit reads it: a scene of it for every agent of a scene.
+//!
+//! ```text
+//! VERSION/{category,attribute,visibility,instance,sensor,calibrated_sensor,ego_pose,log,scene,sample,sample_data,
+//!          sample_annotation,map,lidarseg}.json    one row a line
+//! VERSION/splits.json                              {"convoy_train": [names of scenes], ...}
+//! VERSION/cooperation.json                         samples of the agents of a scene that are of the same moment
+//! samples/CHANNEL/NNNN-AGENT__CHANNEL__TIME.*      readings of samples; sweeps/ likewise, on demand
+//! lidarseg/VERSION/TOKEN_lidarseg.bin              a category for each point of LIDAR_TOP
+//! maps/MAP.png                                     where one may drive, 0.1 m a pixel
+//! ```
+//!
+//! A VERSION is `v1.0-SPLIT-MAP`. The global frame of a map is the world moved by whole metres, so that all coordinates are positive
+//! and the mask begins where the scenes do; how far it is moved stands in `map.json` (`global_from_world_m`).
+
+mod boxes;
+mod clouds;
+mod finish;
+mod mask;
+mod options;
+mod parts;
+mod rig;
+mod rows;
+mod survey;
+mod unit;
+mod words;
+
+use schema::table::Row;
+use schema::tables::{BoxRow, CameraRow, ValidBoxRow};
+
+pub use options::NuScenesOptions;
+pub use words::Modality;
+
+use unit::Fragment;
+
+use crate::{Cost, ExportError, Layout, Omission, SceneSource, Source, UnitFiles, UnitName};
+
+/// The layout.
+#[derive(Clone, Debug)]
+pub struct NuScenes {
+    options: NuScenesOptions,
+}
+
+impl NuScenes {
+    /// With options.
+    #[must_use]
+    pub fn new(options: NuScenesOptions) -> Self {
+        Self { options }
+    }
+}
+
+impl Layout for NuScenes {
+    fn name(&self) -> &'static str {
+        "nuscenes"
+    }
+
+    fn identity(&self) -> String {
+        let NuScenesOptions {
+            version,
+            sample_every_n_frames,
+            sweeps,
+            radius_m,
+            empty_boxes,
+            lidarseg,
+            map_mask,
+        } = &self.options;
+        let version = version.as_deref().unwrap_or("one a split and map");
+        let sweeps: Vec<&str> = sweeps.iter().map(|modality| modality.name()).collect();
+        format!(
+            "version {version}, a sample every {sample_every_n_frames} frames, sweeps {sweeps:?}, boxes within {radius_m} m, empty \
+             boxes {empty_boxes}, lidarseg {lidarseg}, map masks {map_mask}"
+        )
+    }
+
+    fn needs(&self) -> Vec<&'static str> {
+        vec![BoxRow::STAGE, CameraRow::STAGE, ValidBoxRow::STAGE]
+    }
+
+    fn survey(&self, source: &Source) -> Result<Vec<Omission>, ExportError> {
+        self.options.check()?;
+        survey::survey(source, &self.options)
+    }
+
+    fn cost(&self, scene: &SceneSource, unit: UnitName) -> Result<Cost, ExportError> {
+        survey::cost(scene, unit, &self.options)
+    }
+
+    fn write_unit(
+        &self,
+        scene: &SceneSource,
+        unit: UnitName,
+        files: &mut UnitFiles<'_>,
+    ) -> Result<Vec<u8>, ExportError> {
+        let Some(agent) = unit.agent else { return Ok(Vec::new()) };
+        let fragment = unit::write(scene, agent, &self.options, files)?;
+        // Texts and finite numbers: they can always be written down.
+        Ok(serde_json::to_vec(&fragment).unwrap_or_default())
+    }
+
+    fn finish(
+        &self,
+        source: &Source,
+        units: &[(UnitName, Vec<u8>)],
+        files: &mut UnitFiles<'_>,
+    ) -> Result<(), ExportError> {
+        let read = |(unit, bytes): &(UnitName, Vec<u8>)| {
+            serde_json::from_slice::<Fragment>(bytes).map_err(|e| {
+                ExportError::Refused(format!("{unit}: its record is damaged ({e}); run again with --force"))
+            })
+        };
+        let fragments = units.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+        finish::write(source, &fragments, &self.options, files)
+    }
+}
