@@ -14,6 +14,17 @@ pub struct RayBatch<'a> {
     pub directions: &'a [Vec3],
     /// Nearest (not negative) and farthest distance seen, metres; the second may be infinite.
     pub range_m: [f32; 2],
+    /// Nearest distance of each ray instead of the first of `range_m`; empty where that is meant for all.
+    pub nearest_m: &'a [f32],
+}
+
+impl RayBatch<'_> {
+    /// Nearest distance seen along a ray, metres.
+    #[must_use]
+    #[inline]
+    pub fn nearest_m(&self, ray: usize) -> f32 {
+        self.nearest_m.get(ray).copied().unwrap_or(self.range_m[0])
+    }
 }
 
 /// The first surface along a ray.

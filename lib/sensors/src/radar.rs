@@ -2,6 +2,7 @@
 
 use glam::{Affine3A, Vec3};
 use random::Stream;
+use rayon::prelude::*;
 use renderer::{Hit, Hits, RayBatch, RenderError, Scene};
 use schema::geometry::Instance;
 use schema::measures::sensors::RADAR_POINTS;
@@ -16,10 +17,12 @@ use crate::observation::Observation;
 use crate::sensor::{Amount, Carrier, Layout, Sensor, SensorTable};
 use crate::struck::Struck;
 
-/// Rays may start within the agent's own body; each surface of it that is passed costs one more trace.
+/// Rays may start within the agent's own body; each surface of it that is passed costs one more trace of those that did.
 const OWN_SURFACES: usize = 8;
 /// Distance behind a surface of the agent's own body from which a ray goes on, metres.
 const STEP_M: f32 = 1e-3;
+/// Rays of a parallel task, at least.
+const RAYS_PER_TASK: usize = 256;
 
 /// Where a radar is, and was one frame before.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,10 +80,9 @@ pub fn radar(
     let velocity = (origin - before) / FRAME_PERIOD_S as f32;
     let snapshot = scene.snapshot();
     let bodies = bodies(&snapshot.instances);
-    let mut found: Vec<Return> = Vec::with_capacity(rays.len());
-    for (ray, hit) in rays.iter().zip(hits) {
-        let Some(hit) = hit.filter(|hit| hit.t <= ray.limit_m) else { continue };
-        let Some(struck) = Struck::new(snapshot, &hit) else { continue };
+    let echo = |(ray, hit): (&Drawn, &Option<Hit>)| {
+        let hit = (*hit).filter(|hit| hit.t <= ray.limit_m)?;
+        let struck = Struck::new(snapshot, &hit)?;
         let at = hit.instance as usize;
         let moves = &snapshot.instances[if spec.micro_motion { at } else { bodies[at] }];
         let moved = way_of(&snapshot.instances[at], moves, struck.position_object(&hit));
@@ -88,27 +90,31 @@ pub fn radar(
         let range_m = f64::from(hit.t);
         let patch_m2 = echo::cross_section_m2(struck.part, ray.solid_angle_sr, range_m, cos_angle);
         let rcs_dbsm = echo::dbsm(patch_m2);
-        found.push(Return {
+        let direction = ray.end / ray.limit_m;
+        Some(Return {
             number: ray.number,
-            direction: ray.end / ray.limit_m,
             depth_m: hit.t,
+            altitude_rad: frames::math::f32::asin(direction.z.clamp(-1.0, 1.0)),
+            azimuth_rad: frames::math::f32::atan2(direction.y, direction.x),
             velocity_mps: (moved / FRAME_PERIOD_S as f32 - velocity).dot(ray.direction),
             rcs_dbsm: rcs_dbsm as f32,
             snr_db: echo::snr_db(spec.snr_db, rcs_dbsm, range_m) as f32,
             id: struck.object,
             tag: struck.part.tag as u8,
-        });
-    }
-    found.sort_by_key(|r| r.number);
+        })
+    };
+    let mut found: Vec<Return> =
+        rays.par_iter().zip(&hits).with_min_len(RAYS_PER_TASK).filter_map(echo).collect();
+    found.sort_unstable_by_key(|r| r.number);
     Ok(found.into_iter().collect())
 }
 
 /// One return.
 struct Return {
     number: u32,
-    /// Unit vector in the sensor frame.
-    direction: Vec3,
     depth_m: f32,
+    altitude_rad: f32,
+    azimuth_rad: f32,
     velocity_mps: f32,
     rcs_dbsm: f32,
     snr_db: f32,
@@ -121,8 +127,8 @@ impl FromIterator<Return> for RadarReturns {
         let mut out = Self::default();
         for r in returns {
             out.depth_m.push(r.depth_m);
-            out.altitude_rad.push(frames::math::f32::asin(r.direction.z.clamp(-1.0, 1.0)));
-            out.azimuth_rad.push(frames::math::f32::atan2(r.direction.y, r.direction.x));
+            out.altitude_rad.push(r.altitude_rad);
+            out.azimuth_rad.push(r.azimuth_rad);
             out.velocity_mps.push(r.velocity_mps);
             out.rcs_dbsm.push(r.rcs_dbsm);
             out.snr_db.push(r.snr_db);
@@ -175,6 +181,8 @@ fn draw(spec: &RadarSpec, local_from_sensor: &Affine3A, stream: &Stream, frame: 
         [spec.horizontal_fov_rad, spec.vertical_fov_rad].map(|fov_rad| frames::math::tan(0.5 * fov_rad));
     let [half_width, half_height] = half_angles.map(|half| range_m * half as f32);
     let mut rays: Vec<Drawn> = (0..spec.rays)
+        .into_par_iter()
+        .with_min_len(RAYS_PER_TASK)
         .map(|number| {
             let words = stream.at(u64::from(frame) << 32 | u64::from(number));
             let radius = random::unit_f32(words[0]);
@@ -188,7 +196,7 @@ fn draw(spec: &RadarSpec, local_from_sensor: &Affine3A, stream: &Stream, frame: 
             Drawn { number, end, limit_m, direction, solid_angle_sr }
         })
         .collect();
-    rays.sort_by_key(|ray| {
+    rays.sort_by_cached_key(|ray| {
         let column = (16.0 * (ray.end.y / half_width)) as i32;
         let row = (8.0 * (ray.end.z / half_height)) as i32;
         (column, row, ray.number)
@@ -205,7 +213,7 @@ fn beyond_own(
     let origin = Vec3::from(motion.local_from_sensor.translation);
     let directions: Vec<Vec3> = rays.iter().map(|ray| ray.direction).collect();
     let farthest_m = rays.iter().map(|ray| ray.limit_m).fold(0.0, f32::max);
-    let all = RayBatch { origin, directions: &directions, range_m: [0.0, farthest_m] };
+    let all = RayBatch { origin, directions: &directions, range_m: [0.0, farthest_m], nearest_m: &[] };
     let mut hits: Vec<Option<Hit>> = scene.trace(&[all])?.iter().flat_map(Hits::iter).collect();
 
     let instances = &scene.snapshot().instances;
@@ -222,17 +230,13 @@ fn beyond_own(
         if inside.is_empty() {
             break;
         }
-        // Each goes on from another distance: a batch each.
-        let onward: Vec<RayBatch<'_>> = inside
-            .iter()
-            .map(|(ray, hit)| RayBatch {
-                origin,
-                directions: &directions[*ray..=*ray],
-                range_m: [hit.t + STEP_M, rays[*ray].limit_m],
-            })
-            .collect();
-        for ((ray, _), next) in inside.iter().zip(scene.trace(&onward)?) {
-            hits[*ray] = next.get(0);
+        let directions: Vec<Vec3> = inside.iter().map(|(ray, _)| rays[*ray].direction).collect();
+        let nearest_m: Vec<f32> = inside.iter().map(|(_, hit)| hit.t + STEP_M).collect();
+        let onward =
+            RayBatch { origin, directions: &directions, range_m: [0.0, farthest_m], nearest_m: &nearest_m };
+        let next = scene.trace(&[onward])?;
+        for ((ray, _), hit) in inside.iter().zip(next.iter().flat_map(Hits::iter)) {
+            hits[*ray] = hit;
         }
     }
     Ok(hits.into_iter().map(|hit| hit.filter(|hit| !is_own(hit))).collect())

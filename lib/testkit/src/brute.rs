@@ -96,9 +96,9 @@ impl<'a> BruteScene<'a> {
 
     fn follow(&self, batch: &RayBatch<'_>, counts: impl Fn(u32) -> bool) -> Hits {
         let mut hits = Hits::none(batch.directions.len());
-        let range = batch.range_m.map(f64::from);
         for (ray, direction) in batch.directions.iter().enumerate() {
             let (origin, direction) = (batch.origin.as_dvec3(), direction.as_dvec3());
+            let range = [batch.nearest_m(ray), batch.range_m[1]].map(f64::from);
             if let Some(hit) = self.closest_of(origin, direction, range, &counts) {
                 hits.t[ray] = hit.t;
                 hits.instance[ray] = hit.instance;

@@ -46,7 +46,7 @@
 //! let point = Surfaces::new(&seen, &snapshot).at(32, 24).expect("the wall is there");
 //! assert_eq!(point.part.tag, Tag::Wall);
 //!
-//! let ahead = RayBatch { origin: Vec3::ZERO, directions: &[Vec3::Z, Vec3::X], range_m: [0.0, 100.0] };
+//! let ahead = RayBatch { origin: Vec3::ZERO, directions: &[Vec3::Z, Vec3::X], range_m: [0.0, 100.0], nearest_m: &[] };
 //! let hits = scene.trace(&[ahead])?.remove(0);
 //! assert_eq!(hits.get(0).map(|hit| hit.t), Some(10.0));
 //! assert_eq!(hits.get(1), None);

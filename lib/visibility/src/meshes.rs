@@ -61,7 +61,9 @@ impl MeshData {
     #[inline]
     pub(crate) fn corners(&self, slot: u32) -> [Vec3; 3] {
         let lane = slot as usize % BLOCK;
-        self.blocks[slot as usize / BLOCK].0.map(|[x, y, z]| Vec3::new(x[lane], y[lane], z[lane]))
+        // By reference: a block is much larger than a triangle.
+        let [a, b, c] = &self.blocks[slot as usize / BLOCK].0;
+        [a, b, c].map(|[x, y, z]| Vec3::new(x[lane], y[lane], z[lane]))
     }
 }
 

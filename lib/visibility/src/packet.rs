@@ -5,7 +5,7 @@
 #![allow(clippy::needless_range_loop)] // One index runs through many lane arrays.
 
 use glam::Vec3;
-use renderer::SKY;
+use renderer::{RayBatch, SKY};
 
 use crate::bvh::{Node, Stack};
 use crate::placed::Placed;
@@ -49,7 +49,8 @@ impl<const N: usize> Lanes<N> {
 pub(crate) struct Packet<const N: usize> {
     origin: Vec3,
     directions: Lanes<N>,
-    t_min: f32,
+    /// Nearest distance asked for.
+    t_min: [f32; N],
     /// Closest hit, or the farthest distance asked for.
     t: [f32; N],
     /// The largest of `t`.
@@ -110,17 +111,20 @@ fn max(a: f32, b: f32) -> f32 {
 }
 
 impl<const N: usize> Packet<N> {
-    /// At most `N` directions; lanes without one never hit anything.
-    pub(crate) fn new(origin: Vec3, directions: &[Vec3], t_min: f32, t_max: f32) -> Self {
+    /// At most `N` rays of a batch, from one on; lanes without one never hit anything.
+    pub(crate) fn new(batch: &RayBatch<'_>, first: usize) -> Self {
+        let directions = &batch.directions[first..];
+        let (origin, t_max) = (batch.origin, batch.range_m[1]);
         let mut lanes = Lanes([[0.0; N], [0.0; N], [1.0; N]]);
         let mut t = [-1.0; N];
-        let t_min = t_min.max(0.0);
+        let mut t_min = [0.0; N];
         for (i, direction) in directions.iter().take(N).enumerate() {
             for (axis, value) in lanes.0.iter_mut().zip(direction.to_array()) {
                 axis[i] = value;
             }
             // A finite bound also rejects the infinite distances of rays within a triangle's plane.
             t[i] = t_max.min(f32::MAX);
+            t_min[i] = batch.nearest_m(first + i).max(0.0);
         }
         Self {
             origin,
@@ -165,24 +169,20 @@ impl<const N: usize> Packet<N> {
     pub(crate) fn entry(&self, slabs: &Slabs<N>, node: &Node) -> f32 {
         let (lo, hi) = (node.min - slabs.origin_up, node.max - slabs.origin_down);
         let [ix, iy, iz] = &slabs.inverse;
-        let mut entry = [f32::INFINITY; N];
+        // None is negative, so they have the same order as whole numbers, and of those the compiler finds the least in registers.
+        let mut least = [0; N];
         for i in 0..N {
             let (x0, x1) = (lo.x * ix[i], hi.x * ix[i]);
             let (y0, y1) = (lo.y * iy[i], hi.y * iy[i]);
             let (z0, z1) = (lo.z * iz[i], hi.z * iz[i]);
-            let near = max(max(min(x0, x1), min(y0, y1)), max(min(z0, z1), self.t_min));
+            let near = max(max(min(x0, x1), min(y0, y1)), max(min(z0, z1), self.t_min[i]));
             let far = min(min(max(x0, x1), max(y0, y1)), min(max(z0, z1), self.t[i]));
-            entry[i] = if near <= far * SLACK { near } else { f32::INFINITY };
+            let misses = i32::from(near <= far * SLACK) - 1;
+            // All bits set but the sign: more than any distance.
+            least[i] = near.to_bits() as i32 | (misses & i32::MAX);
         }
-        // Halves folded onto each other, which vector registers do at once.
-        let mut width = N;
-        while width > 1 {
-            width /= 2;
-            for i in 0..width {
-                entry[i] = min(entry[i], entry[i + width]);
-            }
-        }
-        entry[0]
+        let least = least.into_iter().fold(i32::MAX, i32::min);
+        if least == i32::MAX { f32::INFINITY } else { f32::from_bits(least as u32) }
     }
 
     /// Pushes the children that may hold something, the nearer one last.
@@ -267,32 +267,34 @@ impl<const N: usize> Packet<N> {
         for i in 0..N {
             t[i] = seen.offset / dot(seen.normal, dx[i], dy[i], dz[i]);
             // Distances that are not numbers compare false.
-            closer[i] = inside[i] & u32::from((t[i] >= self.t_min) & (t[i] <= self.t[i]));
+            closer[i] = inside[i] & u32::from((t[i] >= self.t_min[i]) & (t[i] <= self.t[i]));
             any |= closer[i];
         }
         if any == 0 {
             return;
         }
-        let mut kept = false;
+        let mut kept = 0;
         for i in 0..N {
-            let smaller = (instance, triangle) < (self.instance[i], self.triangle[i]);
-            if closer[i] != 0 && (t[i] < self.t[i] || smaller) {
-                let e0 = dot(seen.edge[0], dx[i], dy[i], dz[i]);
-                let e1 = dot(seen.edge[1], dx[i], dy[i], dz[i]);
-                let e2 = dot(seen.edge[2], dx[i], dy[i], dz[i]);
-                let sum = e0 + e1 + e2;
-                // A ray through a corner within rounding can have three zero edges; any weights do.
-                let scale = if sum == 0.0 { 0.0 } else { 1.0 / sum };
-                self.t[i] = t[i];
-                self.instance[i] = instance;
-                self.triangle[i] = triangle;
-                self.u[i] = e1 * scale;
-                self.v[i] = e2 * scale;
-                kept = true;
-            }
+            let smaller = (instance < self.instance[i])
+                | ((instance == self.instance[i]) & (triangle < self.triangle[i]));
+            let keep = (closer[i] != 0) & ((t[i] < self.t[i]) | smaller);
+            let e0 = dot(seen.edge[0], dx[i], dy[i], dz[i]);
+            let e1 = dot(seen.edge[1], dx[i], dy[i], dz[i]);
+            let e2 = dot(seen.edge[2], dx[i], dy[i], dz[i]);
+            let sum = e0 + e1 + e2;
+            // A ray through a corner within rounding can have three zero edges; any weights do.
+            let scale = if sum == 0.0 { 0.0 } else { 1.0 / sum };
+            self.t[i] = if keep { t[i] } else { self.t[i] };
+            self.instance[i] = if keep { instance } else { self.instance[i] };
+            self.triangle[i] = if keep { triangle } else { self.triangle[i] };
+            self.u[i] = if keep { e1 * scale } else { self.u[i] };
+            self.v[i] = if keep { e2 * scale } else { self.v[i] };
+            kept |= u32::from(keep);
         }
-        if kept {
-            self.t_farthest = self.t.iter().copied().fold(-1.0, max);
+        if kept != 0 {
+            // Not negative but for lanes without a ray, which are all the same: as whole numbers, as above.
+            let farthest = self.t.iter().fold(i32::MIN, |most, t| most.max(t.to_bits() as i32));
+            self.t_farthest = f32::from_bits(farthest as u32);
         }
     }
 }

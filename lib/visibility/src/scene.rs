@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use frames::Aabb;
-use glam::{Affine3A, Vec3};
+use glam::Affine3A;
 use rayon::prelude::*;
 use renderer::{
     Alone, AloneRays, Hits, PinholeCamera, RayBatch, RenderError, Scene, VisibilityBuffer, pose_before,
@@ -172,30 +172,31 @@ impl<'a> CpuScene<'a> {
 impl Placement<'_, '_> {
     fn trace(&self, batch: &RayBatch<'_>) -> Hits {
         let mut hits = Hits::none(batch.directions.len());
-        let directions = batch.directions.par_chunks(RAYS_PER_TASK);
-        directions
-            .zip(hits.t.par_chunks_mut(RAYS_PER_TASK))
+        hits.t
+            .par_chunks_mut(RAYS_PER_TASK)
             .zip(hits.instance.par_chunks_mut(RAYS_PER_TASK))
             .zip(hits.triangle.par_chunks_mut(RAYS_PER_TASK))
             .zip(hits.u.par_chunks_mut(RAYS_PER_TASK))
             .zip(hits.v.par_chunks_mut(RAYS_PER_TASK))
-            .for_each(|(((((directions, t), instance), triangle), u), v)| {
+            .enumerate()
+            .for_each(|(task, ((((t, instance), triangle), u), v))| {
+                let first = task * RAYS_PER_TASK;
                 let mut out = HitsMut { t, instance, triangle, u, v };
                 // A lane's bits do not depend on the other lanes, so a lone ray may have a packet of its own size.
-                if directions.len() == 1 {
-                    self.follow::<1>(batch, directions, &mut out);
+                if out.t.len() == 1 {
+                    self.follow::<1>(batch, first, &mut out);
                 } else {
-                    self.follow::<LANES>(batch, directions, &mut out);
+                    self.follow::<LANES>(batch, first, &mut out);
                 }
             });
         hits
     }
 
-    /// Follows rays of a batch in packets of `N`.
-    fn follow<const N: usize>(&self, batch: &RayBatch<'_>, directions: &[Vec3], out: &mut HitsMut<'_>) {
-        let [t_min, t_max] = batch.range_m;
-        for (number, directions) in directions.chunks(N).enumerate() {
-            let mut packet = Packet::<N>::new(batch.origin, directions, t_min, t_max);
+    /// Follows rays of a batch from one on in packets of `N`.
+    fn follow<const N: usize>(&self, batch: &RayBatch<'_>, first: usize, out: &mut HitsMut<'_>) {
+        let rays = out.t.len();
+        for at in (0..rays).step_by(N) {
+            let mut packet = Packet::<N>::new(batch, first + at);
             match self.among {
                 Among::Trees(trees) => trees.iter().for_each(|tree| self.walk(tree, &mut packet)),
                 // Few: a tree would cost more than it saves.
@@ -207,7 +208,7 @@ impl Placement<'_, '_> {
                     }
                 }
             }
-            packet.store(directions.len(), number * N, out);
+            packet.store(N.min(rays - at), at, out);
         }
     }
 

@@ -99,8 +99,10 @@ fn look_bent(
     };
     let bundles: Vec<Bundle> = bands.par_iter().map(bundle).collect();
     let (origin, range_m) = (Vec3::from(view.local_from_optical.translation), [whole.near_m, whole.far_m]);
-    let batches: Vec<RayBatch<'_>> =
-        bundles.iter().map(|b| RayBatch { origin, directions: &b.directions, range_m }).collect();
+    let batches: Vec<RayBatch<'_>> = bundles
+        .iter()
+        .map(|b| RayBatch { origin, directions: &b.directions, range_m, nearest_m: &[] })
+        .collect();
     for (bundle, hits) in bundles.iter().zip(trace(&batches)?) {
         for (&(pixel, length), hit) in bundle.pixels.iter().zip(hits.iter()) {
             let Some(hit) = hit else { continue };

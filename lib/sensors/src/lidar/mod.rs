@@ -127,8 +127,10 @@ impl Lidar {
         let fired: Vec<_> = slice.patches.par_iter().map(|patch| gun.fire(patch)).collect();
         let origin = Vec3::from(local_from_sensor.translation);
         let range_m = [0.0, self.spec.range_m as f32];
-        let batches: Vec<RayBatch<'_>> =
-            fired.iter().map(|volley| RayBatch { origin, directions: &volley.directions, range_m }).collect();
+        let batches: Vec<RayBatch<'_>> = fired
+            .iter()
+            .map(|volley| RayBatch { origin, directions: &volley.directions, range_m, nearest_m: &[] })
+            .collect();
         let is_now = slice.before == 0.0;
         let hits =
             if is_now { scene.trace(&batches)? } else { scene.trace_before(slice.before, &batches)? };

@@ -363,7 +363,12 @@ mod tests {
                 .map(|i| Vec3::new((i % n) as f32 * 1.3 - 78.0, (i / n) as f32 * 1.3 - 78.0, 0.0))
                 .collect();
             let directions = [to_light];
-            let batch = |&origin| RayBatch { origin, directions: &directions, range_m: [1e-3, 500.0] };
+            let batch = |&origin| RayBatch {
+                origin,
+                directions: &directions,
+                range_m: [1e-3, 500.0],
+                nearest_m: &[],
+            };
             let batches: Vec<_> = places.iter().map(batch).collect();
             let hits = scene.trace(&batches).expect("has no device");
             let (mut wrong, mut shaded) = (0, 0);

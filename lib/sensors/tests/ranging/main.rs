@@ -133,6 +133,7 @@ fn sweeps_equal_single_rays_and_do_not_depend_on_threads() {
             origin: Vec3::from(pose.translation),
             directions: &[pose.transform_vector3(*direction).normalize()],
             range_m: [0.0, 120.0],
+            nearest_m: &[],
         };
         let Some(hit) = scene.trace(&[ray]).expect("has no device")[0].get(0) else { continue };
         let p = *direction * hit.t;

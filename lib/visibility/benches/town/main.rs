@@ -68,7 +68,12 @@ fn lidar(bencher: Bencher) {
     let directions = scene::lidar();
     let origin = Vec3::new(0.0, -1.5, 1.9);
     bencher.bench(|| {
-        scene.trace(&[RayBatch { origin, directions: black_box(&directions), range_m: [0.0, 120.0] }])
+        scene.trace(&[RayBatch {
+            origin,
+            directions: black_box(&directions),
+            range_m: [0.0, 120.0],
+            nearest_m: &[],
+        }])
     });
 }
 
@@ -79,8 +84,12 @@ fn single_rays_65536(bencher: Bencher) {
     let scene = renderer.place(&town).expect("all meshes are prepared");
     let directions = scene::lidar();
     let origin = Vec3::new(0.0, -1.5, 1.9);
-    let ray =
-        |direction| RayBatch { origin, directions: std::slice::from_ref(direction), range_m: [0.0, 120.0] };
+    let ray = |direction| RayBatch {
+        origin,
+        directions: std::slice::from_ref(direction),
+        range_m: [0.0, 120.0],
+        nearest_m: &[],
+    };
     let rays: Vec<_> = directions.iter().step_by(4).map(ray).collect();
     bencher.bench(|| scene.trace(black_box(&rays)));
 }

@@ -139,7 +139,7 @@ pub(crate) fn trace(scene: &dyn Scene, ray: &Ray) -> Option<Hit> {
 }
 
 pub(crate) fn trace_all(scene: &dyn Scene, origin: Vec3, directions: &[Vec3], range_m: [f32; 2]) -> Hits {
-    scene.trace(&[RayBatch { origin, directions, range_m }]).unwrap().remove(0)
+    scene.trace(&[RayBatch { origin, directions, range_m, nearest_m: &[] }]).unwrap().remove(0)
 }
 
 pub(crate) fn see(scene: &dyn Scene, camera: &PinholeCamera) -> VisibilityBuffer {

@@ -74,9 +74,22 @@ fn both_hit_the_same_triangles() {
             .into_iter()
             .map(|rays| (point(&mut s, 20.0), (0..rays).map(|_| unit(&mut s)).collect()))
             .collect();
+        // Every other fan asks for another nearest distance along each ray.
+        let mut nearest_of = |rays: usize| (0..rays).map(|_| uniform(&mut s, 0.0, 40.0)).collect();
+        let nearest_m: Vec<Vec<f32>> = fans
+            .iter()
+            .enumerate()
+            .map(|(n, (_, rays))| nearest_of(if n % 2 == 0 { rays.len() } else { 0 }))
+            .collect();
         let batches: Vec<RayBatch<'_>> = fans
             .iter()
-            .map(|(origin, directions)| RayBatch { origin: *origin, directions, range_m: [9.0, 60.0] })
+            .zip(&nearest_m)
+            .map(|((origin, directions), nearest_m)| RayBatch {
+                origin: *origin,
+                directions,
+                range_m: [9.0, 60.0],
+                nearest_m,
+            })
             .collect();
         with_both(&world, |cpu, brute| {
             let (ours, theirs) = (cpu.trace(&batches).unwrap(), brute.trace(&batches).unwrap());
@@ -122,7 +135,7 @@ fn both_hit_the_same_triangles_between_frames() {
         }
         let directions: Vec<Vec3> = (0..400).map(|_| unit(&mut s)).collect();
         let origin = point(&mut s, 10.0);
-        let fan = [RayBatch { origin, directions: &directions, range_m: [0.0, 15.0] }];
+        let fan = [RayBatch { origin, directions: &directions, range_m: [0.0, 15.0], nearest_m: &[] }];
         with_both(&world, |cpu, brute| {
             let now = cpu.trace(&fan).unwrap().remove(0);
             assert_eq!(cpu.trace_before(0.0, &fan).unwrap().remove(0), now);
