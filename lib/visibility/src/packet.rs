@@ -18,30 +18,113 @@ const PAD: f32 = 4.0 * f32::EPSILON;
 /// Directions nearer than this to an axis plane count as this steep in box tests, to keep inverses finite.
 const STEEPEST: f32 = 1e-20;
 
+/// Packets whose unit directions differ less than this in every axis meet boxes as one.
+const NARROW: f32 = 0.03;
+
 /// Directions, by axis and lane.
 #[derive(Clone, Copy)]
 pub(crate) struct Lanes<const N: usize>([[f32; N]; 3]);
 
-/// What the box test needs of a packet: the distances to a box's planes are `(plane - origin) * inverse`.
-pub(crate) struct Slabs<const N: usize> {
-    inverse: [[f32; N]; 3],
-    /// The origin moved up, for lower planes, and down, for upper planes.
-    origin_up: Vec3,
-    origin_down: Vec3,
+/// How a packet meets boxes. No way misses a box that a lane of it meets.
+pub(crate) trait Boxes<const N: usize> {
+    /// For boxes around an origin, of which `reach` is the largest coordinate.
+    fn new(lanes: &Lanes<N>, origin: Vec3, reach: f32) -> Self;
+
+    /// A distance before which no lane that may find something enters a box; infinite when none does.
+    fn entry(&self, packet: &Packet<N>, node: &Node) -> f32;
 }
 
-impl<const N: usize> Lanes<N> {
-    /// `reach` is the largest coordinate of the boxes that will be tested.
-    pub(crate) fn slabs(&self, origin: Vec3, reach: f32) -> Slabs<N> {
+/// The origin moved up, for lower planes of boxes, and down, for upper planes.
+#[derive(Clone, Copy)]
+struct Origins {
+    up: Vec3,
+    down: Vec3,
+}
+
+impl Origins {
+    fn new(origin: Vec3, reach: f32) -> Self {
         let pad = Vec3::splat(PAD * (origin.abs().max_element() + reach));
+        Self { up: origin + pad, down: origin - pad }
+    }
+
+    /// Corners of a box from there.
+    #[inline(always)]
+    fn corners(&self, node: &Node) -> [Vec3; 2] {
+        [node.min - self.up, node.max - self.down]
+    }
+}
+
+/// Lane by lane: the distances to a box's planes are `(plane - origin) * inverse`.
+pub(crate) struct Slabs<const N: usize> {
+    inverse: [[f32; N]; 3],
+    origins: Origins,
+}
+
+impl<const N: usize> Boxes<N> for Slabs<N> {
+    fn new(lanes: &Lanes<N>, origin: Vec3, reach: f32) -> Self {
         let mut inverse = [[0.0; N]; 3];
         for axis in 0..3 {
             for i in 0..N {
-                let d = self.0[axis][i];
+                let d = lanes.0[axis][i];
                 inverse[axis][i] = 1.0 / if d.abs() < STEEPEST { STEEPEST.copysign(d) } else { d };
             }
         }
-        Slabs { inverse, origin_up: origin + pad, origin_down: origin - pad }
+        Self { inverse, origins: Origins::new(origin, reach) }
+    }
+
+    #[inline(always)]
+    fn entry(&self, packet: &Packet<N>, node: &Node) -> f32 {
+        let [lo, hi] = self.origins.corners(node);
+        let [ix, iy, iz] = &self.inverse;
+        // No distance is negative, so they have the same order as whole numbers, and of those the compiler finds the least in
+        // registers.
+        let mut least = i32::MAX;
+        for i in 0..N {
+            let (x0, x1) = (lo.x * ix[i], hi.x * ix[i]);
+            let (y0, y1) = (lo.y * iy[i], hi.y * iy[i]);
+            let (z0, z1) = (lo.z * iz[i], hi.z * iz[i]);
+            let near = max(max(min(x0, x1), min(y0, y1)), max(min(z0, z1), packet.t_min[i]));
+            let far = min(min(max(x0, x1), max(y0, y1)), min(max(z0, z1), packet.t[i]));
+            // All bits set but the sign: more than any distance.
+            let misses = (i32::from(near <= far * SLACK) - 1) & i32::MAX;
+            least = least.min(near.to_bits() as i32 | misses);
+        }
+        if least == i32::MAX { f32::INFINITY } else { f32::from_bits(least as u32) }
+    }
+}
+
+/// All lanes as one fan: by axis, the extreme inverses of those that go up it and of those that go down.
+pub(crate) struct Fan {
+    /// Of lanes that go up the least and the greatest; huge and zero where there are none.
+    up: [Vec3; 2],
+    /// Of lanes that go down that nearest to zero and that farthest from it; hugely negative and zero where there are none.
+    down: [Vec3; 2],
+    origins: Origins,
+}
+
+impl<const N: usize> Boxes<N> for Fan {
+    fn new(lanes: &Lanes<N>, origin: Vec3, reach: f32) -> Self {
+        let [mut up, mut down] = [[Vec3::ZERO; 2]; 2];
+        for (axis, lanes) in lanes.0.iter().enumerate() {
+            let [lowest, highest] = range(lanes);
+            up[0][axis] = 1.0 / max(highest, STEEPEST);
+            up[1][axis] = if highest < 0.0 { 0.0 } else { 1.0 / max(lowest, STEEPEST) };
+            down[0][axis] = 1.0 / min(lowest, -STEEPEST);
+            down[1][axis] = if lowest > 0.0 { 0.0 } else { 1.0 / min(highest, -STEEPEST) };
+        }
+        Self { up, down, origins: Origins::new(origin, reach) }
+    }
+
+    #[inline(always)]
+    fn entry(&self, packet: &Packet<N>, node: &Node) -> f32 {
+        let [lo, hi] = self.origins.corners(node);
+        let [up, down] = [&self.up, &self.down];
+        // Where the box is not about the origin, one of the two is not positive, or huge if no lane goes its way.
+        let near = |axis: usize| max(lo[axis] * up[0][axis], hi[axis] * down[0][axis]);
+        let far = |axis: usize| max(hi[axis] * up[1][axis], lo[axis] * down[1][axis]);
+        let near = max(max(max(near(0), near(1)), near(2)), packet.t_nearest);
+        let far = min(min(min(far(0), far(1)), far(2)), packet.t_farthest);
+        if near <= far * SLACK { near } else { f32::INFINITY }
     }
 }
 
@@ -51,6 +134,8 @@ pub(crate) struct Packet<const N: usize> {
     directions: Lanes<N>,
     /// Nearest distance asked for.
     t_min: [f32; N],
+    /// The least of `t_min`.
+    t_nearest: f32,
     /// Closest hit, or the farthest distance asked for.
     t: [f32; N],
     /// The largest of `t`.
@@ -99,6 +184,19 @@ fn dot(v: Vec3, x: f32, y: f32, z: f32) -> f32 {
     v.x.mul_add(x, v.y.mul_add(y, v.z * z))
 }
 
+/// The least and the greatest of some numbers.
+#[inline(always)]
+fn range<const N: usize>(numbers: &[f32; N]) -> [f32; 2] {
+    // By whole numbers of the same order: the compiler finds the extremes of those within registers.
+    let order = |bits: i32| bits ^ ((bits >> 31) & i32::MAX);
+    let (mut least, mut greatest) = (i32::MAX, i32::MIN);
+    for number in numbers {
+        let place = order(number.to_bits() as i32);
+        (least, greatest) = (least.min(place), greatest.max(place));
+    }
+    [least, greatest].map(|place| f32::from_bits(order(place) as u32))
+}
+
 /// Like the processor's instruction, without the care of `f32::min` for NaN.
 #[inline(always)]
 fn min(a: f32, b: f32) -> f32 {
@@ -115,21 +213,27 @@ impl<const N: usize> Packet<N> {
     pub(crate) fn new(batch: &RayBatch<'_>, first: usize) -> Self {
         let directions = &batch.directions[first..];
         let (origin, t_max) = (batch.origin, batch.range_m[1]);
-        let mut lanes = Lanes([[0.0; N], [0.0; N], [1.0; N]]);
+        let mut lanes = Lanes([[0.0; N]; 3]);
         let mut t = [-1.0; N];
-        let mut t_min = [0.0; N];
-        for (i, direction) in directions.iter().take(N).enumerate() {
-            for (axis, value) in lanes.0.iter_mut().zip(direction.to_array()) {
+        let mut t_min = [f32::MAX; N];
+        // Lanes without a ray go where the first one goes: no box is tested for their sake.
+        let filler = directions.first().copied().filter(|direction| direction.is_finite()).unwrap_or(Vec3::Z);
+        for i in 0..N {
+            let direction = directions.get(i).copied().filter(|direction| direction.is_finite());
+            if direction.is_some() {
+                // A finite bound also rejects the infinite distances of rays within a triangle's plane.
+                t[i] = t_max.min(f32::MAX);
+                t_min[i] = batch.nearest_m(first + i).max(0.0);
+            }
+            for (axis, value) in lanes.0.iter_mut().zip(direction.unwrap_or(filler).to_array()) {
                 axis[i] = value;
             }
-            // A finite bound also rejects the infinite distances of rays within a triangle's plane.
-            t[i] = t_max.min(f32::MAX);
-            t_min[i] = batch.nearest_m(first + i).max(0.0);
         }
         Self {
             origin,
             directions: lanes,
             t_min,
+            t_nearest: range(&t_min)[0],
             t,
             t_farthest: t_max.min(f32::MAX),
             instance: [SKY; N],
@@ -153,6 +257,11 @@ impl<const N: usize> Packet<N> {
         }
     }
 
+    /// Whether all lanes go nearly the same way.
+    pub(crate) fn is_narrow(&self) -> bool {
+        self.directions.0.iter().map(range).all(|[lowest, highest]| highest - lowest < NARROW)
+    }
+
     /// Origin and directions in the local frame.
     pub(crate) fn lanes_local(&self) -> (Vec3, Lanes<N>) {
         (self.origin, self.directions)
@@ -164,38 +273,17 @@ impl<const N: usize> Packet<N> {
         entry <= self.t_farthest * SLACK && entry < f32::INFINITY
     }
 
-    /// The smallest distance at which a lane that may find something enters a box; infinite when none does.
-    #[inline(always)]
-    pub(crate) fn entry(&self, slabs: &Slabs<N>, node: &Node) -> f32 {
-        let (lo, hi) = (node.min - slabs.origin_up, node.max - slabs.origin_down);
-        let [ix, iy, iz] = &slabs.inverse;
-        // None is negative, so they have the same order as whole numbers, and of those the compiler finds the least in registers.
-        let mut least = [0; N];
-        for i in 0..N {
-            let (x0, x1) = (lo.x * ix[i], hi.x * ix[i]);
-            let (y0, y1) = (lo.y * iy[i], hi.y * iy[i]);
-            let (z0, z1) = (lo.z * iz[i], hi.z * iz[i]);
-            let near = max(max(min(x0, x1), min(y0, y1)), max(min(z0, z1), self.t_min[i]));
-            let far = min(min(max(x0, x1), max(y0, y1)), min(max(z0, z1), self.t[i]));
-            let misses = i32::from(near <= far * SLACK) - 1;
-            // All bits set but the sign: more than any distance.
-            least[i] = near.to_bits() as i32 | (misses & i32::MAX);
-        }
-        let least = least.into_iter().fold(i32::MAX, i32::min);
-        if least == i32::MAX { f32::INFINITY } else { f32::from_bits(least as u32) }
-    }
-
     /// Pushes the children that may hold something, the nearer one last.
     #[inline(always)]
     pub(crate) fn push_children(
         &self,
-        slabs: &Slabs<N>,
+        boxes: &impl Boxes<N>,
         nodes: &[Node],
         child: u32,
         stack: &mut Stack<(u32, f32)>,
     ) {
-        let left = (child, self.entry(slabs, &nodes[child as usize]));
-        let right = (child + 1, self.entry(slabs, &nodes[child as usize + 1]));
+        let left = (child, boxes.entry(self, &nodes[child as usize]));
+        let right = (child + 1, boxes.entry(self, &nodes[child as usize + 1]));
         let (near, far) = if left.1 <= right.1 { (left, right) } else { (right, left) };
         if far.1 < f32::INFINITY {
             stack.push(far);
@@ -206,7 +294,7 @@ impl<const N: usize> Packet<N> {
     }
 
     /// Tests the triangles of one instance.
-    pub(crate) fn visit(&mut self, instance: u32, placed: &Placed<'_>) {
+    pub(crate) fn visit<B: Boxes<N>>(&mut self, instance: u32, placed: &Placed<'_>) {
         let mesh = placed.mesh;
         let origin = placed.rotation.transpose() * (self.origin - placed.translation);
         let lanes = {
@@ -223,17 +311,17 @@ impl<const N: usize> Packet<N> {
             Lanes(lanes)
         };
         let reach = mesh.aabb.min.abs().max(mesh.aabb.max.abs()).max_element();
-        let slabs = lanes.slabs(origin, reach);
+        let boxes = B::new(&lanes, origin, reach);
         let nodes = &mesh.bvh.nodes;
         let mut stack = Stack::new((0u32, 0.0f32));
-        stack.push((0, self.entry(&slabs, &nodes[0])));
+        stack.push((0, boxes.entry(self, &nodes[0])));
         while let Some((index, entry)) = stack.pop() {
             if !self.may_be_closer(entry) {
                 continue;
             }
             let node = &nodes[index as usize];
             if node.child != 0 {
-                self.push_children(&slabs, nodes, node.child, &mut stack);
+                self.push_children(&boxes, nodes, node.child, &mut stack);
                 continue;
             }
             for slot in node.first..node.first + node.count {
@@ -292,9 +380,7 @@ impl<const N: usize> Packet<N> {
             kept |= u32::from(keep);
         }
         if kept != 0 {
-            // Not negative but for lanes without a ray, which are all the same: as whole numbers, as above.
-            let farthest = self.t.iter().fold(i32::MIN, |most, t| most.max(t.to_bits() as i32));
-            self.t_farthest = f32::from_bits(farthest as u32);
+            [_, self.t_farthest] = range(&self.t);
         }
     }
 }

@@ -12,7 +12,7 @@ use schema::geometry::Snapshot;
 
 use crate::bvh::{Bvh, QUICK, Stack};
 use crate::meshes::Meshes;
-use crate::packet::{HitsMut, Packet};
+use crate::packet::{Boxes, Fan, HitsMut, Packet, Slabs};
 use crate::placed::Placed;
 use crate::raster::rasterize;
 
@@ -197,29 +197,38 @@ impl Placement<'_, '_> {
         let rays = out.t.len();
         for at in (0..rays).step_by(N) {
             let mut packet = Packet::<N>::new(batch, first + at);
-            match self.among {
-                Among::Trees(trees) => trees.iter().for_each(|tree| self.walk(tree, &mut packet)),
-                // Few: a tree would cost more than it saves.
-                Among::Some(some) => {
-                    for &instance in some {
-                        if let Some(Some(placed)) = self.placed.get(instance as usize) {
-                            packet.visit(instance, placed);
-                        }
-                    }
-                }
+            if packet.is_narrow() {
+                self.meet::<N, Fan>(&mut packet);
+            } else {
+                self.meet::<N, Slabs<N>>(&mut packet);
             }
             packet.store(N.min(rays - at), at, out);
         }
     }
 
+    /// Follows a packet, which meets boxes by one of the ways to do so.
+    fn meet<const N: usize, B: Boxes<N>>(&self, packet: &mut Packet<N>) {
+        match self.among {
+            Among::Trees(trees) => trees.iter().for_each(|tree| self.walk::<N, B>(tree, packet)),
+            // Few: a tree would cost more than it saves.
+            Among::Some(some) => {
+                for &instance in some {
+                    if let Some(Some(placed)) = self.placed.get(instance as usize) {
+                        packet.visit::<B>(instance, placed);
+                    }
+                }
+            }
+        }
+    }
+
     /// Walks a tree of instances front to back.
-    fn walk<const N: usize>(&self, tree: &Bvh, packet: &mut Packet<N>) {
+    fn walk<const N: usize, B: Boxes<N>>(&self, tree: &Bvh, packet: &mut Packet<N>) {
         let Some(root) = tree.nodes.first() else { return };
         let reach = root.min.abs().max(root.max.abs()).max_element();
         let (origin, lanes) = packet.lanes_local();
-        let slabs = lanes.slabs(origin, reach);
+        let boxes = B::new(&lanes, origin, reach);
         let mut stack = Stack::new((0u32, 0.0f32));
-        stack.push((0, packet.entry(&slabs, root)));
+        stack.push((0, boxes.entry(packet, root)));
         while let Some((index, entry)) = stack.pop() {
             if !packet.may_be_closer(entry) {
                 continue;
@@ -228,11 +237,11 @@ impl Placement<'_, '_> {
             if node.child == 0 {
                 for &instance in &tree.order[node.first as usize..(node.first + node.count) as usize] {
                     if let Some(placed) = &self.placed[instance as usize] {
-                        packet.visit(instance, placed);
+                        packet.visit::<B>(instance, placed);
                     }
                 }
             } else {
-                packet.push_children(&slabs, &tree.nodes, node.child, &mut stack);
+                packet.push_children(&boxes, &tree.nodes, node.child, &mut stack);
             }
         }
     }

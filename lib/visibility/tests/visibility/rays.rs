@@ -48,15 +48,21 @@ proptest! {
     }
 
     #[test]
-    fn packets_are_single_rays_bit_for_bit(number in 0u64..1000, count in 0usize..70) {
+    fn packets_are_single_rays_bit_for_bit(
+        number in 0u64..1000,
+        count in 0usize..70,
+        spread in prop_oneof![Just(0.3_f32), Just(0.01)],
+        along_axis: bool,
+    ) {
         let world = world(number);
         let renderer = prepared(&world);
         let scene = &*renderer.place(&world).unwrap();
         let mut s = stream("packets", number);
         let origin = point(&mut s, 20.0);
-        let towards = unit(&mut s);
+        // About an axis some lanes go up, others down the other two.
+        let towards = if along_axis { Vec3::X } else { unit(&mut s) };
         let directions: Vec<Vec3> =
-            (0..count).map(|_| (towards + unit(&mut s) * 0.3).normalize()).collect();
+            (0..count).map(|_| (towards + unit(&mut s) * spread).normalize()).collect();
         let range_m = [0.5, 80.0];
         let out = trace_all(scene, origin, &directions, range_m);
         for (direction, packet) in directions.iter().zip(out.iter()) {
