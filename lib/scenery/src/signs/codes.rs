@@ -42,23 +42,25 @@ const FIRST_LIGHT: u32 = 1_000_000;
 /// What a signal that does not change says: none where it is no sign (paint, lights that are said not to change). `kind` and
 /// `subtype` are those of the file, `value` its number.
 pub(crate) fn of_signal(kind: &str, subtype: &str, value: Option<f64>, name: &str) -> Option<Meaning> {
-    let plain = plain(name);
-    if kind.eq_ignore_ascii_case("roadmark") || is_paint(&plain) {
+    if kind.eq_ignore_ascii_case("roadmark") || is_paint(&plain(name)) {
         return None;
     }
     // Some files put both into one, with a dash or a dot between them.
     let kind = kind.trim().to_ascii_uppercase();
     let number = kind.parse::<u32>().or_else(|_| kind.replace('.', "").parse());
-    if NO_BOARDS.contains(&kind.as_str()) || number.is_ok_and(|n| n >= FIRST_LIGHT) {
-        return None;
-    }
     let (main, sub) = match kind.split_once(['-', '.']) {
         Some((main, sub)) if main.parse::<u32>().is_ok() => (main, sub),
         _ => (kind.as_str(), subtype.trim()),
     };
+    if NO_BOARDS.contains(&main) || number.is_ok_and(|n| n >= FIRST_LIGHT) {
+        return None;
+    }
     let known =
         german(main, sub, value).or_else(|| american(&kind, value)).or_else(|| swedish(main, sub, value));
-    Some(known.or_else(|| of_name(name)).unwrap_or(Meaning::unknown(OTHER)))
+    match known.or_else(|| of_name(name)) {
+        None if is_crosswalk(&plain(name)) => None,
+        said => Some(said.unwrap_or(Meaning::unknown(OTHER))),
+    }
 }
 
 /// What an object of the map says, if its name is that of a sign. `kind` is its type in the file: signs have none.
@@ -180,17 +182,25 @@ fn plain(name: &str) -> String {
     name.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect()
 }
 
-/// Whether a plain name is that of something on the road.
+/// Whether a plain name is that of something on the road, whatever else it says.
 fn is_paint(plain: &str) -> bool {
-    ["stopline", "stencil", "arrowtype", "crosswalk", "chevronregion", "crosshatch", "sgrm"]
+    ["stopline", "stencil", "arrowtype", "chevronregion", "crosshatch", "sgrm"]
         .iter()
         .any(|word| plain.contains(word))
 }
 
+/// Whether a plain name, if nothing says that it is a sign, is that of stripes on the road.
+fn is_crosswalk(plain: &str) -> bool {
+    plain.contains("crosswalk")
+}
+
 /// Parts of plain names, most telling first, and what they say.
-const NAMES: [(&str, &str); 38] = [
+const NAMES: [(&str, &str); 41] = [
     ("stopforped", "stop_for_pedestrians"),
     ("yieldtoped", "yield_to_pedestrians"),
+    ("onlyatcrosswalk", "cross_only_at_crosswalk"),
+    ("signcrosswalk", "pedestrian_crossing"),
+    ("crosswalkahead", "pedestrian_crossing"),
     ("busstop", "bus_stop_no_parking"),
     ("nostopping", "no_standing"),
     ("nostanding", "no_standing"),
@@ -232,14 +242,9 @@ const NAMES: [(&str, &str); 38] = [
 /// What a sign says by its name; none where it says nothing.
 fn of_name(name: &str) -> Option<Meaning> {
     let plain = plain(name);
-    // One of CARLA's towns writes it with two p. Numbers behind the first one tell apart files.
-    let small = name.to_ascii_lowercase();
-    if let Some(at) = ["speed", "spped"].iter().find_map(|word| small.find(word)) {
-        let digits = small[at..].chars().skip_while(|c| !c.is_ascii_digit());
-        let digits: String = digits.take_while(char::is_ascii_digit).collect();
+    if let Some(kph) = limit_of_name(name) {
         // The published set has the plain word where only the name has a number.
-        return (!digits.is_empty())
-            .then(|| Meaning { value: digits.parse().ok(), ..Meaning::of("speed_limit") });
+        return Some(Meaning { value: Some(kph), ..Meaning::of("speed_limit") });
     }
     if let Some((_, word)) = NAMES.iter().find(|(part, _)| plain.contains(part)) {
         return Some(Meaning::of(word));
@@ -249,6 +254,21 @@ fn of_name(name: &str) -> Option<Meaning> {
     }
     let is_stop = ["signstop", "stopsign"].iter().any(|part| plain.contains(part));
     is_stop.then(|| Meaning::of("stop"))
+}
+
+/// The number of a speed limit that a name is about, as `Speed_30` or `SpeedLimit60Assembly`. Other things have speed in their names,
+/// too, and counters behind them.
+fn limit_of_name(name: &str) -> Option<f64> {
+    const BETWEEN: [&str; 6] = ["", "limit", "sign", "limitsign", "highest", "max"];
+    let small = name.to_ascii_lowercase();
+    // One of CARLA's towns writes it with two p.
+    let (_, rest) = ["speed", "spped"].iter().find_map(|word| small.split_once(word))?;
+    let (words, rest) = rest.split_at(rest.find(|c: char| c.is_ascii_digit())?);
+    // Numbers behind the first one tell apart files.
+    let digits = rest.split(|c: char| !c.is_ascii_digit()).next()?;
+    let number =
+        digits.parse::<u32>().ok().filter(|n| !digits.starts_with('0') && n % 5 == 0 && *n <= 150)?;
+    BETWEEN.contains(&plain(words).as_str()).then(|| f64::from(number))
 }
 
 #[cfg(test)]
@@ -281,6 +301,15 @@ mod tests {
             ("1000003", "-1", 4.0, "SgRMCrosswalk-2Lanes-4m.flt", None),
             ("1.000.011", "10", 0.0, "", None),
             ("-1", "-1", 0.0, "SgRMArrowLeft.flt", None),
+            ("294-10", "", 0.0, "", None),
+            ("299.1", "", 0.0, "", None),
+            ("295", "10", 0.0, "", None),
+            ("", "", 0.0, "SimpleCrosswalk", None),
+            ("-1", "-1", -1.0, "Stencil_SchoolZone", None),
+            // Names of crosswalks that are those of signs.
+            ("350", "10", 0.0, "Sign_Crosswalk_3", Some(("pedestrian_crossing", "sign.crossing", 0.0))),
+            ("R1-5", "", 0.0, "YieldAtCrosswalk", Some(("yield_to_pedestrians", "sign.info", 0.0))),
+            ("-1", "", 0.0, "CrossOnlyAtCrosswalk", Some(("cross_only_at_crosswalk", "sign.info", 0.0))),
             // The German catalogue.
             ("101", "11", 0.0, "", Some(("pedestrian_crossing", "sign.crossing", 0.0))),
             ("101", "", 0.0, "", Some(("", "sign.warning", 0.0))),
@@ -334,6 +363,19 @@ mod tests {
             ("-1", "MichiganTurnAssembly", Some(("michigan_left", 0.0))),
             ("-1", "LaneR_L0_Assembly", Some(("lane_reduction", 0.0))),
             ("-1", "LaneR_L3Assembly", Some(("lane_reduction", 0.0))),
+            ("-1", "Sign_Crosswalk_01", Some(("pedestrian_crossing", 0.0))),
+            ("-1", "Sign_Speed_Limit_100_2", Some(("speed_limit", 100.0))),
+            ("-1", "speed_highest_70", Some(("speed_limit", 70.0))),
+            // Other things with speed in their names, and counters.
+            ("-1", "SpeedBump_01", None),
+            ("-1", "SpeedBump_10", None),
+            ("-1", "SpeedCamera_3", None),
+            ("-1", "SpeedCamera30", None),
+            ("-1", "SpeedSign_01", None),
+            ("-1", "Speed_Sign_3", None),
+            ("-1", "speed_lowest_50", None),
+            ("-1", "LineMultipleSpeeds", None),
+            ("-1", "PhotoEnforced_Speed", Some(("photo_enforced", 0.0))),
             // Posts, paint and other things.
             ("-1", "SignPost_10ft", None),
             ("-1", "Signal_Post_17ft", None),
