@@ -21,6 +21,7 @@ use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ParquetRecordBatchReaderBuilder};
 use parquet::file::properties::WriterProperties;
 use rayon::prelude::*;
+use serde_json::Value;
 
 /// Frames that are looked at: every fifth one.
 const FRAME: usize = 5;
@@ -657,6 +658,12 @@ const OF_SELDOM: &[Plant] = &[
     ("calibration", "says every_n_frames is 1", |store| {
         let faster = |note: String| note.replace("\"every_n_frames\":2", "\"every_n_frames\":1");
         edit(&sensor(store, "LIDAR"), |_, rows| vec![rows], faster);
+    }),
+    ("observed", "no lidar sweeps, so that", |store| {
+        let path = store.join("dataset.json");
+        let mut dataset: Value = serde_json::from_slice(&fs::read(&path).expect("reads")).expect("is JSON");
+        dataset["config"]["vehicle_rig"]["lidars"][0]["every_n_frames"] = 3.into();
+        rewrite(&path, dataset.to_string().as_bytes());
     }),
     ("calibration", "the lens is", |store| {
         edit(&sensor(store, "IST-CAM_BENT"), |_, rows| vec![rows], |note| note.replace("-0.28", "-0.27"));

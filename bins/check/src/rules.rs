@@ -51,7 +51,7 @@ rules! {
     FlowIds "flow ids": "a pixel amid its object, moved back by its flow, finds it within 1 pixel in the previous frame, or something nearer, for half of an object, which may be a fence",
     VoxelPoints "voxels": "a return without noise lies in a voxel of its tag, or of one that goes before it, within 5 mm",
     VoxelFill "filling": "filled grids hold every voxel of the unfilled ones, and more only there",
-    Observed "observed": "cells of the lidars' returns are occupied and no others (edges within 1 mm either way), those on a ray's way are not unobserved, free ones are on a ray's way (samples of both)",
+    Observed "observed": "a lidar sweeps at every frame that has a grid; cells of the lidars' returns are occupied and no others (edges within 1 mm either way), those on a ray's way are not unobserved, free ones are on a ray's way (samples of both)",
     BevObjects "bev objects": "an object's cells lie in the footprint of a box with its tag and half a cell's diagonal and 0.1 m around it",
     BevPresent "bev presence": "a box on the agent's own ground has a cell in its footprint and a cell around it",
     BevGround "bev ground": "returns from roads and sidewalks lie on cells of their class or within 1.5 cells of one",

@@ -58,8 +58,11 @@ impl Observed {
             }
         });
         let Some(seen) = ledger.read(read) else { return };
-        let rays: Vec<Ray> =
-            clouds.iter().filter(|c| c.ranger.kind == Kind::Lidar).flat_map(rays_of).collect();
+        let sweeps: Vec<_> = clouds.iter().filter(|c| c.ranger.kind == Kind::Lidar).collect();
+        ledger.expect(Rule::Observed, !sweeps.is_empty(), || {
+            format!("frame {frame}: no lidar sweeps, so that nothing is observed")
+        });
+        let rays: Vec<Ray> = sweeps.into_iter().flat_map(rays_of).collect();
 
         let mut near_returns = HashSet::new();
         for ray in &rays {

@@ -122,3 +122,29 @@ fn the_shipped_rigs_are_read() {
     );
     assert!(cameras.iter().all(|c| c.optics.cx != 800.0) && !nuscenes.vehicle_occupancy.enabled);
 }
+
+#[test]
+fn a_lidar_sweeps_whenever_there_is_a_grid_of_what_was_seen() {
+    let with = |lidars: &str, every: u32| {
+        let grid = format!("[vehicle.occupancy]\nobserved = true\nevery_n_frames = {every}\n");
+        with_rig(&format!("{grid}{lidars}"), "").map(|all| all.vehicle_occupancy.every_n_frames)
+    };
+    let at = |every: u32| format!("[vehicle.lidar]\nevery_n_frames = {every}\n");
+    assert_eq!(with(&at(2), 4), Ok(4));
+    assert_eq!(with(&at(5), 5), Ok(5));
+    let fault = with(&at(2), 1).expect_err("half of the grids would be empty");
+    assert_eq!(
+        fault,
+        "config.toml:5: `vehicle.occupancy.every_n_frames` (1) is no multiple of `vehicle.lidar.every_n_frames` (LIDAR: 2): \
+         there is no sweep at some frames for `vehicle.occupancy.observed`\n"
+    );
+    // Two of three frames have a sweep of one or the other; a third lidar has one at all of them.
+    let second = "[[vehicle.lidars]]\nname = \"B\"\nevery_n_frames = 3\n";
+    let fault = with(&format!("{}{second}", at(2)), 1).expect_err("frames 1, 5, 7, ... have none");
+    assert!(fault.contains("(LIDAR: 2, B: 3)"), "{fault}");
+    let third = "[[vehicle.lidars]]\nname = \"C\"\n";
+    assert_eq!(with(&format!("{}{second}{third}", at(2)), 1), Ok(1));
+    // One with labels does not help.
+    let labelled = "[vehicle.lidar]\nevery_n_frames = 2\nsemantic = true\nsemantic_every_n_frames = 1\n";
+    assert!(with(labelled, 1).is_err());
+}

@@ -359,12 +359,13 @@ fn occupancy(parent: &Section<'_>, rig: &Rig) -> OccupancySettings {
         observed: s.flag(
             "observed",
             d.observed,
-            "write which cells the agent's lidars saw free, occupied or not at all (`occupancy_observed/`)",
+            "write which cells the agent's lidars saw free, occupied or not at all (`occupancy_observed/`); one of them must \
+             sweep at every frame that has a grid",
         ),
         every_n_frames: every_n_frames(&s, "grids are made"),
     };
-    if settings.observed && !rig.lidars.iter().any(|lidar| !lidar.semantic) {
-        s.fault_at("observed", format!("`{}` needs a lidar without labels", s.path_of("observed")));
+    if settings.observed {
+        check_observers(parent, &s, rig, settings.every_n_frames);
     }
     if settings.lower_m >= settings.upper_m {
         s.fault_at_any(&["lower_m", "upper_m"], format!("`{}` is not below upper_m", s.path_of("lower_m")));
@@ -373,6 +374,25 @@ fn occupancy(parent: &Section<'_>, rig: &Rig) -> OccupancySettings {
         s.fault_at_any(&keys, format!("`{}`: {problem}", s.path()));
     }
     settings
+}
+
+/// Grids of what lidars saw are at frames 0, n, 2 n, ...: one lidar must sweep at all of them. (Several that each miss some of them
+/// miss some together: every n times a number that shares no divisor with their rates.)
+fn check_observers(parent: &Section<'_>, s: &Section<'_>, rig: &Rig, every_n_frames: u32) {
+    let plain: Vec<&LidarSpec> = rig.lidars.iter().filter(|lidar| !lidar.semantic).collect();
+    if plain.is_empty() {
+        s.fault_at("observed", format!("`{}` needs a lidar without labels", s.path_of("observed")));
+    } else if !plain.iter().any(|lidar| every_n_frames.is_multiple_of(lidar.every_n_frames)) {
+        let rates: Vec<String> = plain.iter().map(|l| format!("{}: {}", l.name, l.every_n_frames)).collect();
+        let problem = format!(
+            "`{}` ({every_n_frames}) is no multiple of `{}.every_n_frames` ({}): there is no sweep at some frames for `{}`",
+            s.path_of("every_n_frames"),
+            parent.path_of("lidar"),
+            rates.join(", "),
+            s.path_of("observed")
+        );
+        s.fault_at_any(&["every_n_frames", "observed"], problem);
+    }
 }
 
 fn sweeps(s: &Section<'_>, d: &SweepSettings) -> SweepSettings {
