@@ -14,7 +14,11 @@ pub(super) fn check(bench: &Bench) {
     let (other, outcome) = export(bench, "mcap", "mcap_one", &[&args[..], &["1"]].concat());
     outcome.expect_done();
     assert_eq!(digests(&dest), digests(&other));
-    check_in_python("exports/mcap.py", &["numpy", "pyarrow", "PIL"], &[&bench.store(), &dest, Path::new("depth")]);
+    check_in_python(
+        "exports/mcap.py",
+        &["numpy", "pyarrow", "PIL"],
+        &[&bench.store(), &dest, Path::new("depth")],
+    );
     let (_, refused) = export(bench, "mcap", "none", &["--voxel-range", "-1"]);
     assert!(refused.code == 2 && refused.stderr.contains("-1 m"), "{}", refused.stderr);
 }

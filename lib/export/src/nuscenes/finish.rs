@@ -17,7 +17,7 @@ use super::rig::sensor_token;
 use super::rows::{BOX_STEPS, POSE_STEPS, Row, rounded, token};
 use super::unit::{Fragment, ground};
 use super::words::{ATTRIBUTES, CATEGORIES, VISIBILITIES};
-use crate::place::ExportFile;
+use crate::ExportFile;
 use crate::{ExportError, Source, UnitFiles};
 
 /// A table that is being written, row by row.
