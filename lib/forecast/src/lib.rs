@@ -22,9 +22,9 @@ mod bytes {
 /// Seconds of one core, from the table of docs/performance.md (two cores) and the demo dataset's stages: good within a
 /// factor of two.
 mod core_seconds {
-    pub(super) const VISIBILITY_PX: f64 = 41e-9;
-    pub(super) const BEV_CELL: f64 = 110e-9;
-    pub(super) const VOXEL: f64 = 3.8e-9;
+    pub(super) const VISIBILITY_PX: f64 = 30e-9;
+    pub(super) const BEV_CELL: f64 = 41e-9;
+    pub(super) const VOXEL: f64 = 1.9e-9;
     /// Simulation, snapshot, shadow maps, boxes, tracks, writing.
     pub(super) const AGENT_FRAME: f64 = 0.3;
 }
@@ -325,7 +325,7 @@ mod tests {
           radar readings                 3,600  150.14 MB
           voxel grids                    2,400    2.95 GB
         about 7.28 GB on disk
-        about 0.8 core-hours: 0.2 hours on 4 cores, without a GPU
+        about 0.6 core-hours: 0.2 hours on 4 cores, without a GPU
         ");
     }
 }
