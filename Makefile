@@ -22,7 +22,7 @@ EVERY_ARG   = $(if $(EVERY),--every $(EVERY))
 SEED_ARG    = $(if $(SEED),--seed $(SEED))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset forecast stage scene-video stats status verify check export town towns town-pictures check-towns traffic-report build test soak lint bench bench-kernels docs help
+.PHONY: dataset forecast stage scene-video stats status verify check export devkit check-devkit town towns town-pictures check-towns traffic-report build test soak lint bench bench-kernels docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
@@ -30,7 +30,8 @@ help:
 	@echo "make stage STAGE=render-sensors [SCENES=3,7-9] [FORCE=1]"
 	@echo "make status | stats | verify        (same CONFIG and STORE)"
 	@echo "make check [STORE=dataset] [SCENES=3,7-9] [EVERY=10]    (labels against each other; EVERY: some frames only)"
-	@echo "make export FORMAT=kitti|mcap DEST=folder [STORE=dataset] [SCENES=] [SPLIT=] [ARGS=]    (docs/exports.md; ARGS=--dry-run first)"
+	@echo "make export FORMAT=kitti|mcap|nuscenes DEST=folder [STORE=dataset] [SCENES=] [SPLIT=] [ARGS=]    (docs/exports.md; ARGS=--dry-run first)"
+	@echo "make check-devkit [STORE=dataset] [SCENES=0,1] [DEST=pictures]    (nuscenes-devkit on an export of it)"
 	@echo "make town NAME=convoy/demo [SEED=7] [DEST=folder]       (a road network of our own, with its picture)"
 	@echo "make towns DEST=folder                                  (all of them)"
 	@echo "make scene-video SCENE=0 [STORE=dataset] [OUT=film.png] (a scene's log from above, animated)"
@@ -71,6 +72,22 @@ check: build
 export: build
 	@test -n "$(FORMAT)" -a -n "$(DEST)" || { echo "say which and where: make export FORMAT=kitti DEST=folder"; exit 2; }
 	$(BIN)/export $(FORMAT) --store $(STORE) --dest $(DEST) $(SCENES_ARG) $(if $(SPLIT),--split $(SPLIT)) $(THREADS_ARG) $(ARGS)
+
+# nuscenes-devkit in an environment of its own: it wants a numpy before 2.
+DEVKIT ?= target/devkit
+devkit: $(DEVKIT)/bin/python3
+$(DEVKIT)/bin/python3:
+	$(PYTHON) -m venv $(DEVKIT)
+	$(DEVKIT)/bin/pip install --quiet nuscenes-devkit || { rm -rf $(DEVKIT); exit 1; }
+
+# Exports a store to nuscenes' layout, holds it against the store, opens, draws and evaluates it with nuscenes-devkit:
+# make check-devkit STORE=dataset [SCENES=0,1] [DEST=folder for the pictures]
+check-devkit: build devkit
+	folder=$$(mktemp -d) && \
+		$(BIN)/export nuscenes --store $(STORE) --dest $$folder/export $(SCENES_ARG) $(THREADS_ARG) && \
+		{ $(PYTHON) tests/exports/nuscenes.py $(STORE) $$folder/export || test $$? -eq 77; } && \
+		{ $(DEVKIT)/bin/python3 tests/exports/nuscenes_devkit.py $$folder/export $(or $(DEST),$$folder/pictures) || test $$? -eq 77; }; \
+		code=$$?; rm -rf $$folder; exit $$code
 
 # One of our towns as OpenDRIVE, with a picture.
 town: build

@@ -112,7 +112,24 @@ voxel_m = 0.5
 /// It finds something wrong, or there is no Python with these packages and `CONVOY_REQUIRE` names it.
 #[track_caller]
 pub fn check_in_python(script: &str, packages: &[&str], args: &[&Path]) {
-    let Some(python) = testkit::python(packages) else { return };
+    if let Some(python) = testkit::python(packages) {
+        check_by(&python, script, args);
+    }
+}
+
+/// The same, by an interpreter that has nuscenes-devkit.
+///
+/// # Panics
+/// It finds something wrong, or there is no such interpreter and `CONVOY_REQUIRE` names `devkit`.
+#[track_caller]
+pub fn check_in_devkit(script: &str, args: &[&Path]) {
+    if let Some(python) = testkit::devkit() {
+        check_by(&python, script, args);
+    }
+}
+
+#[track_caller]
+fn check_by(python: &str, script: &str, args: &[&Path]) {
     let output = Command::new(python).arg(workspace().join("tests").join(script)).args(args).output();
     let outcome = Outcome::of(&output.expect("Python starts"));
     if outcome.code == 77 {

@@ -13,15 +13,18 @@ pub enum Need {
     Maps,
     /// Python with packages; the word is `python`.
     Python,
+    /// nuscenes-devkit in an environment of its own; the word is `devkit`.
+    Devkit,
 }
 
 impl Need {
-    const ALL: [Self; 2] = [Self::Maps, Self::Python];
+    const ALL: [Self; 3] = [Self::Maps, Self::Python, Self::Devkit];
 
     fn word(self) -> &'static str {
         match self {
             Self::Maps => "maps",
             Self::Python => "python",
+            Self::Devkit => "devkit",
         }
     }
 }
@@ -42,7 +45,7 @@ pub fn skip(need: Need, missing: &str) {
 fn is_required(need: Need, list: &str) -> bool {
     let words: Vec<&str> = list.split(',').map(str::trim).filter(|w| !w.is_empty()).collect();
     let known = |word: &&str| Need::ALL.iter().any(|n| n.word() == *word);
-    assert!(words.iter().all(known), "{REQUIRE}={list}: expected words out of maps, python");
+    assert!(words.iter().all(known), "{REQUIRE}={list}: expected words out of maps, python, devkit");
     words.contains(&need.word())
 }
 
@@ -65,6 +68,24 @@ pub fn python(packages: &[&str]) -> Option<String> {
     None
 }
 
+/// An interpreter with nuscenes-devkit (`CONVOY_DEVKIT`, else that of the folder that `make devkit` makes); else a note that
+/// the test is skipped and `None`. The package wants a numpy before 2, which other tests do not.
+///
+/// # Panics
+/// There is none, and `CONVOY_REQUIRE` names `devkit`.
+#[must_use]
+#[track_caller]
+pub fn devkit() -> Option<String> {
+    let made = concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/devkit/bin/python3");
+    let python = std::env::var("CONVOY_DEVKIT").unwrap_or_else(|_| made.to_owned());
+    let found = Command::new(&python).args(["-c", "import nuscenes"]).output();
+    if found.is_ok_and(|output| output.status.success()) {
+        return Some(python);
+    }
+    skip(Need::Devkit, &format!("there is no {python} with nuscenes-devkit (make devkit)"));
+    None
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -72,14 +93,14 @@ mod tests {
     #[test]
     fn what_is_named_is_required_and_nothing_else() {
         let both = |list| Need::ALL.map(|need| is_required(need, list));
-        assert_eq!(both(""), [false, false]);
-        assert_eq!(both("maps"), [true, false]);
-        assert_eq!(both(" python,"), [false, true]);
-        assert_eq!(both("python, maps"), [true, true]);
+        assert_eq!(both(""), [false, false, false]);
+        assert_eq!(both("maps"), [true, false, false]);
+        assert_eq!(both(" python,"), [false, true, false]);
+        assert_eq!(both("devkit,python, maps"), [true, true, true]);
     }
 
     #[test]
-    #[should_panic(expected = "CONVOY_REQUIRE=map: expected words out of maps, python")]
+    #[should_panic(expected = "CONVOY_REQUIRE=map: expected words out of maps, python, devkit")]
     fn a_misspelt_need_does_not_pass() {
         is_required(Need::Maps, "map");
     }

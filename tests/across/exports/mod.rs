@@ -2,6 +2,7 @@
 
 mod kitti;
 mod mcap;
+mod nuscenes;
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -32,6 +33,7 @@ fn every_layout_reads_back() {
     a_destination_is_gone_on_with(&bench);
     kitti::check(&bench);
     mcap::check(&bench);
+    nuscenes::check(&bench);
 }
 
 /// However an export is made, its bytes are the same; what is there is kept, what is damaged made again, what is somebody

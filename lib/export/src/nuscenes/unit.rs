@@ -32,7 +32,7 @@ pub(crate) struct Fragment {
     pub(crate) map: String,
     pub(crate) scene_name: String,
     pub(crate) log_token: String,
-    /// Frame, time (microseconds) and token of each sample.
+    /// Frame, moment of the scene (microseconds) and token of each sample.
     pub(crate) samples: Vec<(u32, u64, String)>,
     /// Channels with their modalities.
     pub(crate) channels: Vec<(String, String)>,
@@ -113,7 +113,7 @@ pub(crate) fn write(
     let boxes = annotations.bounds();
     unit.rows.extend(annotations.finish());
     let rows = unit.put_rows()?;
-    let samples = unit.samples.iter().map(|f| (*f, unit.time_us(*f), unit.sample_token(*f))).collect();
+    let samples = unit.samples.iter().map(|f| (*f, unit.moment_us(*f), unit.sample_token(*f))).collect();
     let way = unit.poses.iter().map(|pose| [pose.xyz_m[0], pose.xyz_m[1]]);
     Ok(Fragment {
         split: info.split.clone(),
@@ -154,9 +154,17 @@ impl Unit<'_, '_> {
         self.token(&format!("pose {frame}"))
     }
 
-    fn time_us(&self, frame: u32) -> u64 {
+    /// When a frame is, microseconds since 1970, for all agents of the scene.
+    fn moment_us(&self, frame: u32) -> u64 {
         let time_s = self.poses.get(frame as usize).map_or(0.0, |pose| pose.time_s);
         EPOCH_US + u64::from(self.scene.number()) * SCENE_US + (time_s * 1e6).round() as u64
+    }
+
+    /// The same for this agent: devkits sort scenes by their time and fail where two begin at the same.
+    fn time_us(&self, frame: u32) -> u64 {
+        let name = self.agent.to_string();
+        let place = self.scene.info().agents.iter().position(|own| own.agent == name);
+        self.moment_us(frame) + place.unwrap_or_default() as u64
     }
 
     fn fault(&self, frame: Option<u32>, problem: String) -> ExportError {
