@@ -1,4 +1,4 @@
-//! The boxes of an agent, frame by frame, with what its sensors saw of each.
+//! The boxes of an agent or of all, frame by frame, with what its sensors saw of each.
 
 use schema::AgentId;
 use schema::table::{Framed, Row};
@@ -16,11 +16,11 @@ pub struct LabelledBox {
     pub seen: Option<ValidBoxRow>,
 }
 
-/// The boxes of an agent, in frame order. A few thousand rows are in memory at a time.
+/// The boxes of an agent, or of all of them, in frame order. A few thousand rows are in memory at a time.
 pub struct BoxFrames {
     boxes: Rows<BoxRow>,
     seen: Option<Rows<ValidBoxRow>>,
-    agent: String,
+    agent: Option<String>,
     held: Option<LabelledBox>,
 }
 
@@ -30,8 +30,16 @@ impl BoxFrames {
     /// # Errors
     /// A stage has not made its part, or a table is not as its manifest says.
     pub fn open(scene: &SceneReader, agent: AgentId, seen: bool) -> Result<Self, SceneError> {
+        Ok(Self { agent: Some(agent.to_string()), ..Self::open_all(scene, seen)? })
+    }
+
+    /// Opens the boxes of all agents, likewise: a frame has those of one after those of another.
+    ///
+    /// # Errors
+    /// As [`BoxFrames::open`].
+    pub fn open_all(scene: &SceneReader, seen: bool) -> Result<Self, SceneError> {
         let seen = if seen { Some(Rows::open(scene)?) } else { None };
-        Ok(Self { boxes: Rows::open(scene)?, seen, agent: agent.to_string(), held: None })
+        Ok(Self { boxes: Rows::open(scene)?, seen, agent: None, held: None })
     }
 
     /// The boxes of a frame. Frames must be asked for in ascending order; those between are passed over.
@@ -58,7 +66,7 @@ impl BoxFrames {
         }
     }
 
-    /// The agent's next row.
+    /// The next row that is wanted.
     fn next_row(&mut self) -> Result<Option<LabelledBox>, SceneError> {
         while let Some(raw) = self.boxes.next_row()? {
             let seen = match &mut self.seen {
@@ -74,7 +82,7 @@ impl BoxFrames {
                     }
                 }
             };
-            if raw.agent == self.agent {
+            if self.agent.as_ref().is_none_or(|agent| *agent == raw.agent) {
                 return Ok(Some(LabelledBox { raw, seen }));
             }
         }

@@ -83,9 +83,14 @@ impl Source {
     /// # Errors
     /// It is not there, or no JSON.
     pub fn dataset(&self) -> Result<serde_json::Value, ExportError> {
-        let path = self.store.location(keys::DATASET);
-        let bytes = self.store.read(keys::DATASET)?;
-        let bytes = bytes.ok_or_else(|| ExportError::Refused(format!("{path}: is missing")))?;
-        serde_json::from_slice(&bytes).map_err(|e| ExportError::Refused(format!("{path}: {e}")))
+        dataset(&self.store)
     }
+}
+
+/// The configuration that a store was made from, as `dataset.json` has it.
+pub(crate) fn dataset(store: &Store) -> Result<serde_json::Value, ExportError> {
+    let path = store.location(keys::DATASET);
+    let bytes = store.read(keys::DATASET)?;
+    let bytes = bytes.ok_or_else(|| ExportError::Refused(format!("{path}: is missing")))?;
+    serde_json::from_slice(&bytes).map_err(|e| ExportError::Refused(format!("{path}: {e}")))
 }

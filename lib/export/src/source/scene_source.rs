@@ -73,6 +73,12 @@ impl SceneSource {
         self.selection.frames(self.info.frames)
     }
 
+    /// Frames 0, n, 2 n, ... are wanted.
+    #[must_use]
+    pub fn every_n_frames(&self) -> u32 {
+        self.selection.every_n_frames.max(1)
+    }
+
     /// How many frames are wanted.
     #[must_use]
     pub fn frame_count(&self) -> u32 {
@@ -153,6 +159,14 @@ impl SceneSource {
     /// As [`BoxFrames::open`].
     pub fn boxes(&self, agent: AgentId) -> Result<BoxFrames, ExportError> {
         Ok(BoxFrames::open(&self.reader, agent, self.has(ValidBoxRow::STAGE))?)
+    }
+
+    /// The boxes of all agents of the scene, wanted or not, likewise.
+    ///
+    /// # Errors
+    /// As [`BoxFrames::open`].
+    pub fn boxes_of_all(&self) -> Result<BoxFrames, ExportError> {
+        Ok(BoxFrames::open_all(&self.reader, self.has(ValidBoxRow::STAGE))?)
     }
 
     /// An agent's arrays of a kind.
