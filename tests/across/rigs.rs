@@ -120,6 +120,7 @@ fn shipped_rigs_render_a_frame() {
         ("vehicle", "rsu", "simbev2x-vehicle", 6, 7),
         ("rsu", "vehicle", "simbev2x-rsu", 3, 2),
         ("vehicle", "rsu", "opv2v", 4, 3),
+        ("rsu", "vehicle", "opv2v-rsu", 4, 1),
         ("vehicle", "rsu", "nuscenes", 6, 8),
     ] {
         let path = rigs.join(format!("{rig}.toml"));

@@ -1,5 +1,6 @@
 //! Rigs: files that configurations name, cameras and their lenses.
 
+use schema::ImageKind;
 use schema::settings::{DatasetSettings, Lens, Optics, Rig};
 
 use super::{Fault, example_settings, load, parse};
@@ -114,6 +115,26 @@ fn the_shipped_rigs_are_read() {
     // 800 / (2 tan 50 degrees), as OPV2V's files have it.
     assert!(opv2v.cameras.iter().all(|c| (c.optics.fx - 335.64).abs() < 0.01 && c.optics.height == 600));
     assert_eq!((opv2v.cameras.len(), opv2v.radars.len(), opv2v.lidars[0].every_n_frames), (4, 0, 2));
+    // Ahead, right, left, back; where OPV2V has y to the right, ours is to the left.
+    let places = [[2.5, 0.0, 1.0], [0.0, -0.3, 1.8], [0.0, 0.3, 1.8], [-2.0, 0.0, 1.5]];
+    let yaws_deg = [0.0, -100.0, 100.0, 180.0];
+    for (number, camera) in opv2v.cameras.iter().enumerate() {
+        assert_eq!((camera.name.as_str(), camera.mount.xyz_m), (&*format!("camera{number}"), places[number]));
+        let [roll, pitch, yaw] = camera.mount.rpy_rad.map(frames::to_deg);
+        assert!(roll == 0.0 && pitch == 0.0 && (yaw - yaws_deg[number]).abs() < 1e-9, "{camera:?}");
+    }
+    let lidar = &opv2v.lidars[0];
+    let scan_deg = [lidar.scan.upper_rad, lidar.scan.lower_rad].map(|v| frames::to_deg(v).round());
+    assert_eq!((lidar.mount.xyz_m, lidar.scan.channels, lidar.range_m), ([-0.5, 0.0, 1.9], 64, 120.0));
+    assert_eq!((scan_deg, opv2v.camera.images.has(ImageKind::Instance)), ([2.0, -25.0], true));
+    // The RSU's look down, with the nose 35 degrees below the horizon.
+    let rsu = of("opv2v-rsu").rsu_rig;
+    assert_eq!((rsu.cameras.len(), rsu.radars.len(), &rsu.lidars[0].scan), (4, 0, &lidar.scan));
+    for (camera, yaw_deg) in rsu.cameras.iter().zip(yaws_deg) {
+        let [roll, pitch, yaw] = camera.mount.rpy_rad.map(frames::to_deg);
+        assert!(roll == 0.0 && (pitch - 35.0).abs() < 1e-9 && (yaw - yaw_deg).abs() < 1e-9, "{camera:?}");
+        assert_eq!((&camera.optics, camera.mount.xyz_m[2]), (&opv2v.cameras[0].optics, 3.0));
+    }
     let nuscenes = of("nuscenes");
     let Rig { cameras, radars, lidars, .. } = &nuscenes.vehicle_rig;
     assert_eq!(
