@@ -7,6 +7,7 @@ pub mod kitti;
 mod layout;
 pub mod mcap;
 pub mod nuscenes;
+pub mod opv2v;
 mod picture;
 mod place;
 mod run;

@@ -3,6 +3,7 @@
 mod kitti;
 mod mcap;
 mod nuscenes;
+mod opv2v;
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -34,6 +35,7 @@ fn every_layout_reads_back() {
     kitti::check(&bench);
     mcap::check(&bench);
     nuscenes::check(&bench);
+    opv2v::check(&bench);
 }
 
 /// However an export is made, its bytes are the same; what is there is kept, what is damaged made again, what is somebody

@@ -3,6 +3,7 @@
 mod kitti;
 mod mcap;
 mod nuscenes;
+mod opv2v;
 
 use clap::Subcommand;
 use export_core::{ExportError, Layout};
@@ -19,6 +20,10 @@ pub(crate) enum LayoutCommand {
     /// nuScenes 1.x, as nuscenes-devkit reads it: a scene of it for every agent of a scene.
     #[command(name = "nuscenes")]
     NuScenes(nuscenes::NuScenesArgs),
+    /// OPV2V, for OpenCOOD, HEAL and CoBEVT: scenarios of vehicles and an RSU.
+    Opv2v(opv2v::Opv2vArgs),
+    /// V2X-Real: scenarios of vehicles and any number of RSUs.
+    V2xReal(opv2v::V2xRealArgs),
 }
 
 impl LayoutCommand {
@@ -31,6 +36,8 @@ impl LayoutCommand {
             Self::Kitti(args) => Ok(args.split()),
             Self::Mcap(args) => args.split(),
             Self::NuScenes(args) => Ok(args.split()),
+            Self::Opv2v(args) => Ok(args.split()),
+            Self::V2xReal(args) => Ok(args.split()),
         }
     }
 }

@@ -1,0 +1,274 @@
+//! The layouts of OPV2V (OpenCOOD, HEAL, CoBEVT) and V2X-Real: scenarios of agents, a YAML, a cloud and four pictures a frame.
+//!
+//! ```text
+//! OPV2V/{train,validate,test}/scene_NNNN/data_protocol.yaml
+//! OPV2V/{train,validate,test}/scene_NNNN/AGENT/FFFFFF.{yaml,json,pcd}  _camera0.png .. _camera3.png
+//!     FFFFFF_bev_{dynamic,static,lane,visibility,visibility_corp}.png
+//! OPV2V_Hetero/{train,validate,test}/scene_NNNN/AGENT/FFFFFF_{32,16}.pcd  FFFFFF_depth0.png .. 3
+//! heter_modality_assign.json  hypes/
+//! ```
+//!
+//! V2X-Real: below `V2X-Real/`, clouds are `FFFFFF.bin`, objects have an `obj_type`, and there is nothing more.
+
+mod bev;
+mod clouds;
+mod crew;
+mod finish;
+mod handed;
+mod lanes;
+mod record;
+mod unit;
+mod vehicles;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use frames::{Agent, Optical, Pose, Sensor, flu_from_optical};
+use scene::{SensorEntry, SensorKind};
+use schema::arrays::BEV_MASKS;
+use schema::scene_info::LOG_STAGE;
+use schema::table::Row;
+use schema::tables::{LidarRow, ValidBoxRow};
+use schema::{DetectionClass, ImageKind};
+
+use crate::{Cost, ExportError, Layout, Omission, SceneSource, Source, UnitFiles, UnitName};
+use bev::RoadChannel;
+use crew::{Crew, Member};
+
+/// Which of the two layouts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variant {
+    /// OPV2V with what HEAL and CoBEVT add.
+    Opv2v,
+    /// V2X-Real.
+    V2xReal,
+}
+
+impl Variant {
+    /// Folder of the splits.
+    fn folder(self) -> &'static str {
+        match self {
+            Self::Opv2v => "OPV2V",
+            Self::V2xReal => "V2X-Real",
+        }
+    }
+
+    /// The classes of the boxes that are listed unless others are named.
+    fn usual_classes(self) -> Vec<DetectionClass> {
+        use DetectionClass::{Bicycle, Bus, Car, Motorcycle, Pedestrian, Truck};
+        match self {
+            Self::Opv2v => vec![Car, Truck, Bus],
+            Self::V2xReal => vec![Car, Truck, Bus, Pedestrian, Motorcycle, Bicycle],
+        }
+    }
+}
+
+/// What users say.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Which of the two layouts.
+    pub variant: Variant,
+    /// Classes of the boxes that are listed.
+    pub classes: Vec<DetectionClass>,
+    /// OPV2V: whether RSUs after the first get positive ids instead of being left out.
+    pub all_rsus: bool,
+    /// The lidar, of agents with several: `LIDAR`, or the first by name.
+    pub lidar: Option<String>,
+    /// The cameras 0 to 3 by name: `camera0` to `camera3`, or those that look ahead, right, left and back.
+    pub cameras: Option<[String; 4]>,
+}
+
+impl Options {
+    /// Nothing said.
+    #[must_use]
+    pub fn new(variant: Variant) -> Self {
+        Self { variant, classes: variant.usual_classes(), all_rsus: false, lidar: None, cameras: None }
+    }
+}
+
+/// One of the layouts, with its options.
+#[derive(Debug)]
+pub struct Opv2v {
+    options: Options,
+    /// What was chosen of scenes.
+    crews: Mutex<BTreeMap<u32, Arc<Crew>>>,
+}
+
+impl Opv2v {
+    /// The layout with some options.
+    #[must_use]
+    pub fn new(options: Options) -> Self {
+        Self { options, crews: Mutex::default() }
+    }
+
+    /// Who is exported of a scene; looked up once.
+    fn crew(&self, scene: &SceneSource) -> Result<Arc<Crew>, ExportError> {
+        let held = |crews: &Mutex<BTreeMap<u32, Arc<Crew>>>| {
+            crews.lock().unwrap_or_else(PoisonError::into_inner).get(&scene.number()).cloned()
+        };
+        if let Some(crew) = held(&self.crews) {
+            return Ok(crew);
+        }
+        let crew = Arc::new(Crew::of(scene, &self.options)?);
+        let mut crews = self.crews.lock().unwrap_or_else(PoisonError::into_inner);
+        crews.insert(scene.number(), Arc::clone(&crew));
+        Ok(crew)
+    }
+}
+
+impl Layout for Opv2v {
+    fn name(&self) -> &'static str {
+        match self.options.variant {
+            Variant::Opv2v => "opv2v",
+            Variant::V2xReal => "v2x-real",
+        }
+    }
+
+    fn identity(&self) -> String {
+        let Options { variant: _, classes, all_rsus, lidar, cameras } = &self.options;
+        let classes: Vec<&str> = classes.iter().map(|class| class.name()).collect();
+        format!("classes {classes:?}, all RSUs {all_rsus}, lidar {lidar:?}, cameras {cameras:?}")
+    }
+
+    /// 10 a second, as its loaders count delays.
+    fn every_n_frames(&self) -> u32 {
+        2
+    }
+
+    fn needs(&self) -> Vec<&'static str> {
+        vec![LOG_STAGE, LidarRow::STAGE, ValidBoxRow::STAGE]
+    }
+
+    fn survey(&self, source: &Source) -> Result<Vec<Omission>, ExportError> {
+        let variant = self.options.variant;
+        if variant == Variant::V2xReal
+            && let Some(class) =
+                self.options.classes.iter().find(|class| vehicles::type_of(**class).is_none())
+        {
+            return Err(ExportError::Refused(format!("V2X-Real has no type for the class {}", class.name())));
+        }
+        let mut omissions = BTreeSet::new();
+        let mut sizes: BTreeMap<[u32; 2], String> = BTreeMap::new();
+        for scene in &source.scenes {
+            let crew = self.crew(scene)?;
+            omissions.extend(crew.omissions.iter().cloned());
+            if crew.every_n_frames > scene.every_n_frames() {
+                let (n, wanted) = (crew.every_n_frames, scene.every_n_frames());
+                let why = format!("lidars and boxes of all agents go together at every {n}. frame only");
+                omissions.insert(Omission::new(format!("frames between, of every {wanted}."), why));
+            }
+            for member in &crew.members {
+                omissions.extend(unplaced(scene, member, variant)?);
+                for camera in member.cameras.iter().flatten() {
+                    let whose = || format!("scene {} {}", scene.number(), member.agent);
+                    sizes.entry(camera.size_px()).or_insert_with(whose);
+                }
+                if variant == Variant::Opv2v && !scene.has_arrays(&BEV_MASKS, member.agent) {
+                    omissions.insert(Omission::new("bev_static", "bev-gt has made no masks"));
+                }
+            }
+        }
+        omissions.extend(self.about_pictures(source, &sizes)?);
+        omissions.insert(Omission::new(
+            "boxes that the agent has no lidar point of, and its own",
+            "lists have what an agent sees",
+        ));
+        let listed: Vec<&str> = self.options.classes.iter().map(|class| class.name()).collect();
+        let why = format!("listed are {}: see --classes", listed.join(", "));
+        omissions.insert(Omission::new("boxes of other classes", why));
+        Ok(omissions.into_iter().collect())
+    }
+
+    fn cost(&self, scene: &SceneSource, unit: UnitName) -> Result<Cost, ExportError> {
+        let crew = self.crew(scene)?;
+        let Some(member) = unit.agent.and_then(|agent| crew.member(agent)) else {
+            return Ok(Cost::default());
+        };
+        let frames = crew.frames(scene).count() as u64;
+        let per_frame = unit::cost(scene, member, self.options.variant);
+        let all = |of_one: f64| of_one * frames as f64;
+        Ok(Cost { agent_frames: frames, bytes: all(per_frame[0]) as u64, cpu_s: all(per_frame[1]) })
+    }
+
+    fn write_unit(
+        &self,
+        scene: &SceneSource,
+        unit: UnitName,
+        files: &mut UnitFiles<'_>,
+    ) -> Result<Vec<u8>, ExportError> {
+        let crew = self.crew(scene)?;
+        match unit.agent.and_then(|agent| crew.member(agent)) {
+            Some(member) => unit::write(scene, &crew, member, &self.options, files),
+            None => Ok(Vec::new()),
+        }
+    }
+
+    fn finish(
+        &self,
+        _source: &Source,
+        units: &[(UnitName, Vec<u8>)],
+        files: &mut UnitFiles<'_>,
+    ) -> Result<(), ExportError> {
+        finish::write(self.options.variant, units, files)
+    }
+}
+
+impl Opv2v {
+    /// What of the pictures cannot be as the loaders know them.
+    fn about_pictures(
+        &self,
+        source: &Source,
+        sizes: &BTreeMap<[u32; 2], String>,
+    ) -> Result<Vec<Omission>, ExportError> {
+        let mut found = Vec::new();
+        let told = |([width, height], whose): (&[u32; 2], &String)| format!("{width} x {height} of {whose}");
+        match sizes.iter().map(told).collect::<Vec<_>>().as_slice() {
+            [] => found.push(Omission::new("camera pictures", "no agent has four color cameras that are wanted")),
+            [_] if sizes.contains_key(&[800, 600]) => {}
+            [size] => found.push(Omission::new(
+                format!("pictures of 800 x 600 pixels (they are {size})"),
+                "the store has them so; hypes/adapt_hypes.py says it to HEAL, and configs/rigs/opv2v.toml is the original rig",
+            )),
+            several => {
+                return Err(ExportError::Refused(format!(
+                    "loaders take pictures of one size, the store has {}: choose by --agents or --scenes, or leave cameras out by --sensors LIDAR",
+                    several.join(", ")
+                )));
+            }
+        }
+        if self.options.variant == Variant::Opv2v
+            && let Err(why) = RoadChannel::read(&source.store)?
+        {
+            found.push(Omission::new("bev_static", why));
+        }
+        Ok(found)
+    }
+}
+
+/// An agent's sensors that the layout has no place for.
+fn unplaced(scene: &SceneSource, member: &Member, variant: Variant) -> Result<Vec<Omission>, ExportError> {
+    let chosen: Vec<&str> =
+        member.cameras.iter().flatten().filter_map(|camera| camera.color.camera()).collect();
+    // Where an agent has no four cameras that is told, with its reason.
+    let is_spare = |sensor: &SensorEntry| {
+        !chosen.is_empty() && sensor.camera().is_some_and(|camera| !chosen.contains(&camera))
+    };
+    let what = |sensor: &SensorEntry| match sensor.kind {
+        SensorKind::Lidar => None,
+        SensorKind::Image(ImageKind::Depth) if variant == Variant::V2xReal => Some("depth images".into()),
+        SensorKind::Image(ImageKind::Rgb | ImageKind::Depth) => is_spare(sensor).then(|| sensor.name.clone()),
+        SensorKind::Image(kind) => Some(kind.spec().plural.to_owned()),
+        SensorKind::SemanticLidar => Some("semantic lidars".into()),
+        SensorKind::Radar => Some("radars".into()),
+        SensorKind::Gnss => Some("GNSS".into()),
+        SensorKind::Imu => Some("IMU".into()),
+    };
+    let sensors = scene.sensors(member.agent)?;
+    let names = sensors.iter().filter_map(what);
+    Ok(names.map(|name| Omission::new(name, "the layout has no place for them")).collect())
+}
+
+/// Where a sensor's forward, left, up are on its agent; cameras look forward.
+fn agent_from_camera(sensor: &SensorEntry) -> Pose<Agent, Sensor> {
+    sensor.about.agent_from_sensor.agent_from_sensor::<Optical>() * flu_from_optical().inverse()
+}
