@@ -2,12 +2,13 @@
 
 use std::collections::BTreeSet;
 
+use frames::{Agent, Optical, Pose, Sensor, flu_from_optical};
 use nalgebra::Vector3;
 use scene::{SensorEntry, SensorKind, sensors_of};
 use schema::settings::Lens;
 use schema::{AgentId, AgentKind, ImageKind};
 
-use super::{Options, Variant};
+use super::options::{Options, Variant};
 use crate::{ExportError, Omission, SceneSource};
 
 /// Names of all agents and objects are their ids above this, so that their order as texts is that of numbers.
@@ -255,7 +256,7 @@ fn by_direction(cameras: &[&SensorEntry]) -> Option<Vec<usize>> {
     let mut chosen = Vec::new();
     for view_deg in VIEWS_DEG {
         let off_deg = |at: &usize| {
-            let ahead = super::agent_from_camera(cameras[*at]).forward();
+            let ahead = agent_from_camera(cameras[*at]).forward();
             let yaw = frames::math::atan2(ahead.y, ahead.x);
             frames::to_deg(frames::wrap_pi(yaw - frames::deg(view_deg))).abs()
         };
@@ -265,9 +266,14 @@ fn by_direction(cameras: &[&SensorEntry]) -> Option<Vec<usize>> {
     Some(chosen)
 }
 
+/// Where a sensor's forward, left, up are on its agent; cameras look forward.
+pub(super) fn agent_from_camera(sensor: &SensorEntry) -> Pose<Agent, Sensor> {
+    sensor.about.agent_from_sensor.agent_from_sensor::<Optical>() * flu_from_optical().inverse()
+}
+
 #[cfg(test)]
 mod tests {
-    use frames::{Agent, Pose, Sensor, deg, flu_from_optical};
+    use frames::deg;
     use schema::calibration::{Calibration, Mounting};
 
     use super::*;

@@ -5,9 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::Variant;
+use super::options::{Variant, scenario, split_of};
 use super::record::{map, to_yaml};
-use super::unit::{scenario, split_of};
 use crate::{ExportError, UnitFiles, UnitName};
 
 /// Puts what trainers must be told into their own files.

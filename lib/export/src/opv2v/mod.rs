@@ -16,6 +16,7 @@ mod crew;
 mod finish;
 mod handed;
 mod lanes;
+mod options;
 mod record;
 mod unit;
 mod vehicles;
@@ -23,68 +24,18 @@ mod vehicles;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use frames::{Agent, Optical, Pose, Sensor, flu_from_optical};
 use scene::{SensorEntry, SensorKind};
+use schema::ImageKind;
 use schema::arrays::BEV_MASKS;
 use schema::scene_info::LOG_STAGE;
 use schema::table::Row;
 use schema::tables::{LidarRow, ValidBoxRow};
-use schema::{DetectionClass, ImageKind};
 
 use crate::{Cost, ExportError, Layout, Omission, SceneSource, Source, UnitFiles, UnitName};
+pub use options::{Options, Variant};
+
 use bev::RoadChannel;
 use crew::{Crew, Member};
-
-/// Which of the two layouts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Variant {
-    /// OPV2V with what HEAL and CoBEVT add.
-    Opv2v,
-    /// V2X-Real.
-    V2xReal,
-}
-
-impl Variant {
-    /// Folder of the splits.
-    fn folder(self) -> &'static str {
-        match self {
-            Self::Opv2v => "OPV2V",
-            Self::V2xReal => "V2X-Real",
-        }
-    }
-
-    /// The classes of the boxes that are listed unless others are named.
-    fn usual_classes(self) -> Vec<DetectionClass> {
-        use DetectionClass::{Bicycle, Bus, Car, Motorcycle, Pedestrian, Truck};
-        match self {
-            Self::Opv2v => vec![Car, Truck, Bus],
-            Self::V2xReal => vec![Car, Truck, Bus, Pedestrian, Motorcycle, Bicycle],
-        }
-    }
-}
-
-/// What users say.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Options {
-    /// Which of the two layouts.
-    pub variant: Variant,
-    /// Classes of the boxes that are listed.
-    pub classes: Vec<DetectionClass>,
-    /// OPV2V: whether RSUs after the first get positive ids instead of being left out.
-    pub all_rsus: bool,
-    /// The lidar, of agents with several: `LIDAR`, or the first by name.
-    pub lidar: Option<String>,
-    /// The cameras 0 to 3 by name: `camera0` to `camera3`, or those that look ahead, right, left and back.
-    pub cameras: Option<[String; 4]>,
-}
-
-impl Options {
-    /// Nothing said.
-    #[must_use]
-    pub fn new(variant: Variant) -> Self {
-        Self { variant, classes: variant.usual_classes(), all_rsus: false, lidar: None, cameras: None }
-    }
-}
 
 /// One of the layouts, with its options.
 #[derive(Debug)]
@@ -266,9 +217,4 @@ fn unplaced(scene: &SceneSource, member: &Member, variant: Variant) -> Result<Ve
     let sensors = scene.sensors(member.agent)?;
     let names = sensors.iter().filter_map(what);
     Ok(names.map(|name| Omission::new(name, "the layout has no place for them")).collect())
-}
-
-/// Where a sensor's forward, left, up are on its agent; cameras look forward.
-fn agent_from_camera(sensor: &SensorEntry) -> Pose<Agent, Sensor> {
-    sensor.about.agent_from_sensor.agent_from_sensor::<Optical>() * flu_from_optical().inverse()
 }

@@ -12,13 +12,13 @@ use serde_json::Value;
 
 use super::bev::{Mask, RoadChannel, lane_picture, place};
 use super::clouds::Sweep;
-use super::crew::{CameraPair, Crew, Member};
+use super::crew::{CameraPair, Crew, Member, agent_from_camera};
 use super::finish::Fragment;
 use super::handed::{LeftPose, left, left_matrix, left_pose};
 use super::lanes::LaneLines;
+use super::options::{Options, Variant, scenario, split_of};
 use super::record::{map, number, numbers, to_json, to_yaml};
 use super::vehicles::{kmh, listed, listed_class};
-use super::{Options, Variant, agent_from_camera};
 use crate::picture::{Picture, grey_png};
 use crate::{ExportError, SceneSource, UnitFiles};
 
@@ -358,14 +358,4 @@ fn depth_png(png: &[u8]) -> Result<Vec<u8>, String> {
     };
     let grey: Vec<u8> = picture.rgb.as_chunks::<3>().0.iter().map(metres).collect();
     grey_png(picture.width, picture.height, &grey)
-}
-
-/// Folder of a split.
-pub(super) fn split_of(split: &str) -> &str {
-    if split == "val" { "validate" } else { split }
-}
-
-/// Folder of a scene. Loaders replace words in whole paths: names of maps, which may hold any of them, are not in it.
-pub(super) fn scenario(scene: u32) -> String {
-    format!("scene_{scene:04}")
 }
