@@ -18,13 +18,13 @@ struct Rate {
 }
 
 const PICTURES: Rate = Rate { bytes: 1.0, s_per_mb: 0.002 };
-const CLOUDS: Rate = Rate { bytes: 1.2, s_per_mb: 0.02 };
+const CLOUDS: Rate = Rate { bytes: 1.2, s_per_mb: 0.014 };
 const DEPTHS: Rate = Rate { bytes: 2.0, s_per_mb: 0.05 };
 const MASKS: Rate = Rate { bytes: 1.5, s_per_mb: 0.6 };
-const VOXELS: Rate = Rate { bytes: 0.01, s_per_mb: 0.12 };
+const VOXELS: Rate = Rate { bytes: 0.02, s_per_mb: 0.05 };
 /// Poses, boxes and other small things of an agent's frame.
-const SMALL_BYTES: u64 = 6_000;
-const SMALL_S: f64 = 0.001;
+const SMALL_BYTES: u64 = 16_000;
+const SMALL_S: f64 = 0.002;
 
 /// What the file of a scene comes to.
 ///
