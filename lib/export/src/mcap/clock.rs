@@ -5,7 +5,7 @@ use schema::FRAME_PERIOD_S;
 use super::messages::{Duration, Timestamp};
 
 /// Seconds since 1970 at frame 0: 2001-09-09 01:46:40 UTC. Not 0, which stands for "whenever" in some readers.
-pub(super) const EPOCH_S: u32 = 1_000_000_000;
+pub(crate) const EPOCH_S: u32 = 1_000_000_000;
 const NANOS: u64 = 1_000_000_000;
 
 fn period_ns() -> u64 {
@@ -13,13 +13,13 @@ fn period_ns() -> u64 {
 }
 
 /// Time of a frame, nanoseconds since 1970.
-pub(super) fn time_ns(frame: u32) -> u64 {
+pub(crate) fn time_ns(frame: u32) -> u64 {
     u64::from(EPOCH_S) * NANOS + u64::from(frame) * period_ns()
 }
 
 impl Timestamp {
     /// Time of a frame.
-    pub(super) fn at(frame: u32) -> Self {
+    pub(crate) fn at(frame: u32) -> Self {
         let time = time_ns(frame);
         Self { seconds: (time / NANOS) as i64, nanos: (time % NANOS) as i32 }
     }
@@ -27,7 +27,7 @@ impl Timestamp {
 
 impl Duration {
     /// So many frames.
-    pub(super) fn of_frames(frames: u32) -> Self {
+    pub(crate) fn of_frames(frames: u32) -> Self {
         let time = u64::from(frames) * period_ns();
         Self { seconds: (time / NANOS) as i64, nanos: (time % NANOS) as i32 }
     }

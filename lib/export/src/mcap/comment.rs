@@ -16,7 +16,7 @@ const END_BYTES: usize = 22;
 ///
 /// # Errors
 /// It cannot be read, or says nothing that can be understood.
-pub(super) fn described<T: DeserializeOwned>(
+pub(crate) fn described<T: DeserializeOwned>(
     scene: &SceneSource,
     kind: &ArrayKind,
     agent: AgentId,

@@ -10,21 +10,21 @@ use std::io::{self, Write};
 const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', 0x30, b'\r', b'\n'];
 
 mod opcode {
-    pub(super) const HEADER: u8 = 0x01;
-    pub(super) const FOOTER: u8 = 0x02;
-    pub(super) const SCHEMA: u8 = 0x03;
-    pub(super) const CHANNEL: u8 = 0x04;
-    pub(super) const MESSAGE: u8 = 0x05;
-    pub(super) const CHUNK: u8 = 0x06;
-    pub(super) const MESSAGE_INDEX: u8 = 0x07;
-    pub(super) const CHUNK_INDEX: u8 = 0x08;
-    pub(super) const ATTACHMENT: u8 = 0x09;
-    pub(super) const ATTACHMENT_INDEX: u8 = 0x0a;
-    pub(super) const STATISTICS: u8 = 0x0b;
-    pub(super) const METADATA: u8 = 0x0c;
-    pub(super) const METADATA_INDEX: u8 = 0x0d;
-    pub(super) const SUMMARY_OFFSET: u8 = 0x0e;
-    pub(super) const DATA_END: u8 = 0x0f;
+    pub(crate) const HEADER: u8 = 0x01;
+    pub(crate) const FOOTER: u8 = 0x02;
+    pub(crate) const SCHEMA: u8 = 0x03;
+    pub(crate) const CHANNEL: u8 = 0x04;
+    pub(crate) const MESSAGE: u8 = 0x05;
+    pub(crate) const CHUNK: u8 = 0x06;
+    pub(crate) const MESSAGE_INDEX: u8 = 0x07;
+    pub(crate) const CHUNK_INDEX: u8 = 0x08;
+    pub(crate) const ATTACHMENT: u8 = 0x09;
+    pub(crate) const ATTACHMENT_INDEX: u8 = 0x0a;
+    pub(crate) const STATISTICS: u8 = 0x0b;
+    pub(crate) const METADATA: u8 = 0x0c;
+    pub(crate) const METADATA_INDEX: u8 = 0x0d;
+    pub(crate) const SUMMARY_OFFSET: u8 = 0x0e;
+    pub(crate) const DATA_END: u8 = 0x0f;
 }
 
 /// Bytes of a message record before the message itself, from the record's first byte.
@@ -34,27 +34,27 @@ const ZSTD_LEVEL: i32 = 1;
 
 /// A schema: its number is its place in the list, from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Schema {
+pub(crate) struct Schema {
     /// `foxglove.PointCloud`.
-    pub(super) name: String,
+    pub(crate) name: String,
     /// A `FileDescriptorSet`.
-    pub(super) descriptor: Vec<u8>,
+    pub(crate) descriptor: Vec<u8>,
 }
 
 /// A channel: its number is its place in the list, from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Channel {
+pub(crate) struct Channel {
     /// Number of its schema.
-    pub(super) schema: u16,
+    pub(crate) schema: u16,
     /// `/vehicle_0/LIDAR`.
-    pub(super) topic: String,
+    pub(crate) topic: String,
     /// What it says of itself.
-    pub(super) metadata: BTreeMap<String, String>,
+    pub(crate) metadata: BTreeMap<String, String>,
 }
 
 /// How a chunk is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Compression {
+pub(crate) enum Compression {
     /// As it is: what is compressed already.
     None,
     /// Zstandard.
@@ -72,7 +72,7 @@ impl Compression {
 
 /// Messages that are kept together.
 #[derive(Debug, Default)]
-pub(super) struct Messages {
+pub(crate) struct Messages {
     records: Vec<u8>,
     /// Of each channel time and place of its messages.
     index: BTreeMap<u16, Vec<(u64, u64)>>,
@@ -80,7 +80,7 @@ pub(super) struct Messages {
 
 impl Messages {
     /// Adds a message of a channel, which `encode` appends to what it is handed.
-    pub(super) fn add(
+    pub(crate) fn add(
         &mut self,
         channel: u16,
         sequence: u32,
@@ -102,7 +102,7 @@ impl Messages {
     }
 
     /// Whether there is none.
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.index.is_empty()
     }
 
@@ -110,7 +110,7 @@ impl Messages {
     ///
     /// # Errors
     /// The compressor fails.
-    pub(super) fn into_chunk(self, compression: Compression) -> io::Result<Chunk> {
+    pub(crate) fn into_chunk(self, compression: Compression) -> io::Result<Chunk> {
         let Self { records, index } = self;
         let crc = crc32fast::hash(&records);
         let plain_bytes = records.len() as u64;
@@ -126,7 +126,7 @@ impl Messages {
 
 /// A finished chunk.
 #[derive(Debug)]
-pub(super) struct Chunk {
+pub(crate) struct Chunk {
     first: u64,
     last: u64,
     plain_bytes: u64,
@@ -137,7 +137,7 @@ pub(super) struct Chunk {
 }
 
 /// A file in hand.
-pub(super) struct McapWriter<W> {
+pub(crate) struct McapWriter<W> {
     out: W,
     at: u64,
     crc: crc32fast::Hasher,
@@ -160,7 +160,7 @@ impl<W: Write> McapWriter<W> {
     ///
     /// # Errors
     /// It cannot be written.
-    pub(super) fn new(out: W, library: &str, schemas: &[Schema], channels: &[Channel]) -> io::Result<Self> {
+    pub(crate) fn new(out: W, library: &str, schemas: &[Schema], channels: &[Channel]) -> io::Result<Self> {
         let mut writer = Self {
             out,
             at: 0,
@@ -209,7 +209,7 @@ impl<W: Write> McapWriter<W> {
     ///
     /// # Errors
     /// They cannot be written.
-    pub(super) fn metadata(&mut self, name: &str, facts: &BTreeMap<String, String>) -> io::Result<()> {
+    pub(crate) fn metadata(&mut self, name: &str, facts: &BTreeMap<String, String>) -> io::Result<()> {
         let mut content = Vec::new();
         put_text(&mut content, name);
         put_map(&mut content, facts);
@@ -227,7 +227,7 @@ impl<W: Write> McapWriter<W> {
     ///
     /// # Errors
     /// It cannot be written.
-    pub(super) fn attachment(
+    pub(crate) fn attachment(
         &mut self,
         name: &str,
         media_type: &str,
@@ -259,7 +259,7 @@ impl<W: Write> McapWriter<W> {
     ///
     /// # Errors
     /// It cannot be written.
-    pub(super) fn chunk(&mut self, chunk: &Chunk) -> io::Result<()> {
+    pub(crate) fn chunk(&mut self, chunk: &Chunk) -> io::Result<()> {
         let start = self.at;
         let mut head = Vec::new();
         put_u64(&mut head, chunk.first);
@@ -311,7 +311,7 @@ impl<W: Write> McapWriter<W> {
     ///
     /// # Errors
     /// It cannot be written.
-    pub(super) fn finish(mut self) -> io::Result<W> {
+    pub(crate) fn finish(mut self) -> io::Result<W> {
         let mut end = Vec::new();
         put_u32(&mut end, self.crc.clone().finalize());
         self.write(&record(opcode::DATA_END, &end))?;

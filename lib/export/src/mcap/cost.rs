@@ -7,7 +7,7 @@ use schema::tables::CameraRow;
 use schema::{AgentId, ImageKind};
 use store::keys;
 
-use super::McapOptions;
+use super::options::McapOptions;
 use super::tracks::pictures;
 use crate::{Cost, ExportError, SceneSource};
 
@@ -30,7 +30,7 @@ const SMALL_S: f64 = 0.002;
 ///
 /// # Errors
 /// The store cannot be read.
-pub(super) fn of_scene(scene: &SceneSource, options: McapOptions) -> Result<Cost, ExportError> {
+pub(crate) fn of_scene(scene: &SceneSource, options: McapOptions) -> Result<Cost, ExportError> {
     let mut total = Cost::default();
     let share = f64::from(scene.frame_count()) / f64::from(scene.info().frames.max(1));
     let mut add = |bytes: u64, rate: &Rate| {

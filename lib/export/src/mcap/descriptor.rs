@@ -37,7 +37,7 @@ messages! {
 
 /// A text among several: as bytes the same as a message without key.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Text(String);
+pub(crate) struct Text(String);
 
 impl Message for Text {
     fn describe() -> Described {
@@ -49,13 +49,13 @@ impl Message for Text {
 }
 
 /// The name of a type: `foxglove.Pose`.
-pub(super) fn full_name<M: Message>() -> String {
+pub(crate) fn full_name<M: Message>() -> String {
     let described = M::describe();
     format!("{}.{}", described.package, described.name)
 }
 
 /// The `FileDescriptorSet` of a message, as bytes.
-pub(super) fn descriptor_set<M: Message>() -> Vec<u8> {
+pub(crate) fn descriptor_set<M: Message>() -> Vec<u8> {
     let (mut files, mut there) = (Vec::new(), BTreeSet::new());
     add(&M::describe(), &mut files, &mut there);
     let mut out = Vec::new();

@@ -18,20 +18,20 @@ const NAME_M: f64 = 0.6;
 const GREY: [u8; 3] = [160; 3];
 
 /// A box in the world.
-pub(super) struct Drawn<'a> {
-    pub(super) id: u16,
-    pub(super) class: &'a str,
-    pub(super) center_m: [f64; 3],
-    pub(super) size_m: [f64; 3],
-    pub(super) rpy_rad: [f64; 3],
-    pub(super) velocity_mps: [f32; 3],
+pub(crate) struct Drawn<'a> {
+    pub(crate) id: u16,
+    pub(crate) class: &'a str,
+    pub(crate) center_m: [f64; 3],
+    pub(crate) size_m: [f64; 3],
+    pub(crate) rpy_rad: [f64; 3],
+    pub(crate) velocity_mps: [f32; 3],
     /// Whether some sensor saw it; none where that is not known.
-    pub(super) is_seen: Option<bool>,
+    pub(crate) is_seen: Option<bool>,
 }
 
 impl Drawn<'_> {
     /// As a thing that is drawn for so many frames.
-    pub(super) fn entity(&self, frame: u32, for_frames: u32, metadata: Vec<KeyValuePair>) -> SceneEntity {
+    pub(crate) fn entity(&self, frame: u32, for_frames: u32, metadata: Vec<KeyValuePair>) -> SceneEntity {
         let rgb = DetectionClass::from_name(self.class).map_or(GREY, DetectionClass::rgb);
         let alpha = if self.is_seen == Some(false) { UNSEEN_ALPHA } else { SEEN_ALPHA };
         let world_from_box: TypedPose<World, Object> = TypedPose::from_xyz_rpy(self.center_m, self.rpy_rad);
@@ -84,7 +84,7 @@ impl Drawn<'_> {
 }
 
 /// How fast something is, as text.
-pub(super) fn speed_text(velocity_mps: [f32; 3]) -> String {
+pub(crate) fn speed_text(velocity_mps: [f32; 3]) -> String {
     let [x, y, z] = velocity_mps.map(f64::from);
     format!("{:.2}", math::hypot(math::hypot(x, y), z))
 }

@@ -43,7 +43,7 @@ fn style(kind: VectorKind) -> Option<([u8; 3], f64, f64)> {
 ///
 /// # Errors
 /// The map's table cannot be read.
-pub(super) fn lines_near(
+pub(crate) fn lines_near(
     scene: &SceneSource,
     agents: &[Vec<AgentRow>],
     first_frame: u32,

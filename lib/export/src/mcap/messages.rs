@@ -244,21 +244,21 @@ impl From<[f64; 3]> for Vector3 {
 
 impl Quaternion {
     /// From the order of our files.
-    pub(super) fn from_wxyz([w, x, y, z]: [f64; 4]) -> Self {
+    pub(crate) fn from_wxyz([w, x, y, z]: [f64; 4]) -> Self {
         Self { x, y, z, w }
     }
 }
 
 impl Pose {
     /// From a pose of ours.
-    pub(super) fn of<To: frames::Frame, From: frames::Frame>(pose: &frames::Pose<To, From>) -> Self {
+    pub(crate) fn of<To: frames::Frame, From: frames::Frame>(pose: &frames::Pose<To, From>) -> Self {
         Self { position: pose.xyz().into(), orientation: Quaternion::from_wxyz(pose.wxyz()) }
     }
 }
 
 impl Color {
     /// From sRGB, with an opacity of 0 to 1.
-    pub(super) fn of(rgb: [u8; 3], a: f64) -> Self {
+    pub(crate) fn of(rgb: [u8; 3], a: f64) -> Self {
         let [r, g, b] = rgb.map(|value| f64::from(value) / 255.0);
         Self { r, g, b, a }
     }
@@ -266,7 +266,7 @@ impl Color {
 
 impl KeyValuePair {
     /// A key and a value as text.
-    pub(super) fn of(key: &str, value: impl std::fmt::Display) -> Self {
+    pub(crate) fn of(key: &str, value: impl std::fmt::Display) -> Self {
         Self { key: key.to_owned(), value: value.to_string() }
     }
 }

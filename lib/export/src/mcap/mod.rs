@@ -21,6 +21,7 @@ mod descriptor;
 mod drawn;
 mod map;
 mod messages;
+mod options;
 mod packed;
 mod survey;
 mod topics;
@@ -31,24 +32,9 @@ mod write;
 use schema::table::Row;
 use schema::tables::BoxRow;
 
+pub use options::McapOptions;
+
 use crate::{Cost, ExportError, Layout, Omission, SceneSource, Source, UnitFiles, UnitName};
-
-/// What a user may choose.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct McapOptions {
-    /// Voxels reach this far ahead, behind and to the sides, metres; 0 for none.
-    pub voxel_range_m: f64,
-    /// So many voxels along each axis become one.
-    pub voxel_block: u32,
-    /// Write depth pictures, as metres.
-    pub depth: bool,
-}
-
-impl Default for McapOptions {
-    fn default() -> Self {
-        Self { voxel_range_m: 24.0, voxel_block: 4, depth: false }
-    }
-}
 
 /// The layout.
 #[derive(Clone, Copy, Debug)]

@@ -4,7 +4,7 @@ use super::messages::{NumericType, PackedElementField};
 
 /// Values of a number of all elements.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Values<'a> {
+pub(crate) enum Values<'a> {
     F32(&'a [f32]),
     U16(&'a [u16]),
     U8(&'a [u8]),
@@ -30,14 +30,14 @@ impl Values<'_> {
 
 /// Packed elements.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Packed {
-    pub(super) fields: Vec<PackedElementField>,
-    pub(super) stride: u32,
-    pub(super) data: Vec<u8>,
+pub(crate) struct Packed {
+    pub(crate) fields: Vec<PackedElementField>,
+    pub(crate) stride: u32,
+    pub(crate) data: Vec<u8>,
 }
 
 /// Packs named columns, in their order, each element on a multiple of four bytes; none if they are not of one length.
-pub(super) fn pack(columns: &[(&str, Values<'_>)]) -> Option<Packed> {
+pub(crate) fn pack(columns: &[(&str, Values<'_>)]) -> Option<Packed> {
     let count = columns.first().map_or(0, |(_, values)| values.len());
     if columns.iter().any(|(_, values)| values.len() != count) {
         return None;

@@ -9,7 +9,7 @@ use schema::arrays::{
 use schema::table::Row;
 use schema::tables::{CameraRow, TrackRow, ValidBoxRow};
 
-use super::McapOptions;
+use super::options::McapOptions;
 use crate::{ExportError, Omission, Source};
 
 const NO_MESSAGE: &str = "there is no message that viewers show of it";
@@ -28,7 +28,7 @@ const ARRAYS: [(&ArrayKind, &str, &str); 7] = [
 ///
 /// # Errors
 /// The store cannot be read.
-pub(super) fn omissions(source: &Source, options: McapOptions) -> Result<Vec<Omission>, ExportError> {
+pub(crate) fn omissions(source: &Source, options: McapOptions) -> Result<Vec<Omission>, ExportError> {
     let mut found = vec![
         Omission::new(
             "lane records of agents, the map's lane graph, lamps, the log of all actors",

@@ -11,14 +11,14 @@ use crate::ExportError;
 
 /// The channels, in the order in which they were asked for, and the schemas of their messages.
 #[derive(Debug, Default)]
-pub(super) struct Topics {
-    pub(super) schemas: Vec<Schema>,
-    pub(super) channels: Vec<Channel>,
+pub(crate) struct Topics {
+    pub(crate) schemas: Vec<Schema>,
+    pub(crate) channels: Vec<Channel>,
 }
 
 /// A channel of messages of a type.
 #[derive(Debug)]
-pub(super) struct Topic<M> {
+pub(crate) struct Topic<M> {
     number: u16,
     message: PhantomData<fn(M)>,
 }
@@ -28,7 +28,7 @@ impl Topics {
     ///
     /// # Errors
     /// There are more than 65,535.
-    pub(super) fn add<M: Message>(
+    pub(crate) fn add<M: Message>(
         &mut self,
         topic: String,
         facts: &[(&str, String)],
@@ -53,7 +53,7 @@ impl Topics {
 
 impl<M: Message> Topic<M> {
     /// Adds a message of a frame.
-    pub(super) fn send(&self, frame: u32, message: &M, out: &mut Messages) {
+    pub(crate) fn send(&self, frame: u32, message: &M, out: &mut Messages) {
         out.add(self.number, frame, time_ns(frame), |bytes| message.encode(bytes));
     }
 }

@@ -5,7 +5,7 @@
 
 /// Numbers of types in descriptors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     Double = 1,
     Int64 = 3,
     Int32 = 5,
@@ -25,13 +25,13 @@ const FIXED_32: u32 = 5;
 
 /// What a field of a type is in a descriptor.
 #[derive(Clone, Copy)]
-pub(super) struct FieldType {
-    pub(super) kind: Kind,
-    pub(super) is_repeated: bool,
+pub(crate) struct FieldType {
+    pub(crate) kind: Kind,
+    pub(crate) is_repeated: bool,
     /// The message that it holds, or that owns the enumeration that it holds.
-    pub(super) message: Option<fn() -> Described>,
+    pub(crate) message: Option<fn() -> Described>,
     /// Name of the enumeration within that message.
-    pub(super) enumeration: Option<&'static str>,
+    pub(crate) enumeration: Option<&'static str>,
 }
 
 impl FieldType {
@@ -41,30 +41,30 @@ impl FieldType {
 }
 
 /// A field of a message.
-pub(super) struct FieldOf {
-    pub(super) name: &'static str,
-    pub(super) number: u32,
-    pub(super) of: FieldType,
+pub(crate) struct FieldOf {
+    pub(crate) name: &'static str,
+    pub(crate) number: u32,
+    pub(crate) of: FieldType,
 }
 
 /// An enumeration of a message.
-pub(super) struct EnumOf {
-    pub(super) name: &'static str,
-    pub(super) values: &'static [(&'static str, u32)],
+pub(crate) struct EnumOf {
+    pub(crate) name: &'static str,
+    pub(crate) values: &'static [(&'static str, u32)],
 }
 
 /// A message as readers need to know it.
-pub(super) struct Described {
+pub(crate) struct Described {
     /// `foxglove`.
-    pub(super) package: &'static str,
+    pub(crate) package: &'static str,
     /// `Pose`.
-    pub(super) name: &'static str,
-    pub(super) fields: Vec<FieldOf>,
-    pub(super) enums: Vec<EnumOf>,
+    pub(crate) name: &'static str,
+    pub(crate) fields: Vec<FieldOf>,
+    pub(crate) enums: Vec<EnumOf>,
 }
 
 /// A value of a field.
-pub(super) trait Value {
+pub(crate) trait Value {
     /// What a field of it is.
     const TYPE: FieldType;
     /// Appends it as a field of a number, unless it is the default.
@@ -72,7 +72,7 @@ pub(super) trait Value {
 }
 
 /// A message.
-pub(super) trait Message {
+pub(crate) trait Message {
     /// What it is.
     fn describe() -> Described;
     /// Appends its fields.
@@ -80,7 +80,7 @@ pub(super) trait Message {
 }
 
 /// Appends a number, seven bits a byte.
-pub(super) fn varint(mut number: u64, out: &mut Vec<u8>) {
+pub(crate) fn varint(mut number: u64, out: &mut Vec<u8>) {
     while number >= 0x80 {
         out.push(number as u8 | 0x80);
         number >>= 7;
@@ -213,7 +213,7 @@ impl<M: Message> Value for Vec<M> {
 }
 
 /// Appends a number of an enumeration.
-pub(super) fn put_enum(value: u32, number: u32, out: &mut Vec<u8>) {
+pub(crate) fn put_enum(value: u32, number: u32, out: &mut Vec<u8>) {
     if value != 0 {
         key(number, VARINT, out);
         varint(u64::from(value), out);
@@ -232,8 +232,8 @@ macro_rules! messages {
         $(#[doc = $doc])+
         #[derive(Clone, Debug, Default, PartialEq)]
         #[allow(non_snake_case)] // Calibrations have K, D, R and P.
-        pub(in crate::mcap) struct $message {
-            $( $(#[doc = $field_doc])* pub(in crate::mcap) $field: $type, )+
+        pub(crate) struct $message {
+            $( $(#[doc = $field_doc])* pub(crate) $field: $type, )+
         }
 
         impl $crate::mcap::wire::Message for $message {
@@ -262,7 +262,7 @@ macro_rules! messages {
             /// An enumeration of the message above.
             #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
             #[allow(dead_code)] // All that the description lists.
-            pub(in crate::mcap) enum $enum { #[default] $( $variant = $value ),+ }
+            pub(crate) enum $enum { #[default] $( $variant = $value ),+ }
 
             impl $crate::mcap::wire::Value for $enum {
                 const TYPE: $crate::mcap::wire::FieldType = $crate::mcap::wire::FieldType {
@@ -278,7 +278,7 @@ macro_rules! messages {
         )?
     )+ };
 }
-pub(super) use messages;
+pub(crate) use messages;
 
 #[cfg(test)]
 mod tests {

@@ -10,11 +10,11 @@ use schema::tables::{CameraRow, TrackFrameRow};
 use schema::{AgentId, FORMAT_VERSION, FRAME_PERIOD_S, ImageKind};
 use store::keys;
 
-use super::McapOptions;
 use super::clock::{EPOCH_S, time_ns};
 use super::container::{Chunk, McapWriter, Messages};
 use super::map::lines_near;
 use super::messages::SceneUpdate;
+use super::options::McapOptions;
 use super::topics::{Topic, Topics};
 use super::tracks::Track;
 use super::tracks::clouds::{LidarTrack, RadarTrack};
@@ -36,7 +36,7 @@ type Tracks = Vec<Box<dyn Track>>;
 ///
 /// # Errors
 /// The store cannot be read, the destination not be written, or a signal came.
-pub(super) fn scene(
+pub(crate) fn scene(
     scene: &SceneSource,
     options: McapOptions,
     files: &mut UnitFiles<'_>,

@@ -88,7 +88,7 @@ impl Cloud {
 }
 
 /// A lidar.
-pub(in crate::mcap) struct LidarTrack {
+pub(crate) struct LidarTrack {
     cloud: Cloud,
     sweeps: SensorFrames<Sweep>,
     returns: Option<SensorFrames<SweepReturns>>,
@@ -96,7 +96,7 @@ pub(in crate::mcap) struct LidarTrack {
 
 impl LidarTrack {
     /// Of an agent's lidar, with labels or without.
-    pub(in crate::mcap) fn open(
+    pub(crate) fn open(
         scene: &SceneSource,
         agent: AgentId,
         sensor: &SensorEntry,
@@ -138,14 +138,14 @@ impl Track for LidarTrack {
 }
 
 /// A radar.
-pub(in crate::mcap) struct RadarTrack {
+pub(crate) struct RadarTrack {
     cloud: Cloud,
     readings: SensorFrames<RadarRow>,
 }
 
 impl RadarTrack {
     /// Of an agent's radar.
-    pub(in crate::mcap) fn open(
+    pub(crate) fn open(
         scene: &SceneSource,
         agent: AgentId,
         sensor: &SensorEntry,

@@ -14,7 +14,7 @@ use crate::{ExportError, SceneSource};
 const FAR_M: f64 = 1000.0;
 
 /// Depth pictures of a camera.
-pub(in crate::mcap) struct DepthTrack {
+pub(crate) struct DepthTrack {
     pictures: SensorFrames<CameraRow>,
     topic: Topic<RawImage>,
     frame_id: String,
@@ -24,7 +24,7 @@ pub(in crate::mcap) struct DepthTrack {
 
 impl DepthTrack {
     /// Of an agent's table of depth pictures.
-    pub(in crate::mcap) fn open(
+    pub(crate) fn open(
         scene: &SceneSource,
         agent: AgentId,
         camera: &str,

@@ -30,7 +30,7 @@ struct Description {
 }
 
 /// An agent's masks.
-pub(in crate::mcap) struct MaskTrack {
+pub(crate) struct MaskTrack {
     masks: ArrayReader,
     about: Description,
     colours: Vec<[u8; 3]>,
@@ -42,7 +42,7 @@ pub(in crate::mcap) struct MaskTrack {
 
 impl MaskTrack {
     /// Of an agent that has masks, with its poses by frame.
-    pub(in crate::mcap) fn open(
+    pub(crate) fn open(
         scene: &SceneSource,
         agent: AgentId,
         poses: Vec<AgentRow>,

@@ -12,7 +12,7 @@ use crate::mcap::topics::{Topic, Topics};
 use crate::{ExportError, SceneSource};
 
 /// The merged boxes of a scene.
-pub(in crate::mcap) struct MergedTrack {
+pub(crate) struct MergedTrack {
     groups: RowGroups<TrackFrameRow>,
     ready: std::vec::IntoIter<TrackFrameRow>,
     /// A row of a later frame.
@@ -24,7 +24,7 @@ pub(in crate::mcap) struct MergedTrack {
 
 impl MergedTrack {
     /// Of a scene; boxes are drawn for so many frames.
-    pub(in crate::mcap) fn open(
+    pub(crate) fn open(
         scene: &SceneSource,
         lifetime_frames: u32,
         topics: &mut Topics,

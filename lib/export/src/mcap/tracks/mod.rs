@@ -1,20 +1,20 @@
 //! What a file holds, track by track: each reads its part of the scene frame by frame, and makes its messages of it. Tracks
 //! know nothing of one another.
 
-pub(super) mod clouds;
-pub(super) mod depths;
-pub(super) mod masks;
-pub(super) mod merged;
-pub(super) mod motion;
-pub(super) mod pictures;
-pub(super) mod seen;
-pub(super) mod voxels;
+pub(crate) mod clouds;
+pub(crate) mod depths;
+pub(crate) mod masks;
+pub(crate) mod merged;
+pub(crate) mod motion;
+pub(crate) mod pictures;
+pub(crate) mod seen;
+pub(crate) mod voxels;
 
 use super::container::{Compression, Messages};
 use crate::ExportError;
 
 /// A part of a scene that becomes messages.
-pub(super) trait Track: Send {
+pub(crate) trait Track: Send {
     /// Adds the messages of a frame. Frames come in ascending order.
     fn messages(&mut self, frame: u32, out: &mut Messages) -> Result<(), ExportError>;
 

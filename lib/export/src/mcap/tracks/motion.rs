@@ -18,7 +18,7 @@ use crate::mcap::topics::{Topic, Topics};
 use crate::{ExportError, SceneSource};
 
 /// Poses and velocities of the agents, and the weather.
-pub(in crate::mcap) struct MotionTrack {
+pub(crate) struct MotionTrack {
     /// By agent, by frame.
     agents: Vec<(Topic<AgentState>, Vec<AgentRow>)>,
     moving: Topic<FrameTransforms>,
@@ -30,7 +30,7 @@ pub(in crate::mcap) struct MotionTrack {
 
 impl MotionTrack {
     /// Of a scene, with the sensors of its agents.
-    pub(in crate::mcap) fn open(
+    pub(crate) fn open(
         scene: &SceneSource,
         sensors: &[(AgentId, Vec<SensorEntry>)],
         topics: &mut Topics,
@@ -125,7 +125,7 @@ fn weather_of(row: &FrameRow) -> Weather {
 }
 
 /// What an agent's receiver or IMU says.
-pub(in crate::mcap) enum ReadingTrack {
+pub(crate) enum ReadingTrack {
     /// A satellite receiver.
     Gnss(Topic<LocationFix>, SensorFrames<GnssRow>, String),
     /// An IMU.
@@ -134,7 +134,7 @@ pub(in crate::mcap) enum ReadingTrack {
 
 impl ReadingTrack {
     /// Of a sensor; none of other kinds.
-    pub(in crate::mcap) fn open(
+    pub(crate) fn open(
         scene: &SceneSource,
         agent: AgentId,
         sensor: &SensorEntry,

@@ -15,7 +15,7 @@ use crate::mcap::topics::{Topic, Topics};
 use crate::{ExportError, SceneSource};
 
 /// A camera.
-pub(in crate::mcap) struct CameraTrack {
+pub(crate) struct CameraTrack {
     kinds: Vec<KindOfPicture>,
     calibration: CameraCalibration,
     /// How often the tables have readings: the calibration goes with any of them.
@@ -30,7 +30,7 @@ struct KindOfPicture {
 }
 
 /// The last part of the topic of a kind of pictures; none of those that are no encoded pictures as people look at them.
-pub(in crate::mcap) fn topic_of(kind: ImageKind) -> Option<&'static str> {
+pub(crate) fn topic_of(kind: ImageKind) -> Option<&'static str> {
     match kind {
         ImageKind::Rgb => Some("image"),
         ImageKind::Semantic => Some("semantic"),
@@ -41,7 +41,7 @@ pub(in crate::mcap) fn topic_of(kind: ImageKind) -> Option<&'static str> {
 
 impl CameraTrack {
     /// Of the tables of one camera of an agent; those that are no encoded pictures count for the calibration alone.
-    pub(in crate::mcap) fn open(
+    pub(crate) fn open(
         scene: &SceneSource,
         agent: AgentId,
         camera: &str,

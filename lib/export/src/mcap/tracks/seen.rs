@@ -11,7 +11,7 @@ use crate::mcap::topics::{Topic, Topics};
 use crate::{ExportError, SceneSource};
 
 /// An agent's boxes.
-pub(in crate::mcap) struct BoxTrack {
+pub(crate) struct BoxTrack {
     boxes: BoxFrames,
     topic: Topic<SceneUpdate>,
     every_n_frames: u32,
@@ -20,7 +20,7 @@ pub(in crate::mcap) struct BoxTrack {
 
 impl BoxTrack {
     /// Of an agent; boxes are drawn for so many frames.
-    pub(in crate::mcap) fn open(
+    pub(crate) fn open(
         scene: &SceneSource,
         agent: AgentId,
         lifetime_frames: u32,

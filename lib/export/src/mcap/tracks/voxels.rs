@@ -52,7 +52,7 @@ impl Crop {
 }
 
 /// An agent's voxel grids.
-pub(in crate::mcap) struct VoxelTrack {
+pub(crate) struct VoxelTrack {
     grids: ArrayReader,
     is_sparse: bool,
     about: Description,
@@ -64,7 +64,7 @@ pub(in crate::mcap) struct VoxelTrack {
 
 impl VoxelTrack {
     /// Of an agent that has them; those of sparse archives are looked for, too.
-    pub(in crate::mcap) fn open(
+    pub(crate) fn open(
         scene: &SceneSource,
         agent: AgentId,
         (range_m, block): (f64, u32),
