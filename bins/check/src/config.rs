@@ -1,6 +1,6 @@
 //! The configuration as `dataset.json` has it: what sensors there are and what exempts from a check.
 
-use schema::BevClass;
+use schema::{BevClass, FRAME_PERIOD_S};
 use serde_json::Value;
 
 use crate::optics::Optics;
@@ -93,12 +93,27 @@ pub(crate) struct GridConfig {
     pub(crate) ignore_self: bool,
     /// Whether occupied cells are listed instead of whole grids.
     pub(crate) sparse: bool,
+    /// Whether there are rows of whose each occupied cell is, and how it moves.
+    pub(crate) ids: bool,
+    pub(crate) flow: bool,
     /// Whether a cell has all that touches it; else what sweeps meet first.
     pub(crate) full_sweep: bool,
     /// Whether there are grids of what lidars saw.
     pub(crate) observed: bool,
     /// There is one at frames 0, n, 2 n, ...
     pub(crate) every: u32,
+}
+
+/// Windows of tracks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct WindowConfig {
+    /// Frames between two places.
+    pub(crate) step: i64,
+    /// Frames between two windows of an object.
+    pub(crate) every: i64,
+    /// Places before and after the present one.
+    pub(crate) past: i64,
+    pub(crate) future: i64,
 }
 
 /// What an agent carries.
@@ -160,6 +175,8 @@ impl Config {
             mount_z_m: number(grid, "mount_z_m"),
             ignore_self: grid["ignore_self"].as_bool().unwrap_or(false),
             sparse: grid["sparse"].as_bool().unwrap_or(false),
+            ids: grid["ids"].as_bool().unwrap_or(false),
+            flow: grid["flow"].as_bool().unwrap_or(false),
             full_sweep: grid["full_sweep"].as_bool().unwrap_or(true),
             observed: grid["observed"].as_bool().unwrap_or(false),
             every: every(grid),
@@ -205,6 +222,25 @@ impl Config {
             }
             _ => 1,
         }
+    }
+
+    /// Whether masks have further arrays beside them: `paint`, `ids`, `heights`.
+    pub(crate) fn has_bev(&self, layer: &str) -> bool {
+        self.0["bev"][layer].as_bool().unwrap_or(false)
+    }
+
+    /// Windows of tracks; none when they are not written.
+    pub(crate) fn windows(&self) -> Option<WindowConfig> {
+        let tracks = &self.0["tracks"];
+        let step_s = number(tracks, "step_s");
+        let frames = |key: &str| (number(tracks, key) / FRAME_PERIOD_S).round().max(1.0) as i64;
+        let places = |key: &str| (number(tracks, key) / step_s + 1e-9).floor() as i64;
+        tracks["windows"].as_bool().unwrap_or(false).then(|| WindowConfig {
+            step: frames("step_s"),
+            every: frames("every_s"),
+            past: places("past_s"),
+            future: places("future_s"),
+        })
     }
 
     /// Whether masks have all classes in their own order.
@@ -329,6 +365,16 @@ mod tests {
         ] {
             assert_eq!(config.every_of(file), want, "{file}");
         }
+    }
+
+    #[test]
+    fn windows_are_told_in_frames() {
+        let tracks =
+            json!({"windows": true, "past_s": 0.75, "future_s": 6.0, "step_s": 0.25, "every_s": 0.5});
+        let config = Config::of(&json!({"config": {"vehicle_rig": {}, "tracks": tracks}})).expect("is one");
+        assert_eq!(config.windows(), Some(WindowConfig { step: 5, every: 10, past: 3, future: 24 }));
+        let none = json!({"config": {"vehicle_rig": {}, "tracks": {"windows": false}}});
+        assert_eq!(Config::of(&none).expect("is one").windows(), None);
     }
 
     #[test]

@@ -15,6 +15,7 @@ mod rules;
 mod scene;
 mod shares;
 mod space;
+mod vector_map;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -150,7 +151,7 @@ fn check_scene(store: &Path, config: &Config, number: u32, every: u32) -> (Ledge
         ledger.take(part);
         lists.insert(name, boxes);
     }
-    checks::tracks::check(&scene, &lists, config.label_every(), &mut ledger);
+    checks::tracks::check(&scene, config, &lists, &mut ledger);
     let frames = u64::from(scene.frames);
     (ledger, [frames, frames * scene.agents.len() as u64])
 }

@@ -10,6 +10,7 @@ use crate::files::{Batch, Table, Unreadable, read_json};
 use crate::ledger::Ledger;
 use crate::rules::Rule;
 use crate::space::{Motion, V3};
+use crate::vector_map::VectorMap;
 
 /// An object, as `log/actors` has it.
 #[derive(Clone, Debug)]
@@ -58,6 +59,8 @@ pub(crate) struct Scene {
     pub(crate) frames: u32,
     /// `log/scene.json`.
     pub(crate) facts: Value,
+    /// The ground of its map as lines and polygons.
+    pub(crate) map: Option<VectorMap>,
     /// By id.
     pub(crate) actors: BTreeMap<u16, Actor>,
     /// Moving objects by frame, from frame -1.
@@ -84,8 +87,11 @@ impl Scene {
             return None;
         }
         let facts = ledger.read(read_json(&folder.join("log/scene.json")))?;
+        let map = facts["map"].as_str().unwrap_or_default();
+        let map = ledger.read(VectorMap::open(&store.join(format!("maps/{map}.vector.parquet"))));
         let mut scene = Self {
             number,
+            map,
             frames: u32::try_from(facts["frames"].as_u64().unwrap_or(0)).unwrap_or(0),
             facts,
             actors: BTreeMap::new(),

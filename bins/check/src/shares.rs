@@ -16,8 +16,6 @@ pub(crate) struct Shares {
     pub(crate) bev_grids: u64,
     pub(crate) bev_cells: [u64; BevClass::COUNT],
     pub(crate) voxel_grids: u64,
-    /// Agents whose voxels are listed, which are not counted here.
-    pub(crate) listed_agents: u64,
     /// Voxels of a tag, unfilled.
     pub(crate) voxels: [u64; Tag::COUNT],
     /// Voxels of a tag in filled grids.
@@ -29,7 +27,6 @@ impl Shares {
         self.frames += other.frames;
         self.bev_grids += other.bev_grids;
         self.voxel_grids += other.voxel_grids;
-        self.listed_agents += other.listed_agents;
         for (mine, other) in self.boxes.iter_mut().flatten().zip(other.boxes.iter().flatten()) {
             *mine += other;
         }

@@ -7,9 +7,12 @@ use schema::{BevClass, Tag};
 
 use super::bev::Masks;
 use super::boxes::{self, Labelled};
+use super::boxes_2d::FlatBoxes;
 use super::cameras::{self, Camera, Sight};
+use super::cells::CellArrays;
 use super::clouds::{self, Cloud, Kind, Ranger};
 use super::counts::{self, Evidence, Visible};
+use super::layers::Layers;
 use super::observed::Observed;
 use super::voxels::Grids;
 use super::{flow, inertial, ranging, scans, tables};
@@ -28,6 +31,7 @@ struct Agent<'a> {
     cameras: Vec<Camera>,
     rangers: Vec<Ranger>,
     visible: Option<Visible>,
+    flat_boxes: Option<FlatBoxes>,
     masks: Option<Masks>,
     grids: Option<Grids>,
     observed: Option<Observed>,
@@ -58,6 +62,7 @@ pub(crate) fn check(
         cameras: Vec::new(),
         rangers: Vec::new(),
         visible: None,
+        flat_boxes: None,
         masks: None,
         grids: None,
         observed: None,
@@ -111,6 +116,12 @@ impl Agent<'_> {
                 ledger.skip(rule, format!("{name}: no instance images are kept"));
             }
         }
+        if about.takes("boxes_2d") && !self.cameras.is_empty() {
+            let read = FlatBoxes::read(self.scene, name, ledger);
+            self.flat_boxes = ledger.read(read);
+        } else {
+            ledger.skip(Rule::FlatBoxes, format!("{name}: not asked for"));
+        }
         for (taken, rule) in [
             ("semantic", Rule::Semantic),
             ("depth", Rule::DepthLidar),
@@ -128,7 +139,17 @@ impl Agent<'_> {
     }
 
     fn open_masks(&mut self, name: &str, ledger: &mut Ledger) {
-        let rules = [Rule::BevObjects, Rule::BevPresent, Rule::BevGround, Rule::BevHazard];
+        let rules = [
+            Rule::BevObjects,
+            Rule::BevPresent,
+            Rule::BevGround,
+            Rule::BevMapped,
+            Rule::BevStray,
+            Rule::BevHazard,
+            Rule::BevIds,
+            Rule::BevHeights,
+            Rule::BevPaint,
+        ];
         if !self.config.has_all_bev_classes() {
             rules.into_iter().for_each(|rule| ledger.skip(rule, "masks have chosen classes"));
             return;
@@ -136,8 +157,9 @@ impl Agent<'_> {
         match self.config.bev() {
             Some(size) if self.scene.done.contains("bev-gt") => {
                 let archive = ledger.read(Npz::open(&self.scene.file(&format!("bev/{name}.npz"))));
+                let layers = Layers::open(&self.scene.folder, name, self.config, ledger);
                 let rule = self.config.foreign_bev_rule();
-                self.masks = archive.map(|archive| Masks::new(archive, size, rule));
+                self.masks = archive.map(|archive| Masks::new(archive, layers, size, rule));
             }
             _ => {
                 for rule in rules {
@@ -159,20 +181,20 @@ impl Agent<'_> {
         } else {
             ledger.skip(Rule::Observed, format!("{name}: not asked for, or not validated yet"));
         }
-        if about.grid.sparse {
-            ledger.shares.listed_agents += 1;
-            ledger.skip(Rule::VoxelPoints, format!("{name}: cells are listed"));
+        let folder = &self.scene.folder;
+        let whose = if about.grid.sparse { "occupancy_cells" } else { "occupancy" };
+        let plain = ledger.read(Npz::open(&folder.join(format!("{whose}/{name}.npz"))));
+        let filled = if about.grid.sparse {
             ledger.skip(Rule::VoxelFill, format!("{name}: cells are listed"));
-            return;
-        }
-        let plain = ledger.read(Npz::open(&self.scene.file(&format!("occupancy/{name}.npz"))));
-        let filled = self
-            .is_validated
-            .then(|| ledger.read(Npz::open(&self.scene.file(&format!("occupancy_filled/{name}.npz")))));
-        if filled.is_none() {
+            None
+        } else if self.is_validated {
+            ledger.read(Npz::open(&folder.join(format!("occupancy_filled/{name}.npz"))))
+        } else {
             ledger.skip(Rule::VoxelFill, format!("{name}: grids are not filled yet"));
-        }
-        self.grids = plain.map(|plain| Grids::new(about.grid, plain, filled.flatten()));
+            None
+        };
+        let cells = CellArrays::open(folder, name, &about.grid, ledger);
+        self.grids = plain.map(|plain| Grids::new(about.grid, plain, filled, cells));
     }
 
     fn check_frame(&self, frame: usize, ledger: &mut Ledger) -> Points {
@@ -217,7 +239,7 @@ impl Agent<'_> {
             masks.check(self.scene, frame, &pose, (boxes, &clouds), ledger);
         }
         if let Some(grids) = self.grids.as_ref().filter(|grids| frame_number.is_multiple_of(grids.every())) {
-            grids.check(self.scene, frame, (&pose, own), &clouds, ledger);
+            grids.check(self.scene, frame, (&pose, own), (boxes, &clouds), ledger);
         }
         if let Some(observed) = self.observed.as_ref().filter(|o| frame_number.is_multiple_of(o.every())) {
             observed.check(frame, &clouds, ledger);
@@ -229,6 +251,9 @@ impl Agent<'_> {
         let own = self.track.id;
         sight.check_ids(self.scene, frame, ledger);
         sight.check_boxes(&self.boxes[frame], own, frame, ledger);
+        if let Some(flat) = &self.flat_boxes {
+            flat.check(self.scene, sight, (&self.boxes[frame], own), frame, ledger);
+        }
         sight.camera.check_others(sight, frame, ledger);
         for cloud in clouds.iter().filter(|cloud| cloud.ranger.kind != Kind::Radar) {
             ranging::check_depth(sight, cloud, own, frame, ledger);

@@ -4,6 +4,8 @@ use schema::{BevClass, Tag};
 
 use super::boxes::{AROUND_M, DOOR_M, Labelled};
 use super::clouds::{Cloud, OfSurface, SIGMAS};
+use super::layers::Layers;
+use super::mapped::Mapped;
 use crate::files::{Npz, Unreadable};
 use crate::ledger::Ledger;
 use crate::rules::Rule;
@@ -22,6 +24,8 @@ const GROUND_CELLS: f64 = 1.5;
 /// The masks of an agent.
 pub(crate) struct Masks {
     archive: Npz,
+    /// What there is beside them.
+    layers: Layers,
     cells: usize,
     cell_m: f64,
     /// The rule that they follow, when it is not ours.
@@ -29,7 +33,7 @@ pub(crate) struct Masks {
 }
 
 /// The mask of a frame, and where it lies.
-struct Mask<'a> {
+pub(super) struct Mask<'a> {
     masks: &'a Masks,
     bits: Vec<u8>,
     /// The agent's place, and its heading as cosine and sine.
@@ -38,8 +42,13 @@ struct Mask<'a> {
 }
 
 impl Masks {
-    pub(crate) fn new(archive: Npz, (cells, cell_m): (usize, f64), foreign: Option<&str>) -> Self {
-        Self { archive, cells, cell_m, foreign: foreign.map(str::to_owned) }
+    pub(crate) fn new(
+        archive: Npz,
+        layers: Layers,
+        (cells, cell_m): (usize, f64),
+        foreign: Option<&str>,
+    ) -> Self {
+        Self { archive, layers, cells, cell_m, foreign: foreign.map(str::to_owned) }
     }
 
     /// Checks the mask of a frame.
@@ -75,16 +84,23 @@ impl Masks {
         }
         mask.check_objects(boxes, agent, frame, ledger);
         mask.check_hazards(scene, frame, ledger);
+        let mapped = scene.map.as_ref().map(|map| Mapped::of(map, &mask, agent));
         if let Some(rule) = &self.foreign {
-            ledger.skip(Rule::BevGround, format!("masks follow the rule {rule:?}"));
+            for checked in [Rule::BevGround, Rule::BevMapped, Rule::BevStray] {
+                ledger.skip(checked, format!("masks follow the rule {rule:?}"));
+            }
         } else {
             mask.check_ground(clouds, agent, frame, ledger);
+            if let Some(mapped) = &mapped {
+                mapped.check(&mask, frame, ledger);
+            }
         }
+        self.layers.check(scene, &mask, (agent, mapped.as_ref()), (boxes, clouds), frame, ledger);
     }
 }
 
 /// The tag of what an object channel shows.
-fn tag_of(class: BevClass) -> Option<Tag> {
+pub(super) fn tag_of(class: BevClass) -> Option<Tag> {
     use BevClass::*;
     Some(match class {
         Road | Hazard | RoadLine | Sidewalk | Crosswalk => return None,
@@ -101,13 +117,33 @@ fn tag_of(class: BevClass) -> Option<Tag> {
 }
 
 impl Mask<'_> {
-    fn channel(&self, class: BevClass) -> &[u8] {
+    /// Cells along a side.
+    pub(super) fn cells(&self) -> usize {
+        self.masks.cells
+    }
+
+    pub(super) fn cell_m(&self) -> f64 {
+        self.masks.cell_m
+    }
+
+    /// Whether it follows our rule.
+    pub(super) fn is_exact(&self) -> bool {
+        self.masks.foreign.is_none()
+    }
+
+    /// Whether a cell has all its neighbours.
+    pub(super) fn is_inner(&self, cell: usize) -> bool {
+        let last = self.masks.cells - 1;
+        [cell / self.masks.cells, cell % self.masks.cells].iter().all(|&at| at > 0 && at < last)
+    }
+
+    pub(super) fn channel(&self, class: BevClass) -> &[u8] {
         let cells = self.masks.cells * self.masks.cells;
         &self.bits[class as usize * cells..][..cells]
     }
 
     /// Row and column of a world point, in cells from the first one's middle.
-    fn place(&self, x: f64, y: f64) -> [f64; 2] {
+    pub(super) fn place(&self, x: f64, y: f64) -> [f64; 2] {
         let (x, y) = (x - self.origin[0], y - self.origin[1]);
         let [cos, sin] = self.heading;
         let (ahead, left) = (cos * x + sin * y, cos * y - sin * x);
@@ -116,7 +152,7 @@ impl Mask<'_> {
     }
 
     /// Cells whose centre is within some cells of a polygon in the grid.
-    fn near(&self, polygon: &[[f64; 2]], cells: f64) -> Vec<usize> {
+    pub(super) fn near(&self, polygon: &[[f64; 2]], cells: f64) -> Vec<usize> {
         let last = self.masks.cells as f64 - 1.0;
         let ends = |axis: usize| {
             let values = || polygon.iter().map(|p| p[axis]);
@@ -140,7 +176,7 @@ impl Mask<'_> {
         found
     }
 
-    fn footprint(&self, labelled: &Labelled) -> [[f64; 2]; 4] {
+    pub(super) fn footprint(&self, labelled: &Labelled) -> [[f64; 2]; 4] {
         labelled.footprint().map(|[x, y]| self.place(x, y))
     }
 

@@ -290,7 +290,7 @@ impl Sight<'_> {
     }
 
     /// Bounds of a box in the picture; none where it is behind the camera.
-    fn bounds(&self, corners: &[V3; 8]) -> Option<[[f64; 2]; 2]> {
+    pub(crate) fn bounds(&self, corners: &[V3; 8]) -> Option<[[f64; 2]; 2]> {
         let seen = corners.map(|corner| self.world_from_optical.inward(corner));
         let is_straight = self.camera.optics.is_straight();
         let mut ends: Vec<V3> = seen.into_iter().filter(|p| p[2] >= NEAR_M || !is_straight).collect();

@@ -29,9 +29,7 @@ pub(crate) fn check(store: &Path, ledger: &mut Ledger) {
     if shares.bev_grids > 0 {
         looked("bev_cells", "class", cells.collect());
     }
-    if shares.listed_agents > 0 {
-        ledger.skip(Rule::Statistics, "voxel_cells: cells of some agents are listed");
-    } else if shares.voxel_grids > 0 {
+    if shares.voxel_grids > 0 {
         looked("voxel_cells", "label", voxels.collect());
     }
 }

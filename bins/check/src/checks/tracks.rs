@@ -6,6 +6,7 @@ use schema::DetectionClass;
 
 use super::boxes::Labelled;
 use super::counts::difficulty;
+use crate::config::Config;
 use crate::files::{Table, Unreadable};
 use crate::ledger::Ledger;
 use crate::rules::Rule;
@@ -18,14 +19,18 @@ const SUM: f64 = 1e-4;
 const FEW_OBJECTS: u64 = 5;
 
 /// An object at a frame, from the lists of all agents.
-struct Merged {
-    class: DetectionClass,
-    center_m: V3,
+pub(crate) struct Merged {
+    pub(crate) class: DetectionClass,
+    pub(crate) center_m: V3,
     speed_mps: f64,
     lidar: u64,
     radar: u64,
-    seen_by: Vec<String>,
+    /// Agents that saw it.
+    pub(crate) seen_by: Vec<String>,
 }
+
+/// All objects by frame and id.
+pub(crate) type Merges = BTreeMap<(i64, u16), Merged>;
 
 /// A track as it adds up.
 struct Track {
@@ -41,13 +46,16 @@ struct Track {
     seen_by: Vec<String>,
 }
 
+/// Boxes of all agents, by frame.
+pub(crate) type Lists = BTreeMap<String, Vec<Vec<Labelled>>>;
+
 /// Names of agents in order: vehicles by number, then RSUs.
 fn rank(name: &str) -> (bool, u32) {
     let (kind, number) = name.split_once('_').unwrap_or((name, ""));
     (kind != "vehicle", number.parse().unwrap_or(u32::MAX))
 }
 
-fn merge(lists: &BTreeMap<String, Vec<Vec<Labelled>>>) -> BTreeMap<(i64, u16), Merged> {
+fn merge(lists: &Lists) -> Merges {
     let mut names: Vec<&String> = lists.keys().collect();
     names.sort_by_key(|name| rank(name));
     let mut merged = BTreeMap::new();
@@ -76,26 +84,26 @@ fn merge(lists: &BTreeMap<String, Vec<Vec<Labelled>>>) -> BTreeMap<(i64, u16), M
 }
 
 /// Checks the merged tables of a scene, and counts what the report tells.
-///
-/// `every`: there are boxes at frames 0, n, 2 n, ...: n.
-pub(crate) fn check(
-    scene: &Scene,
-    lists: &BTreeMap<String, Vec<Vec<Labelled>>>,
-    every: u32,
-    ledger: &mut Ledger,
-) {
+pub(crate) fn check(scene: &Scene, config: &Config, lists: &Lists, ledger: &mut Ledger) {
+    let every = config.label_every();
     let merged = merge(lists);
     count(scene, &merged, every, ledger);
     if !scene.done.contains("merge-tracks") {
         ledger.skip(Rule::Tracks, "boxes are not merged yet");
+        ledger.skip(Rule::Windows, "boxes are not merged yet");
         return;
     }
-    let checked =
-        check_frames(scene, &merged, ledger).and_then(|()| check_tracks(scene, &merged, every, ledger));
+    let checked = check_frames(scene, &merged, ledger)
+        .and_then(|()| check_tracks(scene, &merged, every, ledger))
+        .and_then(|()| check_agents(scene, lists, every, ledger));
     ledger.read(checked);
+    match config.windows() {
+        Some(windows) => super::windows::check(scene, &merged, windows, ledger),
+        None => ledger.skip(Rule::Windows, "not asked for"),
+    }
 }
 
-fn count(scene: &Scene, merged: &BTreeMap<(i64, u16), Merged>, every: u32, ledger: &mut Ledger) {
+fn count(scene: &Scene, merged: &Merges, every: u32, ledger: &mut Ledger) {
     let mut per_frame = vec![[0_u64; DetectionClass::ALL.len()]; scene.frames as usize];
     for ((frame, _), object) in merged {
         let is_valid = !object.seen_by.is_empty();
@@ -114,11 +122,7 @@ fn count(scene: &Scene, merged: &BTreeMap<(i64, u16), Merged>, every: u32, ledge
     }
 }
 
-fn check_frames(
-    scene: &Scene,
-    merged: &BTreeMap<(i64, u16), Merged>,
-    ledger: &mut Ledger,
-) -> Result<(), Unreadable> {
+fn check_frames(scene: &Scene, merged: &Merges, ledger: &mut Ledger) -> Result<(), Unreadable> {
     let mut rows_found = 0;
     for rows in Table::open(&scene.file("tracks_frames.parquet"))?.batches()? {
         let (frames, ids, classes) = (rows.ints("frame")?, rows.ints("id")?, rows.texts("class")?);
@@ -160,7 +164,7 @@ fn check_frames(
     Ok(())
 }
 
-fn tracks_of(merged: &BTreeMap<(i64, u16), Merged>, every: u32) -> BTreeMap<u16, Track> {
+fn tracks_of(merged: &Merges, every: u32) -> BTreeMap<u16, Track> {
     let mut tracks: BTreeMap<u16, Track> = BTreeMap::new();
     for (&(frame, id), object) in merged {
         let track = tracks.entry(id).or_insert_with(|| Track {
@@ -190,12 +194,7 @@ fn tracks_of(merged: &BTreeMap<(i64, u16), Merged>, every: u32) -> BTreeMap<u16,
     tracks
 }
 
-fn check_tracks(
-    scene: &Scene,
-    merged: &BTreeMap<(i64, u16), Merged>,
-    every: u32,
-    ledger: &mut Ledger,
-) -> Result<(), Unreadable> {
+fn check_tracks(scene: &Scene, merged: &Merges, every: u32, ledger: &mut Ledger) -> Result<(), Unreadable> {
     let tracks = tracks_of(merged, every);
     let mut rows_found = 0;
     for rows in Table::open(&scene.file("tracks.parquet"))?.batches()? {
@@ -233,6 +232,92 @@ fn check_tracks(
     }
     ledger.expect(Rule::Tracks, rows_found == tracks.len(), || {
         format!("tracks: has {rows_found} rows, the agents list {} objects", tracks.len())
+    });
+    Ok(())
+}
+
+/// An object in the lists of one agent.
+struct Sighted {
+    first: i64,
+    last: i64,
+    frames: i64,
+    /// First and last frames of the spans in which it was seen.
+    seen: Vec<[i64; 2]>,
+    points: [u64; 2],
+    nearest_m: f64,
+}
+
+/// Objects by id and agent, from the agents' lists.
+fn sighted(lists: &Lists, every: u32) -> BTreeMap<(u16, &str), Sighted> {
+    let mut found: BTreeMap<(u16, &str), Sighted> = BTreeMap::new();
+    for (name, frames) in lists {
+        for (frame, list) in (0..).zip(frames) {
+            for labelled in list {
+                let sighted = found.entry((labelled.id, name)).or_insert_with(|| Sighted {
+                    first: frame,
+                    last: frame,
+                    frames: 0,
+                    seen: Vec::new(),
+                    points: [0; 2],
+                    nearest_m: f64::INFINITY,
+                });
+                sighted.last = frame;
+                sighted.frames += 1;
+                sighted.nearest_m = sighted.nearest_m.min(labelled.distance_m);
+                let Some(seen) = &labelled.seen else { continue };
+                sighted.points = [sighted.points[0] + seen.lidar, sighted.points[1] + seen.radar];
+                if !seen.valid {
+                    continue;
+                }
+                match sighted.seen.last_mut().filter(|span| span[1] + i64::from(every) == frame) {
+                    Some(span) => span[1] = frame,
+                    None => sighted.seen.push([frame; 2]),
+                }
+            }
+        }
+    }
+    found
+}
+
+fn check_agents(scene: &Scene, lists: &Lists, every: u32, ledger: &mut Ledger) -> Result<(), Unreadable> {
+    let sighted = sighted(lists, every);
+    let mut rows_found = 0;
+    for rows in Table::open(&scene.file("tracks_agents.parquet"))?.batches()? {
+        let (ids, agents) = (rows.ints("id")?, rows.texts("agent")?);
+        let (first, last, frames) =
+            (rows.ints("first_frame")?, rows.ints("last_frame")?, rows.ints("frames")?);
+        let (from, to) = (rows.int_lists("seen_from")?, rows.int_lists("seen_to")?);
+        let (lidar, radar) = (rows.ints("num_lidar_pts")?, rows.ints("num_radar_pts")?);
+        let nearest = rows.reals("min_distance_m")?;
+        for k in 0..rows.len() {
+            rows_found += 1;
+            let (id, agent) = (u16::try_from(ids[k]).unwrap_or(0), agents[k].as_str());
+            let Some(object) = sighted.get(&(id, agent)) else {
+                ledger.off(Rule::Tracks, || format!("tracks_agents: {agent} never lists object {id}"));
+                continue;
+            };
+            let ends = |end: usize| object.seen.iter().map(|span| span[end]).collect::<Vec<_>>();
+            let wrong = [
+                ("first_frame", first[k] == object.first),
+                ("last_frame", last[k] == object.last),
+                ("frames", frames[k] == object.frames),
+                ("seen_from", from[k] == ends(0)),
+                ("seen_to", to[k] == ends(1)),
+                ("num_lidar_pts", lidar[k] == object.points[0] as i64),
+                ("num_radar_pts", radar[k] == object.points[1] as i64),
+                ("min_distance_m", within(nearest[k] - object.nearest_m, SUM)),
+            ];
+            let wrong = wrong.into_iter().find(|(_, same)| !same);
+            ledger.expect(Rule::Tracks, wrong.is_none(), || {
+                format!(
+                    "tracks_agents: {} of object {id} is not that of {agent}'s list",
+                    wrong.map_or("", |w| w.0)
+                )
+            });
+        }
+    }
+    ledger.expect(Rule::Tracks, rows_found == sighted.len(), || {
+        format!("tracks_agents: has {rows_found} rows, the agents' lists make {}", sighted.len())
     });
     Ok(())
 }

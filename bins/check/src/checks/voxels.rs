@@ -1,14 +1,16 @@
-//! Voxel grids against returns, and filled against unfilled ones.
+//! Voxel grids, whole or listed, against returns, and filled against unfilled ones.
 
 use schema::Tag;
 
+use super::boxes::Labelled;
+use super::cells::CellArrays;
 use super::clouds::{Cloud, Kind, OfSurface};
 use crate::config::GridConfig;
-use crate::files::{Array, Npz, Unreadable};
+use crate::files::{Npz, Unreadable};
 use crate::ledger::Ledger;
 use crate::rules::Rule;
 use crate::scene::Scene;
-use crate::space::Motion;
+use crate::space::{Motion, V3};
 
 /// A return this near to a voxel's face may lie on its other side, m.
 const EDGE_M: f64 = 5e-3;
@@ -16,20 +18,50 @@ const EDGE_M: f64 = 5e-3;
 /// The grids of an agent.
 pub(crate) struct Grids {
     config: GridConfig,
+    /// Whole grids, or lists of occupied cells.
     plain: Npz,
     filled: Option<Npz>,
+    /// What is told of each occupied cell.
+    cells: CellArrays,
 }
 
 /// A grid of tags at one frame.
-struct Grid<'a> {
-    config: &'a GridConfig,
-    sides: [usize; 3],
-    tags: &'a [u8],
+pub(crate) struct Grid<'a> {
+    pub(crate) config: &'a GridConfig,
+    pub(crate) sides: [usize; 3],
+    pub(crate) tags: &'a Tags,
+}
+
+/// The tags of a grid's cells, which are numbered in C order.
+pub(crate) enum Tags {
+    /// One a cell.
+    Whole(Vec<u8>),
+    /// The occupied cells and their tags, ascending.
+    Listed(Vec<(u64, u8)>),
+}
+
+impl Tags {
+    pub(crate) fn at(&self, cell: u64) -> u8 {
+        match self {
+            Self::Whole(tags) => tags[cell as usize],
+            Self::Listed(cells) => {
+                cells.binary_search_by_key(&cell, |listed| listed.0).map_or(0, |place| cells[place].1)
+            }
+        }
+    }
+
+    /// The occupied cells and their tags, ascending.
+    pub(crate) fn occupied(&self) -> Box<dyn Iterator<Item = (u64, u8)> + '_> {
+        match self {
+            Self::Whole(tags) => Box::new((0..).zip(tags.iter().copied()).filter(|(_, tag)| *tag != 0)),
+            Self::Listed(cells) => Box::new(cells.iter().copied()),
+        }
+    }
 }
 
 impl Grids {
-    pub(crate) fn new(config: GridConfig, plain: Npz, filled: Option<Npz>) -> Self {
-        Self { config, plain, filled }
+    pub(crate) fn new(config: GridConfig, plain: Npz, filled: Option<Npz>, cells: CellArrays) -> Self {
+        Self { config, plain, filled, cells }
     }
 
     /// There is one at frames 0, n, 2 n, ...: n.
@@ -44,20 +76,37 @@ impl Grids {
         [cells(2.0 * range_m), cells(2.0 * range_m), cells(upper_m - lower_m)]
     }
 
-    fn frame(&self, archive: &Npz, frame: usize, ledger: &mut Ledger) -> Option<Array> {
-        let read = archive.frame(frame as u32).and_then(|array| {
-            if array.shape == self.sides() && array.descr == "|u1" {
-                Ok(array)
-            } else {
-                Err(Unreadable(format!("frame {frame}: a grid is {:?} of {}", array.shape, array.descr)))
-            }
-        });
-        let array = ledger.read(read)?;
+    /// Whole grids of a frame: tags.
+    fn frame(&self, archive: &Npz, frame: usize, ledger: &mut Ledger) -> Option<Vec<u8>> {
+        let array = ledger.read(archive.frame_of(frame as u32, "|u1", &self.sides()))?;
         let most = array.bytes.iter().max().copied().unwrap_or(0);
         ledger.expect(Rule::Units, usize::from(most) < Tag::COUNT, || {
             format!("frame {frame}: a voxel has tag {most}")
         });
-        (usize::from(most) < Tag::COUNT).then_some(array)
+        (usize::from(most) < Tag::COUNT).then_some(array.bytes)
+    }
+
+    /// The list of a frame: places along the axes, and tags.
+    fn list(&self, frame: usize, ledger: &mut Ledger) -> Option<Vec<(u64, u8)>> {
+        let sides = self.sides();
+        let read = self.plain.frame_of(frame as u32, "<u2", &[0, 4]).and_then(|array| {
+            let words = array.words();
+            let rows = words.as_chunks::<4>().0.iter().map(|[x, y, z, tag]| {
+                let place = [*x, *y, *z].map(usize::from);
+                let is_inside = (0..3).all(|axis| place[axis] < sides[axis]);
+                let is_tag = (1..Tag::COUNT).contains(&usize::from(*tag));
+                (is_inside && is_tag).then_some((number(place, sides), *tag as u8)).ok_or_else(|| {
+                    Unreadable(format!("frame {frame}: lists {place:?} of {sides:?} cells with tag {tag}"))
+                })
+            });
+            rows.collect::<Result<Vec<_>, _>>()
+        });
+        let cells = ledger.read(read)?;
+        let ascends = cells.is_sorted_by(|a, b| a.0 < b.0);
+        ledger.expect(Rule::Cells, ascends, || {
+            format!("frame {frame}: listed cells are not in C order, each once")
+        });
+        ascends.then_some(cells)
     }
 
     /// Checks the grids of a frame.
@@ -66,25 +115,33 @@ impl Grids {
         scene: &Scene,
         frame: usize,
         (world_from_agent, own): (&Motion, u16),
-        clouds: &[Cloud<'_>],
+        (boxes, clouds): (&[Labelled], &[Cloud<'_>]),
         ledger: &mut Ledger,
     ) {
-        let Some(plain) = self.frame(&self.plain, frame, ledger) else { return };
+        let plain = if self.config.sparse {
+            self.list(frame, ledger).map(Tags::Listed)
+        } else {
+            self.frame(&self.plain, frame, ledger).map(Tags::Whole)
+        };
+        let Some(plain) = plain else { return };
         ledger.shares.voxel_grids += 1;
-        count(&plain.bytes, &mut ledger.shares.voxels);
-        if let Some(filled) = self.filled.as_ref().and_then(|filled| self.frame(filled, frame, ledger)) {
-            count(&filled.bytes, &mut ledger.shares.filled);
-            let pairs = plain.bytes.iter().zip(&filled.bytes).filter(|(plain, _)| **plain != 0);
+        let cells = self.sides().into_iter().map(|side| side as u64).product();
+        count(&plain, cells, &mut ledger.shares.voxels);
+        let filled = self.filled.as_ref().and_then(|filled| self.frame(filled, frame, ledger));
+        if let (Some(filled), Tags::Whole(plain)) = (filled, &plain) {
+            let pairs = plain.iter().zip(&filled).filter(|(plain, _)| **plain != 0);
             let lost = pairs.filter(|(plain, filled)| plain != filled).count() as u64;
-            let kept = plain.bytes.iter().filter(|tag| **tag != 0).count() as u64 - lost;
+            let kept = plain.iter().filter(|tag| **tag != 0).count() as u64 - lost;
+            count(&Tags::Whole(filled), cells, &mut ledger.shares.filled);
             ledger.fine(Rule::VoxelFill, kept);
             ledger.all_off(Rule::VoxelFill, lost, "", || {
                 format!("frame {frame}: {lost} voxels have another tag when filled")
             });
         }
-        let grid = Grid { config: &self.config, sides: self.sides(), tags: &plain.bytes };
+        let grid = Grid { config: &self.config, sides: self.sides(), tags: &plain };
         let mount = Motion::of_angles([0.0, 0.0, self.config.mount_z_m], [0.0; 3]);
         let world_from_grid = world_from_agent.then(&mount);
+        self.cells.check(scene, &grid, (&world_from_grid, own), boxes, frame, ledger);
         if !self.config.full_sweep {
             ledger.skip(Rule::VoxelPoints, "sweeps find what they meet first, returns come from more");
             return;
@@ -102,10 +159,19 @@ impl Grids {
     }
 }
 
-fn count(tags: &[u8], counts: &mut [u64; Tag::COUNT]) {
-    for &tag in tags {
-        counts[usize::from(tag) % Tag::COUNT] += 1;
+/// Adds the cells of each tag, of so many in all.
+fn count(tags: &Tags, cells: u64, counts: &mut [u64; Tag::COUNT]) {
+    let mut free = cells;
+    for (_, tag) in tags.occupied() {
+        counts[usize::from(tag)] += 1;
+        free -= 1;
     }
+    counts[Tag::Unlabeled as usize] += free;
+}
+
+/// The number of a cell in C order.
+fn number([i, j, k]: [usize; 3], [_, across, up]: [usize; 3]) -> u64 {
+    (i as u64 * across as u64 + j as u64) * up as u64 + k as u64
 }
 
 impl Grid<'_> {
@@ -148,7 +214,16 @@ impl Grid<'_> {
     }
 
     fn tag(&self, i: usize, j: usize, k: usize) -> u8 {
-        self.tags[(i * self.sides[1] + j) * self.sides[2] + k]
+        self.tags.at(number([i, j, k], self.sides))
+    }
+
+    /// The middle of a cell, in the grid's frame, m.
+    pub(crate) fn middle(&self, cell: u64) -> V3 {
+        let GridConfig { range_m, voxel_m, lower_m, .. } = *self.config;
+        let [_, across, up] = self.sides.map(|side| side as u64);
+        let place = [cell / up / across, cell / up % across, cell % up];
+        let low = [-range_m, -range_m, lower_m];
+        [0, 1, 2].map(|axis| low[axis] + (place[axis] as f64 + 0.5) * voxel_m)
     }
 }
 
@@ -161,6 +236,19 @@ fn stands_for(voxel: u8, surface: u8) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn listed_cells_are_those_of_the_whole_grid() {
+        let (whole, listed) = (Tags::Whole(vec![0, 7, 0, 0, 14, 0]), Tags::Listed(vec![(1, 7), (4, 14)]));
+        assert!(whole.occupied().eq(listed.occupied()));
+        assert!((0..6).all(|cell| whole.at(cell) == listed.at(cell)));
+        for tags in [whole, listed] {
+            let mut counts = [0; Tag::COUNT];
+            count(&tags, 6, &mut counts);
+            assert_eq!((counts[0], counts[7], counts[14]), (4, 1, 1));
+        }
+        assert_eq!(number([1, 0, 1], [2, 3, 2]), 7);
+    }
 
     #[test]
     fn a_voxel_has_the_tag_that_goes_before() {

@@ -4,7 +4,7 @@ mod npz;
 mod picture;
 mod table;
 
-pub(crate) use npz::{Array, Npz};
+pub(crate) use npz::Npz;
 pub(crate) use picture::{Picture, jpeg_size};
 pub(crate) use table::{Batch, Table, extent, unreal};
 

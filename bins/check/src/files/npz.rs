@@ -20,13 +20,29 @@ pub(crate) struct Npz {
     members: BTreeMap<String, (ZipArchiveEntryWayfinder, CompressionMethod)>,
 }
 
-/// An array of single bytes (`u8` or `bool`) in C order.
+/// An array in C order.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Array {
-    /// As in the file: `|u1`, `|b1`.
+    /// As in the file: one of [`ELEMENTS`].
     pub(crate) descr: String,
     pub(crate) shape: Vec<usize>,
+    /// Those of all elements.
     pub(crate) bytes: Vec<u8>,
+}
+
+/// Elements that are read, and how many bytes each has: `u8`, `bool`, `u16`, `f32`.
+const ELEMENTS: [(&str, usize); 4] = [("|u1", 1), ("|b1", 1), ("<u2", 2), ("<f4", 4)];
+
+impl Array {
+    /// The elements of an array of 16-bit whole numbers.
+    pub(crate) fn words(&self) -> Vec<u16> {
+        self.bytes.as_chunks::<2>().0.iter().map(|bytes| u16::from_le_bytes(*bytes)).collect()
+    }
+
+    /// The elements of an array of 32-bit floats.
+    pub(crate) fn floats(&self) -> Vec<f32> {
+        self.bytes.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect()
+    }
 }
 
 impl Npz {
@@ -49,6 +65,18 @@ impl Npz {
         self.members.keys().map(String::as_str)
     }
 
+    /// The array of a frame, if it has these elements and this shape. A side of 0 stands for any length.
+    pub(crate) fn frame_of(&self, frame: u32, descr: &str, shape: &[usize]) -> Result<Array, Unreadable> {
+        let array = self.frame(frame)?;
+        let fits = array.shape.len() == shape.len()
+            && array.shape.iter().zip(shape).all(|(side, wanted)| *wanted == 0 || side == wanted);
+        if array.descr == descr && fits {
+            return Ok(array);
+        }
+        let why = format!("frame {frame}: is {:?} of {}, not {shape:?} of {descr}", array.shape, array.descr);
+        Err(Unreadable::new(&self.path, why))
+    }
+
     /// The array of a frame.
     pub(crate) fn frame(&self, frame: u32) -> Result<Array, Unreadable> {
         let name = format!("{frame:04}.npy");
@@ -68,24 +96,23 @@ impl Npz {
     }
 }
 
-/// Header and bytes of a `.npy` file of single-byte elements.
+/// Header and bytes of a `.npy` file.
 fn parse(mut plain: Vec<u8>) -> Result<Array, String> {
     let (version, rest) = match plain.get(..8) {
         Some([0x93, b'N', b'U', b'M', b'P', b'Y', major, _]) => (*major, &plain[8..]),
         _ => return Err("is no numpy array".into()),
     };
-    let (width, len) = match (version, rest) {
+    let (digits, len) = match (version, rest) {
         (1, [a, b, ..]) => (2, usize::from(u16::from_le_bytes([*a, *b]))),
         (2 | 3, [a, b, c, d, ..]) => (4, u32::from_le_bytes([*a, *b, *c, *d]) as usize),
         _ => return Err(format!("has a header of version {version}")),
     };
-    let start = 8 + width;
+    let start = 8 + digits;
     let header = plain.get(start..start + len.min(HEADER_LIMIT)).ok_or("ends within its header")?;
     let header = std::str::from_utf8(header).map_err(|e| e.to_string())?;
     let descr = quoted(header, "descr").ok_or("has no descr")?.to_owned();
-    if !["|u1", "|b1"].contains(&descr.as_str()) {
-        return Err(format!("has elements {descr}"));
-    }
+    let known = ELEMENTS.iter().find(|(name, _)| *name == descr);
+    let (_, width) = known.ok_or_else(|| format!("has elements {descr}"))?;
     if !header.contains("'fortran_order': False") {
         return Err("is not in C order".into());
     }
@@ -94,10 +121,10 @@ fn parse(mut plain: Vec<u8>) -> Result<Array, String> {
     let sides = shape.split(',').map(str::trim).filter(|side| !side.is_empty());
     let shape: Vec<usize> =
         sides.map(|s| s.parse().map_err(|_| format!("side {s}"))).collect::<Result<_, _>>()?;
-    let cells = shape.iter().try_fold(1_usize, |a, &b| a.checked_mul(b)).ok_or("is too large")?;
+    let size = shape.iter().try_fold(*width, |a, &b| a.checked_mul(b)).ok_or("is too large")?;
     let bytes = plain.split_off(start + len);
-    if bytes.len() != cells {
-        return Err(format!("has {} bytes, {cells} make its shape", bytes.len()));
+    if bytes.len() != size {
+        return Err(format!("has {} bytes, {size} make its shape", bytes.len()));
     }
     Ok(Array { descr, shape, bytes })
 }
@@ -125,6 +152,11 @@ mod tests {
         assert_eq!(array.bytes, [1, 2, 3, 4, 5, 6]);
         let flat = parse(file("{'descr': '|b1', 'fortran_order': False, 'shape': (2,), }", &[0, 1]));
         assert_eq!(flat.expect("reads").shape, [2]);
+        let words = parse(file("{'descr': '<u2', 'fortran_order': False, 'shape': (2,), }", &[1, 2, 0, 1]));
+        assert_eq!(words.expect("reads").words(), [513, 256]);
+        let floats =
+            parse(file("{'descr': '<f4', 'fortran_order': False, 'shape': (1,), }", &[0, 0, 0xc0, 0x3f]));
+        assert_eq!(floats.expect("reads").floats(), [1.5]);
     }
 
     #[test]
@@ -133,7 +165,7 @@ mod tests {
         for (broken, why) in [
             (b"PK".to_vec(), "no numpy array"),
             (file(header, &[1]), "has 1 bytes, 6 make its shape"),
-            (file(&header.replace("|u1", "<f4"), &[0; 6]), "elements <f4"),
+            (file(&header.replace("|u1", "<f8"), &[0; 6]), "elements <f8"),
             (file(&header.replace("False", "True"), &[0; 6]), "C order"),
             (file("{'descr': '|u1', 'fortran_order': False}", &[]), "no shape"),
         ] {

@@ -173,6 +173,14 @@ impl Batch {
         lists.into_iter().map(each).collect()
     }
 
+    /// Lists of real numbers.
+    pub(crate) fn real_lists(&self, name: &str) -> Result<Vec<Vec<f64>>, Unreadable> {
+        let each = |values: ArrayRef| {
+            self.all(name, reals_of(&values).ok_or_else(|| self.fault(name, "holds no real numbers"))?)
+        };
+        self.lists(name)?.into_iter().map(each).collect()
+    }
+
     /// Lists of texts.
     pub(crate) fn text_lists(&self, name: &str) -> Result<Vec<Vec<String>>, Unreadable> {
         let each = |values: ArrayRef| {
