@@ -1,6 +1,6 @@
 //! What tests share: real maps, small roads, meshes and snapshots, a renderer by brute force. Only tests, benchmarks and examples depend on it.
 //!
-//! What a machine may lack (real maps, Python packages) is asked for here, so that one rule holds everywhere: the test
+//! What a machine may lack (real maps, Python packages, npm, a browser) is asked for here, so that one rule holds everywhere: the test
 //! prints that it skips, and fails instead where `CONVOY_REQUIRE` names what is missing ([`Need`]).
 //!
 //! ```

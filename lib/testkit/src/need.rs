@@ -15,16 +15,22 @@ pub enum Need {
     Python,
     /// nuscenes-devkit in an environment of its own; the word is `devkit`.
     Devkit,
+    /// npm with its registry, to build the viewer's page; the word is `npm`.
+    Npm,
+    /// Chromium and node, to look at the viewer's page; the word is `browser`.
+    Browser,
 }
 
 impl Need {
-    const ALL: [Self; 3] = [Self::Maps, Self::Python, Self::Devkit];
+    const ALL: [Self; 5] = [Self::Maps, Self::Python, Self::Devkit, Self::Npm, Self::Browser];
 
     fn word(self) -> &'static str {
         match self {
             Self::Maps => "maps",
             Self::Python => "python",
             Self::Devkit => "devkit",
+            Self::Npm => "npm",
+            Self::Browser => "browser",
         }
     }
 }
@@ -45,7 +51,11 @@ pub fn skip(need: Need, missing: &str) {
 fn is_required(need: Need, list: &str) -> bool {
     let words: Vec<&str> = list.split(',').map(str::trim).filter(|w| !w.is_empty()).collect();
     let known = |word: &&str| Need::ALL.iter().any(|n| n.word() == *word);
-    assert!(words.iter().all(known), "{REQUIRE}={list}: expected words out of maps, python, devkit");
+    assert!(
+        words.iter().all(known),
+        "{REQUIRE}={list}: expected words out of {}",
+        Need::ALL.map(Need::word).join(", ")
+    );
     words.contains(&need.word())
 }
 
@@ -93,14 +103,15 @@ mod tests {
     #[test]
     fn what_is_named_is_required_and_nothing_else() {
         let both = |list| Need::ALL.map(|need| is_required(need, list));
-        assert_eq!(both(""), [false, false, false]);
-        assert_eq!(both("maps"), [true, false, false]);
-        assert_eq!(both(" python,"), [false, true, false]);
-        assert_eq!(both("devkit,python, maps"), [true, true, true]);
+        assert_eq!(both(""), [false; 5]);
+        assert_eq!(both("maps"), [true, false, false, false, false]);
+        assert_eq!(both(" python,"), [false, true, false, false, false]);
+        assert_eq!(both("devkit,python, maps"), [true, true, true, false, false]);
+        assert_eq!(both("browser,npm"), [false, false, false, true, true]);
     }
 
     #[test]
-    #[should_panic(expected = "CONVOY_REQUIRE=map: expected words out of maps, python, devkit")]
+    #[should_panic(expected = "CONVOY_REQUIRE=map: expected words out of maps, python, devkit, npm, browser")]
     fn a_misspelt_need_does_not_pass() {
         is_required(Need::Maps, "map");
     }
