@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Dependencies point one way: each crate may depend only on the crates named after it here, a program on the readers and
-# on cores as they are listed (`convoy` has the checker in it); and no files of a crate need one another in a circle (tests/layers).
+# on cores as they are listed (`convoy` has the checker and the viewer in it); and no files of a crate need one another in a circle (tests/layers).
 # `bins/check` shares nothing with the programs that it checks.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -61,7 +61,7 @@ declare -A cores=(
     [merge-tracks]="tracks"
     [stats]="analysis"
     [export]="export-core"
-    [convoy]="check driver mapstore mapview opendrive town"
+    [convoy]="check driver mapstore mapview opendrive town view"
 )
 bad=0
 for manifest in lib/*/Cargo.toml bins/*/Cargo.toml; do
@@ -69,7 +69,7 @@ for manifest in lib/*/Cargo.toml bins/*/Cargo.toml; do
     crate=$(basename "$folder")
     if [[ $folder == lib/* && -v "allowed[$crate]" ]]; then
         may=${allowed[$crate]}
-    elif [[ $folder == bins/check ]]; then
+    elif [[ $folder == bins/check || $folder == bins/view ]]; then
         may=schema
     elif [[ $folder == bins/* && -v "cores[$crate]" ]]; then
         may="$readers ${cores[$crate]}"

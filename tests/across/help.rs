@@ -32,6 +32,11 @@ fn the_checker_explains_itself() {
 }
 
 #[test]
+fn the_viewer_explains_itself() {
+    insta::assert_snapshot!("view", help("view", &[]));
+}
+
+#[test]
 fn convoy_explains_itself_and_its_commands() {
     let text = help("convoy", &[]);
     insta::assert_snapshot!("convoy", text);

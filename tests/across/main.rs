@@ -17,3 +17,4 @@ mod plain;
 mod replay;
 mod rigs;
 mod towns;
+mod view;

@@ -1,4 +1,4 @@
-//! Runs all stages in order, shows their state, verifies and checks a store; writes towns, draws maps and scenes.
+//! Runs all stages in order, shows their state, verifies, checks and shows a store; writes towns, draws maps and scenes.
 
 mod files;
 mod film;
@@ -26,6 +26,8 @@ enum Command {
     Store(StoreCommand),
     /// Checks the labels of a store against each other, from its files alone; exit code 1 when something is wrong.
     Check(check::CheckArgs),
+    /// Shows a store in the browser: opens a page on this machine that plays its scenes, or writes an excerpt as one file.
+    View(view::ViewArgs),
     #[command(flatten)]
     Program(programs::ProgramCommand),
     #[command(flatten)]
@@ -41,6 +43,7 @@ fn main() -> ExitCode {
         Command::Store(command) => driver::drive(command),
         Command::Check(args) => check::run(&args),
         Command::Program(command) => programs::run(command),
+        Command::View(args) => view::run(&args),
         Command::Map(command) => maps::run(command),
         Command::Film(command) => film::run(command),
     })

@@ -1,0 +1,55 @@
+//! Archives of arrays cut to some frames.
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+
+use rawzip::path::EntryPath;
+use rawzip::{DataDescriptorOutput, ZipArchive, ZipArchiveWriter, ZipSliceArchive};
+use serde_json::Value;
+
+use super::EmbedError;
+
+fn unreadable(path: &Path, why: impl std::fmt::Display) -> EmbedError {
+    EmbedError::Unreadable { path: path.to_owned(), why: why.to_string() }
+}
+
+/// Masks are small: an archive of them is read whole.
+fn open(path: &Path) -> Result<ZipSliceArchive<Vec<u8>>, EmbedError> {
+    let bytes = fs::read(path).map_err(|e| unreadable(path, e))?;
+    ZipArchive::from_slice(bytes).map_err(|e| unreadable(path, e))
+}
+
+/// At every how many frames an archive has a member.
+pub(super) fn every_n_frames(path: &Path) -> Result<u64, EmbedError> {
+    let archive = open(path)?;
+    let about: Option<Value> = serde_json::from_slice(archive.comment().as_bytes()).ok();
+    Ok(about.and_then(|a| a["every_n_frames"].as_u64()).filter(|&n| n > 0).unwrap_or(1))
+}
+
+/// The members of some frames as an archive, named by frames counted from the first one. They are copied as they are packed.
+pub(super) fn frames(path: &Path, (first, last): (u32, u32)) -> Result<Vec<u8>, EmbedError> {
+    let archive = open(path)?;
+    let mut out = Vec::new();
+    let mut writer = ZipArchiveWriter::new(&mut out);
+    writer.set_comment(archive.comment().as_bytes());
+    let bad = |e: rawzip::Error| unreadable(path, e);
+    let mut entries = archive.entries();
+    while let Some(record) = entries.next_entry().map_err(bad)? {
+        let name = String::from_utf8_lossy(record.file_path().as_ref()).into_owned();
+        let frame = name.strip_suffix(".npy").and_then(|n| n.parse::<u32>().ok());
+        let Some(frame) = frame.filter(|f| (first..last).contains(f)) else { continue };
+        let packed = archive.get_entry(record.wayfinder()).map_err(bad)?;
+        let name = format!("{:04}.npy", frame - first);
+        let file = writer
+            .new_file(EntryPath::verbatim(name.as_bytes()))
+            .compression_method(record.compression_method());
+        let (mut entry, _) = file.start().map_err(bad)?;
+        entry.write_all(packed.data()).map_err(|e| unreadable(path, e))?;
+        entry
+            .finish(DataDescriptorOutput::new(record.crc32(), record.uncompressed_size_hint()))
+            .map_err(bad)?;
+    }
+    writer.finish().map_err(bad)?;
+    Ok(out)
+}

@@ -1,0 +1,331 @@
+//! Excerpts: some frames of a scene as a store of its own, small enough to lie inside one page.
+//!
+//! Of each lidar reading every k-th point stays, k the least that lets the page fit; positions are rounded to 2^-7 m and intensities
+//! to 8 bits. Maps are cut to what comes near the agents. The page says all that.
+
+mod archive;
+mod table;
+
+use std::path::PathBuf;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+
+use crate::site::Site;
+use crate::{listing, page, paths};
+use table::{Columns, Points, Rows};
+
+/// What journals and mail let pass, bytes.
+const LIMIT: usize = 15_000_000;
+/// Frames where none are named: one second.
+const FRAMES: u32 = 20;
+/// Elements of the map stay where they come this near to an agent, metres.
+const MAP_RADIUS_M: f64 = 150.0;
+/// Fewer points than one in so many show nothing.
+const THINNEST: usize = 64;
+
+const AGENT_COLUMNS: Columns = &["frame", "agent", "id", "xyz_m", "quaternion", "velocity_mps"];
+const BOX_COLUMNS: Columns = &[
+    "frame",
+    "agent",
+    "id",
+    "class",
+    "center_m",
+    "size_m",
+    "rpy_rad",
+    "velocity_mps",
+    "num_lidar_pts",
+    "num_radar_pts",
+    "valid_flag",
+    "difficulty",
+    "seen_by",
+    "signal_state",
+    "opendrive_id",
+    "attributes",
+    "model",
+];
+const MAP_COLUMNS: Columns = &["kind", "x_m", "y_m", "z_m", "lane_type", "mark_color", "is_edge", "dash_m"];
+const POINT_COLUMNS: Columns = &["frame", "x", "y", "z", "intensity", "id", "tag"];
+
+/// What an excerpt is of.
+#[derive(Debug)]
+pub(crate) struct Excerpt {
+    pub(crate) scene: u32,
+    /// The first frame and the one after the last.
+    pub(crate) frames: Option<(u32, u32)>,
+    pub(crate) agents: Option<Vec<String>>,
+    pub(crate) cameras: Vec<String>,
+}
+
+/// A page with its data inside.
+#[derive(Debug)]
+pub(crate) struct Page {
+    pub(crate) html: String,
+    /// What it shows, in words.
+    pub(crate) what: String,
+}
+
+/// Why there is no excerpt.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum EmbedError {
+    #[error("{path}: {why}")]
+    Unreadable { path: PathBuf, why: String },
+    #[error("{0}")]
+    NoSuch(String),
+    #[error("the page would have {0:.1} MB without any point, and 15 MB are the limit: choose fewer {1}")]
+    TooLarge(f64, &'static str),
+    #[error("of lidar points less than one in {THINNEST} would fit: choose fewer frames, agents or cameras")]
+    TooThin,
+}
+
+/// A file of the excerpt: its path in the store, and its bytes.
+type Piece = (String, Vec<u8>);
+
+/// An excerpt in the making.
+struct Cut<'a> {
+    site: &'a Site,
+    folder: String,
+    /// Files of the scene.
+    files: Vec<String>,
+    frames: (u32, u32),
+    agents: Vec<String>,
+    cameras: &'a [String],
+}
+
+impl Excerpt {
+    /// Makes the page.
+    ///
+    /// # Errors
+    /// There is no such scene, frame, agent or camera; files cannot be read; the page would be too large.
+    pub(crate) fn page(&self, site: &Site) -> Result<Page, EmbedError> {
+        let folder = format!("{:04}", self.scene);
+        let whole = listing::scene(site.root(), &folder).map_err(EmbedError::NoSuch)?;
+        let cut = self.cut(site, folder, &whole)?;
+        let mut pieces = cut.tables()?;
+        pieces.extend(cut.masks()?);
+        pieces.extend(cut.pictures()?);
+        let fixed = page::embedded(&[]).len() + encoded_len(&pieces) + (16 << 10);
+        let room = LIMIT.checked_sub(fixed);
+        let kind = if self.cameras.is_empty() { "frames or agents" } else { "cameras or frames" };
+        let room = room.ok_or(EmbedError::TooLarge(fixed as f64 / 1e6, kind))?;
+        let (points, keep) = cut.points(room)?;
+        pieces.extend(points);
+        let what = cut.words(keep);
+        pieces.extend(cut.lists(&whole, &what, &pieces));
+        let files: Vec<(String, String)> =
+            pieces.into_iter().map(|(path, bytes)| (path, STANDARD.encode(bytes))).collect();
+        Ok(Page { html: page::embedded(&files), what })
+    }
+
+    fn cut<'a>(&'a self, site: &'a Site, folder: String, whole: &Value) -> Result<Cut<'a>, EmbedError> {
+        let info = &whole["info"];
+        let total = info["frames"].as_u64().and_then(|n| u32::try_from(n).ok()).unwrap_or(0);
+        let frames = self.frames.unwrap_or((0, FRAMES.min(total)));
+        if frames.0 >= frames.1 || frames.1 > total {
+            return Err(EmbedError::NoSuch(format!("scene {} has the frames 0..{total}", self.scene)));
+        }
+        let known: Vec<&str> =
+            info["agents"].as_array().into_iter().flatten().filter_map(|a| a["agent"].as_str()).collect();
+        let agents = match &self.agents {
+            None => known.iter().map(|&a| a.to_owned()).collect(),
+            Some(agents) => agents.clone(),
+        };
+        if let Some(other) = agents.iter().find(|a| !known.contains(&a.as_str())) {
+            return Err(EmbedError::NoSuch(format!(
+                "scene {} has no {other}, but {}",
+                self.scene,
+                known.join(", ")
+            )));
+        }
+        let files: Vec<String> = whole["files"]
+            .as_array()
+            .into_iter()
+            .flatten()
+            .filter_map(|f| f[0].as_str().map(str::to_owned))
+            .collect();
+        for camera in &self.cameras {
+            let is_there =
+                agents.iter().any(|agent| files.contains(&format!("sensors/{agent}/RGB-{camera}.parquet")));
+            if !is_there {
+                return Err(EmbedError::NoSuch(format!(
+                    "none of {} has pictures of {camera}",
+                    agents.join(", ")
+                )));
+            }
+        }
+        let cut = Cut { site, folder, files, frames, agents, cameras: &self.cameras };
+        cut.agree_on_frames(info)?;
+        Ok(cut)
+    }
+}
+
+impl Cut<'_> {
+    /// Readings are counted from the excerpt's first frame on, so there must be one of each kind.
+    fn agree_on_frames(&self, info: &Value) -> Result<(), EmbedError> {
+        let mut rates = vec![("boxes".to_owned(), info["label_every_n_frames"].as_u64().unwrap_or(1))];
+        for (path, rate) in self.sensor_files()?.iter().map(|(path, rate, _)| (path, *rate)) {
+            rates.push((path.clone(), rate));
+        }
+        for path in self.files.iter().filter(|f| self.is_mask(f)) {
+            rates.push((path.clone(), archive::every_n_frames(&self.locate(path)?)?));
+        }
+        match rates.iter().find(|(_, rate)| u64::from(self.frames.0) % rate != 0) {
+            None => Ok(()),
+            Some((what, rate)) => Err(EmbedError::NoSuch(format!(
+                "{what} has every {rate}th frame only: let the excerpt begin at a multiple of {rate}"
+            ))),
+        }
+    }
+
+    fn is_mask(&self, file: &str) -> bool {
+        self.agents.iter().any(|agent| file == format!("bev/{agent}.npz"))
+    }
+
+    /// Sensor tables that belong to the excerpt, with every how many frames they have a row, and whether they hold points.
+    fn sensor_files(&self) -> Result<Vec<(String, u64, bool)>, EmbedError> {
+        let mut found = Vec::new();
+        for agent in &self.agents {
+            let of_kind = |name: &str| format!("sensors/{agent}/{name}.parquet");
+            let lidar =
+                ["LIDAR", "SEG-LIDAR"].map(of_kind).into_iter().find(|path| self.files.contains(path));
+            let pictures = self.cameras.iter().map(|camera| of_kind(&format!("RGB-{camera}")));
+            let tables = lidar.into_iter().map(|path| (path, true)).chain(pictures.map(|path| (path, false)));
+            for (path, has_points) in tables.filter(|(path, _)| self.files.contains(path)) {
+                let rate = table::every_n_frames(&self.locate(&path)?)?;
+                found.push((path, rate, has_points));
+            }
+        }
+        Ok(found)
+    }
+
+    fn locate(&self, path: &str) -> Result<PathBuf, EmbedError> {
+        let found = paths::file_below(self.site.root(), &format!("scenes/{}/{path}", self.folder));
+        found.ok_or_else(|| EmbedError::NoSuch(format!("scene {} has no {path}", self.folder)))
+    }
+
+    fn key(&self, path: &str) -> String {
+        format!("scenes/{}/{path}", self.folder)
+    }
+
+    /// Poses, boxes, lines of the map.
+    fn tables(&self) -> Result<Vec<Piece>, EmbedError> {
+        let rows = Rows { frames: Some(self.frames), words: vec![("agent", self.agents.clone())] };
+        let path = self.locate("agents.parquet")?;
+        let mut pieces = vec![(self.key("agents.parquet"), table::rows(&path, AGENT_COLUMNS, &rows)?)];
+        let merged = Rows { frames: Some(self.frames), words: Vec::new() };
+        for (name, rows) in [("tracks_frames.parquet", &merged), ("boxes.parquet", &rows)] {
+            if self.files.iter().any(|f| f == name) {
+                pieces.push((self.key(name), table::rows(&self.locate(name)?, BOX_COLUMNS, rows)?));
+                break;
+            }
+        }
+        let info = listing::scene_info(self.site.root(), &self.folder).map_err(EmbedError::NoSuch)?;
+        let map = format!("maps/{}.vector.parquet", info["map"].as_str().unwrap_or_default());
+        if let Some(file) = paths::file_below(self.site.root(), &map) {
+            let places = table::places(&path, &rows)?;
+            pieces.push((map, table::near(&file, MAP_COLUMNS, &places, MAP_RADIUS_M)?));
+        }
+        Ok(pieces)
+    }
+
+    fn masks(&self) -> Result<Vec<Piece>, EmbedError> {
+        let masks = self.files.iter().filter(|f| self.is_mask(f));
+        masks.map(|path| Ok((self.key(path), archive::frames(&self.locate(path)?, self.frames)?))).collect()
+    }
+
+    fn pictures(&self) -> Result<Vec<Piece>, EmbedError> {
+        let mut pieces = Vec::new();
+        for (path, rate, _) in self.sensor_files()?.into_iter().filter(|(_, _, has_points)| !has_points) {
+            let columns = &["frame", "time_s", "image"];
+            pieces.push((
+                self.key(&path),
+                table::readings(&self.locate(&path)?, columns, self.frames, rate, None)?,
+            ));
+        }
+        if self.cameras.is_empty() {
+            return Ok(pieces);
+        }
+        for agent in &self.agents {
+            let path = format!("sensors/{agent}/boxes_2d.parquet");
+            if self.files.contains(&path) {
+                let rows = Rows { frames: Some(self.frames), words: vec![("camera", self.cameras.to_vec())] };
+                let columns = &["frame", "camera", "id", "class", "visible_px"];
+                pieces.push((self.key(&path), table::rows(&self.locate(&path)?, columns, &rows)?));
+            }
+        }
+        Ok(pieces)
+    }
+
+    /// Lidar readings that fit into some bytes of base64, and of how many points one is kept.
+    fn points(&self, room: usize) -> Result<(Vec<Piece>, usize), EmbedError> {
+        let tables: Vec<_> =
+            self.sensor_files()?.into_iter().filter(|(_, _, has_points)| *has_points).collect();
+        let thinned = |keep: usize| {
+            let readings = tables.iter().map(|(path, rate, _)| {
+                let points = Points { keep_one_in: keep };
+                let bytes =
+                    table::readings(&self.locate(path)?, POINT_COLUMNS, self.frames, *rate, Some(points))?;
+                Ok((self.key(path), bytes))
+            });
+            readings.collect::<Result<Vec<Piece>, EmbedError>>()
+        };
+        // Bytes fall a little slower than points do: a coarse try tells where to begin.
+        let trial = 8;
+        let size = encoded_len(&thinned(trial)?);
+        let mut keep = (2 * size * trial / (3 * room.max(1))).max(1);
+        while keep <= THINNEST {
+            let pieces = thinned(keep)?;
+            if encoded_len(&pieces) <= room {
+                return Ok((pieces, keep));
+            }
+            keep += 1;
+        }
+        Err(EmbedError::TooThin)
+    }
+
+    fn words(&self, keep: usize) -> String {
+        let frames = format!("scene {}, frames {} to {}", self.folder, self.frames.0, self.frames.1 - 1);
+        let points = match keep {
+            1 => "all lidar points".to_owned(),
+            _ => format!("one of {keep} lidar points"),
+        };
+        format!("excerpt: {frames}, {} agents, {points}, to 8 mm", self.agents.len())
+    }
+
+    /// What the server says of a store, of the excerpt.
+    fn lists(&self, whole: &Value, what: &str, pieces: &[Piece]) -> Vec<Piece> {
+        let mut info = whole["info"].clone();
+        info["frames"] = json!(self.frames.1 - self.frames.0);
+        info["first_frame"] = json!(self.frames.0);
+        if let Some(agents) = info["agents"].as_array_mut() {
+            agents.retain(|a| {
+                a["agent"].as_str().is_some_and(|name| self.agents.iter().any(|own| own == name))
+            });
+        }
+        let start = self.key("");
+        let files: Vec<Value> = pieces
+            .iter()
+            .filter_map(|(path, bytes)| Some(json!([path.strip_prefix(&start)?, bytes.len()])))
+            .collect();
+        let map_bytes =
+            pieces.iter().find(|(path, _)| path.starts_with("maps/")).map_or(0, |(_, bytes)| bytes.len());
+        let title = format!("{} · {}", self.folder, info["map"].as_str().unwrap_or("?"));
+        let scenes = json!([{ "folder": self.folder, "title": title, "missing": [] }]);
+        let dataset = listing::name(self.site.root()).ok().flatten().unwrap_or_default();
+        let lists = [
+            ("api/names.json".to_owned(), listing::names()),
+            ("api/store.json".to_owned(), json!({ "name": dataset, "scenes": scenes, "excerpt": what })),
+            (
+                format!("api/scenes/{}.json", self.folder),
+                json!({ "info": info, "files": files, "map_bytes": map_bytes }),
+            ),
+        ];
+        lists.map(|(path, value)| (path, value.to_string().into_bytes())).into()
+    }
+}
+
+/// Bytes of pieces as base64, with the elements around them.
+fn encoded_len(pieces: &[Piece]) -> usize {
+    pieces.iter().map(|(path, bytes)| bytes.len().div_ceil(3) * 4 + path.len() + 64).sum()
+}

@@ -1,0 +1,133 @@
+//! Shows a store in the browser.
+//!
+//! A server for this machine alone gives one page (its sources are in `viewer/`, its bundle in `assets/`), lists of what the
+//! store has, and byte ranges of its files; the page decodes Parquet and npz itself. An excerpt is the same page with a small
+//! store inside it, as one file.
+
+mod embed;
+mod http;
+mod listing;
+mod open;
+mod page;
+mod paths;
+mod server;
+mod site;
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use embed::Excerpt;
+use server::Server;
+use site::Site;
+
+/// Exit codes: done, something could not be read or written, no such store or arguments.
+const CODES: [u8; 3] = [0, 1, 2];
+
+/// What to show, and how.
+#[derive(Debug, Args)]
+pub struct ViewArgs {
+    /// The store: a folder.
+    #[arg(value_name = "STORE")]
+    store: PathBuf,
+    /// The port; a free one by default.
+    #[arg(long, value_name = "PORT", default_value_t = 0)]
+    port: u16,
+    /// Only print the address; open no browser.
+    #[arg(long)]
+    no_open: bool,
+    /// Write an excerpt into this HTML file instead: the page with its data inside, below 15 MB, without pictures
+    /// unless `--cameras` names some, and without voxels. Of lidar points so many stay as fit.
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    embed: Option<PathBuf>,
+    /// The excerpt's scene.
+    #[arg(long, value_name = "N", requires = "embed")]
+    scene: Option<u32>,
+    /// Its frames, the last one not included; the first 20 by default.
+    #[arg(long, value_name = "A..B", requires = "embed", value_parser = frame_range)]
+    frames: Option<(u32, u32)>,
+    /// Its agents, with commas between them; all by default.
+    #[arg(long, value_name = "LIST", requires = "embed", value_delimiter = ',')]
+    agents: Option<Vec<String>>,
+    /// Cameras whose pictures it has, with commas between them.
+    #[arg(long, value_name = "LIST", requires = "embed", value_delimiter = ',')]
+    cameras: Vec<String>,
+}
+
+/// Shows the store until the program is stopped, or writes an excerpt; the exit code.
+#[must_use]
+pub fn run(args: &ViewArgs) -> u8 {
+    let site = match Site::open(&args.store) {
+        Ok(site) => site,
+        Err(fault) => {
+            complain(&fault.to_string());
+            return CODES[2];
+        }
+    };
+    let outcome = match &args.embed {
+        Some(file) => write_excerpt(args, &site, file),
+        None => serve(args, site),
+    };
+    match outcome {
+        Ok(()) => CODES[0],
+        Err(fault) => {
+            complain(&fault);
+            CODES[1]
+        }
+    }
+}
+
+fn serve(args: &ViewArgs, site: Site) -> Result<(), String> {
+    let server = Server::bind(args.port, site).map_err(|e| format!("port {}: {e}", args.port))?;
+    let address = server.address();
+    say(&format!("{} is shown at {address} (Ctrl-C ends it)", args.store.display()));
+    if !args.no_open && !open::in_browser(&address) {
+        say("no browser could be started here: open the address in one on this machine");
+    }
+    server.run();
+    Ok(())
+}
+
+fn write_excerpt(args: &ViewArgs, site: &Site, file: &std::path::Path) -> Result<(), String> {
+    let excerpt = Excerpt {
+        scene: args.scene.unwrap_or_default(),
+        frames: args.frames,
+        agents: args.agents.clone(),
+        cameras: args.cameras.clone(),
+    };
+    let page = excerpt.page(site).map_err(|e| e.to_string())?;
+    std::fs::write(file, &page.html).map_err(|e| format!("{}: {e}", file.display()))?;
+    say(&format!("{}: {}, {:.1} MB", file.display(), page.what, page.html.len() as f64 / 1e6));
+    Ok(())
+}
+
+fn frame_range(text: &str) -> Result<(u32, u32), String> {
+    let range = text.split_once("..").and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
+    range
+        .filter(|(a, b)| a < b)
+        .ok_or_else(|| "expected two numbers as 0..20, the second one greater".to_owned())
+}
+
+#[allow(clippy::print_stdout)] // The address is what it has to say.
+fn say(text: &str) {
+    println!("{text}");
+}
+
+#[allow(clippy::print_stderr)] // It has no other words.
+fn complain(fault: &str) {
+    eprintln!("error: {fault}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::frame_range;
+
+    #[test]
+    fn frames_are_two_numbers_in_order() {
+        assert_eq!(frame_range("0..20"), Ok((0, 20)));
+        assert_eq!(frame_range("7..8"), Ok((7, 8)));
+        for wrong in ["", "5", "5..5", "6..5", "a..b", "..3", "3..", "-1..3"] {
+            assert!(frame_range(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! The program from outside: what it serves, what it refuses, what it writes.
+
+mod bundle;
+mod serve;

@@ -1,0 +1,96 @@
+//! The viewer's page over a real store, in a headless Chromium: every mode at a desktop's and a phone's width, an excerpt from a
+//! file. Errors on the console fail. `CONVOY_SHOTS` names a folder that keeps the screenshots.
+
+use std::env;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use convoy_tests::{Bench, Outcome, TINY, program, workspace};
+use testkit::{Need, skip};
+
+/// Chromium, where it and node are at hand.
+fn browser() -> Option<String> {
+    let runs =
+        |name: &str| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success());
+    let named = env::var("CONVOY_CHROMIUM").ok();
+    let known = ["chromium", "chromium-browser", "google-chrome"].map(str::to_owned);
+    let found = named.into_iter().chain(known).find(|name| runs(name)).filter(|_| runs("node"));
+    if found.is_none() {
+        skip(Need::Browser, "there is no Chromium with node to look at the viewer's page");
+    }
+    found
+}
+
+/// Looks at a page and keeps what it saw below a folder.
+fn look(chromium: &str, address: &str, folder: &Path) {
+    let script = workspace().join("viewer/test/look.mjs");
+    let output =
+        Command::new("node").arg(script).args([chromium, address]).arg(folder).output().expect("node starts");
+    Outcome::of(&output).expect_done();
+    let measures = std::fs::read_to_string(folder.join("measures.json")).expect("measures are written");
+    assert!(measures.contains("scriptMsPerFrame"), "{measures}");
+    for picture in ["desktop-3d-tag", "desktop-bev", "phone-3d", "phone-choices"] {
+        let bytes =
+            std::fs::read(folder.join(picture).with_extension("png")).expect("a screenshot is written");
+        assert!(bytes.len() > 10_000, "{picture} is empty");
+    }
+}
+
+/// `convoy view`, ended with the test.
+struct Served(Child);
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+fn serve(store: &Path) -> (Served, String) {
+    let mut command = Command::new(program("convoy"));
+    let mut child =
+        command.arg("view").arg(store).arg("--no-open").stdout(Stdio::piped()).spawn().expect("it starts");
+    let mut line = String::new();
+    BufReader::new(child.stdout.take().expect("is piped")).read_line(&mut line).expect("it says where it is");
+    let address = line
+        .split_whitespace()
+        .find(|word| word.starts_with("http://"))
+        .expect("names an address")
+        .to_owned();
+    (Served(child), address)
+}
+
+#[test]
+fn the_page_shows_a_store_and_an_excerpt_of_it() {
+    let Some(chromium) = browser() else { return };
+    let bench =
+        Bench::new(&TINY.replace("semantic = true\ndepth", "boxes_2d = true\nsemantic = true\ndepth"));
+    bench.run("convoy", &["run"]).expect_done();
+    let kept = env::var_os("CONVOY_SHOTS").map(PathBuf::from);
+    let shots = kept.unwrap_or_else(|| bench.folder.path().join("shots"));
+
+    let (_served, address) = serve(&bench.store());
+    look(&chromium, &address, &shots.join("store"));
+
+    let page = bench.folder.path().join("excerpt.html");
+    let mut command = Command::new(program("view"));
+    command.arg(bench.store()).arg("--embed").arg(&page).args(["--scene", "0", "--frames", "4..16"]);
+    Outcome::of(&command.output().expect("it starts")).expect_done();
+    let size = std::fs::metadata(&page).expect("it is written").len();
+    assert!(size < 15_000_000, "{size} bytes");
+    look(&chromium, &format!("file://{}", page.display()), &shots.join("excerpt"));
+}
+
+/// What is not made yet is told with the stage that makes it.
+#[test]
+fn the_page_says_which_stage_to_run() {
+    let Some(chromium) = browser() else { return };
+    let bench = Bench::new(TINY);
+    bench.run("spawn-planner", &[]).expect_done();
+    bench.run("simulate-and-log", &[]).expect_done();
+    let (_served, address) = serve(&bench.store());
+    let script = workspace().join("viewer/test/unfinished.mjs");
+    let output = Command::new("node").arg(script).args([&chromium, &address]).output().expect("node starts");
+    Outcome::of(&output).expect_done();
+}

@@ -1,0 +1,447 @@
+// The choices, and what follows from them on the screen.
+
+import { CameraGrid, kindAtHand } from './camera_grid.js'
+import { DEFAULTS, VOXEL_DETAIL, freshChoices, takeLink } from './choices.js'
+import { agentColor, classColors } from './colors.js'
+import { mapElements } from './data/scene.js'
+import { remedy } from './data/store.js'
+import { readLink, writeLink } from './link.js'
+import { Panels } from './panels.js'
+import { Player } from './player.js'
+import { $, keysDialog, make, note } from './ui.js'
+import { drawBev, drawCamera, pictureElement } from './view/pictures.js'
+import { View3d, boxColor } from './view/view3d.js'
+
+/** Frames that are fetched before they are shown. */
+const AHEAD = 6
+const THUMB_PX = 640
+
+export class App {
+  constructor(store) {
+    this.store = store
+    this.names = store.names
+    this.classColor = classColors(store.names)
+    this.choices = freshChoices()
+    this.link = {}
+    this.version = 0
+    this.isDirty = true
+    this.notes = new Map()
+    this.view = new View3d($('view-3d'), this.names.tags, () => {
+      this.isDirty = true
+      this.linkSoon()
+    })
+    this.panels = new Panels(this)
+    this.player = new Player({ periodS: this.names.frame_period_s, isReady: frame => this.isReady(frame), show: frame => this.setFrame(frame) })
+    this.grid = new CameraGrid(this)
+    this.inset = pictureElement('')
+    this.insetBev = pictureElement('')
+    this.bev = pictureElement('')
+    for (const [host, element] of [['inset-picture', this.inset], ['inset-bev', this.insetBev], ['view-bev', this.bev]]) {
+      element.caption.remove()
+      $(host).append(element.figure)
+    }
+  }
+
+  async start() {
+    this.link = readLink(location.hash)
+    takeLink(this.choices, this.link)
+    this.setTheme(storedTheme() ?? (matchMedia('(prefers-color-scheme: light)').matches ? 'light' : 'dark'))
+    this.bind()
+    keysDialog($('keys'))
+    const scenes = this.store.index.scenes
+    if (!scenes.length) throw new Error('it has no scenes yet: make dataset')
+    await this.openScene(scenes.some(s => s.folder === this.link.scene) ? this.link.scene : scenes[0].folder)
+    requestAnimationFrame(now => this.tick(now))
+  }
+
+  async openScene(folder) {
+    const version = ++this.version
+    this.player.toggle(false)
+    this.notes.clear()
+    this.setNote('scene', note('busy', `Scene ${folder} is read …`))
+    this.view.clear()
+    try {
+      const scene = await this.store.scene(folder)
+      if (version !== this.version) return
+      this.scene = scene
+      this.map = null
+      this.setNote('scene', null)
+      const names = scene.agents.map(a => a.name)
+      const c = this.choices
+      c.agents = new Set((this.link.agents ?? names).filter(n => names.includes(n)))
+      this.ego = names.includes(this.link.agent) ? this.link.agent : names[0]
+      this.chosen = this.link.object ? Number(this.link.object) : null
+      this.frame = Math.min(this.link.frame ?? 0, scene.frames - 1)
+      const sensors = [...new Set(names.flatMap(n => this.sensorChoices(n)))]
+      if (!sensors.includes(c.sensor)) c.sensor = sensors[0] ?? ''
+      this.panels.newScene(sensors)
+      this.view.navigation.mode = c.mode
+      this.drawTracks()
+      const { missing } = scene.store.index.scenes.find(s => s.folder === folder) ?? {}
+      if (missing?.length) this.setNote('stages', note('', 'Not made yet: ', make('code', { textContent: missing.join(', ') }), '. ', make('code', { textContent: 'make dataset' }), ' makes what is missing.'))
+      this.update()
+      if (this.link.pose) this.view.navigation.pose = this.link.pose
+      this.link = {}
+    } catch (error) {
+      if (version === this.version) this.fail('scene', error, folder)
+    }
+  }
+
+  /** Sensors of an agent that give points; radars are one choice together. */
+  sensorChoices(agent) {
+    const sensors = this.scene.pointSensors(agent)
+    return [...new Set(sensors.map(s => s.startsWith('RAD_') ? 'Radars' : s))]
+  }
+
+  sensorsShown(agent) {
+    const { sensor } = this.choices
+    return this.scene.pointSensors(agent).filter(s => sensor === 'Radars' ? s.startsWith('RAD_') : s === sensor)
+  }
+
+  get egoAgent() {
+    return this.scene.agents.find(a => a.name === this.ego)
+  }
+
+  get egoIndex() {
+    return this.scene.agents.indexOf(this.egoAgent)
+  }
+
+  setTheme(theme) {
+    document.documentElement.dataset.theme = theme
+    this.isDark = theme === 'dark'
+    this.view.setTheme(this.isDark)
+    this.pictureTheme = this.isDark ? { bev: '#1b212b', text: '#f2f4f7', plate: 'rgb(15 19 25 / 78%)' } : { bev: '#e3e7ec', text: '#14181d', plate: 'rgb(255 255 255 / 82%)' }
+    if (this.scene) {
+      this.drawTracks()
+      this.update()
+    }
+  }
+
+  setNote(key, element) {
+    if (element) this.notes.set(key, element)
+    else if (!this.notes.delete(key)) return
+    $('notes').replaceChildren(...this.notes.values())
+  }
+
+  fail(key, error, folder = this.scene?.folder) {
+    if (error.name === 'AbortError') return
+    if (error.name === 'MissingFile') {
+      const path = error.path.replace(/^scenes\/[^/]+\//, '')
+      this.setNote(key, note('', `There is no ${path}: ${remedy(folder, path).stage} writes it. Run `, make('code', { textContent: remedy(folder, path).command })))
+      return
+    }
+    console.error(error)
+    this.setNote(key, note('bad', error.message))
+  }
+
+  setFrame(frame) {
+    const last = this.scene.frames - 1
+    this.frame = Math.max(0, Math.min(frame, last))
+    this.update()
+  }
+
+  setEgo(name) {
+    this.ego = name
+    this.choices.agents.add(name)
+    this.view.navigation.anchor = null
+    this.panels.agents()
+    this.update()
+  }
+
+  setView(view) {
+    this.choices.view = view
+    this.panels.views()
+    this.resize()
+    this.update()
+  }
+
+  toggle(kind, name) {
+    const set = this.choices[kind]
+    if (!set.delete(name)) set.add(name)
+    this.panels.toggles()
+    this.update()
+  }
+
+  boxesShown() {
+    const { hidden, valid } = this.choices
+    const always = new Set([this.chosen, ...this.scene.agents.map(a => a.id)])
+    return this.scene.tables.boxesAt(this.frame).filter(b => !hidden.has(b.class) && (!valid || b.isValid || always.has(b.id)))
+  }
+
+  drawTracks() {
+    const { hidden } = this.choices
+    const color = boxColor(this.choices.boxes === 'id' ? 'id' : 'class', this.classColor, this.scene.agents, this.isDark)
+    this.view.setTracks(this.scene.tables.tracks().filter(t => !hidden.has(t.class)), color)
+  }
+
+  /** Draws everything anew that follows from choices and frame. */
+  update() {
+    if (!this.scene) return
+    const { choices: c, scene } = this
+    const ego = this.egoAgent
+    const pose = scene.tables.poseAt(ego, this.frame)
+    this.panels.frame()
+    const boxes = this.boxesShown()
+    if (c.view === '3d') {
+      this.view.navigation.anchorAt(pose.matrix)
+      const colorOf = boxColor(c.boxes, this.classColor, scene.agents, this.isDark)
+      this.view.update({
+        coloring: c.color, pointSize: c.size, layers: c.layers, frame: this.frame, groundZ: pose.matrix.elements[14],
+        place: { x: pose.matrix.elements[12], y: pose.matrix.elements[13] }, boxes: c.layers.has('boxes') ? boxes : [], colorOf, chosen: this.chosen,
+        labels: c.layers.has('labels') ? this.labels(boxes, colorOf) : [],
+      })
+      this.showPoints()
+      this.showVoxels()
+      if (c.layers.has('map')) this.showMap()
+    }
+    this.showPictures(boxes)
+    this.panels.object(this.chosen === null ? null : scene.tables.boxesAt(this.frame).find(b => b.id === this.chosen))
+    this.prefetch()
+    this.isDirty = true
+    this.linkSoon()
+  }
+
+  labels(boxes, colorOf) {
+    const { agents, tables } = this.scene
+    const ids = new Map(agents.map((agent, i) => [agent.id, [agent, i]]))
+    const labels = agents.map((agent, i) => {
+      const e = tables.poseAt(agent, this.frame).matrix.elements
+      return { text: agent.name, color: agentColor(i), place: [e[12], e[13], e[14] + (agent.name.startsWith('rsu') ? 5 : 2.2)], isFirst: true }
+    })
+    if (!this.choices.layers.has('boxes')) return labels
+    for (const box of boxes) {
+      if (ids.has(box.id)) continue
+      const [r, g, b] = colorOf(box)
+      labels.push({ text: `${box.class.replaceAll('_', ' ')} ${box.id}`, color: `rgb(${r} ${g} ${b})`, place: [box.center[0], box.center[1], box.center[2] + 0.5 * box.size[2] + 0.3], isFirst: box.id === this.chosen })
+    }
+    return labels
+  }
+
+  /** The requests for the points of all shown agents at a frame. */
+  async pointRequests(frame) {
+    const requests = []
+    for (const agent of this.scene.agents) {
+      if (!this.choices.agents.has(agent.name)) continue
+      for (const sensor of this.sensorsShown(agent.name)) {
+        requests.push({ agent, about: await this.scene.sensor(agent.name, sensor), request: await this.scene.pointsRequest(agent.name, sensor, frame) })
+      }
+    }
+    return requests
+  }
+
+  async showPoints() {
+    const { scene, frame, choices: c } = this
+    const version = this.pointVersion = (this.pointVersion ?? 0) + 1
+    if (!c.layers.has('points')) {
+      for (const agent of scene.agents) this.view.hidePoints(agent.name)
+      return
+    }
+    try {
+      const wanted = await this.pointRequests(frame)
+      const readings = await Promise.all(wanted.map(async w => ({ ...w, reading: await scene.cache.get(w.request) })))
+      // Readings of different frames do not appear together.
+      if (version !== this.pointVersion || scene !== this.scene) return
+      let tags = 0
+      let count = 0
+      for (const [index, agent] of scene.agents.entries()) {
+        const own = readings.filter(r => r.agent === agent)
+        this.view.setPoints(agent.name, index, scene.tables.poseAt(agent, frame).matrix, own)
+        for (const { reading } of own) {
+          tags |= reading.tags
+          count += reading.count
+        }
+      }
+      this.pointsFrame = frame
+      this.pointCount = count
+      this.panels.legend(tags >>> 0)
+      this.setNote('points', readings.length || !c.agents.size ? null : this.noPoints())
+      this.isDirty = true
+    } catch (error) {
+      if (version === this.pointVersion) this.fail('points', error)
+    }
+  }
+
+  noPoints() {
+    if (this.scene.agents.some(a => this.scene.sensors(a.name).length)) return note('', 'The shown agents have no such sensor.')
+    return note('', 'No sensors yet. Run ', make('code', { textContent: remedy(this.scene.folder, 'sensors/').command }))
+  }
+
+  async showVoxels() {
+    const { scene, frame, choices: c } = this
+    const version = this.voxelVersion = (this.voxelVersion ?? 0) + 1
+    if (!c.layers.has('voxels')) {
+      this.view.voxels.hide()
+      this.setNote('voxels', null)
+      return
+    }
+    const kind = scene.voxelKinds.find(k => scene.has(`${k}/${this.ego}.npz`))
+    if (!kind) {
+      this.view.voxels.hide()
+      this.setNote('voxels', note('', `No voxels of ${this.ego}. Run `, make('code', { textContent: remedy(scene.folder, 'occupancy/').command })))
+      return
+    }
+    try {
+      const request = await scene.voxelRequest(this.ego, kind, frame, VOXEL_DETAIL[c.voxels])
+      const about = await scene.archive(`${kind}/${this.ego}.npz`)
+      if (!scene.cache.peek(request)) this.setNote('voxels', note('busy', 'Voxels are unpacked …'))
+      const faces = await scene.cache.get(request)
+      if (version !== this.voxelVersion || scene !== this.scene) return
+      this.setNote('voxels', faces.isCut ? note('', `More than ${VOXEL_DETAIL[c.voxels].limit.toLocaleString('en')} faces: the rest is left out.`) : null)
+      this.view.voxels.show(faces, about, scene.tables.poseAt(this.egoAgent, request.frame).matrix)
+      if (!c.layers.has('points')) this.panels.legend(faces.tags)
+      this.isDirty = true
+    } catch (error) {
+      if (version === this.voxelVersion) this.fail('voxels', error)
+    }
+  }
+
+  async showMap() {
+    if (this.map) return
+    const { scene } = this
+    this.map = mapElements(scene)
+    try {
+      const elements = await this.map
+      if (scene !== this.scene) return
+      if (!elements.length) this.setNote('map', note('', `The store has no lines of ${scene.info.map}. Run `, make('code', { textContent: 'make stage STAGE=spawn-planner' })))
+      this.view.setMap(elements)
+      this.isDirty = true
+    } catch (error) {
+      this.fail('map', error)
+    }
+  }
+
+  /** The chosen camera and kind of image, or what comes nearest to them. */
+  camera() {
+    const cameras = this.scene.cameras(this.ego)
+    const { camera } = this.choices
+    const name = cameras.has(camera) ? camera : cameras.has('CAM_FRONT') ? 'CAM_FRONT' : [...cameras.keys()][0]
+    return { name, kind: kindAtHand(cameras.get(name) ?? [], this.choices.kind) }
+  }
+
+  showPictures(boxes) {
+    const { choices: c, scene, frame } = this
+    const version = this.pictureVersion = (this.pictureVersion ?? 0) + 1
+    const isCurrent = () => version === this.pictureVersion && scene === this.scene
+    // What only others saw would be drawn through walls.
+    const own = c.valid ? boxes.filter(b => !b.seenBy.length || b.seenBy.includes(this.ego)) : boxes
+    const common = { scene, agent: this.egoAgent, frame, boxes: own, classColor: this.classColor, chosen: this.chosen, isCurrent }
+    if (c.view === 'cameras') this.grid.show(common)
+    if (c.view === 'bev') {
+      drawBev(this.bev, { ...common, boxes, hidden: c.hiddenBev, withBoxes: c.bevBoxes, theme: this.pictureTheme }).then(drawn => drawn && this.panels.bevLegend(drawn))
+      this.missing(this.bev, `bev/${this.ego}.npz`, 'No BEV masks')
+    }
+    if (c.view === '3d' && $('side').offsetWidth) {
+      const { name, kind } = this.camera()
+      if (name) drawCamera(this.inset, { ...common, kind, camera: name, width: THUMB_PX, marks: new Set(['boxes']) })
+      else this.missing(this.inset, 'sensors/', 'No pictures')
+      drawBev(this.insetBev, { ...common, boxes, hidden: c.hiddenBev, withBoxes: true, theme: this.pictureTheme })
+      this.missing(this.insetBev, `bev/${this.ego}.npz`, 'No BEV masks')
+    }
+  }
+
+  missing(element, path, what) {
+    if (this.scene.has(path)) return
+    element.message.replaceChildren(make('span', {}, `${what} of ${this.ego}. Run `, make('code', { textContent: remedy(this.scene.folder, path).command })))
+  }
+
+  /** What the frames after this one need, while there is time. */
+  async prefetch() {
+    const { scene, frame } = this
+    const version = this.aheadVersion = (this.aheadVersion ?? 0) + 1
+    scene.cache.dropAhead()
+    if (!this.player.isPlaying) return
+    for (let step = 1; step <= AHEAD; step++) {
+      for (const request of await this.needs((frame + step) % scene.frames)) {
+        if (version !== this.aheadVersion || scene !== this.scene) return
+        scene.cache.get(request, 1).catch(() => {})
+      }
+    }
+  }
+
+  /** The requests without which a frame is not played. */
+  async needs(frame) {
+    const { choices: c, scene } = this
+    try {
+      if (c.view === '3d') return c.layers.has('points') ? (await this.pointRequests(frame)).map(w => w.request) : []
+      if (c.view === 'bev') return [await scene.bevRequest(this.ego, frame, c.hiddenBev)]
+      return await this.grid.requests(frame)
+    } catch {
+      return []
+    }
+  }
+
+  /** Whether all that a frame needs is at hand; asks for what is not. */
+  isReady(frame) {
+    if (this.ready?.version !== this.aheadVersion) this.ready = { version: this.aheadVersion, frames: new Map() }
+    const { frames } = this.ready
+    if (!frames.has(frame)) {
+      frames.set(frame, null)
+      this.needs(frame).then(requests => {
+        frames.set(frame, requests)
+        // What cannot be had holds nothing up: showing the frame tells why.
+        for (const request of requests) this.scene.cache.get(request, 1).catch(() => frames.set(frame, frames.get(frame).filter(r => r !== request)))
+      })
+    }
+    return frames.get(frame)?.every(request => this.scene.cache.peek(request)) ?? false
+  }
+
+  resize() {
+    this.view.resize()
+    this.isDirty = true
+  }
+
+  tick(now) {
+    requestAnimationFrame(next => this.tick(next))
+    const seconds = (now - (this.lastTick ?? now)) / 1000
+    this.lastTick = now
+    this.player.step(seconds, this.frame, this.scene?.frames ?? 0)
+    if (this.view.navigation.step(seconds, this.isShiftHeld)) this.isDirty = true
+    this.panels.waiting(this.player.isWaiting)
+    if (!this.isDirty) return
+    this.isDirty = false
+    if (this.choices.view === '3d') this.view.render()
+  }
+
+  /** The address follows the choices, some moments later. */
+  linkSoon() {
+    if (!this.scene || this.linkTimer) return
+    this.linkTimer = setTimeout(() => {
+      this.linkTimer = null
+      history.replaceState(null, '', this.linkHash())
+    }, 400)
+  }
+
+  linkHash() {
+    const { choices: c, scene } = this
+    const names = scene.agents.map(a => a.name)
+    const all = { scene: scene.folder, frame: this.frame, agent: this.ego, object: this.chosen, ...c, pose: c.view === '3d' ? this.view.navigation.pose : undefined }
+    return writeLink(all, { ...DEFAULTS, agents: names, agent: names[0] })
+  }
+
+  bind() {
+    this.panels.bind()
+    new ResizeObserver(() => {
+      this.resize()
+      if (this.scene) this.update()
+    }).observe($('stage'))
+    addEventListener('hashchange', () => {
+      const link = readLink(location.hash)
+      if (!this.scene || writeLink({}, {}) === location.hash || location.hash === this.linkHash()) return
+      this.link = link
+      Object.assign(this.choices, freshChoices())
+      takeLink(this.choices, link)
+      this.panels.toggles()
+      this.panels.views()
+      this.openScene(this.store.index.scenes.some(s => s.folder === link.scene) ? link.scene : this.scene.folder)
+    })
+  }
+}
+
+function storedTheme() {
+  try {
+    return localStorage.getItem('convoy-theme')
+  } catch {
+    return null
+  }
+}
+

@@ -1,0 +1,33 @@
+// What can be chosen, and what is chosen at first.
+
+import { MODES } from './view/navigation.js'
+import { COLORINGS } from './view/points.js'
+
+export const LAYERS = ['points', 'boxes', 'labels', 'map', 'tracks', 'voxels', 'grid']
+export const MARKS = ['boxes', 'boxes2d', 'masks', 'names']
+export const VIEWS = ['3d', 'cameras', 'bev']
+export const BOX_COLORINGS = ['class', 'id', 'agent']
+export const KINDS = ['RGB', 'SEG', 'IST', 'DPT']
+/** How voxels may be looked at: merged to cells of some metres, within some metres of the agent. */
+export const VOXEL_DETAIL = { wide: { merge: 0.4, reach: 64, limit: 900_000, label: '0.4 m, all' }, near: { merge: 0.1, reach: 16, limit: 900_000, label: 'full, 16 m' } }
+export const DEFAULTS = {
+  view: '3d', sensor: 'LIDAR', color: 'height', size: 1.5, boxes: 'class', valid: true, layers: new Set(['points', 'boxes', 'labels', 'map', 'grid']),
+  marks: new Set(['boxes']), kind: 'RGB', camera: '', mode: 'follow', voxels: 'wide', hidden: new Set(), hiddenBev: new Set(), bevBoxes: true,
+}
+
+export function freshChoices() {
+  return { ...DEFAULTS, layers: new Set(DEFAULTS.layers), marks: new Set(DEFAULTS.marks), hidden: new Set(), hiddenBev: new Set() }
+}
+
+/** Takes over what a link chooses, as far as there is such a thing. */
+export function takeLink(choices, link) {
+  const among = {
+    view: VIEWS, color: COLORINGS, boxes: BOX_COLORINGS, kind: KINDS, mode: MODES, voxels: Object.keys(VOXEL_DETAIL),
+  }
+  for (const [key, list] of Object.entries(among)) if (list.includes(link[key])) choices[key] = link[key]
+  for (const key of ['sensor', 'camera']) choices[key] = link[key] ?? choices[key]
+  for (const key of ['valid', 'bevBoxes']) choices[key] = link[key] !== 'false'
+  if (link.size >= 0.5 && link.size <= 4) choices.size = Number(link.size)
+  for (const [key, list] of [['layers', LAYERS], ['marks', MARKS]]) if (link[key]) choices[key] = new Set(link[key].filter(name => list.includes(name)))
+  for (const key of ['hidden', 'hiddenBev']) choices[key] = new Set(link[key] ?? [])
+}
