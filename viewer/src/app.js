@@ -326,22 +326,24 @@ export class App {
     const own = c.valid ? boxes.filter(b => !b.seenBy.length || b.seenBy.includes(this.ego)) : boxes
     const common = { scene, agent: this.egoAgent, frame, boxes: own, classColor: this.classColor, chosen: this.chosen, isCurrent }
     if (c.view === 'cameras') this.grid.show(common)
-    if (c.view === 'bev') {
-      drawBev(this.bev, { ...common, boxes, hidden: c.hiddenBev, withBoxes: c.bevBoxes, theme: this.pictureTheme }).then(drawn => drawn && this.panels.bevLegend(drawn))
-      this.missing(this.bev, `bev/${this.ego}.npz`, 'No BEV masks')
-    }
+    const bev = (element, withBoxes) => this.isMissing(element, `bev/${this.ego}.npz`, 'No BEV masks') ? Promise.resolve(null)
+      : drawBev(element, { ...common, boxes, hidden: c.hiddenBev, withBoxes, theme: this.pictureTheme })
+    if (c.view === 'bev') bev(this.bev, c.bevBoxes).then(drawn => drawn && this.panels.bevLegend(drawn))
     if (c.view === '3d' && $('side').offsetWidth) {
       const { name, kind } = this.camera()
       if (name) drawCamera(this.inset, { ...common, kind, camera: name, width: THUMB_PX, marks: new Set(['boxes']) })
-      else this.missing(this.inset, 'sensors/', 'No pictures')
-      drawBev(this.insetBev, { ...common, boxes, hidden: c.hiddenBev, withBoxes: true, theme: this.pictureTheme })
-      this.missing(this.insetBev, `bev/${this.ego}.npz`, 'No BEV masks')
+      else this.isMissing(this.inset, 'sensors/', 'No pictures')
+      bev(this.insetBev, true)
     }
   }
 
-  missing(element, path, what) {
-    if (this.scene.has(path)) return
-    element.message.replaceChildren(make('span', {}, `${what} of ${this.ego}. Run `, make('code', { textContent: remedy(this.scene.folder, path).command })))
+  /** Whether a file is not there; then the place of its picture says which stage writes it. */
+  isMissing(element, path, what) {
+    if (this.scene.has(path)) return false
+    const { command } = remedy(this.scene.folder, path)
+    element.message.replaceChildren(make('span', {}, `${what} of ${this.ego}. Run `, make('code', { textContent: command })))
+    element.canvas.getContext('2d').clearRect(0, 0, element.canvas.width, element.canvas.height)
+    return true
   }
 
   /** What the frames after this one need, while there is time. */
