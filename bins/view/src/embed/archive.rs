@@ -8,7 +8,7 @@ use rawzip::path::EntryPath;
 use rawzip::{DataDescriptorOutput, ZipArchive, ZipArchiveWriter, ZipSliceArchive};
 use serde_json::Value;
 
-use super::EmbedError;
+use super::error::EmbedError;
 
 fn unreadable(path: &Path, why: impl std::fmt::Display) -> EmbedError {
     EmbedError::Unreadable { path: path.to_owned(), why: why.to_string() }

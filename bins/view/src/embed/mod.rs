@@ -4,6 +4,7 @@
 //! to 8 bits. Maps are cut to what comes near the agents. The page says all that.
 
 mod archive;
+mod error;
 mod table;
 
 use std::path::PathBuf;
@@ -14,6 +15,7 @@ use serde_json::{Value, json};
 
 use crate::site::Site;
 use crate::{listing, page, paths};
+pub(crate) use error::EmbedError;
 use table::{Columns, Points, Rows};
 
 /// What journals and mail let pass, bytes.
@@ -64,19 +66,6 @@ pub(crate) struct Page {
     pub(crate) html: String,
     /// What it shows, in words.
     pub(crate) what: String,
-}
-
-/// Why there is no excerpt.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum EmbedError {
-    #[error("{path}: {why}")]
-    Unreadable { path: PathBuf, why: String },
-    #[error("{0}")]
-    NoSuch(String),
-    #[error("the page would have {0:.1} MB without any point, and 15 MB are the limit: choose fewer {1}")]
-    TooLarge(f64, &'static str),
-    #[error("of lidar points less than one in {THINNEST} would fit: choose fewer frames, agents or cameras")]
-    TooThin,
 }
 
 /// A file of the excerpt: its path in the store, and its bytes.
@@ -281,7 +270,7 @@ impl Cut<'_> {
             }
             keep += 1;
         }
-        Err(EmbedError::TooThin)
+        Err(EmbedError::TooThin(THINNEST))
     }
 
     fn words(&self, keep: usize) -> String {

@@ -19,7 +19,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::schema::types::ColumnPath;
 
-use super::EmbedError;
+use super::error::EmbedError;
 
 /// Positions are multiples of this part of a metre.
 const STEPS_PER_M: f32 = 128.0;
