@@ -151,7 +151,8 @@ fn check_scene(store: &Path, config: &Config, number: u32, every: u32) -> (Ledge
         ledger.take(part);
         lists.insert(name, boxes);
     }
-    checks::tracks::check(&scene, config, &lists, &mut ledger);
+    let merged = checks::tracks::check(&scene, &lists, config.label_every(), &mut ledger);
+    checks::windows::check(&scene, &merged, config.windows(), &mut ledger);
     let frames = u64::from(scene.frames);
     (ledger, [frames, frames * scene.agents.len() as u64])
 }

@@ -6,6 +6,7 @@ use super::boxes::{AROUND_M, DOOR_M, Labelled};
 use super::clouds::{Cloud, OfSurface, SIGMAS};
 use super::layers::Layers;
 use super::mapped::Mapped;
+use super::mask::{Mask, tag_of};
 use crate::files::{Npz, Unreadable};
 use crate::ledger::Ledger;
 use crate::rules::Rule;
@@ -30,15 +31,6 @@ pub(crate) struct Masks {
     cell_m: f64,
     /// The rule that they follow, when it is not ours.
     foreign: Option<String>,
-}
-
-/// The mask of a frame, and where it lies.
-pub(super) struct Mask<'a> {
-    masks: &'a Masks,
-    bits: Vec<u8>,
-    /// The agent's place, and its heading as cosine and sine.
-    origin: [f64; 2],
-    heading: [f64; 2],
 }
 
 impl Masks {
@@ -72,8 +64,10 @@ impl Masks {
         let ahead = agent.ahead();
         let length = libm::hypot(ahead[0], ahead[1]);
         let mask = Mask {
-            masks: self,
             bits: array.bytes,
+            cells: self.cells,
+            cell_m: self.cell_m,
+            is_exact: self.foreign.is_none(),
             origin: [agent.origin[0], agent.origin[1]],
             heading: [ahead[0] / length, ahead[1] / length],
         };
@@ -99,92 +93,12 @@ impl Masks {
     }
 }
 
-/// The tag of what an object channel shows.
-pub(super) fn tag_of(class: BevClass) -> Option<Tag> {
-    use BevClass::*;
-    Some(match class {
-        Road | Hazard | RoadLine | Sidewalk | Crosswalk => return None,
-        TrafficCone => Tag::TrafficCone,
-        Barrier => Tag::Barrier,
-        Car => Tag::Car,
-        Truck => Tag::Truck,
-        Bus => Tag::Bus,
-        Motorcycle => Tag::Motorcycle,
-        Bicycle => Tag::Bicycle,
-        Rider => Tag::Rider,
-        Pedestrian => Tag::Pedestrian,
-    })
-}
-
-impl Mask<'_> {
-    /// Cells along a side.
-    pub(super) fn cells(&self) -> usize {
-        self.masks.cells
-    }
-
-    pub(super) fn cell_m(&self) -> f64 {
-        self.masks.cell_m
-    }
-
-    /// Whether it follows our rule.
-    pub(super) fn is_exact(&self) -> bool {
-        self.masks.foreign.is_none()
-    }
-
-    /// Whether a cell has all its neighbours.
-    pub(super) fn is_inner(&self, cell: usize) -> bool {
-        let last = self.masks.cells - 1;
-        [cell / self.masks.cells, cell % self.masks.cells].iter().all(|&at| at > 0 && at < last)
-    }
-
-    pub(super) fn channel(&self, class: BevClass) -> &[u8] {
-        let cells = self.masks.cells * self.masks.cells;
-        &self.bits[class as usize * cells..][..cells]
-    }
-
-    /// Row and column of a world point, in cells from the first one's middle.
-    pub(super) fn place(&self, x: f64, y: f64) -> [f64; 2] {
-        let (x, y) = (x - self.origin[0], y - self.origin[1]);
-        let [cos, sin] = self.heading;
-        let (ahead, left) = (cos * x + sin * y, cos * y - sin * x);
-        let middle = 0.5 * self.masks.cells as f64 - 0.5;
-        [middle - ahead / self.masks.cell_m, middle - left / self.masks.cell_m]
-    }
-
-    /// Cells whose centre is within some cells of a polygon in the grid.
-    pub(super) fn near(&self, polygon: &[[f64; 2]], cells: f64) -> Vec<usize> {
-        let last = self.masks.cells as f64 - 1.0;
-        let ends = |axis: usize| {
-            let values = || polygon.iter().map(|p| p[axis]);
-            let low = values().fold(f64::INFINITY, f64::min) - cells;
-            let high = values().fold(f64::NEG_INFINITY, f64::max) + cells;
-            (low.ceil().max(0.0), high.floor().min(last))
-        };
-        let ((top, bottom), (left, right)) = (ends(0), ends(1));
-        let mut found = Vec::new();
-        let mut row = top;
-        while row <= bottom {
-            let mut column = left;
-            while column <= right {
-                if distance(polygon, [row, column]) <= cells {
-                    found.push(row as usize * self.masks.cells + column as usize);
-                }
-                column += 1.0;
-            }
-            row += 1.0;
-        }
-        found
-    }
-
-    pub(super) fn footprint(&self, labelled: &Labelled) -> [[f64; 2]; 4] {
-        labelled.footprint().map(|[x, y]| self.place(x, y))
-    }
-
+impl Mask {
     fn check_objects(&self, boxes: &[Labelled], agent: &Motion, frame: usize, ledger: &mut Ledger) {
-        let size = self.masks.cells as f64;
+        let size = self.cells as f64;
         for class in BevClass::ALL {
             let Some(tag) = tag_of(class) else { continue };
-            if class == BevClass::Rider && self.masks.foreign.is_some() {
+            if class == BevClass::Rider && !self.is_exact {
                 ledger.skip(Rule::BevObjects, "rider: by the masks' rule cones are among them");
                 continue;
             }
@@ -194,7 +108,7 @@ impl Mask<'_> {
                 let footprint = self.footprint(labelled);
                 let doors = if labelled.open_door { DOOR_M } else { 0.0 };
                 // Elbows and handlebars may reach over a box.
-                let around = 0.7072 + (AROUND_M + doors) / self.masks.cell_m;
+                let around = 0.7072 + (AROUND_M + doors) / self.cell_m;
                 for cell in self.near(&footprint, around) {
                     allowed[cell] = true;
                 }
@@ -220,7 +134,7 @@ impl Mask<'_> {
             );
             ledger.all_off(Rule::BevObjects, stray.len() as u64, "", || {
                 let first = stray.first().copied().unwrap_or(0);
-                let place = [first / self.masks.cells, first % self.masks.cells];
+                let place = [first / self.cells, first % self.cells];
                 format!(
                     "frame {frame}: {} {} cells lie in no box, the first at {place:?}",
                     stray.len(),
@@ -249,11 +163,11 @@ impl Mask<'_> {
     }
 
     fn check_ground(&self, clouds: &[Cloud<'_>], agent: &Motion, frame: usize, ledger: &mut Ledger) {
-        let size = self.masks.cells as f64;
+        let size = self.cells as f64;
         for cloud in clouds {
-            let reach = GROUND_CELLS + SIGMAS * cloud.ranger.noise_m / self.masks.cell_m;
+            let reach = GROUND_CELLS + SIGMAS * cloud.ranger.noise_m / self.cell_m;
             for OfSurface { point, tag, around_m, .. } in cloud.surfaces() {
-                let reach = reach + around_m / self.masks.cell_m;
+                let reach = reach + around_m / self.cell_m;
                 let class = match Tag::from_u8(tag) {
                     Some(Tag::Road | Tag::RoadLine) => BevClass::Road,
                     Some(Tag::Sidewalk) => BevClass::Sidewalk,
@@ -276,50 +190,5 @@ impl Mask<'_> {
                 });
             }
         }
-    }
-
-    /// Whether a cell that is set has its centre within some cells of a place.
-    fn is_near(&self, set: &[u8], [row, column]: [f64; 2], cells: f64) -> bool {
-        let (first, last) = ((row - cells).ceil() as usize, (row + cells) as usize);
-        (first..=last).any(|r| {
-            let (left, right) = ((column - cells).ceil() as usize, (column + cells) as usize);
-            (left..=right).any(|c| {
-                set[r * self.masks.cells + c] == 1 && libm::hypot(r as f64 - row, c as f64 - column) <= cells
-            })
-        })
-    }
-}
-
-/// Distance of a point from a polygon, 0 inside.
-fn distance(polygon: &[[f64; 2]], [x, y]: [f64; 2]) -> f64 {
-    let mut is_inside = false;
-    let mut least = f64::INFINITY;
-    for (k, &[bx, by]) in polygon.iter().enumerate() {
-        let [ax, ay] = polygon[(k + polygon.len() - 1) % polygon.len()];
-        if (ay > y) != (by > y) && x < ax + (y - ay) / (by - ay) * (bx - ax) {
-            is_inside = !is_inside;
-        }
-        let (ex, ey) = (bx - ax, by - ay);
-        let length = ex * ex + ey * ey;
-        let share =
-            if length > 0.0 { (((x - ax) * ex + (y - ay) * ey) / length).clamp(0.0, 1.0) } else { 0.0 };
-        least = least.min(libm::hypot(ax + share * ex - x, ay + share * ey - y));
-    }
-    if is_inside { 0.0 } else { least }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn distances_of_a_square() {
-        let square = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
-        for (point, want) in
-            [([1.0, 1.0], 0.0), ([3.0, 1.0], 1.0), ([3.0, 3.0], 2.0_f64.sqrt()), ([-0.5, 0.2], 0.5)]
-        {
-            assert!((distance(&square, point) - want).abs() < 1e-12, "{point:?}");
-        }
-        assert_eq!(distance(&[], [0.0, 0.0]), f64::INFINITY);
     }
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use schema::FRAME_PERIOD_S;
 
 use super::boxes::{AROUND_M, DOOR_M, Labelled, is_part};
-use super::voxels::Grid;
+use super::grid::Grid;
 use crate::config::GridConfig;
 use crate::files::{Npz, Unreadable};
 use crate::ledger::Ledger;

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use schema::{BevClass, Tag};
 
-use super::bev::{Mask, tag_of};
 use super::boxes::{AROUND_M, DOOR_M, Labelled};
 use super::clouds::Cloud;
 use super::mapped::{HEIGHT_M, Mapped, tell};
+use super::mask::{Mask, tag_of};
 use crate::config::Config;
 use crate::files::Npz;
 use crate::ledger::Ledger;
@@ -52,13 +52,13 @@ impl Layers {
     pub(super) fn check(
         &self,
         scene: &Scene,
-        mask: &Mask<'_>,
+        mask: &Mask,
         (agent, mapped): (&Motion, Option<&Mapped>),
         (boxes, clouds): (&[Labelled], &[Cloud<'_>]),
         frame: usize,
         ledger: &mut Ledger,
     ) {
-        let (at, cells) = (frame as u32, mask.cells());
+        let (at, cells) = (frame as u32, mask.cells);
         if let Some(archive) = &self.ids
             && let Some(ids) = ledger.read(archive.frame_of(at, "<u2", &[cells, cells]))
         {
@@ -81,15 +81,8 @@ impl Layers {
     }
 }
 
-fn check_ids(
-    scene: &Scene,
-    mask: &Mask<'_>,
-    ids: &[u16],
-    boxes: &[Labelled],
-    frame: usize,
-    ledger: &mut Ledger,
-) {
-    let cells = mask.cells();
+fn check_ids(scene: &Scene, mask: &Mask, ids: &[u16], boxes: &[Labelled], frame: usize, ledger: &mut Ledger) {
+    let cells = mask.cells;
     let objects =
         BevClass::ALL.into_iter().filter_map(|class| Some((mask.channel(class), tag_of(class)? as u8)));
     let objects: Vec<(&[u8], u8)> = objects.collect();
@@ -98,7 +91,7 @@ fn check_ids(
     for (cell, &id) in ids.iter().enumerate().filter(|(_, id)| **id != 0) {
         by_id.entry(id).or_default().push(cell);
     }
-    if mask.is_exact() {
+    if mask.is_exact {
         let same = (0..ids.len()).map(|cell| (cell, (ids[cell] != 0) == shows(cell).next().is_some()));
         tell(Rule::BevIds, same.filter(|&(cell, same)| !same || ids[cell] != 0), ledger, |cell| {
             let place = [cell / cells, cell % cells];
@@ -111,7 +104,7 @@ fn check_ids(
     for (id, found) in by_id {
         let tags = scene.actors.get(&id).map(|actor| actor.tags.as_slice());
         let tags: &[u8] = tags.unwrap_or_default();
-        let may = |cell: usize| shows(cell).any(|(_, tag)| tags.contains(tag)) || !mask.is_exact();
+        let may = |cell: usize| shows(cell).any(|(_, tag)| tags.contains(tag)) || !mask.is_exact;
         let is_object = tags.iter().any(|tag| objects.iter().any(|(_, of)| of == tag));
         tell(Rule::BevIds, found.iter().map(|&cell| (cell, is_object && may(cell))), ledger, |cell| {
             let place = [cell / cells, cell % cells];
@@ -121,7 +114,7 @@ fn check_ids(
         });
         let Some(labelled) = boxes.iter().find(|b| b.id == id) else { continue };
         let doors = if labelled.open_door { DOOR_M } else { 0.0 };
-        let allowed = mask.near(&mask.footprint(labelled), 0.7072 + (AROUND_M + doors) / mask.cell_m());
+        let allowed = mask.near(&mask.footprint(labelled), 0.7072 + (AROUND_M + doors) / mask.cell_m);
         tell(Rule::BevIds, found.iter().map(|&cell| (cell, allowed.contains(&cell))), ledger, |cell| {
             let place = [cell / cells, cell % cells];
             format!("frame {frame}: the cell {place:?} is object {id}'s, beyond its box")
@@ -130,17 +123,17 @@ fn check_ids(
 }
 
 fn check_heights(
-    mask: &Mask<'_>,
+    mask: &Mask,
     (agent, mapped): (&Motion, Option<&Mapped>),
     heights: &[f32],
     clouds: &[Cloud<'_>],
     frame: usize,
     ledger: &mut Ledger,
 ) {
-    let cells = mask.cells();
+    let cells = mask.cells;
     let height = |cell: usize| f64::from(heights[cell]);
     let paved = [BevClass::Road, BevClass::Sidewalk].map(|class| mask.channel(class));
-    let shown = (0..heights.len()).filter(|&cell| mask.is_exact() && paved.iter().any(|set| set[cell] == 1));
+    let shown = (0..heights.len()).filter(|&cell| mask.is_exact && paved.iter().any(|set| set[cell] == 1));
     tell(Rule::BevHeights, shown.map(|cell| (cell, height(cell).is_finite())), ledger, |cell| {
         format!("frame {frame}: the paved cell {:?} has no height", [cell / cells, cell % cells])
     });

@@ -2,7 +2,7 @@
 
 use schema::BevClass;
 
-use super::bev::Mask;
+use super::mask::Mask;
 use super::raster::{Cover, Sums};
 use crate::ledger::Ledger;
 use crate::rules::Rule;
@@ -43,14 +43,14 @@ pub(super) struct Mapped {
 }
 
 impl Mapped {
-    pub(super) fn of(map: &VectorMap, mask: &Mask<'_>, agent: &Motion) -> Self {
-        let cells = mask.cells();
-        let margin = (PAVED_M / mask.cell_m()).ceil() as usize + 2;
+    pub(super) fn of(map: &VectorMap, mask: &Mask, agent: &Motion) -> Self {
+        let cells = mask.cells;
+        let margin = (PAVED_M / mask.cell_m).ceil() as usize + 2;
         let place = |p: &V3| {
             let [row, column] = mask.place(p[0], p[1]);
             [row, column, p[2] - agent.origin[2]]
         };
-        let reach = std::f64::consts::SQRT_2 * (0.5 * cells as f64 + margin as f64) * mask.cell_m();
+        let reach = std::f64::consts::SQRT_2 * (0.5 * cells as f64 + margin as f64) * mask.cell_m;
         let is_near = |[low, high]: &[[f64; 2]; 2]| {
             (0..2).all(|i| low[i] <= agent.origin[i] + reach && high[i] >= agent.origin[i] - reach)
         };
@@ -80,7 +80,7 @@ impl Mapped {
         draw(&map.walks, &mut ground);
         let near = (0..ground.covered.len()).filter(|&cell| {
             let middle = 0.5 * (ground.side as f64 - 1.0);
-            let way = [cell / ground.side, cell % ground.side].map(|at| (at as f64 - middle) * mask.cell_m());
+            let way = [cell / ground.side, cell % ground.side].map(|at| (at as f64 - middle) * mask.cell_m);
             way.iter().all(|way| way.abs() <= START_M) && ground.low[cell].abs() <= START_M
         });
         let own_level = ground.reached(&near.collect::<Vec<_>>(), STEP_M);
@@ -102,25 +102,25 @@ impl Mapped {
     }
 
     /// The mask's cells whose ground the map knows to be on the agent's level, with their numbers here.
-    pub(super) fn known<'a>(&'a self, mask: &'a Mask<'_>) -> impl Iterator<Item = (usize, usize)> + 'a {
+    pub(super) fn known<'a>(&'a self, mask: &'a Mask) -> impl Iterator<Item = (usize, usize)> + 'a {
         self.cells(mask).filter(|&(_, here)| self.own_level[here] && self.ground.is_level(here, LEVEL_M))
     }
 
     /// Numbers of the mask's cells, in it and here.
-    fn cells<'a>(&'a self, mask: &'a Mask<'_>) -> impl Iterator<Item = (usize, usize)> + 'a {
-        let cells = mask.cells();
+    fn cells<'a>(&'a self, mask: &'a Mask) -> impl Iterator<Item = (usize, usize)> + 'a {
+        let cells = mask.cells;
         (0..cells * cells).map(move |cell| (cell, self.ground.cell(cell / cells, cell % cells)))
     }
 
     /// Cells amid lanes, sidewalks and crosswalks and on lines are set; those far from all are not.
-    pub(super) fn check(&self, mask: &Mask<'_>, frame: usize, ledger: &mut Ledger) {
-        let reach_of = |way_m: f64| (way_m / mask.cell_m()).ceil() as usize;
+    pub(super) fn check(&self, mask: &Mask, frame: usize, ledger: &mut Ledger) {
+        let reach_of = |way_m: f64| (way_m / mask.cell_m).ceil() as usize;
         let [road, sidewalk, crosswalk, line] =
             [BevClass::Road, BevClass::Sidewalk, BevClass::Crosswalk, BevClass::RoadLine]
                 .map(|c| mask.channel(c));
         let dividers = self.dividers.sums();
         let lines_set = mask_sums(mask, line);
-        let cells = mask.cells();
+        let cells = mask.cells;
         for (class, set, sums) in [
             ("road", road, &self.road),
             ("sidewalk", sidewalk, &self.sidewalk),
@@ -171,8 +171,8 @@ impl Mapped {
     }
 
     /// Stop lines of the paint beside a mask.
-    pub(super) fn check_stop_lines(&self, mask: &Mask<'_>, set: &[u8], frame: usize, ledger: &mut Ledger) {
-        let (cells, of_map, of_paint) = (mask.cells(), self.stop_lines.sums(), mask_sums(mask, set));
+    pub(super) fn check_stop_lines(&self, mask: &Mask, set: &[u8], frame: usize, ledger: &mut Ledger) {
+        let (cells, of_map, of_paint) = (mask.cells, self.stop_lines.sums(), mask_sums(mask, set));
         let painted =
             self.known(mask).filter(|&(cell, here)| self.stop_lines.covered[here] && mask.is_inner(cell));
         tell(Rule::BevPaint, painted.map(|(cell, _)| (cell, of_paint.any(cell, 1))), ledger, |cell| {
@@ -191,8 +191,8 @@ impl Mapped {
     }
 }
 
-fn mask_sums(mask: &Mask<'_>, set: &[u8]) -> Sums {
-    Sums::of(mask.cells(), &set.iter().map(|&bit| bit == 1).collect::<Vec<_>>())
+fn mask_sums(mask: &Mask, set: &[u8]) -> Sums {
+    Sums::of(mask.cells, &set.iter().map(|&bit| bit == 1).collect::<Vec<_>>())
 }
 
 /// Counts the cells that hold, and tells the first of the others.

@@ -6,7 +6,6 @@ use schema::DetectionClass;
 
 use super::boxes::Labelled;
 use super::counts::difficulty;
-use crate::config::Config;
 use crate::files::{Table, Unreadable};
 use crate::ledger::Ledger;
 use crate::rules::Rule;
@@ -83,24 +82,21 @@ fn merge(lists: &Lists) -> Merges {
     merged
 }
 
-/// Checks the merged tables of a scene, and counts what the report tells.
-pub(crate) fn check(scene: &Scene, config: &Config, lists: &Lists, ledger: &mut Ledger) {
-    let every = config.label_every();
+/// Checks the merged tables of a scene, and counts what the report tells; all objects by frame.
+///
+/// `every`: there are boxes at frames 0, n, 2 n, ...: n.
+pub(crate) fn check(scene: &Scene, lists: &Lists, every: u32, ledger: &mut Ledger) -> Merges {
     let merged = merge(lists);
     count(scene, &merged, every, ledger);
     if !scene.done.contains("merge-tracks") {
         ledger.skip(Rule::Tracks, "boxes are not merged yet");
-        ledger.skip(Rule::Windows, "boxes are not merged yet");
-        return;
+        return merged;
     }
     let checked = check_frames(scene, &merged, ledger)
         .and_then(|()| check_tracks(scene, &merged, every, ledger))
         .and_then(|()| check_agents(scene, lists, every, ledger));
     ledger.read(checked);
-    match config.windows() {
-        Some(windows) => super::windows::check(scene, &merged, windows, ledger),
-        None => ledger.skip(Rule::Windows, "not asked for"),
-    }
+    merged
 }
 
 fn count(scene: &Scene, merged: &Merges, every: u32, ledger: &mut Ledger) {

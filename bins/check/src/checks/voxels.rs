@@ -5,12 +5,13 @@ use schema::Tag;
 use super::boxes::Labelled;
 use super::cells::CellArrays;
 use super::clouds::{Cloud, Kind, OfSurface};
+use super::grid::{Grid, Tags, number};
 use crate::config::GridConfig;
 use crate::files::{Npz, Unreadable};
 use crate::ledger::Ledger;
 use crate::rules::Rule;
 use crate::scene::Scene;
-use crate::space::{Motion, V3};
+use crate::space::Motion;
 
 /// A return this near to a voxel's face may lie on its other side, m.
 const EDGE_M: f64 = 5e-3;
@@ -23,40 +24,6 @@ pub(crate) struct Grids {
     filled: Option<Npz>,
     /// What is told of each occupied cell.
     cells: CellArrays,
-}
-
-/// A grid of tags at one frame.
-pub(crate) struct Grid<'a> {
-    pub(crate) config: &'a GridConfig,
-    pub(crate) sides: [usize; 3],
-    pub(crate) tags: &'a Tags,
-}
-
-/// The tags of a grid's cells, which are numbered in C order.
-pub(crate) enum Tags {
-    /// One a cell.
-    Whole(Vec<u8>),
-    /// The occupied cells and their tags, ascending.
-    Listed(Vec<(u64, u8)>),
-}
-
-impl Tags {
-    pub(crate) fn at(&self, cell: u64) -> u8 {
-        match self {
-            Self::Whole(tags) => tags[cell as usize],
-            Self::Listed(cells) => {
-                cells.binary_search_by_key(&cell, |listed| listed.0).map_or(0, |place| cells[place].1)
-            }
-        }
-    }
-
-    /// The occupied cells and their tags, ascending.
-    pub(crate) fn occupied(&self) -> Box<dyn Iterator<Item = (u64, u8)> + '_> {
-        match self {
-            Self::Whole(tags) => Box::new((0..).zip(tags.iter().copied()).filter(|(_, tag)| *tag != 0)),
-            Self::Listed(cells) => Box::new(cells.iter().copied()),
-        }
-    }
 }
 
 impl Grids {
@@ -169,11 +136,6 @@ fn count(tags: &Tags, cells: u64, counts: &mut [u64; Tag::COUNT]) {
     counts[Tag::Unlabeled as usize] += free;
 }
 
-/// The number of a cell in C order.
-fn number([i, j, k]: [usize; 3], [_, across, up]: [usize; 3]) -> u64 {
-    (i as u64 * across as u64 + j as u64) * up as u64 + k as u64
-}
-
 impl Grid<'_> {
     fn check(
         &self,
@@ -211,19 +173,6 @@ impl Grid<'_> {
                 )
             });
         }
-    }
-
-    fn tag(&self, i: usize, j: usize, k: usize) -> u8 {
-        self.tags.at(number([i, j, k], self.sides))
-    }
-
-    /// The middle of a cell, in the grid's frame, m.
-    pub(crate) fn middle(&self, cell: u64) -> V3 {
-        let GridConfig { range_m, voxel_m, lower_m, .. } = *self.config;
-        let [_, across, up] = self.sides.map(|side| side as u64);
-        let place = [cell / up / across, cell / up % across, cell % up];
-        let low = [-range_m, -range_m, lower_m];
-        [0, 1, 2].map(|axis| low[axis] + (place[axis] as f64 + 0.5) * voxel_m)
     }
 }
 

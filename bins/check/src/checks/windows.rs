@@ -26,9 +26,17 @@ struct Place {
 }
 
 /// Checks `tracks_windows` of a scene against the lists of all agents.
-pub(crate) fn check(scene: &Scene, merged: &Merges, config: WindowConfig, ledger: &mut Ledger) {
-    let checked = check_table(scene, merged, config, ledger);
-    ledger.read(checked);
+pub(crate) fn check(scene: &Scene, merged: &Merges, config: Option<WindowConfig>, ledger: &mut Ledger) {
+    match config {
+        None => ledger.skip(Rule::Windows, "not asked for"),
+        Some(_) if !scene.done.contains("merge-tracks") => {
+            ledger.skip(Rule::Windows, "boxes are not merged yet");
+        }
+        Some(config) => {
+            let checked = check_table(scene, merged, config, ledger);
+            ledger.read(checked);
+        }
+    }
 }
 
 /// Whether objects of a class have windows.
