@@ -169,10 +169,10 @@ impl Sums {
         set == cells
     }
 
-    /// Whether a cell is the only one of the nine about it that is not set.
+    /// Whether a cell that is not set is alone among the nine about it, or with one other.
     pub(crate) fn is_lone_gap(&self, cell: usize) -> bool {
         let (set, cells) = self.around(cell, 1);
-        set + 1 == cells
+        set < cells && set + 2 >= cells
     }
 
     /// Whether any cell of the square is.
@@ -226,8 +226,10 @@ mod tests {
         assert!(sums.all(cover.cell(2, 2), 1) && !sums.all(cover.cell(2, 2), 2));
         assert!(!sums.is_lone_gap(cover.cell(2, 2)) && !sums.is_lone_gap(cover.cell(1, 0)));
         let mut gap = cover.covered.clone();
-        gap[cover.cell(3, 3)] = false;
-        assert!(Sums::of(5, &gap).is_lone_gap(cover.cell(3, 3)));
+        for (column, is_lone) in [(3, true), (2, true), (4, false)] {
+            gap[cover.cell(3, column)] = false;
+            assert_eq!(Sums::of(5, &gap).is_lone_gap(cover.cell(3, 3)), is_lone, "{column}");
+        }
         assert!(sums.all(cover.cell(4, 4), 2), "what is beyond is not looked at");
         assert!(!sums.any(cover.cell(0, 0), 0) && sums.any(cover.cell(0, 0), 1));
     }
