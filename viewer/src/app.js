@@ -341,7 +341,8 @@ export class App {
   isMissing(element, path, what) {
     if (this.scene.has(path)) return false
     const { command } = remedy(this.scene.folder, path)
-    element.message.replaceChildren(make('span', {}, `${what} of ${this.ego}. Run `, make('code', { textContent: command })))
+    const run = this.store.index.excerpt ? ['This excerpt has none.'] : ['Run ', make('code', { textContent: command })]
+    element.message.replaceChildren(make('span', {}, `${what} of ${this.ego}. `, ...run))
     element.canvas.getContext('2d').clearRect(0, 0, element.canvas.width, element.canvas.height)
     return true
   }

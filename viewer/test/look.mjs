@@ -68,6 +68,7 @@ async function show(page, name, [hash, ready]) {
   await shot(page, name)
   assert.deepEqual(page.errors, [], `${name}: the console has errors`)
   const notes = await page.evaluate(`[...document.querySelectorAll('.note, .message')].map(n => n.textContent.trim()).filter(Boolean)`)
+  assert.ok(!notes.some(text => /could not|undefined|null/i.test(text)), `${name}: ${notes}`)
   measures.notes = { ...measures.notes, ...(notes.length ? { [name]: notes } : {}) }
 }
 

@@ -117,7 +117,8 @@ export class Decoder {
   async image(request) {
     const file = await this.open(ParquetFile, request)
     const { group, row } = file.locate(request.row)
-    const bytes = (await file.readGroup(group, ['image'])).image.values[row]
+    const { values, dictionary } = (await file.readGroup(group, ['image'])).image
+    const bytes = dictionary ? dictionary[values[row]] : values[row]
     // Without conversions: in all but RGB the numbers count.
     const exact = { colorSpaceConversion: 'none', premultiplyAlpha: 'none' }
     let picture = await createImageBitmap(new Blob([bytes]), request.show === 'plain' ? {} : exact)

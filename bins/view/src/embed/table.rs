@@ -253,6 +253,13 @@ fn start(schema: &Arc<Schema>, note: Option<String>) -> Result<ArrowWriter<Vec<u
             DataType::List(item) | DataType::FixedSizeList(item, _) => (item.data_type(), Some(item.name())),
             other => (other, None),
         };
+        if matches!(leaf, DataType::Binary) {
+            // Pictures are packed already, and no two are alike.
+            let column = ColumnPath::from(field.name().as_str());
+            properties = properties
+                .set_column_dictionary_enabled(column.clone(), false)
+                .set_column_compression(column, Compression::UNCOMPRESSED);
+        }
         if !matches!(leaf, DataType::Float32 | DataType::Float64) {
             continue;
         }
