@@ -11,6 +11,13 @@ EVERY  ?=
 NAME   ?=
 SEED   ?=
 DEST   ?=
+SCENE  ?=
+FRAME  ?=
+FRAMES ?=
+AGENT  ?=
+MODES  ?=
+COLOUR ?=
+OUT    ?=
 PYTHON ?= $(or $(CONVOY_PYTHON),python3)
 CARGO ?= cargo
 BIN    = target/release
@@ -20,9 +27,11 @@ SCENES_ARG  = $(if $(SCENES),--scenes $(SCENES))
 FORCE_ARG   = $(if $(FORCE),--force)
 EVERY_ARG   = $(if $(EVERY),--every $(EVERY))
 SEED_ARG    = $(if $(SEED),--seed $(SEED))
+SCENE_ARG   = $(if $(SCENE),--scene $(SCENE))
+AGENT_ARG   = $(if $(AGENT),--agent $(AGENT))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset forecast stage scene-video stats status verify check view export devkit check-devkit town towns town-pictures check-towns traffic-report build test soak lint bench bench-kernels docs help
+.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view export devkit check-devkit town towns town-pictures check-towns traffic-report build test soak lint bench bench-kernels docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
@@ -36,6 +45,9 @@ help:
 	@echo "make town NAME=convoy/demo [SEED=7] [DEST=folder]       (a road network of our own, with its picture)"
 	@echo "make towns DEST=folder                                  (all of them)"
 	@echo "make scene-video SCENE=0 [STORE=dataset] [OUT=film.png] (a scene's log from above, animated)"
+	@echo "make preview [STORE=dataset] [SCENE=0] [FRAME=40] [AGENT=vehicle_0] [OUT=preview.jpg] (a contact sheet)"
+	@echo "make viz [STORE=dataset] [SCENE=0] [FRAMES=0,10-20] [EVERY=n] [AGENT=rsu_*] [MODES='RGB-*,LIDAR3D*'] [COLOUR=height] [DEST=pictures]"
+	@echo "make film [STORE=dataset] [SCENE=0] [AGENT=vehicle_0] [EVERY=2] [OUT=film.png]     (and .mp4 with an ffmpeg)"
 	@echo "make test | lint | bench | docs     (for developers)"
 
 build:
@@ -104,6 +116,19 @@ town: build
 scene-video: build
 	@test -n "$(SCENE)" || { echo "say which: make scene-video SCENE=0 [STORE=dataset] [OUT=scene.png]"; exit 2; }
 	$(BIN)/convoy scene-video --store $(STORE) --scene $(SCENE) --out $(or $(OUT),scene-$(SCENE).png)
+
+# Sensor data and labels as pictures, as a contact sheet of a frame, and as a film: docs/pictures.md.
+viz: build
+	$(BIN)/convoy viz --store $(STORE) $(SCENE_ARG) $(if $(FRAMES),--frames $(FRAMES)) $(EVERY_ARG) $(THREADS_ARG) \
+		$(if $(AGENT),--agents '$(AGENT)') $(if $(MODES),--modes '$(MODES)') $(if $(COLOUR),--colour $(COLOUR)) \
+		--dest $(or $(DEST),pictures)
+
+preview: build
+	$(BIN)/convoy preview --store $(STORE) $(SCENE_ARG) $(if $(FRAME),--frame $(FRAME)) $(AGENT_ARG) $(THREADS_ARG) \
+		--out $(or $(OUT),preview.jpg)
+
+film: build
+	$(BIN)/convoy film --store $(STORE) $(SCENE_ARG) $(AGENT_ARG) $(EVERY_ARG) $(THREADS_ARG) --out $(or $(OUT),film.png)
 
 towns: build
 	@test -n "$(DEST)" || { echo "say where: make towns DEST=folder"; exit 2; }

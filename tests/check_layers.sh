@@ -14,6 +14,7 @@ declare -A allowed=(
     [pipeline]="closures frames schema store"
     [opendrive]="frames"
     [mapview]="frames opendrive"
+    [pictures]="frames mapview schema"
     [town]="frames opendrive random"
     [surfaces]="frames opendrive schema"
     [scenery]="frames opendrive random schema surfaces"
@@ -61,6 +62,7 @@ declare -A cores=(
     [merge-tracks]="tracks"
     [stats]="analysis"
     [export]="export-core"
+    [viz]="export-core mapview pictures"
     [convoy]="check driver mapstore mapview opendrive town view"
 )
 bad=0

@@ -12,6 +12,15 @@ pub(crate) enum ProgramCommand {
     /// Exports a finished store in a layout that other people's loaders read.
     #[command(disable_help_flag = true)]
     Export(Rest),
+    /// Draws sensor data and labels: one file a picture.
+    #[command(disable_help_flag = true)]
+    Viz(Rest),
+    /// Draws a contact sheet of a frame as an agent has it: cameras, lidar, masks, voxels, map.
+    #[command(disable_help_flag = true)]
+    Preview(Rest),
+    /// Draws a scene as an agent sees it, as an animated PNG, and as MP4 where there is an ffmpeg.
+    #[command(disable_help_flag = true)]
+    Film(Rest),
 }
 
 /// Arguments that are handed on as they are.
@@ -24,14 +33,17 @@ pub(crate) struct Rest {
 
 /// Runs a program to its end; its exit code.
 pub(crate) fn run(command: ProgramCommand) -> u8 {
-    let (name, Rest { arguments }) = match command {
-        ProgramCommand::Export(rest) => ("export", rest),
+    let (name, first, Rest { arguments }) = match command {
+        ProgramCommand::Export(rest) => ("export", None, rest),
+        ProgramCommand::Viz(rest) => ("viz", None, rest),
+        ProgramCommand::Preview(rest) => ("viz", Some("preview"), rest),
+        ProgramCommand::Film(rest) => ("viz", Some("film"), rest),
     };
     let beside = std::env::current_exe().ok().and_then(|exe| Some(exe.parent()?.join(name)));
     let program = beside.unwrap_or_else(|| name.into());
     // A signal reaches the program, too, and it is the one to answer.
     pipeline::listen_for_signals();
-    match Command::new(&program).args(arguments).status() {
+    match Command::new(&program).args(first).args(arguments).status() {
         Ok(status) => status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(EXIT_SOME_FAILED),
         Err(e) => {
             tracing::error!(

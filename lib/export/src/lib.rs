@@ -20,6 +20,6 @@ pub use files::{ExportFile, UnitFiles};
 pub use layout::{Cost, Layout, Omission};
 pub use place::Destination;
 pub use run::{Outcome, Plan, export, plan};
-pub use selection::Selection;
+pub use selection::{Selection, matches};
 pub use source::{SceneSource, Source};
 pub use unit::{UnitName, Watch};

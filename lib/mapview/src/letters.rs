@@ -12,6 +12,9 @@ const HEIGHT: f64 = 6.0;
 const GAP: f64 = 1.7;
 /// Small letters are small capitals.
 const SMALL: f64 = 0.78;
+/// Width of strokes as a share of the font size, of plain and bold text.
+const WEIGHT: f64 = 0.085;
+const BOLD: f64 = 0.12;
 
 /// Lines of a letter: pairs of digits are points on a grid four wide and six high, x before y, y up.
 fn glyph(letter: char) -> &'static str {
@@ -61,6 +64,11 @@ fn glyph(letter: char) -> &'static str {
         '(' => "16 04 02 10",
         ')' => "06 14 12 00",
         '\'' => "06 05",
+        '=' => "02 42|04 44",
+        '%' => "00 46|06 16 15 05 06|30 40 41 31 30",
+        '<' => "35 03 31",
+        '>' => "05 33 01",
+        '#' => "10 26|20 36|02 42|04 44",
         _ => "",
     }
 }
@@ -80,30 +88,49 @@ fn lines_of(letter: char) -> (Vec<Vec<[f64; 2]>>, f64) {
     (chains, if letter == ' ' { 1.5 } else { width })
 }
 
+/// A line of text as strokes, for who draws pictures of its own. Letters are capitals, small ones smaller.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lettering {
+    /// The strokes: points from the beginning of the baseline, pixels, x to the right, y down.
+    pub strokes: Vec<Vec<[f64; 2]>>,
+    /// Length of the line, pixels.
+    pub length_px: f64,
+    /// Width of the strokes of plain text, pixels.
+    pub weight_px: f64,
+}
+
+impl Lettering {
+    /// The strokes of a text of a font size, pixels. Characters that the font has not are left blank.
+    #[must_use]
+    pub fn new(text: &str, size_px: f64) -> Self {
+        let unit = CAPITALS * size_px / HEIGHT;
+        let mut strokes = Vec::new();
+        let mut pen = 0.0;
+        for c in text.chars() {
+            let scale = if c.is_lowercase() { SMALL * unit } else { unit };
+            let (lines, width) = lines_of(c.to_ascii_uppercase());
+            strokes.extend(
+                lines
+                    .iter()
+                    .map(|line| line.iter().map(|p| [pen + p[0] * scale, -p[1] * scale]).collect::<Vec<_>>()),
+            );
+            pen += (width + GAP) * scale;
+        }
+        Self { strokes, length_px: (pen - GAP * unit).max(0.0), weight_px: WEIGHT * size_px }
+    }
+}
+
 /// A text as lines.
 pub(crate) fn strokes(text: &Text) -> Shape {
-    let unit = CAPITALS * text.size_px / HEIGHT;
-    let mut chains = Vec::new();
-    let mut pen = 0.0;
-    for c in text.text.chars() {
-        let scale = if c.is_lowercase() { SMALL * unit } else { unit };
-        let (lines, width) = lines_of(c.to_ascii_uppercase());
-        chains.extend(
-            lines
-                .iter()
-                .map(|line| line.iter().map(|p| [pen + p[0] * scale, -p[1] * scale]).collect::<Vec<_>>()),
-        );
-        pen += (width + GAP) * scale;
-    }
-    let length = (pen - GAP * unit).max(0.0);
+    let Lettering { strokes: mut chains, length_px, weight_px } = Lettering::new(&text.text, text.size_px);
     let shift = match text.anchor {
         Anchor::Start => 0.0,
-        Anchor::Middle => 0.5 * length,
-        Anchor::End => length,
+        Anchor::Middle => 0.5 * length_px,
+        Anchor::End => length_px,
     };
     for point in chains.iter_mut().flatten() {
         *point = [text.at[0] + point[0] - shift, text.at[1] + point[1]];
     }
-    let weight = if text.bold { 0.12 } else { 0.085 };
-    Shape { chains, closed: false, paint: Paint::round_line(text.colour, weight * text.size_px) }
+    let width = if text.bold { BOLD * text.size_px } else { weight_px };
+    Shape { chains, closed: false, paint: Paint::round_line(text.colour, width) }
 }

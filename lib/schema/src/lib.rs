@@ -25,6 +25,7 @@ mod layer;
 pub mod lights;
 pub mod measures;
 pub mod models;
+pub mod palette;
 pub mod rate;
 mod return_kind;
 pub mod scene_info;

@@ -1,0 +1,280 @@
+//! Draws one picture of one agent.
+
+use nalgebra::Isometry3;
+use pictures::{
+    BoxShape, Canvas, ColourBy, PictureError, Reach, View, VoxelGrid, decode_jpeg, decode_png, draw_bev,
+    draw_boxes, draw_cloud, draw_depth, draw_flow, draw_ground, draw_instances, draw_voxels,
+};
+use scene::{ArrayReader, SensorKind};
+use schema::arrays::{ArrayKind, BEV_MASKS, VOXEL_CELLS};
+use schema::{AgentId, BevClass, ImageKind, rate};
+
+use crate::archive::{self, BevGrid, OccupancyGrid};
+use crate::error::{Drawing, VizError};
+use crate::feed::{AgentFrame, Rig};
+use crate::mode::{Mode, Source};
+use crate::session::Session;
+
+/// White, as users of the original are used to.
+const PAPER: [u8; 3] = [255; 3];
+/// Pixels of BEV pictures a cell.
+const BEV_SCALE: u32 = 2;
+/// Largest array that is read, bytes.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// What pictures are drawn from.
+pub(crate) struct Desk<'a> {
+    pub(crate) session: &'a Session,
+    pub(crate) frame: u32,
+    /// All agents that were read, and their rigs.
+    pub(crate) agents: &'a [AgentFrame],
+    pub(crate) rigs: &'a [Rig],
+    /// What the colours of points tell, where it was said.
+    pub(crate) colour: Option<ColourBy>,
+}
+
+impl Desk<'_> {
+    /// The picture of an agent (by its place among those that were read); none where there is nothing at this frame.
+    pub(crate) fn draw(&self, mode: &Mode, which: usize) -> Result<Option<Canvas>, VizError> {
+        let (agent, rig) = (&self.agents[which], &self.rigs[which]);
+        let place = || {
+            let scene = self.session.source.number();
+            format!("scene {scene} frame {} {} {}", self.frame, agent.agent, mode.name())
+        };
+        match mode {
+            Mode::Camera(kind, table) => self.camera(*kind, table, agent, rig).drawing(place),
+            Mode::Cloud { source, is_solid, has_boxes, reach } => {
+                self.cloud(source, (*is_solid, *has_boxes, *reach), agent, rig).drawing(place)
+            }
+            Mode::Together { is_solid, reach } => {
+                self.together((*is_solid, *reach), agent, rig).map(Some).drawing(place)
+            }
+            Mode::Bev(palette) => self.bev(*palette, agent.agent, place),
+            Mode::Voxels { kind, reach } => self.voxels(kind, *reach, agent, rig, place),
+            Mode::Scene => crate::scene_view::draw_scene(self).map(Some).drawing(place),
+        }
+    }
+
+    fn camera(
+        &self,
+        kind: ImageKind,
+        table: &str,
+        agent: &AgentFrame,
+        rig: &Rig,
+    ) -> Result<Option<Canvas>, PictureError> {
+        if kind == ImageKind::Flow {
+            let flow = agent.flows.get(table);
+            return flow.map(|f| draw_flow([f.width, f.height], &f.dx, &f.dy)).transpose();
+        }
+        let Some(bytes) = agent.images.get(table) else { return Ok(None) };
+        Ok(Some(match kind {
+            ImageKind::Rgb => {
+                let mut canvas = decode_jpeg(bytes)?;
+                if let Some(camera) = rig.camera(table, &agent.world_from_agent) {
+                    // Cameras are inside of their own agent's box.
+                    let boxes: Vec<BoxShape> =
+                        agent.boxes.iter().map(|(b, _)| *b).filter(|b| b.id != agent.id).collect();
+                    let width = line_px(canvas.size()[0]);
+                    draw_boxes(&mut canvas, &View::Through(camera), &Isometry3::identity(), &boxes, width);
+                }
+                canvas
+            }
+            ImageKind::Depth => {
+                let (size, rgb) = decode_png(bytes)?;
+                draw_depth(size, &rgb)?
+            }
+            ImageKind::Instance => {
+                let (size, rgb) = decode_png(bytes)?;
+                draw_instances(size, &rgb)?
+            }
+            ImageKind::Semantic | ImageKind::Flow => {
+                let (size, rgb) = decode_png(bytes)?;
+                Canvas::from_rgb(size, &rgb)?
+            }
+        }))
+    }
+
+    fn cloud(
+        &self,
+        source: &Source,
+        (is_solid, has_boxes, reach): (bool, bool, Reach),
+        agent: &AgentFrame,
+        rig: &Rig,
+    ) -> Result<Option<Canvas>, PictureError> {
+        let names: Vec<&str> = match source {
+            Source::Lidar(name) | Source::SemanticLidar(name) => vec![name],
+            Source::Radars => rig.names(SensorKind::Radar).collect(),
+        };
+        let (agent_from_view, side) = match source {
+            Source::Lidar(name) | Source::SemanticLidar(name) => {
+                (rig.agent_from(name), dot_px(is_solid, reach))
+            }
+            Source::Radars => (rig.agent_from_lidar(), dot_px(is_solid, reach) + 4),
+        };
+        let view_from_agent = agent_from_view.inverse();
+        let view = view_of(is_solid, reach);
+        let (mut canvas, mut depth) = (Canvas::new(view.size(), PAPER)?, Vec::new());
+        let by = self.colour.unwrap_or(source.colour());
+        let ground_z_m = -agent_from_view.translation.z;
+        let mut any = false;
+        for name in names {
+            let Some(cloud) = agent.clouds.get(name) else { continue };
+            any = true;
+            let placed = view_from_agent * rig.agent_from(name);
+            let how = (by, ground_z_m, agent.position);
+            draw_cloud(&mut canvas, &mut depth, &view, (cloud, &placed), how, side)?;
+        }
+        if has_boxes {
+            let boxes: Vec<BoxShape> = agent.boxes.iter().map(|(b, _)| *b).collect();
+            let from_world = view_from_agent * agent.world_from_agent.inverse();
+            let width = line_px(canvas.size()[0]);
+            draw_boxes(&mut canvas, &view, &from_world, &boxes, width);
+        }
+        Ok(any.then_some(canvas))
+    }
+
+    /// The lidars of all agents in an agent's lidar frame, with the boxes that any of them saw, on the map.
+    fn together(
+        &self,
+        (is_solid, reach): (bool, Reach),
+        agent: &AgentFrame,
+        rig: &Rig,
+    ) -> Result<Canvas, PictureError> {
+        let agent_from_view = rig.agent_from_lidar();
+        let view_from_world = (agent.world_from_agent * agent_from_view).inverse();
+        let view = view_of(is_solid, reach);
+        let (mut canvas, mut depth) = (Canvas::new(view.size(), PAPER)?, Vec::new());
+        draw_ground(&mut canvas, &view, &view_from_world, &self.session.ground);
+        let by = self.colour.unwrap_or(ColourBy::Agent);
+        for (other, its_rig) in self.agents.iter().zip(self.rigs) {
+            for name in its_rig.names(SensorKind::Lidar) {
+                let Some(cloud) = other.clouds.get(name) else { continue };
+                let placed = view_from_world * other.world_from_agent * its_rig.agent_from(name);
+                let how = (by, -agent_from_view.translation.z, other.position);
+                draw_cloud(&mut canvas, &mut depth, &view, (cloud, &placed), how, dot_px(is_solid, reach))?;
+            }
+        }
+        let width = line_px(canvas.size()[0]);
+        draw_boxes(&mut canvas, &view, &view_from_world, &boxes_of_all(self.agents), width);
+        Ok(canvas)
+    }
+
+    fn bev(
+        &self,
+        palette: pictures::BevPalette,
+        agent: AgentId,
+        place: impl Fn() -> String,
+    ) -> Result<Option<Canvas>, VizError> {
+        let reader = self.session.source.reader();
+        let grid: BevGrid = archive::about(reader, &BEV_MASKS, agent)?;
+        if !rate::is_due(self.frame, grid.every_n_frames) {
+            return Ok(None);
+        }
+        let mut archive = ArrayReader::open(reader, &BEV_MASKS, agent, MOST_BYTES)?;
+        let path = archive.path().to_owned();
+        let wrong =
+            |problem: String| VizError::Archive { path: path.clone(), problem, stage: BEV_MASKS.stage };
+        let class = |name: &String| {
+            BevClass::from_name(name).ok_or_else(|| wrong(format!("there is no class `{name}`")))
+        };
+        let classes: Vec<BevClass> = grid.classes.iter().map(class).collect::<Result<_, _>>()?;
+        let masks = archive.read(self.frame)?;
+        let [_, rows, columns] = masks.shape[..] else {
+            return Err(wrong(format!("frame {} has the shape {:?}", self.frame, masks.shape)));
+        };
+        draw_bev(&masks.bytes, &classes, [rows, columns], palette, BEV_SCALE).map(Some).drawing(place)
+    }
+
+    fn voxels(
+        &self,
+        kind: &ArrayKind,
+        reach: Reach,
+        agent: &AgentFrame,
+        rig: &Rig,
+        place: impl Fn() -> String,
+    ) -> Result<Option<Canvas>, VizError> {
+        let View::Through(camera) = View::behind(reach) else { return Ok(None) };
+        let reader = self.session.source.reader();
+        let about: OccupancyGrid = archive::about(reader, kind, agent.agent)?;
+        if !rate::is_due(self.frame, about.every_n_frames) {
+            return Ok(None);
+        }
+        let mut archive = ArrayReader::open(reader, kind, agent.agent, MOST_BYTES)?;
+        let path = archive.path().to_owned();
+        let wrong = |problem: String| VizError::Archive { path: path.clone(), problem, stage: kind.stage };
+        let array = archive.read(self.frame)?;
+        let (shape, tags) = if *kind == VOXEL_CELLS {
+            let shape = about.shape();
+            (shape, listed(&array.bytes, shape).ok_or_else(|| wrong("lists cells beyond the grid".into()))?)
+        } else {
+            let [x, y, z] = array.shape[..] else {
+                return Err(wrong(format!("frame {} has the shape {:?}", self.frame, array.shape)));
+            };
+            ([x, y, z], array.bytes)
+        };
+        let lower_m = [-about.range_m, -about.range_m, about.mount_z_m + about.lower_m];
+        let grid = VoxelGrid::new(shape, tags, lower_m, about.voxel_m).drawing(&place)?;
+        draw_voxels(&grid, &camera, &rig.agent_from_lidar()).map(Some).drawing(place)
+    }
+}
+
+impl OccupancyGrid {
+    fn shape(&self) -> [usize; 3] {
+        let across = (2.0 * self.range_m / self.voxel_m).round() as usize;
+        [across, across, ((self.upper_m - self.lower_m) / self.voxel_m).round() as usize]
+    }
+}
+
+/// A grid from its occupied cells: place along x, y, z and tag, each a u16.
+fn listed(cells: &[u8], shape: [usize; 3]) -> Option<Vec<u8>> {
+    let mut tags = vec![0; shape.iter().product()];
+    for cell in cells.chunks_exact(8) {
+        let [x, y, z, tag] = [0, 2, 4, 6].map(|i| usize::from(u16::from_le_bytes([cell[i], cell[i + 1]])));
+        if x >= shape[0] || y >= shape[1] || z >= shape[2] {
+            return None;
+        }
+        tags[(x * shape[1] + y) * shape[2] + z] = u8::try_from(tag).ok()?;
+    }
+    Some(tags)
+}
+
+fn view_of(is_solid: bool, reach: Reach) -> View {
+    if is_solid { View::behind(reach) } else { View::above(reach) }
+}
+
+/// Side of a point's square, pixels.
+fn dot_px(is_solid: bool, reach: Reach) -> u32 {
+    match (is_solid, reach) {
+        (true, _) => 2,
+        (false, Reach::Near) => 5,
+        (false, Reach::Far) => 3,
+    }
+}
+
+/// Width of the thinnest lines of boxes on a picture, pixels.
+fn line_px(width: u32) -> f64 {
+    (f64::from(width) / 800.0).max(0.5)
+}
+
+/// The boxes of all agents, each object once: as easy as it is to whom it is easiest.
+pub(crate) fn boxes_of_all(agents: &[AgentFrame]) -> Vec<BoxShape> {
+    let mut boxes: Vec<BoxShape> = agents.iter().flat_map(|a| a.boxes.iter().map(|(b, _)| *b)).collect();
+    boxes.sort_by_key(|shape| (shape.id, shape.difficulty));
+    boxes.dedup_by_key(|shape| shape.id);
+    boxes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn listed_cells_become_grids() {
+        let cell = |numbers: [u16; 4]| numbers.map(u16::to_le_bytes).concat();
+        let cells = [cell([0, 1, 2, 14]), cell([1, 0, 0, 1])].concat();
+        let mut wanted = vec![0; 2 * 2 * 3];
+        (wanted[5], wanted[6]) = (14, 1);
+        assert_eq!(listed(&cells, [2, 2, 3]), Some(wanted));
+        assert_eq!(listed(&cell([2, 0, 0, 1]), [2, 2, 3]), None);
+    }
+}
