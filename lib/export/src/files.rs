@@ -62,6 +62,17 @@ impl<'a> UnitFiles<'a> {
         })
     }
 
+    /// Makes a folder, for readers that look for empty ones, too.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    pub fn folder(&mut self, name: &str) -> Result<(), ExportError> {
+        let folder = inside(self.root, name)?;
+        fs::create_dir_all(&folder).map_err(|source| write_error(&folder, "make", source))?;
+        self.folders.insert(folder);
+        Ok(())
+    }
+
     /// Ends a file: it gets its name.
     ///
     /// # Errors

@@ -31,7 +31,8 @@ mod npz;
 
 pub use dtype::{DType, Scalar};
 pub use error::NpzError;
-pub use npy::{Array, npy_header};
+pub use npy::{Array, npy_header, npy_object_header};
 pub use npz::{
-    DEFAULT_LEVEL, DEFAULT_MAX_BYTES, EncodedMember, NpzReader, NpzWriter, encode_member, frame_member,
+    DEFAULT_LEVEL, DEFAULT_MAX_BYTES, EncodedMember, NpzReader, NpzWriter, PackedArray, archive_of,
+    encode_member, frame_member,
 };

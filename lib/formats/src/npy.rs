@@ -48,6 +48,25 @@ pub fn npy_header(place: &str, dtype: &DType, shape: &[usize]) -> Result<Vec<u8>
     if let Some(fault) = dtype.fault() {
         return Err(NpzError::invalid(place, fault));
     }
+    header_of(place, &dtype.literal(), shape)
+}
+
+/// The header of a NPY file of Python objects, which follow as one pickle.
+///
+/// # Errors
+/// As [`npy_header`].
+///
+/// ```
+/// let header = formats::npy_object_header("boxes", &[2])?;
+/// assert!(header[10..].starts_with(b"{'descr': '|O', 'fortran_order': False, 'shape': (2,), }"));
+/// # Ok::<(), formats::NpzError>(())
+/// ```
+pub fn npy_object_header(place: &str, shape: &[usize]) -> Result<Vec<u8>, NpzError> {
+    header_of(place, "'|O'", shape)
+}
+
+/// A header of a type in Python's words.
+fn header_of(place: &str, descr: &str, shape: &[usize]) -> Result<Vec<u8>, NpzError> {
     if shape.len() > MAX_DIMENSIONS {
         let problem = format!("{} dimensions, numpy has at most {MAX_DIMENSIONS}", shape.len());
         return Err(NpzError::invalid(place, problem));
@@ -55,7 +74,7 @@ pub fn npy_header(place: &str, dtype: &DType, shape: &[usize]) -> Result<Vec<u8>
     let numbers = shape.iter().map(usize::to_string).collect::<Vec<_>>();
     let tuple =
         if numbers.len() == 1 { format!("({},)", numbers[0]) } else { format!("({})", numbers.join(", ")) };
-    let mut text = format!("{{'descr': {}, 'fortran_order': False, 'shape': {tuple}, }}", dtype.literal());
+    let mut text = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {tuple}, }}");
     let growth = numbers.first().map_or(0, |first| GROWTH_DIGITS.saturating_sub(first.len()));
     text.extend(std::iter::repeat_n(' ', growth));
     // The line feed is counted before padding, so 1 to 64 spaces are added.

@@ -143,6 +143,12 @@ impl Film {
         [self.backdrop.width(), self.backdrop.height()]
     }
 
+    /// Where a place in the world (metres east and north) is on a frame: pixels from its left and top edge.
+    #[must_use]
+    pub fn at_px(&self, [east_m, north_m]: [f64; 2]) -> [f64; 2] {
+        self.page.at(&Point3::new(east_m, north_m, 0.0))
+    }
+
     /// A frame: red, green, blue, opacity for each pixel, by row from the top.
     #[must_use]
     pub fn frame(&self, bars: &[StopBar], things: &[Thing], caption: &str) -> Vec<u8> {

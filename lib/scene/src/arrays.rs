@@ -1,6 +1,6 @@
 //! Arrays of an agent, one a frame or every so many frames.
 
-use formats::{Array, NpzError, NpzReader, frame_member};
+use formats::{Array, NpzError, NpzReader, PackedArray, frame_member};
 use schema::AgentId;
 use schema::arrays::ArrayKind;
 use store::{ShardStream, StoreError, keys};
@@ -44,6 +44,15 @@ impl ArrayReader {
     /// There is none, or it is broken.
     pub fn read(&mut self, frame: u32) -> Result<Array, SceneError> {
         let found = self.archive.read(&frame_member(frame));
+        found.map_err(|e| wrong(&self.path, self.scene, self.stage, Some(frame), e))
+    }
+
+    /// Takes the array of a frame out still compressed.
+    ///
+    /// # Errors
+    /// There is none, or it is broken, as far as its header shows.
+    pub fn read_packed(&mut self, frame: u32) -> Result<PackedArray, SceneError> {
+        let found = self.archive.read_packed(&frame_member(frame));
         found.map_err(|e| wrong(&self.path, self.scene, self.stage, Some(frame), e))
     }
 

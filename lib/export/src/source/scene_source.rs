@@ -68,6 +68,12 @@ impl SceneSource {
         &self.agents
     }
 
+    /// What of the store is wanted.
+    #[must_use]
+    pub fn selection(&self) -> &Selection {
+        &self.selection
+    }
+
     /// The wanted frames.
     pub fn frames(&self) -> impl Iterator<Item = u32> + use<> {
         self.selection.frames(self.info.frames)

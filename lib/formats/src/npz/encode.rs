@@ -28,6 +28,25 @@ pub struct EncodedMember {
 }
 
 impl EncodedMember {
+    /// Bytes that are no array, as a member that is stored as it is.
+    ///
+    /// # Errors
+    /// [`NpzError::Invalid`] when the name is no plain file name.
+    pub fn stored(name: &str, bytes: Vec<u8>) -> Result<Self, NpzError> {
+        check_name(name)?;
+        let (crc, plain_len) = (crc32fast::hash(&bytes), bytes.len() as u64);
+        Ok(Self { name: name.to_owned(), method: CompressionMethod::STORE, crc, plain_len, data: bytes })
+    }
+
+    /// The same under another name: what a member is called stands outside of its compressed bytes.
+    ///
+    /// # Errors
+    /// [`NpzError::Invalid`] when the name is no plain file name.
+    pub fn renamed(self, name: &str) -> Result<Self, NpzError> {
+        check_name(name)?;
+        Ok(Self { name: name.to_owned(), ..self })
+    }
+
     /// The member's name.
     #[must_use]
     pub fn name(&self) -> &str {
@@ -62,10 +81,7 @@ pub fn encode_member(
     level: u32,
 ) -> Result<EncodedMember, NpzError> {
     let dtype = dtype.into();
-    let plain = |b: u8| b.is_ascii_alphanumeric() || matches!(b, b'_' | b'-' | b'.');
-    if name.is_empty() || name.len() > 255 || !name.bytes().all(plain) {
-        return Err(NpzError::invalid(name, "a name is 1 to 255 letters, digits, `_`, `-` and `.`"));
-    }
+    check_name(name)?;
     if npy::array_len(&dtype, shape) != Some(bytes.len()) {
         let problem = format!("{} bytes don't fill the shape {shape:?} of {}", bytes.len(), dtype.literal());
         return Err(NpzError::invalid(name, problem));
@@ -88,4 +104,12 @@ pub fn encode_member(
     };
     let plain_len = header.len() as u64 + bytes.len() as u64;
     Ok(EncodedMember { name: name.to_owned(), method, crc: crc.finalize(), plain_len, data })
+}
+
+fn check_name(name: &str) -> Result<(), NpzError> {
+    let plain = |b: u8| b.is_ascii_alphanumeric() || matches!(b, b'_' | b'-' | b'.');
+    if name.is_empty() || name.len() > 255 || !name.bytes().all(plain) {
+        return Err(NpzError::invalid(name, "a name is 1 to 255 letters, digits, `_`, `-` and `.`"));
+    }
+    Ok(())
 }

@@ -5,8 +5,8 @@ mod read;
 mod write;
 
 pub use encode::{DEFAULT_LEVEL, EncodedMember, encode_member};
-pub use read::{DEFAULT_MAX_BYTES, NpzReader};
-pub use write::NpzWriter;
+pub use read::{DEFAULT_MAX_BYTES, NpzReader, PackedArray};
+pub use write::{NpzWriter, archive_of};
 
 /// Name of a frame's member: `0000.npy`, `0001.npy`, ..., `10000.npy`.
 #[must_use]

@@ -8,6 +8,8 @@ use flate2::bufread::DeflateDecoder;
 use rawzip::{CompressionMethod, MAX_CENTRAL_DIRECTORY_RECORD_SIZE, ReaderAt, ZipArchive, ZipLocator};
 use rawzip::{ZipArchiveEntryWayfinder, ZipFileHeaderRecord};
 
+use super::encode::EncodedMember;
+use crate::dtype::DType;
 use crate::error::NpzError;
 use crate::npy::{self, Array};
 
@@ -18,6 +20,17 @@ pub const DEFAULT_MAX_BYTES: u64 = 1 << 30;
 /// more is refused before memory is set aside for it.
 const MAX_RATIO: u64 = 1040;
 const DIRECTORY: &str = "central directory";
+
+/// A member as it lies in an archive, with what its header says.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PackedArray {
+    /// Type of the elements.
+    pub dtype: DType,
+    /// Lengths of the dimensions, slowest first.
+    pub shape: Vec<usize>,
+    /// The member, still compressed: for another archive, under its name or another one.
+    pub member: EncodedMember,
+}
 
 /// Reads members of a numpy archive one by one; the rest of the archive is not touched.
 ///
@@ -133,15 +146,54 @@ impl<R: Read + Seek> NpzReader<R> {
         self.entries.iter().map(|entry| entry.name.as_str())
     }
 
+    fn entry(&self, name: &str) -> Result<&Entry, NpzError> {
+        match self.by_name.get(name) {
+            Some(&index) => Ok(&self.entries[index]),
+            None => Err(NpzError::NoMember { member: name.to_owned() }),
+        }
+    }
+
+    /// Takes one member out without decompressing more than its header: to be appended to another archive. Its checksum goes
+    /// with it and is not checked.
+    ///
+    /// # Errors
+    /// As [`NpzReader::read`], as far as sizes and the header show it.
+    ///
+    /// ```
+    /// use std::io::Cursor;
+    /// use formats::{NpzReader, NpzWriter, Scalar, encode_member};
+    ///
+    /// let mut many = NpzWriter::new(Vec::new());
+    /// many.append(encode_member("0007.npy", Scalar::U8, &[3], &[1, 2, 3], 2)?)?;
+    /// let packed = NpzReader::new(Cursor::new(many.finish()?))?.read_packed("0007.npy")?;
+    /// assert_eq!(packed.shape, [3]);
+    /// let mut one = NpzWriter::new(Vec::new());
+    /// one.append(packed.member.renamed("data.npy")?)?;
+    /// let array = NpzReader::new(Cursor::new(one.finish()?))?.read("data.npy")?;
+    /// assert_eq!(array.bytes, [1, 2, 3]);
+    /// # Ok::<(), formats::NpzError>(())
+    /// ```
+    pub fn read_packed(&mut self, name: &str) -> Result<PackedArray, NpzError> {
+        let entry = self.entry(name)?;
+        let data = self.packed_bytes(entry)?;
+        let header = match entry.method {
+            CompressionMethod::STORE => unpack_header(entry, &mut data.as_slice())?,
+            CompressionMethod::DEFLATE => unpack_header(entry, &mut DeflateDecoder::new(data.as_slice()))?,
+            other => {
+                return Err(NpzError::unsupported(name, format!("compression method {}", other.as_u16())));
+            }
+        };
+        let Entry { method, crc, plain_len, .. } = *entry;
+        let member = EncodedMember { name: name.to_owned(), method, crc, plain_len, data };
+        Ok(PackedArray { dtype: header.dtype, shape: header.shape, member })
+    }
+
     /// Reads one member and checks it against its checksum.
     ///
     /// # Errors
     /// [`NpzError::NoMember`], [`NpzError::TooLarge`], or what is wrong with the member's bytes.
     pub fn read(&mut self, name: &str) -> Result<Array, NpzError> {
-        let Some(&index) = self.by_name.get(name) else {
-            return Err(NpzError::NoMember { member: name.to_owned() });
-        };
-        let entry = &self.entries[index];
+        let entry = self.entry(name)?;
         let packed = self.packed_bytes(entry)?;
         let (array, rest) = match entry.method {
             CompressionMethod::STORE => {
@@ -189,18 +241,31 @@ impl<R: Read + Seek> NpzReader<R> {
     }
 }
 
-/// Header and elements of a member.
-fn unpack(entry: &Entry, plain: &mut impl Read) -> Result<Array, NpzError> {
-    let name = entry.name.as_str();
-    // All bytes are in memory: whatever fails, it is they that are wrong.
-    let corrupt = |error: io::Error| match error.kind() {
+/// What stands before a member's elements.
+struct Header {
+    dtype: DType,
+    shape: Vec<usize>,
+    /// Bytes of the elements.
+    len: usize,
+    /// Checksum of the header.
+    crc: crc32fast::Hasher,
+}
+
+/// All bytes are in memory: whatever fails, it is they that are wrong.
+fn corrupt(name: &str, error: &io::Error) -> NpzError {
+    match error.kind() {
         io::ErrorKind::UnexpectedEof => NpzError::corrupt(name, "its data ends early"),
         _ => NpzError::corrupt(name, format!("its data cannot be decompressed: {error}")),
-    };
+    }
+}
+
+/// The header of a member.
+fn unpack_header(entry: &Entry, plain: &mut impl Read) -> Result<Header, NpzError> {
+    let name = entry.name.as_str();
     let mut prefix = [0; npy::PREFIX_LEN];
-    plain.read_exact(&mut prefix).map_err(corrupt)?;
+    plain.read_exact(&mut prefix).map_err(|e| corrupt(name, &e))?;
     let mut text = vec![0; npy::text_len(name, &prefix)?];
-    plain.read_exact(&mut text).map_err(corrupt)?;
+    plain.read_exact(&mut text).map_err(|e| corrupt(name, &e))?;
     let mut crc = crc32fast::Hasher::new();
     crc.update(&prefix);
     crc.update(&text);
@@ -211,10 +276,17 @@ fn unpack(entry: &Entry, plain: &mut impl Read) -> Result<Array, NpzError> {
         .ok_or_else(|| {
             NpzError::corrupt(name, format!("shape {shape:?} does not make {} bytes", entry.plain_len))
         })?;
+    Ok(Header { dtype, shape, len, crc })
+}
+
+/// Header and elements of a member.
+fn unpack(entry: &Entry, plain: &mut impl Read) -> Result<Array, NpzError> {
+    let name = entry.name.as_str();
+    let Header { dtype, shape, len, mut crc } = unpack_header(entry, plain)?;
     let mut bytes = vec![0; len];
-    plain.read_exact(&mut bytes).map_err(corrupt)?;
+    plain.read_exact(&mut bytes).map_err(|e| corrupt(name, &e))?;
     // The end-of-block code may still be unread.
-    if plain.read(&mut [0]).map_err(corrupt)? != 0 {
+    if plain.read(&mut [0]).map_err(|e| corrupt(name, &e))? != 0 {
         return Err(NpzError::corrupt(name, "bytes after the array"));
     }
     crc.update(&bytes);

@@ -89,6 +89,17 @@ impl<W: Write> NpzWriter<W> {
     }
 }
 
+/// An archive of one member, in memory.
+///
+/// # Errors
+/// The container refuses it.
+pub fn archive_of(member: EncodedMember) -> Result<Vec<u8>, NpzError> {
+    // Records of the container: some 200 bytes with such names.
+    let mut writer = NpzWriter::new(Vec::with_capacity(member.compressed_len() + 512));
+    writer.append(member)?;
+    writer.finish()
+}
+
 /// Holds back the last two bytes of what is written: of an archive they are the length of its comment, for which `rawzip`
 /// writes 0.
 #[derive(Debug)]
