@@ -12,6 +12,7 @@ mod picture;
 mod place;
 mod run;
 mod selection;
+pub mod simbev2x;
 mod source;
 mod unit;
 

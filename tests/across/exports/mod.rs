@@ -4,6 +4,7 @@ mod kitti;
 mod mcap;
 mod nuscenes;
 mod opv2v;
+mod simbev2x;
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -36,6 +37,7 @@ fn every_layout_reads_back() {
     mcap::check(&bench);
     nuscenes::check(&bench);
     opv2v::check(&bench);
+    simbev2x::check(&bench);
 }
 
 /// However an export is made, its bytes are the same; what is there is kept, what is damaged made again, what is somebody

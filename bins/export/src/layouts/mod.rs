@@ -4,6 +4,7 @@ mod kitti;
 mod mcap;
 mod nuscenes;
 mod opv2v;
+mod simbev2x;
 
 use clap::Subcommand;
 use export_core::{ExportError, Layout};
@@ -24,6 +25,9 @@ pub(crate) enum LayoutCommand {
     Opv2v(opv2v::Opv2vArgs),
     /// V2X-Real: scenarios of vehicles and any number of RSUs.
     V2xReal(opv2v::V2xRealArgs),
+    /// SimBEV2X's own layout, as its tools and data loader read it.
+    #[command(name = "simbev2x")]
+    SimBev2x(simbev2x::SimBev2xArgs),
 }
 
 impl LayoutCommand {
@@ -38,6 +42,7 @@ impl LayoutCommand {
             Self::NuScenes(args) => Ok(args.split()),
             Self::Opv2v(args) => Ok(args.split()),
             Self::V2xReal(args) => Ok(args.split()),
+            Self::SimBev2x(args) => Ok(args.split()),
         }
     }
 }
