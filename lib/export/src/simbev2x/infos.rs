@@ -6,10 +6,10 @@ use schema::AgentId;
 
 use super::agent_unit::AgentFacts;
 use super::names::{self, FILLED_VOXELS};
+use super::options::{Options, State};
 use super::pytext::{self, Node};
 use super::rig::Rigs;
 use super::scene_unit::{INFO_LEVEL, SceneFacts};
-use super::{Options, State};
 use crate::{ExportError, UnitFiles, UnitName};
 
 /// Units of the layout's clock in a second.

@@ -9,6 +9,7 @@ mod infos;
 mod lane;
 mod masks;
 mod names;
+mod options;
 mod overview;
 mod pickle;
 mod pytext;
@@ -27,41 +28,11 @@ use serde_json::Value;
 use store::keys;
 
 pub use masks::Palette;
+pub use options::{Options, State};
 
 use self::agent_unit::{Holding, check_rate};
 use self::rig::{Rigs, Voxels};
 use crate::{Cost, ExportError, Layout, Omission, SceneSource, Source, UnitFiles, UnitName};
-
-/// Before or after the original's post-processing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum State {
-    /// What its generator writes.
-    Raw,
-    /// With points, validity and difficulty of boxes, the boxes of all agents in one list, filled grids.
-    #[default]
-    Processed,
-}
-
-/// What may be chosen.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Options {
-    /// Before or after post-processing.
-    pub state: State,
-    /// Colours of the pictures of masks.
-    pub palette: Palette,
-    /// What stands before `/simbev2x/...` in the paths of infos: the folder that readers are given.
-    pub path_prefix: String,
-}
-
-impl Options {
-    /// A path of infos.
-    fn path(&self, below: &str) -> String {
-        match self.path_prefix.trim_end_matches('/') {
-            "" if self.path_prefix.is_empty() => below.to_owned(),
-            prefix => format!("{prefix}/{below}"),
-        }
-    }
-}
 
 /// The layout with its options, for a store.
 #[derive(Clone, Debug)]
