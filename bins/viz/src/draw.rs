@@ -10,10 +10,10 @@ use schema::arrays::{ArrayKind, BEV_MASKS, VOXEL_CELLS};
 use schema::{AgentId, BevClass, ImageKind, rate};
 
 use crate::archive::{self, BevGrid, OccupancyGrid};
+use crate::desk::{Desk, boxes_of_all};
 use crate::error::{Drawing, VizError};
 use crate::feed::{AgentFrame, Rig};
 use crate::mode::{Mode, Source};
-use crate::session::Session;
 
 /// White, as users of the original are used to.
 const PAPER: [u8; 3] = [255; 3];
@@ -21,17 +21,6 @@ const PAPER: [u8; 3] = [255; 3];
 const BEV_SCALE: u32 = 2;
 /// Largest array that is read, bytes.
 const MOST_BYTES: u64 = 1 << 30;
-
-/// What pictures are drawn from.
-pub(crate) struct Desk<'a> {
-    pub(crate) session: &'a Session,
-    pub(crate) frame: u32,
-    /// All agents that were read, and their rigs.
-    pub(crate) agents: &'a [AgentFrame],
-    pub(crate) rigs: &'a [Rig],
-    /// What the colours of points tell, where it was said.
-    pub(crate) colour: Option<ColourBy>,
-}
 
 impl Desk<'_> {
     /// The picture of an agent (by its place among those that were read); none where there is nothing at this frame.
@@ -254,14 +243,6 @@ fn dot_px(is_solid: bool, reach: Reach) -> u32 {
 /// Width of the thinnest lines of boxes on a picture, pixels.
 fn line_px(width: u32) -> f64 {
     (f64::from(width) / 800.0).max(0.5)
-}
-
-/// The boxes of all agents, each object once: as easy as it is to whom it is easiest.
-pub(crate) fn boxes_of_all(agents: &[AgentFrame]) -> Vec<BoxShape> {
-    let mut boxes: Vec<BoxShape> = agents.iter().flat_map(|a| a.boxes.iter().map(|(b, _)| *b)).collect();
-    boxes.sort_by_key(|shape| (shape.id, shape.difficulty));
-    boxes.dedup_by_key(|shape| shape.id);
-    boxes
 }
 
 #[cfg(test)]

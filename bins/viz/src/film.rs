@@ -13,7 +13,7 @@ use schema::tables::CameraRow;
 use schema::{AgentId, FRAME_PERIOD_S, ImageKind, rate};
 
 use crate::args::FilmArgs;
-use crate::draw::Desk;
+use crate::desk::Desk;
 use crate::error::{Drawing, VizError};
 use crate::feed::{AgentFrame, Rig, Wants};
 use crate::mode::{Mode, modes_of};

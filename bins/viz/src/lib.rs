@@ -2,6 +2,7 @@
 
 mod archive;
 mod args;
+mod desk;
 mod draw;
 mod error;
 mod feed;

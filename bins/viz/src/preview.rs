@@ -10,7 +10,7 @@ use schema::tables::FrameRow;
 use schema::{AgentId, DetectionClass, FRAME_PERIOD_S, ImageKind};
 
 use crate::args::PreviewArgs;
-use crate::draw::{Desk, boxes_of_all};
+use crate::desk::{Desk, boxes_of_all};
 use crate::error::{Drawing, VizError};
 use crate::feed::{AgentFrame, Wants};
 use crate::mode::{Mode, modes_of};

@@ -6,7 +6,7 @@ use pictures::{
 };
 use scene::SensorKind;
 
-use crate::draw::{Desk, boxes_of_all};
+use crate::desk::{Desk, boxes_of_all};
 
 /// Side of the picture, pixels.
 const SIDE_PX: u32 = 2000;

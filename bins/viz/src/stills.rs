@@ -10,7 +10,7 @@ use schema::table::Row;
 use schema::tables::CameraRow;
 
 use crate::args::{Colour, VizArgs};
-use crate::draw::Desk;
+use crate::desk::Desk;
 use crate::error::{Drawing, VizError};
 use crate::feed::Wants;
 use crate::mode::{Mode, Source, modes_of};

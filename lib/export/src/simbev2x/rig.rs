@@ -348,7 +348,7 @@ mod tests {
             ("CAM_FRONT_LEFT", [0.6743797, -0.6743797, 0.2126311, -0.2126311]),
             ("CAM_BACK", [0.5, -0.5, -0.5, 0.5]),
             ("RSU-CAM_FRONT_RIGHT", [0.2126311, -0.2126311, 0.6743797, -0.6743797]),
-            ("RAD_LEFT", [0.7071067, 0.0, 0.0, 0.7071067]),
+            ("RAD_LEFT", [std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f64::consts::FRAC_1_SQRT_2]),
             ("RAD_BACK", [0.0, 0.0, 0.0, 1.0]),
         ] {
             let found = floats(entry(entry(&metadata, key), "sensor2ego_rotation"));
