@@ -84,7 +84,7 @@ pub fn merge(boxes: &[BoxRow], valid: &[ValidBoxRow], every_n_frames: u32) -> Re
 
     let mut frames = Vec::new();
     let mut tracks: BTreeMap<ObjectId, Track> = BTreeMap::new();
-    let mut sightings = Sightings::default();
+    let mut sightings = Sightings::new(every_n_frames);
     for same in order.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
         let records = same.iter().map(|&(_, _, agent, row)| (agent, &boxes[row], &valid[row]));
         records.clone().for_each(|(agent, listed, judged)| sightings.add(agent, listed, judged));
@@ -253,6 +253,12 @@ mod tests {
             places.iter().map(|&(frame, x)| pair(frame, "vehicle_0", 4, 0, true, x)).unzip();
         let way = |every| merge(&boxes, &valid, every).expect("paired").tracks[0].path_m;
         assert_eq!((way(4), way(1), way(2)), (5.0, 0.0, 0.0), "frame 12 lacks");
+        let seen = merge(&boxes, &valid, 4).expect("paired").sightings.remove(0);
+        assert_eq!(
+            (seen.seen_from, seen.seen_to),
+            (vec![0, 16], vec![8, 16]),
+            "and a sighting breaks there alone"
+        );
     }
 
     #[test]

@@ -19,6 +19,6 @@ pub(super) fn check(bench: &Bench) {
         &["numpy", "pyarrow", "PIL"],
         &[&bench.store(), &dest, Path::new("depth")],
     );
-    let (_, refused) = export(bench, "mcap", "none", &["--voxel-range", "-1"]);
+    let (_, refused) = export(bench, "mcap", "none", &["--voxel-range=-1"]);
     assert!(refused.code == 2 && refused.stderr.contains("-1 m"), "{}", refused.stderr);
 }
