@@ -39,7 +39,7 @@ help:
 	@echo "make stage STAGE=render-sensors [SCENES=3,7-9] [FORCE=1]"
 	@echo "make status | stats | verify        (same CONFIG and STORE)"
 	@echo "make check [STORE=dataset] [SCENES=3,7-9] [EVERY=10]    (labels against each other; EVERY: some frames only)"
-	@echo "make export FORMAT=kitti|mcap|nuscenes DEST=folder [STORE=dataset] [SCENES=] [SPLIT=] [ARGS=]    (docs/exports.md; ARGS=--dry-run first)"
+	@echo "make export FORMAT=kitti|mcap|nuscenes|opv2v|v2x-real|simbev2x DEST=folder [STORE=dataset] [SCENES=] [SPLIT=] [ARGS=]    (docs/exports.md; ARGS=--dry-run first)"
 	@echo "make check-devkit [STORE=dataset] [SCENES=0,1] [DEST=pictures]    (nuscenes-devkit on an export of it)"
 	@echo "make view [STORE=dataset] [PORT=n]  (plays the scenes of a store in the browser)"
 	@echo "make town NAME=convoy/demo [SEED=7] [DEST=folder]       (a road network of our own, with its picture)"
