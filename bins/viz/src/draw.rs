@@ -9,7 +9,7 @@ use scene::{ArrayReader, SensorKind};
 use schema::arrays::{ArrayKind, BEV_MASKS, VOXEL_CELLS};
 use schema::{AgentId, BevClass, ImageKind, rate};
 
-use crate::archive::{self, BevGrid, OccupancyGrid};
+use crate::archive::{BevGrid, OccupancyGrid};
 use crate::desk::{Desk, boxes_of_all};
 use crate::error::{Drawing, VizError};
 use crate::feed::{AgentFrame, Rig};
@@ -155,7 +155,7 @@ impl Desk<'_> {
         place: impl Fn() -> String,
     ) -> Result<Option<Canvas>, VizError> {
         let reader = self.session.source.reader();
-        let grid: BevGrid = archive::about(reader, &BEV_MASKS, agent)?;
+        let grid: BevGrid = scene::described(reader, &BEV_MASKS, agent)?;
         if !rate::is_due(self.frame, grid.every_n_frames) {
             return Ok(None);
         }
@@ -184,7 +184,7 @@ impl Desk<'_> {
     ) -> Result<Option<Canvas>, VizError> {
         let View::Through(camera) = View::behind(reach) else { return Ok(None) };
         let reader = self.session.source.reader();
-        let about: OccupancyGrid = archive::about(reader, kind, agent.agent)?;
+        let about: OccupancyGrid = scene::described(reader, kind, agent.agent)?;
         if !rate::is_due(self.frame, about.every_n_frames) {
             return Ok(None);
         }

@@ -117,7 +117,7 @@ fn frames(session: &Session, agent: AgentId, modes: &[Mode], every: u32) -> Resu
     rates.push(every);
     if modes.iter().any(|mode| matches!(mode, Mode::Bev(_))) {
         let kind = &schema::arrays::BEV_MASKS;
-        let grid: crate::archive::BevGrid = crate::archive::about(session.source.reader(), kind, agent)?;
+        let grid: crate::archive::BevGrid = scene::described(session.source.reader(), kind, agent)?;
         rates.push(grid.every_n_frames);
     }
     let all = 0..session.frame_count();

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod arrays;
+mod described;
 mod error;
 mod frames;
 mod ground;
@@ -11,6 +12,7 @@ mod reader;
 mod sensor;
 
 pub use arrays::ArrayReader;
+pub use described::described;
 pub use error::SceneError;
 pub use frames::FrameRanges;
 pub use ground::read_ground;

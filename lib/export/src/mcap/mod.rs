@@ -14,7 +14,6 @@
 //! bytes do not depend on the number of threads.
 
 mod clock;
-mod comment;
 mod container;
 mod cost;
 mod descriptor;

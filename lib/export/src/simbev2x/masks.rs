@@ -2,6 +2,7 @@
 
 use jpeg_encoder::{ColorType, Encoder, EncodingError, SamplingFactor};
 use schema::BevClass;
+use schema::palette::bev_cityscapes_rgb;
 
 /// Quality of the pictures: that of the layout's own ones.
 const QUALITY: u8 = 95;
@@ -20,28 +21,10 @@ impl Palette {
     fn rgb(self, class: BevClass) -> [u8; 3] {
         match self {
             Self::Plain => class.rgb(),
-            Self::Cityscapes => CITYSCAPES[class as usize],
+            Self::Cityscapes => bev_cityscapes_rgb(class),
         }
     }
 }
-
-/// By channel.
-const CITYSCAPES: [[u8; 3]; BevClass::COUNT] = [
-    [128, 64, 128],
-    [240, 80, 80],
-    [227, 227, 227],
-    [244, 35, 232],
-    [157, 234, 50],
-    [255, 165, 0],
-    [200, 128, 128],
-    [0, 0, 142],
-    [0, 0, 70],
-    [0, 60, 100],
-    [0, 0, 230],
-    [119, 11, 32],
-    [255, 0, 0],
-    [220, 20, 60],
-];
 
 /// The picture of `cells` x `cells` masks: on white, later channels over earlier ones.
 pub(super) fn picture(masks: &[u8], cells: usize, palette: Palette) -> Result<Vec<u8>, EncodingError> {

@@ -8,7 +8,6 @@ use schema::{AgentId, BevClass};
 use serde::Deserialize;
 
 use super::Track;
-use crate::mcap::comment::described;
 use crate::mcap::container::Messages;
 use crate::mcap::messages::{Grid, Pose, Timestamp, Vector2};
 use crate::mcap::packed::{Packed, Values, pack};
@@ -48,7 +47,7 @@ impl MaskTrack {
         poses: Vec<AgentRow>,
         topics: &mut Topics,
     ) -> Result<Self, ExportError> {
-        let about: Description = described(scene, &BEV_MASKS, agent)?;
+        let about: Description = scene::described(scene.reader(), &BEV_MASKS, agent)?;
         if about.classes.len() > u16::BITS as usize {
             let problem = format!("{} BEV classes do not fit into {} bits", about.classes.len(), u16::BITS);
             let (scene, agent) = (scene.number(), Some(agent.to_string()));

@@ -7,7 +7,6 @@ use schema::{AgentId, Tag};
 use serde::Deserialize;
 
 use super::Track;
-use crate::mcap::comment::described;
 use crate::mcap::container::Messages;
 use crate::mcap::messages::{Pose, Quaternion, Timestamp, Vector3, VoxelGrid};
 use crate::mcap::packed::{Packed, Values, pack};
@@ -72,7 +71,7 @@ impl VoxelTrack {
     ) -> Result<Option<Self>, ExportError> {
         let has = |kind: &&ArrayKind| scene.has_arrays(kind, agent);
         let Some(kind) = [&VOXEL_GRIDS, &VOXEL_CELLS].into_iter().find(has) else { return Ok(None) };
-        let about: Description = described(scene, kind, agent)?;
+        let about: Description = scene::described(scene.reader(), kind, agent)?;
         let facts = [("every_n_frames", about.every_n_frames.to_string())];
         let topic = topics.add(format!("/{agent}/occupancy"), &facts)?;
         let crop = Crop::new(&about, range_m, block);
