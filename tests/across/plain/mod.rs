@@ -1,24 +1,33 @@
 //! Masks and voxel grids of real frames, computed a second time: every triangle against every cell that it may touch, in
-//! double precision, without the code that draws them. Geometry, tags, the middles of the map's markings and the
-//! container are shared.
+//! double precision, without the code that draws them. Crossings and markings are read from the map's file by a reader of
+//! its own. Triangles, their tags, the log's hazards and the container are shared.
 
+mod grid;
 mod masks;
+mod paint;
+mod roads;
 mod soup;
 mod voxels;
 
 use std::path::Path;
 
 use convoy_tests::Bench;
+use nalgebra::Vector3;
 use replay::Replay;
 use scene::{ArrayReader, SceneReader};
-use schema::AgentId;
 use schema::arrays::{BEV_MASKS, VOXEL_GRIDS};
 use schema::settings::OccupancySettings;
+use schema::{AgentId, BevClass};
 use store::Store;
 
 const RANGE_M: f64 = 40.0;
 const VOXEL_M: f64 = 0.5;
 const UPPER_M: f64 = 7.0;
+
+/// What roads have outside of towns, and inside.
+const MARKED: [BevClass; 3] = [BevClass::Road, BevClass::RoadLine, BevClass::Hazard];
+const PAVED: [BevClass; 5] =
+    [BevClass::Road, BevClass::RoadLine, BevClass::Sidewalk, BevClass::Crosswalk, BevClass::Hazard];
 
 fn config(map: &str) -> String {
     format!(
@@ -35,8 +44,19 @@ fn array(scene: &SceneReader, kind: &schema::arrays::ArrayKind, agent: AgentId, 
     ArrayReader::open(scene, kind, agent, 1 << 30).and_then(|mut all| all.read(frame)).expect("reads").bytes
 }
 
-/// Makes a scene on a map and holds two frames of each agent against a second computation.
-fn labels_are_those_of_the_triangles(map: &str, maps: Option<&Path>) {
+/// What a map's file says.
+fn map_text(store: &Path, map: &str, maps: Option<&Path>) -> String {
+    let Some(maps) = maps else {
+        let packed =
+            std::fs::read(store.join("maps").join(format!("{map}.xodr.zst"))).expect("is in the store");
+        return String::from_utf8(zstd::decode_all(&packed[..]).expect("is packed")).expect("is text");
+    };
+    std::fs::read_to_string(maps.join(format!("{map}.xodr"))).expect("is text")
+}
+
+/// Makes a scene on a map and holds two frames of each agent against a second computation; `classes` of the ground must come
+/// up.
+fn labels_are_those_of_the_triangles(map: &str, maps: Option<&Path>, classes: &[BevClass]) {
     let bench = Bench::new(&config(map));
     let folder = maps.map(|maps| maps.display().to_string());
     let args: Vec<&str> = folder.iter().flat_map(|maps| ["--maps", maps.as_str()]).collect();
@@ -48,6 +68,10 @@ fn labels_are_those_of_the_triangles(map: &str, maps: Option<&Path>) {
     let stages = ["simulate-and-log", "bev-gt", "occupancy-gt"];
     let scene = SceneReader::open(&store, 0, &stages).expect("is done");
     let replay = Replay::open(&scene).expect("is a log");
+    let hazards = replay.log.info.hazards.iter();
+    let hazards = hazards.map(|h| h.area_m.iter().map(|&p| Vector3::from(p)).collect()).collect();
+    let ground = masks::Ground { roads: roads::read(&map_text(&bench.store(), map, maps)), hazards };
+    let mut compared = [0; BevClass::COUNT];
     let grid = OccupancySettings {
         range_m: RANGE_M,
         voxel_m: VOXEL_M,
@@ -63,30 +87,34 @@ fn labels_are_those_of_the_triangles(map: &str, maps: Option<&Path>) {
             let tags = array(&scene, &VOXEL_GRIDS, agent, frame);
             voxels::check(&pieces, &pose, &grid, &tags, &place);
             let bits = array(&scene, &BEV_MASKS, agent, frame);
-            masks::check(&replay, &snapshot, &pieces, &pose, &bits, &place);
+            let counts = masks::check(&ground, &snapshot, &pieces, &pose, &bits, &place);
+            compared.iter_mut().zip(counts).for_each(|(all, count)| *all += count);
         }
+    }
+    for class in classes {
+        assert!(compared[*class as usize] >= 100, "{map}: too little of {}: {compared:?}", class.name());
     }
 }
 
 #[test]
 fn labels_of_the_demo_town_are_those_of_its_triangles() {
-    labels_are_those_of_the_triangles("convoy/demo", None);
+    labels_are_those_of_the_triangles("convoy/demo", None, &PAVED);
 }
 
 #[test]
 fn labels_of_a_motorway_are_those_of_its_triangles() {
-    labels_are_those_of_the_triangles("convoy/06", None);
+    labels_are_those_of_the_triangles("convoy/06", None, &MARKED);
 }
 
 #[test]
 fn labels_of_mountain_roads_are_those_of_their_triangles() {
-    labels_are_those_of_the_triangles("convoy/07", None);
+    labels_are_those_of_the_triangles("convoy/07", None, &MARKED);
 }
 
 #[test]
 fn labels_of_real_towns_are_those_of_their_triangles() {
     let Some(maps) = testkit::maps_folder() else { return };
-    for town in ["Town03", "Town04"] {
-        labels_are_those_of_the_triangles(town, Some(&maps.join("carla")));
-    }
+    let maps = maps.join("carla");
+    labels_are_those_of_the_triangles("Town03", Some(&maps), &PAVED);
+    labels_are_those_of_the_triangles("Town04", Some(&maps), &MARKED);
 }
