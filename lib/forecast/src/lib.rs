@@ -6,15 +6,23 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use indicatif::{DecimalBytes, HumanCount};
 use plan::Plan;
-use schema::settings::{DatasetSettings, Rig, Split};
-use schema::{AgentId, AgentKind};
+use schema::settings::{BevSettings, DatasetSettings, Lens, Rig, Split};
+use schema::{AgentId, AgentKind, ImageKind};
 
 /// Bytes as stored, measured on four datasets of 240 agent-frames each (the demo town and three of CARLA's). Busy places
 /// take more: good within a factor of two.
 mod bytes {
     pub(super) const BEV_CELL: f64 = 0.08;
+    /// Beside a mask, by its cells: heights of the ground, whose each cell is, paint.
+    pub(super) const BEV_LAYER_CELL: [f64; 3] = [2.25, 0.008, 0.006];
     /// One grid, by column of voxels: what is stored is a surface.
     pub(super) const VOXEL_COLUMN: f64 = 0.75;
+    /// The list of occupied voxels instead, whose they are, and how they move.
+    pub(super) const LISTED_COLUMN: f64 = 5.8;
+    pub(super) const ID_COLUMN: f64 = 0.19;
+    pub(super) const FLOW_COLUMN: f64 = 0.23;
+    /// What lidars saw of voxels, by ray: what is stored is where rays went.
+    pub(super) const OBSERVED_RAY: f64 = 11.3;
     /// Boxes as collected and as valid, their share of tracks, log, map record, position and motion.
     pub(super) const AGENT_FRAME: f64 = 20e3;
 }
@@ -23,8 +31,14 @@ mod bytes {
 /// factor of two.
 mod core_seconds {
     pub(super) const VISIBILITY_PX: f64 = 30e-9;
+    /// The same of a lens that bends: a ray a pixel.
+    pub(super) const BENT_PX: f64 = 200e-9;
     pub(super) const BEV_CELL: f64 = 41e-9;
     pub(super) const VOXEL: f64 = 1.9e-9;
+    /// What is told of each occupied voxel (its place, whose it is, how it moves), by column of voxels.
+    pub(super) const ROWS_COLUMN: f64 = 0.27e-6;
+    /// What lidars saw of voxels, by ray.
+    pub(super) const OBSERVED_RAY: f64 = 4e-6;
     /// Simulation, snapshot, shadow maps, boxes, tracks, writing.
     pub(super) const AGENT_FRAME: f64 = 0.3;
 }
@@ -73,13 +87,37 @@ impl Forecast {
             let masks = due(frames, settings.bev.every_n_frames);
             self.output("BEV masks", masks, cells * bytes::BEV_CELL);
             self.core_s += masks as f64 * cells * core_seconds::BEV_CELL;
+            let BevSettings { heights, ids, paint, .. } = settings.bev;
+            let layers = [("BEV heights", heights), ("BEV ids", ids), ("BEV paint", paint)];
+            for ((name, _), bytes) in layers.iter().zip(bytes::BEV_LAYER_CELL).filter(|(layer, _)| layer.1) {
+                self.output(name, masks, cells * bytes);
+            }
         }
         let grids = settings.occupancy();
         let occupancy = grids.of(agent);
         if occupancy.enabled {
             let [x, y, z] = occupancy.shape().map(|n| n as f64);
             let frames = due(frames, occupancy.every_n_frames);
-            self.output("voxel grids", 2 * frames, x * y * bytes::VOXEL_COLUMN);
+            if occupancy.sparse {
+                self.output("listed voxels", frames, x * y * bytes::LISTED_COLUMN);
+            } else {
+                self.output("voxel grids", 2 * frames, x * y * bytes::VOXEL_COLUMN);
+            }
+            if occupancy.ids {
+                self.output("voxel ids", frames, x * y * bytes::ID_COLUMN);
+            }
+            if occupancy.flow {
+                self.output("voxel flow", frames, x * y * bytes::FLOW_COLUMN);
+            }
+            if occupancy.observed {
+                let plain = rig.lidars.iter().filter(|lidar| !lidar.semantic);
+                let rays: f64 = plain.map(|lidar| lidar.scan.rays() as f64).sum();
+                self.output("observed voxels", frames, rays * bytes::OBSERVED_RAY);
+                self.core_s += frames as f64 * rays * core_seconds::OBSERVED_RAY;
+            }
+            if occupancy.sparse || occupancy.ids || occupancy.flow {
+                self.core_s += frames as f64 * x * y * core_seconds::ROWS_COLUMN;
+            }
             self.core_s += frames as f64 * x * y * z * core_seconds::VOXEL;
         }
     }
@@ -88,10 +126,16 @@ impl Forecast {
         let wanted = &rig.camera.images;
         for optics in rig.cameras.iter().map(|camera| &camera.optics) {
             let pixels = f64::from(optics.width) * f64::from(optics.height);
-            let mut per_pixel_s = if wanted.is_empty() { 0.0 } else { core_seconds::VISIBILITY_PX };
+            let mut per_pixel_s = match optics.lens {
+                _ if wanted.is_empty() => 0.0,
+                Lens::Pinhole => core_seconds::VISIBILITY_PX,
+                _ => core_seconds::BENT_PX,
+            };
             for kind in wanted.iter() {
                 let cost = rates::pixel_cost(kind);
-                self.output(kind.spec().plural, frames, pixels * cost.bytes);
+                let is_half = kind == ImageKind::Flow && rig.camera.flow_half;
+                let bytes = if is_half { rates::HALF_FLOW_PX } else { cost.bytes };
+                self.output(kind.spec().plural, frames, pixels * bytes);
                 per_pixel_s += cost.core_s;
             }
             self.core_s += frames as f64 * pixels * per_pixel_s;
@@ -159,7 +203,6 @@ pub fn lines(settings: &DatasetSettings, plan: &Plan, cores: usize) -> Vec<Strin
 #[cfg(test)]
 mod tests {
     use super::*;
-    use schema::ImageKind;
     use schema::settings::SceneCount;
     use schema::tables::{PlanAgentRow, PlanSceneRow};
 
@@ -310,6 +353,52 @@ mod tests {
         let forecast = Forecast::of(&demo.expect("is valid"), &plan);
         let bytes: f64 = forecast.outputs.values().map(|share| share.bytes).sum();
         assert!((0.9..1.1).contains(&(bytes / 1.57e9)), "{bytes}");
+    }
+
+    /// Bytes of one file of each kind at a frame, measured: the tiny dataset (160 x 90 pixels, 16 x 256 rays, voxels of 0.5 m;
+    /// mean of seven maps), and one of the default's rays and grids with 640 x 360 pixels (mean of two).
+    #[test]
+    fn options_are_as_large_as_they_are() {
+        let measured: [&[(&str, f64)]; 2] = [
+            &[
+                ("listed voxels", 296_670.0),
+                ("voxel ids", 12_012.0),
+                ("voxel flow", 14_465.0),
+                ("observed voxels", 38_432.0),
+                ("BEV heights", 347_783.0),
+                ("BEV ids", 1_122.0),
+                ("BEV paint", 850.0),
+            ],
+            &[
+                ("listed voxels", 12_047_000.0),
+                ("voxel ids", 236_800.0),
+                ("voxel flow", 367_400.0),
+                ("observed voxels", 3_529_800.0),
+                ("BEV heights", 371_100.0),
+                ("BEV ids", 1_418.0),
+                ("BEV paint", 946.0),
+            ],
+        ];
+        for (is_tiny, rows) in [true, false].into_iter().zip(measured) {
+            let mut settings = settings();
+            let grid = &mut settings.vehicle_occupancy;
+            (grid.sparse, grid.ids, grid.flow, grid.observed) = (true, true, true, true);
+            (settings.bev.ids, settings.bev.heights, settings.bev.paint) = (true, true, true);
+            if is_tiny {
+                grid.voxel_m = 0.5;
+                let scan = &mut settings.vehicle_rig.lidars[0].scan;
+                (scan.channels, scan.columns) = (16, 256);
+            }
+            let mut one = plan();
+            one.agents.truncate(1);
+            let forecast = Forecast::of(&settings, &one);
+            for (name, bytes) in rows {
+                let Share { count, bytes: sum } = forecast.outputs[name];
+                let ratio = sum / count as f64 / bytes;
+                assert!((0.67..1.5).contains(&ratio), "{name}: {ratio}");
+            }
+            assert!(!forecast.outputs.contains_key("voxel grids"), "they are listed");
+        }
     }
 
     #[test]

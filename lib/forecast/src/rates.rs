@@ -24,6 +24,11 @@ pub(crate) const fn pixel_cost(kind: ImageKind) -> PixelCost {
     PixelCost { bytes, core_s }
 }
 
+/// Bytes of a pixel of flow that is kept as half floats: fewer digits, but not split into streams of bytes as floats are.
+pub(crate) const HALF_FLOW_PX: f64 = 0.61;
+/// So many times the bytes of one ray's returns are those of a beam of several: most beams meet one thing.
+const BEAM_BYTES: f64 = 1.04;
+
 /// What one reading of a sensor takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ReadingCost {
@@ -47,7 +52,8 @@ pub(crate) fn reading_costs(rig: &Rig) -> impl Iterator<Item = ReadingCost> {
         let (output, bytes_ray) =
             if lidar.semantic { ("semantic lidar sweeps", 8.0) } else { ("lidar sweeps", 9.2) };
         let cost = of_rays(output, lidar.scan.rays() as f64, bytes_ray, lidar.every_n_frames);
-        ReadingCost { core_s: cost.core_s * f64::from(lidar.beam.rays), ..cost }
+        let times = if lidar.beam.rays > 1 { BEAM_BYTES } else { 1.0 };
+        ReadingCost { bytes: times * cost.bytes, core_s: cost.core_s * f64::from(lidar.beam.rays), ..cost }
     });
     let of_radar =
         move |radar: &RadarSpec| of_rays("radar readings", f64::from(radar.rays), 20.4, radar.every_n_frames);
