@@ -142,6 +142,30 @@ pub(crate) fn wrapped(angle_rad: f64) -> f64 {
     angle_rad - TAU * turns
 }
 
+/// The least convex loop around points, counter-clockwise (Andrew's monotone chain).
+pub(crate) fn convex_hull(mut points: [[f64; 2]; 8]) -> Vec<[f64; 2]> {
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    let turns_left = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
+        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0
+    };
+    let chain = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+        let mut chain: Vec<[f64; 2]> = Vec::new();
+        for point in points {
+            while let [.., a, b] = chain[..]
+                && !turns_left(a, b, point)
+            {
+                chain.pop();
+            }
+            chain.push(point);
+        }
+        // The last point begins the other chain.
+        chain.pop();
+        chain
+    };
+    let (there, back) = (chain(&mut points.into_iter()), chain(&mut points.into_iter().rev()));
+    [there, back].concat()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -191,5 +215,13 @@ mod tests {
         assert!(quarter.turned_from(&want) < 1e-12 && apart(quarter.origin, want.origin) < 1e-12);
         assert!(from.towards(&to, 1.0).turned_from(&to) < 1e-12);
         assert_eq!(from.towards(&from, 0.7), from);
+    }
+
+    #[test]
+    fn hulls_have_the_outer_points_alone() {
+        // A square of 2 m, one of 1 m within it but for a corner on its edge and one beyond.
+        let points =
+            [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [0.5, 0.5], [1.0, 0.0], [3.0, 1.0], [0.5, 1.5]];
+        assert_eq!(convex_hull(points), [[0.0, 0.0], [2.0, 0.0], [3.0, 1.0], [2.0, 2.0], [0.0, 2.0]]);
     }
 }

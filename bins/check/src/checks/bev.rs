@@ -109,7 +109,7 @@ impl Mask {
                 let doors = if labelled.open_door { DOOR_M } else { 0.0 };
                 // Elbows and handlebars may reach over a box.
                 let around = 0.7072 + (AROUND_M + doors) / self.cell_m;
-                for cell in self.near(&footprint, around) {
+                for cell in self.near(&self.outline(labelled), around) {
                     allowed[cell] = true;
                 }
                 let is_whole = footprint.iter().flatten().all(|&c| c >= 1.0 && c <= size - 2.0);

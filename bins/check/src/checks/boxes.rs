@@ -88,9 +88,14 @@ impl Labelled {
         })
     }
 
-    /// Footprint as a closed loop in the plane.
+    /// What it stands on, as a closed loop in the plane.
     pub(crate) fn footprint(&self) -> [[f64; 2]; 4] {
         [0, 2, 6, 4].map(|k| [self.corners[k][0], self.corners[k][1]])
+    }
+
+    /// What it covers, as a closed loop in the plane: on a slope a box leans over what it stands on.
+    pub(crate) fn outline(&self) -> Vec<[f64; 2]> {
+        crate::space::convex_hull(self.corners.map(|[x, y, _]| [x, y]))
     }
 }
 

@@ -114,7 +114,7 @@ fn check_ids(scene: &Scene, mask: &Mask, ids: &[u16], boxes: &[Labelled], frame:
         });
         let Some(labelled) = boxes.iter().find(|b| b.id == id) else { continue };
         let doors = if labelled.open_door { DOOR_M } else { 0.0 };
-        let allowed = mask.near(&mask.footprint(labelled), 0.7072 + (AROUND_M + doors) / mask.cell_m);
+        let allowed = mask.near(&mask.outline(labelled), 0.7072 + (AROUND_M + doors) / mask.cell_m);
         tell(Rule::BevIds, found.iter().map(|&cell| (cell, allowed.contains(&cell))), ledger, |cell| {
             let place = [cell / cells, cell % cells];
             format!("frame {frame}: the cell {place:?} is object {id}'s, beyond its box")

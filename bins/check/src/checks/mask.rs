@@ -80,8 +80,14 @@ impl Mask {
         found
     }
 
+    /// What a box stands on, in cells.
     pub(super) fn footprint(&self, labelled: &Labelled) -> [[f64; 2]; 4] {
         labelled.footprint().map(|[x, y]| self.place(x, y))
+    }
+
+    /// What a box covers, in cells.
+    pub(super) fn outline(&self, labelled: &Labelled) -> Vec<[f64; 2]> {
+        labelled.outline().into_iter().map(|[x, y]| self.place(x, y)).collect()
     }
 
     /// Whether a cell that is set has its centre within some cells of a place.
