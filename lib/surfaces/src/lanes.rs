@@ -24,6 +24,12 @@ const SAME_LEVEL_M: f64 = 2.0;
 /// Cross-section of the grass beside a road: distance from the edge and drop, metres.
 const VERGE_PROFILE: [(f64, f64); 3] = [(0.0, 0.02), (1.0, 0.10), (3.2, 0.85)];
 
+/// Raised strips are narrowed in steps of so many parts of their width, to half of it at most, where vehicles of another road
+/// drive over an edge of them.
+const PARTS: usize = 8;
+/// A strip narrower than this is none, metres.
+const LEAST_M: f64 = 0.5;
+
 /// Lane surfaces for point queries. Those of no use to vehicles are left out where vehicles of another road drive over
 /// them; of railways a patch remains there, so that the road goes on to where the ballast begins.
 pub(crate) fn cover(sections: &[&Section], region: &Region) -> Cover {
@@ -34,16 +40,15 @@ pub(crate) fn cover(sections: &[&Section], region: &Region) -> Cover {
         for section in sections {
             for strip in section.strips.iter().filter(|s| ground(s.ground)) {
                 for i in (0..section.s.len() - 1).filter(|i| section.inside(*i, &region)) {
-                    let mut quad = corners(strip, i);
                     let (mut road, mut ground) = (Some(section.road), strip.ground);
-                    if !free_of_traffic(section, strip, i, &cover) {
-                        if ground != Ground::Track {
-                            continue;
-                        }
+                    let [a, b, c, d] = if let Some(part) = free_part(section, strip, i, &cover) {
+                        corners_of(strip, i, part)
+                    } else if ground == Ground::Track {
                         (road, ground) = (None, Ground::Paved);
-                        quad.iter_mut().for_each(|p| p.z -= PATCH_BELOW_M);
-                    }
-                    let [a, b, c, d] = quad;
+                        corners(strip, i).map(|p| Point3::new(p.x, p.y, p.z - PATCH_BELOW_M))
+                    } else {
+                        continue;
+                    };
                     facets.extend([[a, b, c], [a, c, d]].map(|corners| Facet { corners, road, ground }));
                 }
             }
@@ -60,12 +65,44 @@ fn corners(strip: &Strip, i: usize) -> [Point3<f64>; 4] {
     [strip.right[i], strip.right[i + 1], strip.left[i + 1], strip.left[i]]
 }
 
+/// A part of a strip's width: from where to where, as shares from its right border.
+type Share = [f64; 2];
+const WHOLE: Share = [0.0, 1.0];
+
+/// The corners of a part of a strip's piece, in the order of [`corners`].
+fn corners_of(strip: &Strip, i: usize, [from, to]: Share) -> [Point3<f64>; 4] {
+    let at = |k: usize, share: f64| match share {
+        // Whole pieces share their vertices with their neighbours to the last bit.
+        0.0 => strip.right[k],
+        1.0 => strip.left[k],
+        _ => strip.right[k] + (strip.left[k] - strip.right[k]) * share,
+    };
+    [at(i, from), at(i + 1, from), at(i + 1, to), at(i, to)]
+}
+
+/// The part of a strip's piece on which no vehicles of another road drive: where their lane runs over one edge of a
+/// raised strip, what lies beside it.
+fn free_part(section: &Section, strip: &Strip, i: usize, cover: &Cover) -> Option<Share> {
+    if free_of_traffic(section, strip, i, cover) {
+        return Some(WHOLE);
+    }
+    let width = |k: usize| (strip.left[k] - strip.right[k]).norm();
+    let narrowest_m = width(i).min(width(i + 1));
+    let parts = (1..=PARTS / 2).map(|k| k as f64 / PARTS as f64);
+    let mut parts = parts.filter(|cut| strip.ground.raised() && (1.0 - cut) * narrowest_m >= LEAST_M);
+    parts.find_map(|cut| {
+        let sides = [[cut, 1.0], [0.0, 1.0 - cut]];
+        sides.into_iter().find(|part| is_free(section, &corners_of(strip, i, *part), cover))
+    })
+}
+
 /// Whether no paved surface of another road at the same level meets a piece of a strip that is of no use to vehicles.
 pub(crate) fn free_of_traffic(section: &Section, strip: &Strip, i: usize, cover: &Cover) -> bool {
-    if strip.ground == Ground::Paved {
-        return true;
-    }
-    let quad = corners(strip, i);
+    strip.ground == Ground::Paved || is_free(section, &corners(strip, i), cover)
+}
+
+/// Whether no paved surface of another road at the same level meets a quadrangle.
+fn is_free(section: &Section, quad: &[Point3<f64>; 4], cover: &Cover) -> bool {
     let middle = Point3::from((quad[0].coords + quad[1].coords + quad[2].coords + quad[3].coords) / 4.0);
     // Just inside the corners, so that lanes that only touch do not count.
     let mut probes = quad.map(|p| middle + (p - middle) * 0.94).to_vec();
@@ -98,30 +135,40 @@ pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels,
             let face = Part { tag: layer.tag(), ..KERB };
             let right = k.checked_sub(1).and_then(|k| section.strips.get(k));
             let left = section.strips.get(k + 1);
-            let kept: Vec<bool> = (0..here.len())
-                .map(|i| asked(i) && free_of_traffic(section, strip, i, &ground.cover))
+            let kept: Vec<Option<Share>> = (0..here.len())
+                .map(|i| free_part(section, strip, i, &ground.cover).filter(|_| asked(i)))
                 .collect();
-            for i in (0..kept.len()).filter(|i| kept[*i] && here[*i]) {
-                blocks.quad(layer, top, corners(strip, i));
+            for i in (0..kept.len()).filter(|i| here[*i]) {
+                let Some(part) = kept[i] else { continue };
+                let [right_start, right_end, left_end, left_start] = corners_of(strip, i, part);
+                blocks.quad(layer, top, [right_start, right_end, left_end, left_start]);
                 if !strip.ground.raised() && strip.raise[i] == [0.0; 2] {
                     continue;
                 }
                 let down = |p: Point3<f64>, by: f64| Point3::new(p.x, p.y, p.z - by);
-                if let Some(depth) = face_depth(strip, left, i, 0) {
-                    let (a, b) = (strip.left[i + 1], strip.left[i]);
+                // Where a part was cut off, its edge is one for good.
+                let beside = |is_whole: bool, neighbour, side| {
+                    if is_whole { face_depth(strip, neighbour, i, side) } else { Some([SKIRT_M; 2]) }
+                };
+                if let Some(depth) = beside(part[1] == 1.0, left, 0) {
+                    let (a, b) = (left_end, left_start);
                     blocks.quad(layer, face, [down(a, depth[1]), down(b, depth[0]), b, a]);
                 }
-                if let Some(depth) = face_depth(strip, right, i, 1) {
-                    let (a, b) = (strip.right[i], strip.right[i + 1]);
+                if let Some(depth) = beside(part[0] == 0.0, right, 1) {
+                    let (a, b) = (right_start, right_end);
                     blocks.quad(layer, face, [down(a, depth[0]), down(b, depth[1]), b, a]);
                 }
                 // Where the strip begins or ends for good, or was cut away, its end is closed.
-                if if i == 0 { section.ends[0] } else { !kept[i - 1] } {
-                    let (a, b) = (strip.left[i], strip.right[i]);
+                let goes_on = |k: Option<usize>| {
+                    let next = k.and_then(|k| kept.get(k).copied().flatten());
+                    next.is_some_and(|next| next[0] <= part[0] && next[1] >= part[1])
+                };
+                if if i == 0 { section.ends[0] } else { !goes_on(i.checked_sub(1)) } {
+                    let (a, b) = (left_start, right_start);
                     blocks.quad(layer, face, [down(a, SKIRT_M), down(b, SKIRT_M), b, a]);
                 }
-                if if i + 1 == kept.len() { section.ends[1] } else { !kept[i + 1] } {
-                    let (a, b) = (strip.right[i + 1], strip.left[i + 1]);
+                if if i + 1 == kept.len() { section.ends[1] } else { !goes_on(Some(i + 1)) } {
+                    let (a, b) = (right_end, left_end);
                     blocks.quad(layer, face, [down(a, SKIRT_M), down(b, SKIRT_M), b, a]);
                 }
             }
@@ -168,5 +215,42 @@ fn verges(section: &Section, area: &Region, ground: &GroundLevels, blocks: &mut 
                 blocks.quad(Layer::Terrain, GRASS, quad);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use opendrive::LaneType;
+    use testkit::{map, one_way, road};
+
+    use super::*;
+    use crate::Atlas;
+
+    /// Height at y in the middle of a road whose sidewalk lies from y = -3.5 to -5.5 m, beside a lane of another road
+    /// that reaches from `other_m` on to the right.
+    fn height(other_m: f64, y: f64) -> f64 {
+        let street = one_way(&[(LaneType::Driving, 3.5), (LaneType::Sidewalk, 2.0)]);
+        let lane = one_way(&[(LaneType::Driving, 3.5)]);
+        let roads =
+            vec![road("1", [0.0, 0.0], 0.0, 60.0, street), road("2", [0.0, other_m], 0.0, 60.0, lane)];
+        let map = map(roads);
+        let atlas = Atlas::new(&map);
+        let here = atlas.ground(&Region { min: [0.0, -32.0], max: [64.0, 32.0] });
+        here.levels.height(30.0, y, 0.0)
+    }
+
+    #[test]
+    fn sidewalks_give_way_to_lanes_of_others_in_part() {
+        // Raised by a kerb of 0.12 m. Beside the lane, all of it.
+        for y in [-3.6, -5.4] {
+            assert!((height(-5.6, y) - 0.12).abs() < 1e-9, "{y}");
+        }
+        // 0.3 m of 2 m driven over: two eighths go.
+        for (y, want) in [(-3.6, 0.12), (-4.9, 0.12), (-5.3, 0.0)] {
+            assert!((height(-5.2, y) - want).abs() < 1e-9, "{y}");
+        }
+        // 1.2 m: more than half, so it is no sidewalk there.
+        let there = height(-4.3, -3.8);
+        assert!(there < 0.1, "{there}");
     }
 }
