@@ -178,7 +178,7 @@ impl Bench {
         let mut command = Command::new(program(name));
         if name == "convoy" {
             command.args(&args[..1]).arg("--store").arg(self.store());
-            if !["verify", "tidy"].contains(&args[0]) {
+            if !["verify", "tidy", "merge"].contains(&args[0]) {
                 command.arg("--config").arg(self.config());
             }
             command.args(&args[1..]);

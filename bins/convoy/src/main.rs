@@ -4,10 +4,11 @@ mod files;
 mod film;
 mod maps;
 mod programs;
+mod shell;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use driver::StoreCommand;
 use film::FilmCommand;
 use maps::MapCommand;
@@ -34,6 +35,8 @@ enum Command {
     Map(MapCommand),
     #[command(flatten)]
     Film(FilmCommand),
+    #[command(flatten)]
+    Shell(shell::ShellCommand),
 }
 
 fn main() -> ExitCode {
@@ -46,5 +49,6 @@ fn main() -> ExitCode {
         Command::View(args) => view::run(&args),
         Command::Map(command) => maps::run(command),
         Command::Film(command) => film::run(command),
+        Command::Shell(command) => shell::run(command, Args::command()),
     })
 }

@@ -1,5 +1,6 @@
 //! What the `convoy` program does with stores: all stages in order, the status table, verification.
 
+mod merge;
 mod tidy;
 
 use std::path::PathBuf;
@@ -59,6 +60,16 @@ pub enum StoreCommand {
         #[arg(long, value_name = "LIST")]
         scenes: Option<SceneList>,
     },
+    /// Takes into a store all that other stores of the same plan have and it has not: scenes that were made on several
+    /// machines.
+    Merge {
+        /// The store that takes it: a folder, by its path or as file:///FOLDER; made where there is none.
+        #[arg(long, value_name = "DIR")]
+        store: PathBuf,
+        /// Stores that are joined; they stay as they are.
+        #[arg(required = true, value_name = "STORE")]
+        from: Vec<PathBuf>,
+    },
     /// Removes tiles of the static world that no scene's log names: those of older code or other settings. Not while a
     /// simulation runs.
     Tidy {
@@ -103,6 +114,7 @@ pub fn drive(command: StoreCommand) -> u8 {
             run(&common, scenes.as_deref(), &store)
         }
         StoreCommand::Status { config, store, scenes } => status(&config, &store, scenes.as_ref()),
+        StoreCommand::Merge { store, from } => merge::merge(&store, &from),
         StoreCommand::Tidy { store } => tidy::tidy(&store),
         StoreCommand::Verify { store } => verify(&store),
     }

@@ -12,6 +12,7 @@
 //! * [`Store::read_rows`], [`Store::row_groups`]: reading tables.
 //! * [`verify`]: re-hashing everything.
 
+mod adopt;
 mod attempt;
 mod backend;
 mod convert;

@@ -1,0 +1,172 @@
+//! Taking over what another store has.
+
+use crate::manifest::{Manifest, Output};
+use crate::write::FileWriter;
+use crate::{Attempt, Scope, Store, StoreError};
+
+/// Bytes copied at a time.
+const CHUNK: u64 = 1 << 20;
+
+impl Store {
+    /// Takes over what a stage made for a scope in another store: its shards, each held against its checksum, its manifest
+    /// last. What is there already, byte for byte, is not copied again, so one that was killed goes on. Returns the bytes
+    /// copied.
+    ///
+    /// # Errors
+    /// A shard cannot be read or written, is not what the manifest says, or lies outside the scope's folder; or another
+    /// manifest of the stage stands here.
+    pub fn adopt(&self, from: &Self, scope: Scope, manifest: &Manifest) -> Result<u64, StoreError> {
+        let mut copied = 0;
+        for output in &manifest.outputs {
+            if !lies_in(scope, &output.key) {
+                let problem = format!("names `{}`, which is not in its folder", output.key);
+                return Err(StoreError::Corrupt {
+                    path: from.location(&scope.manifest(&manifest.stage)),
+                    problem,
+                });
+            }
+            if !self.holds(output)? {
+                self.copy(from, manifest, output)?;
+                copied += output.bytes;
+            }
+        }
+        self.commit_manifest(&scope.manifest(&manifest.stage), manifest)?;
+        Attempt::tidy(self, scope, &manifest.stage)?;
+        Ok(copied)
+    }
+
+    /// Whether a shard is here with these very bytes.
+    fn holds(&self, output: &Output) -> Result<bool, StoreError> {
+        if self.backend().size(&output.key)? != Some(output.bytes) {
+            return Ok(false);
+        }
+        let mut hasher = blake3::Hasher::new();
+        self.each_chunk(output, |bytes| {
+            hasher.update(bytes);
+            Ok(())
+        })?;
+        Ok(hasher.finalize().to_hex().as_str() == output.blake3)
+    }
+
+    fn copy(&self, from: &Self, manifest: &Manifest, output: &Output) -> Result<(), StoreError> {
+        // Refuses shards that are missing or of another size.
+        from.open_output(manifest, &output.key)?;
+        let mut file = FileWriter::create(self, &output.key, &manifest.stage)?;
+        from.each_chunk(output, |bytes| file.write_bytes(bytes))?;
+        let shard = file.finish(output.rows)?;
+        if shard.output() != output {
+            let problem = "its bytes are not those that the manifest names".into();
+            return Err(StoreError::Corrupt { path: from.location(&output.key), problem });
+        }
+        shard.commit().map(|_| ())
+    }
+
+    fn each_chunk(
+        &self,
+        output: &Output,
+        mut take: impl FnMut(&[u8]) -> Result<(), StoreError>,
+    ) -> Result<(), StoreError> {
+        let shard = self.backend().open(&output.key)?;
+        let mut at = 0;
+        while at < output.bytes {
+            let end = output.bytes.min(at + CHUNK);
+            let bytes = shard
+                .read_at(at..end)
+                .map_err(|e| StoreError::read(self.location(&output.key), "read", e))?;
+            take(&bytes)?;
+            at = end;
+        }
+        Ok(())
+    }
+}
+
+/// Whether a key is one that a scope's stages may write: a plan's shards are spread over the store, but for its scenes and
+/// tiles.
+fn lies_in(scope: Scope, key: &str) -> bool {
+    let folder = scope.swept_folder();
+    let below = if folder.is_empty() {
+        !["scenes/", "tiles/", "stats/"].iter().any(|other| key.starts_with(other))
+    } else {
+        key.strip_prefix(&folder).is_some_and(|rest| rest.starts_with('/'))
+    };
+    let plain = |part: &str| !part.is_empty() && part != "." && part != ".." && !part.contains('\\');
+    below && key.split('/').all(plain)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::{Identity, verify};
+
+    const SCOPE: Scope = Scope::Scene(3);
+    const SHARD: &str = "scenes/0003/bev/vehicle_0.npz";
+
+    /// A store with one stage of a scene.
+    fn store(bytes: &[u8]) -> (Store, Manifest) {
+        let store = Store::open("memory:").expect("opens");
+        let identity = Identity {
+            stage: "bev-gt".into(),
+            scope: SCOPE,
+            code_version: "1".into(),
+            config_hash: "c".into(),
+            inputs: BTreeMap::new(),
+        };
+        let mut attempt = Attempt::start(&store, identity, false).expect("starts");
+        let mut unit = attempt.unit("all").expect("reads").expect("is new");
+        unit.bytes(SHARD, bytes, 1).expect("writes");
+        unit.finish().expect("finishes");
+        let manifest = attempt.commit().expect("commits");
+        (store, manifest)
+    }
+
+    #[test]
+    fn what_is_taken_over_is_whole_and_copied_once() {
+        let bytes: Vec<u8> = (0..3_000_000_u32).map(|k| (k % 251) as u8).collect();
+        let (from, manifest) = store(&bytes);
+        let here = Store::open("memory:").expect("opens");
+        assert_eq!(here.adopt(&from, SCOPE, &manifest).expect("copies"), 3_000_000);
+        assert_eq!(here.read(SHARD).expect("reads").as_deref(), Some(&bytes[..]));
+        let checked = verify(&here, &[(SCOPE, "bev-gt")], |_| {}).expect("reads");
+        assert!(checked.findings.is_empty() && checked.manifests == 1);
+        assert_eq!(here.adopt(&from, SCOPE, &manifest).expect("has it"), 0);
+        // A shard of a copy that was killed, or of the same size by chance, is not believed.
+        for broken in [&bytes[..7], &[0; 3_000_000]] {
+            here.backend().remove(&SCOPE.manifest("bev-gt")).expect("removes");
+            let mut sink = here.backend().create(SHARD, "bev-gt").expect("creates");
+            sink.write_all(broken).expect("writes");
+            sink.commit().expect("commits");
+            assert_eq!(here.adopt(&from, SCOPE, &manifest).expect("copies"), 3_000_000);
+            assert_eq!(here.read(SHARD).expect("reads").as_deref(), Some(&bytes[..]));
+        }
+    }
+
+    #[test]
+    fn faulty_shards_and_foreign_folders_are_refused() {
+        let (from, manifest) = store(b"all that there is");
+        let here = Store::open("memory:").expect("opens");
+        let mut sink = from.backend().create(SHARD, "bev-gt").expect("creates");
+        sink.write_all(b"all that there As").expect("writes");
+        sink.commit().expect("commits");
+        let text = here.adopt(&from, SCOPE, &manifest).expect_err("is another").to_string();
+        assert!(text.contains("not those that the manifest names"), "{text}");
+        assert!(here.backend().list("").expect("lists").is_empty());
+        for key in ["scenes/0004/a", "scenes/0003/../../a", "/etc/a", "scenes/00031/a", "scenes/0003//a"] {
+            let mut foreign = manifest.clone();
+            foreign.outputs[0].key = key.into();
+            let text = here.adopt(&from, SCOPE, &foreign).expect_err("is outside").to_string();
+            assert!(text.contains("not in its folder"), "{key}: {text}");
+        }
+        assert!(lies_in(Scope::Plan, "maps/convoy/demo.xodr.zst") && !lies_in(Scope::Plan, "scenes/0000/a"));
+    }
+
+    #[test]
+    fn another_manifest_stays() {
+        let (from, manifest) = store(b"one");
+        let (here, _) = store(b"two");
+        assert!(here.manifest(SCOPE, "bev-gt").expect("reads").is_some_and(|m| m != manifest));
+        // Callers look first; who does not finds that both were written, and neither stands.
+        assert!(matches!(here.adopt(&from, SCOPE, &manifest), Err(StoreError::Contested { .. })));
+    }
+}

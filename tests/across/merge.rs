@@ -1,0 +1,80 @@
+//! Scenes made on several machines become one store.
+
+use std::fs;
+use std::path::Path;
+
+use convoy_tests::{Bench, Outcome, TINY};
+
+fn config() -> String {
+    TINY.replace("\"convoy/demo\" = 1", "\"convoy/demo\" = 2")
+}
+
+/// A store with the first stages of one of the plan's two scenes, or of both.
+fn made(config: &str, scenes: &str) -> Bench {
+    let bench = Bench::new(config);
+    bench.run("spawn-planner", &[]).expect_done();
+    for stage in ["simulate-and-log", "bev-gt"] {
+        bench.run(stage, &["--scenes", scenes]).expect_done();
+    }
+    bench
+}
+
+fn merge(into: &Bench, others: &[&Path]) -> Outcome {
+    let others: Vec<String> = others.iter().map(|other| other.display().to_string()).collect();
+    let args: Vec<&str> = ["merge"].into_iter().chain(others.iter().map(String::as_str)).collect();
+    into.run("convoy", &args)
+}
+
+#[test]
+fn stores_of_one_plan_become_one() {
+    let (first, second, whole) = (made(&config(), "0"), made(&config(), "1"), made(&config(), "0-1"));
+    let sources = [first.digests(), second.digests()];
+    let joined = Bench::new(&config());
+    let both = [&*first.store(), &*second.store()];
+    let outcome = merge(&joined, &both);
+    outcome.expect_done();
+    assert!(outcome.stdout.contains("2 stages of 1 scenes taken"), "{}", outcome.stdout);
+    // The same as if one machine had made all of it, and done, as far as it goes.
+    assert_eq!(joined.digests(), whole.digests());
+    assert_eq!(sources, [first.digests(), second.digests()], "they stay as they are");
+    let stage = joined.run("bev-gt", &[]);
+    assert!(stage.stderr.contains("0 done, 2 kept"), "{}", stage.stderr);
+
+    // Once more: all is there. Then what a killed merge leaves: a shard cut short, a manifest not there yet.
+    let again = merge(&joined, &both);
+    assert!(again.stdout.contains("0 stages of 0 scenes taken, 0.0 MB; 2 were there"), "{}", again.stdout);
+    let scene = joined.store().join("scenes/0001");
+    let shard = fs::read_dir(scene.join("bev")).expect("is there").next().expect("has one").expect("reads");
+    fs::write(shard.path(), b"PK").expect("writes");
+    fs::remove_file(scene.join("_manifests/simulate-and-log.json")).expect("is there");
+    merge(&joined, &both).expect_done();
+    assert_eq!(joined.digests(), whole.digests());
+}
+
+#[test]
+fn stores_of_other_plans_are_refused() {
+    let here = made(&config(), "0");
+    let before = here.digests();
+    let expect = |other: &Bench, text: &str| {
+        let outcome = merge(&here, &[&*other.store()]);
+        assert_eq!(outcome.code, 2, "{}", outcome.stderr);
+        assert!(outcome.stderr.contains(text), "{}", outcome.stderr);
+        assert_eq!(here.digests(), before, "nothing was taken");
+    };
+    let seed = config().lines().find(|line| line.starts_with("seed")).expect("has a seed").to_owned();
+    expect(&made(&config().replace(&seed, "seed = 77"), "1"), "its setting seed is another");
+    // A larger plan has scenes that this one does not.
+    let larger = TINY.replace("\"convoy/demo\" = 1", "\"convoy/demo\" = 3");
+    expect(&made(&larger, "2"), "its scene 2 is not planned");
+    // The same scene, made again by force.
+    let forced = made(&config(), "0");
+    forced.run("bev-gt", &["--scenes", "0", "--force"]).expect_done();
+    expect(&forced, "bev-gt of scenes/0000 is another");
+    let empty = Bench::new(&config());
+    expect(&empty, "holds no plan");
+    // What has the larger plan takes in the smaller.
+    let larger = made(&larger, "2");
+    merge(&larger, &[&*here.store()]).expect_done();
+    let status = larger.run("bev-gt", &["--dry-run"]);
+    assert!(status.code == 0 && larger.store().join("scenes/0000/_manifests/bev-gt.json").exists());
+}

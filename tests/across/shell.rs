@@ -1,0 +1,68 @@
+//! What shells and `man` are told of `convoy`.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::process::Command;
+
+use convoy_tests::program;
+
+/// What `convoy` prints.
+fn convoy(args: &[&str]) -> String {
+    let output = Command::new(program("convoy")).args(args).output().expect("the program starts");
+    assert!(output.status.success(), "{args:?}: {output:?}");
+    String::from_utf8(output.stdout).expect("is UTF-8")
+}
+
+/// What bash offers for the last of some words.
+fn offered(script: &Path, words: &[&str]) -> BTreeSet<String> {
+    let ask = format!(
+        "source '{}'; COMP_WORDS=({}); COMP_CWORD={}; _convoy convoy \"${{COMP_WORDS[-1]}}\" \"${{COMP_WORDS[-2]}}\"; printf '%s\\n' \"${{COMPREPLY[@]}}\"",
+        script.display(),
+        words.join(" "),
+        words.len() - 1,
+    );
+    let output = Command::new("bash").args(["-c", &ask]).output().expect("bash starts");
+    let text = String::from_utf8(output.stdout).expect("is UTF-8");
+    text.lines().map(str::to_owned).collect()
+}
+
+#[test]
+fn bash_completes_commands_and_options() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let script = folder.path().join("convoy.bash");
+    std::fs::write(&script, convoy(&["completions", "bash"])).expect("is written");
+    assert_eq!(offered(&script, &["convoy", "ver"]), BTreeSet::from(["verify".to_owned()]));
+    let options = offered(&script, &["convoy", "tidy", "--"]);
+    assert!(options.contains("--store"), "{options:?}");
+    for (shell, word) in [("zsh", "#compdef convoy"), ("fish", "complete -c convoy")] {
+        assert!(convoy(&["completions", shell]).contains(word), "{shell}");
+    }
+}
+
+#[test]
+fn every_command_has_a_page_with_its_options() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let pages = folder.path().join("man");
+    convoy(&["man", &pages.display().to_string()]);
+    let text = convoy(&["--help"]);
+    let commands = text.lines().skip_while(|l| *l != "Commands:").skip(1).take_while(|l| !l.is_empty());
+    let names = commands.filter_map(|l| l.strip_prefix("  ").filter(|l| !l.starts_with(' ')));
+    let mut count = 0;
+    for name in names.filter_map(|l| l.split(' ').next()).filter(|name| *name != "help") {
+        let page = std::fs::read_to_string(pages.join(format!("convoy-{name}.1"))).expect("has a page");
+        // In manual pages a dash is written with a backslash.
+        let plain = page.replace('\\', "");
+        assert!(plain.contains(&format!(".TH convoy-{name} 1")), "{name}: {page}");
+        // Programs that are started explain themselves.
+        if !plain.contains("--help lists it") {
+            let help = convoy(&[name, "--help"]);
+            let words = help.split_whitespace().filter(|word| word.starts_with("--"));
+            for option in words.map(|w| w.trim_matches(|c: char| !c.is_ascii_alphanumeric() && c != '-')) {
+                let option = option.trim_end_matches('-');
+                assert!(option.is_empty() || plain.contains(option), "{name}: {option} is not in its page");
+            }
+        }
+        count += 1;
+    }
+    assert!(count > 6 && pages.join("convoy.1").exists());
+}
