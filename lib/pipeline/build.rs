@@ -15,6 +15,13 @@ struct Spec {
     unit: String,
     reads: Vec<String>,
     writes: Vec<String>,
+    /// Whether it looks at the log, and so cannot be done of a scene that was imported.
+    #[serde(default = "yes")]
+    needs_log: bool,
+}
+
+fn yes() -> bool {
+    true
 }
 
 #[derive(Deserialize)]
@@ -42,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn stages(graph: &Graph) -> Result<String, String> {
     let mut text = String::from("&[\n");
     let mut seen: Vec<&String> = Vec::new();
-    for Spec { name, unit, reads, writes } in &graph.stage {
+    for Spec { name, unit, reads, writes, needs_log } in &graph.stage {
         let position = |read: &String| {
             let found = seen.iter().position(|stage| *stage == read);
             found.ok_or_else(|| format!("pipeline.toml: {name} reads {read}, which does not stand before it"))
@@ -64,7 +71,8 @@ fn stages(graph: &Graph) -> Result<String, String> {
             }
         };
         text += &format!(
-            "    StageSpec {{ name: {name:?}, unit: UnitKind::{kind}, inputs: &{inputs:?}, writes: &{writes:?} }},\n"
+            "    StageSpec {{ name: {name:?}, unit: UnitKind::{kind}, inputs: &{inputs:?}, writes: &{writes:?}, \
+             needs_log: {needs_log} }},\n"
         );
     }
     Ok(text + "]\n")

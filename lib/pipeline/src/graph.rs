@@ -22,6 +22,8 @@ pub struct StageSpec {
     inputs: &'static [usize],
     /// What it writes, in a scene's folder (or the store's): files, and folders ending in `/`.
     pub writes: &'static [&'static str],
+    /// Whether it looks at a scene's log (or makes it): it cannot be done of a scene that was imported, which has none.
+    pub needs_log: bool,
 }
 
 /// All stages, each after those it reads.

@@ -9,6 +9,7 @@ mod code_version;
 mod config;
 mod error;
 mod graph;
+mod imported;
 mod interrupt;
 mod progress;
 mod runner;

@@ -14,6 +14,7 @@ use store::{Attempt, Failure, Identity, Manifest, Scope, Store, Unit, keys};
 use crate::args::{ProgressMode, StageArgs};
 use crate::error::{Place, StageError};
 use crate::graph::{Graph, StageSpec, UnitKind};
+use crate::imported::{self, is_imported};
 use crate::progress::Progress;
 use crate::status::{
     CodeRule, SOURCE, Staleness, State, inputs, judge, plan_section, planned_scenes, state_of,
@@ -250,6 +251,7 @@ fn try_run<S: StageSettings>(stage: Stage<S>, args: &StageArgs) -> Result<u8, St
         return Ok(EXIT_DONE);
     }
     let scopes = run.scopes(args)?;
+    run.refuse_imported(&scopes)?;
     if *dry_run {
         return run.tell(&scopes);
     }
@@ -289,6 +291,7 @@ impl<S: StageSettings> Run<'_, S> {
             return Err(StageError::usage(format!("{place} holds no plan: run {} first", planner.name)));
         };
         if let Some(manifest) = self.store.manifest(Scope::Plan, planner.name)?
+            && !is_imported(&manifest)
             && manifest.config_hash != config_hash(planner, self.settings)?
         {
             let message = format!("the plan was made from another configuration: run {} first", planner.name);
@@ -364,6 +367,11 @@ impl<S: StageSettings> Run<'_, S> {
         Ok(if failed == 0 { EXIT_DONE } else { EXIT_SOME_FAILED })
     }
 
+    fn refuse_imported(&self, scopes: &[Scope]) -> Result<(), StageError> {
+        let is_kept = |scope| Ok(!self.force && self.state(scope, &BTreeMap::new())? == State::Done);
+        imported::refuse(&self.store, self.spec, scopes, is_kept)
+    }
+
     /// What the stage reads outside the store, by the names of its manifest.
     fn sources(&self) -> BTreeMap<String, String> {
         let found = (self.stage.sources)(&self.view, self.maps.as_deref());
@@ -376,6 +384,7 @@ impl<S: StageSettings> Run<'_, S> {
         let state = judge(&self.store, self.settings, self.spec, scope, code)?;
         if state == State::Done
             && let Some(manifest) = self.store.manifest(scope, S::STAGE)?
+            && !is_imported(&manifest)
             && let Some((name, _)) =
                 sources.iter().find(|(name, now)| manifest.inputs.get(*name) != Some(*now))
         {
@@ -388,6 +397,7 @@ impl<S: StageSettings> Run<'_, S> {
     fn accept(&self, scope: Scope) -> Result<(), StageError> {
         let code = crate::code_version(S::STAGE);
         if let Some(read) = self.store.manifest(scope, S::STAGE)?
+            && !is_imported(&read)
             && !read.is_of_code(code)
         {
             tracing::info!("{}: keeps what code {} made", self.label(scope), read.code_version);
@@ -414,7 +424,9 @@ impl<S: StageSettings> Run<'_, S> {
         let record = self.record()?;
         let written = self.store.manifest(scope, S::STAGE)?;
         let hash = store::hash_bytes(&record);
-        if written.is_some_and(|m| m.output(keys::DATASET).is_none_or(|o| o.blake3 != hash)) {
+        let is_old =
+            |m: Manifest| !is_imported(&m) && m.output(keys::DATASET).is_none_or(|o| o.blake3 != hash);
+        if written.is_some_and(is_old) {
             Attempt::amend(&self.store, scope, S::STAGE, keys::DATASET, &record)?;
         }
         Ok(())

@@ -7,6 +7,7 @@ use schema::settings::DatasetSettings;
 use store::{Manifest, Scope, Store, StoreError};
 
 use crate::graph::{Graph, StageSpec, UnitKind};
+use crate::imported::is_imported;
 use crate::views::{ViewError, config_hash};
 
 /// State of a stage for a scope.
@@ -250,6 +251,10 @@ pub(crate) fn judge(
         }
         Err(stale) => return Ok(stale),
     };
+    if is_imported(&manifest) {
+        let is_there = store.outputs_present(&manifest)?;
+        return Ok(if is_there { State::Done } else { State::Stale(Staleness::Output) });
+    }
     if manifest.config_hash != config_hash(spec, settings)? {
         return Ok(State::Stale(Staleness::Configuration));
     }

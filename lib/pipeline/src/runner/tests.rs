@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::sync::Arc;
 
+use schema::scene_info::LOG_STAGE;
 use schema::settings::stages::MaskSettings;
 use store::{Backend, Memory};
 
@@ -172,4 +173,60 @@ fn what_older_code_made_is_kept_when_told_so() {
     let made = of(SCENES[2]);
     assert_eq!((made.outputs[0].bytes, made.accepted_by.len()), (20, 0));
     assert_eq!(made.code_version, crate::code_version("bev-gt"));
+}
+
+/// Marks what a stage has done as imported.
+fn mark_imported(store: &Store, scope: Scope, stage: &str) {
+    let read = store.manifest(scope, stage).expect("reads").expect("stands");
+    let marked = Manifest {
+        code_version: schema::IMPORTED.into(),
+        config_hash: "of a dataset".into(),
+        inputs: BTreeMap::new(),
+        ..read.clone()
+    };
+    store.replace_manifest(scope, &read, &marked).expect("replaces");
+}
+
+#[test]
+fn what_was_imported_is_never_stale_and_never_made_again() {
+    let store = Store::open("memory:").expect("opens");
+    let settings = DatasetSettings::with_scenes(Vec::new());
+    simulated(&store, &settings);
+    let run = run_of(&settings, &store, |job| write(job, 10));
+    assert_eq!(run.all(&SCENES[..1]).expect("runs"), EXIT_DONE);
+    let planner = Graph::get().planner().name;
+    for (scope, stage) in
+        [(Scope::Plan, planner), (SCENES[0], LOG_STAGE), (SCENES[0], "bev-gt"), (SCENES[1], LOG_STAGE)]
+    {
+        mark_imported(&store, scope, stage);
+    }
+    // The plan is another one: what was made of scene 2 before is still right, and what was imported stays.
+    assert_eq!(states(&run), [State::Done, State::Missing, State::Missing]);
+    let other = DatasetSettings { seed: 99, ..settings.clone() };
+    assert_eq!(
+        run_of(&other, &store, |job| write(job, 10)).state(SCENES[0], &BTreeMap::new()).expect("is known"),
+        State::Done
+    );
+    let sources = BTreeMap::from([("source/a.xodr".to_owned(), "changed".to_owned())]);
+    assert_eq!(run.state(SCENES[0], &sources).expect("is known"), State::Done);
+
+    run.refuse_imported(&SCENES[..1]).expect("it is done");
+    run.refuse_imported(&SCENES[2..]).expect("it has a log");
+    let refused = run.refuse_imported(&SCENES).expect_err("scene 1 has none");
+    assert_eq!(refused.exit_code(), EXIT_USAGE);
+    assert_eq!(refused.report(), "scene 1: imported, without a log that bev-gt could be made from");
+    let forced = Run { force: true, ..run_of(&settings, &store, |job| write(job, 10)) };
+    let refused = forced.refuse_imported(&SCENES[..2]).expect_err("neither can be made again");
+    assert_eq!(refused.report(), "scene 0, scene 1: imported, without a log that bev-gt could be made from");
+
+    // Without its file it is stale, and cannot be made again either.
+    store.backend().remove("scenes/0000/bev/vehicle_0.npz").expect("removes");
+    assert_eq!(states(&run)[0], State::Stale(Staleness::Output));
+    assert!(run.refuse_imported(&SCENES[..1]).is_err());
+}
+
+#[test]
+fn stages_that_look_at_labels_alone_are_told_apart() {
+    let without: Vec<&str> = Graph::get().stages.iter().filter(|s| !s.needs_log).map(|s| s.name).collect();
+    assert_eq!(without, ["merge-tracks", "stats"]);
 }

@@ -1,0 +1,43 @@
+//! What was imported from another layout: it is never stale, and cannot be made again.
+
+use schema::scene_info::LOG_STAGE;
+use store::{Manifest, Scope, Store};
+
+use crate::error::StageError;
+use crate::graph::{StageSpec, UnitKind};
+
+/// Whether a manifest stands for what was imported: no configuration, code or input of ours went into it that could change.
+pub(crate) fn is_imported(manifest: &Manifest) -> bool {
+    manifest.code_version == schema::IMPORTED
+}
+
+/// Refuses to make a stage of what was imported, where it would need the log that is not there; what `is_kept` is not touched.
+///
+/// # Errors
+/// A usage error that names all such scenes; or the store cannot be read.
+pub(crate) fn refuse(
+    store: &Store,
+    spec: &StageSpec,
+    scopes: &[Scope],
+    is_kept: impl Fn(Scope) -> Result<bool, StageError>,
+) -> Result<(), StageError> {
+    if !spec.needs_log {
+        return Ok(());
+    }
+    // A plan has been imported itself, a scene with its log.
+    let origin = if spec.unit == UnitKind::Plan { spec.name } else { LOG_STAGE };
+    let mut refused = Vec::new();
+    for &scope in scopes {
+        if store.manifest(scope, origin)?.is_some_and(|manifest| is_imported(&manifest)) && !is_kept(scope)? {
+            refused.push(match scope {
+                Scope::Scene(scene) => format!("scene {scene}"),
+                Scope::Plan | Scope::Tile { .. } | Scope::Stats => "the plan".to_owned(),
+            });
+        }
+    }
+    if refused.is_empty() {
+        return Ok(());
+    }
+    let (what, name) = (refused.join(", "), spec.name);
+    Err(StageError::usage(format!("{what}: imported, without a log that {name} could be made from")))
+}
