@@ -104,6 +104,12 @@ impl Ledger {
         }
     }
 
+    /// Forgets what was found of a rule that cannot be held against this part, and says why.
+    pub(crate) fn exempt(&mut self, rule: Rule, why: impl Into<String>) {
+        self.tallies.remove(&rule);
+        self.skip(rule, why);
+    }
+
     /// Takes in what another part found.
     pub(crate) fn take(&mut self, other: Self) {
         for (rule, tally) in other.tallies {
@@ -146,6 +152,17 @@ mod tests {
         let tally = whole.tally(Rule::PointIds);
         assert_eq!((tally.off, tally.told.len(), tally.told[0].things), (6, 1, 6));
         assert_eq!(tally.told[0].words, "part 0: a lamp");
+    }
+
+    #[test]
+    fn what_cannot_be_held_is_said_and_not_found() {
+        let mut ledger = Ledger::default();
+        ledger.off(Rule::Gnss, || "far".into());
+        ledger.fine(Rule::Times, 1);
+        ledger.exempt(Rule::Gnss, "no map");
+        assert!(ledger.is_clean());
+        assert_eq!((ledger.tally(Rule::Gnss).looked, ledger.tally(Rule::Times).looked), (0, 1));
+        assert_eq!(ledger.unchecked().cloned().collect::<Vec<_>>(), [(Rule::Gnss, "no map".to_owned())]);
     }
 
     #[test]

@@ -74,6 +74,26 @@ rules! {
     Statistics "statistics": "the dataset's tables of boxes, cells and voxels equal a recount",
 }
 
+impl Rule {
+    /// Rules that hold labels and readings against the log, the map or the world, or against ids and tags of points: a scene that
+    /// was imported has none of these, and what stands in their place was taken from its labels.
+    pub(crate) const OF_THE_LOG: &[Self] = &[
+        Self::Poses,
+        Self::BoxList,
+        Self::BoxShape,
+        Self::ImageIds,
+        Self::PointIds,
+        Self::Flow,
+        Self::FlowIds,
+        Self::BevMapped,
+        Self::BevStray,
+        Self::BevHazard,
+        Self::Gnss,
+        Self::Imu,
+        Self::RadarVelocity,
+    ];
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

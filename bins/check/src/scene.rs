@@ -75,6 +75,8 @@ pub(crate) struct Scene {
     pub(crate) done: BTreeSet<String>,
     /// Files that these name, with their rows if they are tables.
     pub(crate) outputs: Vec<(PathBuf, usize)>,
+    /// Whether it was imported from another layout: its log holds what its labels say.
+    pub(crate) is_imported: bool,
 }
 
 impl Scene {
@@ -82,13 +84,17 @@ impl Scene {
     pub(crate) fn open(store: &Path, number: u32, ledger: &mut Ledger) -> Option<Self> {
         let folder = store.join(format!("scenes/{number:04}"));
         let (done, outputs) = manifests(store, &folder, ledger);
+        let made_by =
+            read_json(&folder.join("_manifests/simulate-and-log.json")).map(|m| m["code_version"].clone());
+        let is_imported = made_by.is_ok_and(|version| version == "import");
         if !done.contains("simulate-and-log") {
             ledger.skip(Rule::Files, format!("scene {number}: it is not simulated"));
             return None;
         }
         let facts = ledger.read(read_json(&folder.join("log/scene.json")))?;
         let map = facts["map"].as_str().unwrap_or_default();
-        let map = ledger.read(VectorMap::open(&store.join(format!("maps/{map}.vector.parquet"))));
+        let map = store.join(format!("maps/{map}.vector.parquet"));
+        let map = if is_imported { None } else { ledger.read(VectorMap::open(&map)) };
         let mut scene = Self {
             number,
             map,
@@ -101,6 +107,7 @@ impl Scene {
             agents: BTreeMap::new(),
             done,
             outputs,
+            is_imported,
             folder,
         };
         let read = scene.read_actors(ledger).and_then(|()| scene.read_states(ledger));
