@@ -11,6 +11,7 @@ EVERY  ?=
 NAME   ?=
 SEED   ?=
 DEST   ?=
+SRC    ?=
 SCENE  ?=
 FRAME  ?=
 FRAMES ?=
@@ -31,7 +32,7 @@ SCENE_ARG   = $(if $(SCENE),--scene $(SCENE))
 AGENT_ARG   = $(if $(AGENT),--agent $(AGENT))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view export devkit check-devkit town towns town-pictures check-towns traffic-report build test soak lint bench bench-kernels docs help
+.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view export import devkit check-devkit town towns town-pictures check-towns traffic-report build test soak lint bench bench-kernels docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
@@ -40,6 +41,7 @@ help:
 	@echo "make status | stats | verify        (same CONFIG and STORE)"
 	@echo "make check [STORE=dataset] [SCENES=3,7-9] [EVERY=10]    (labels against each other; EVERY: some frames only)"
 	@echo "make export FORMAT=kitti|mcap|nuscenes|opv2v|v2x-real|simbev2x DEST=folder [STORE=dataset] [SCENES=] [SPLIT=] [ARGS=]    (docs/exports.md; ARGS=--dry-run first)"
+	@echo "make import SRC=folder [STORE=dataset] [SCENES=0,3-5] [ARGS=--dry-run]       (a dataset of SimBEV2X as a store: docs/import.md)"
 	@echo "make check-devkit [STORE=dataset] [SCENES=0,1] [DEST=pictures]    (nuscenes-devkit on an export of it)"
 	@echo "make view [STORE=dataset] [PORT=n]  (plays the scenes of a store in the browser)"
 	@echo "make town NAME=convoy/demo [SEED=7] [DEST=folder]       (a road network of our own, with its picture)"
@@ -89,6 +91,11 @@ view: build
 export: build
 	@test -n "$(FORMAT)" -a -n "$(DEST)" || { echo "say which and where: make export FORMAT=kitti DEST=folder"; exit 2; }
 	$(BIN)/export $(FORMAT) --store $(STORE) --dest $(DEST) $(SCENES_ARG) $(if $(SPLIT),--split $(SPLIT)) $(THREADS_ARG) $(ARGS)
+
+# A dataset in SimBEV2X's layout as a store: make import SRC=/data/simbev2x STORE=imported [SCENES=0,3-5]
+import: build
+	@test -n "$(SRC)" || { echo "say of what: make import SRC=folder [STORE=dataset]"; exit 2; }
+	$(BIN)/import simbev2x --source $(SRC) --store $(STORE) $(SCENES_ARG) $(THREADS_ARG) $(FORCE_ARG) $(ARGS)
 
 # nuscenes-devkit in an environment of its own: it wants a numpy before 2.
 DEVKIT ?= target/devkit

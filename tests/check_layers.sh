@@ -45,6 +45,7 @@ declare -A allowed=(
     [testkit]="frames opendrive renderer schema"
     [scene]="formats frames schema store"
     [export]="formats frames mapstore mapview scene schema store"
+    [import]="counts formats frames schema store"
     [forecast]="plan schema"
     [mapstore]="opendrive store"
     [framewise]="counts formats pipeline scene schema store"
@@ -62,6 +63,7 @@ declare -A cores=(
     [merge-tracks]="tracks"
     [stats]="analysis"
     [export]="export-core"
+    [import]="import-core"
     [viz]="export-core mapview pictures"
     [convoy]="check driver mapstore mapview opendrive town view"
 )

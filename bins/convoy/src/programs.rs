@@ -12,6 +12,9 @@ pub(crate) enum ProgramCommand {
     /// Exports a finished store in a layout that other people's loaders read.
     #[command(disable_help_flag = true)]
     Export(Rest),
+    /// Makes a store of a dataset in another layout.
+    #[command(disable_help_flag = true)]
+    Import(Rest),
     /// Draws sensor data and labels: one file a picture.
     #[command(disable_help_flag = true)]
     Viz(Rest),
@@ -35,6 +38,7 @@ pub(crate) struct Rest {
 pub(crate) fn run(command: ProgramCommand) -> u8 {
     let (name, first, Rest { arguments }) = match command {
         ProgramCommand::Export(rest) => ("export", None, rest),
+        ProgramCommand::Import(rest) => ("import", None, rest),
         ProgramCommand::Viz(rest) => ("viz", None, rest),
         ProgramCommand::Preview(rest) => ("viz", Some("preview"), rest),
         ProgramCommand::Film(rest) => ("viz", Some("film"), rest),

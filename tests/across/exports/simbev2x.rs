@@ -1,6 +1,9 @@
-//! The layout `simbev2x`.
+//! The layout `simbev2x`, there and back.
 
-use convoy_tests::{Bench, check_in_python, digests};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use convoy_tests::{Bench, Outcome, check_in_python, digests, program};
 
 use super::export;
 
@@ -11,6 +14,8 @@ pub(super) fn check(bench: &Bench) {
     outcome.expect_done();
     let packages = ["numpy", "pyarrow", "PIL"];
     check_in_python("exports/simbev2x.py", &packages, &[&bench.store(), &processed, &raw]);
+
+    imports_are_as_what_was_exported(bench, &processed, &raw);
 
     // Of the same bytes for any number of threads, wherever it stands.
     let prefix = processed.to_string_lossy().into_owned();
@@ -28,4 +33,65 @@ pub(super) fn check(bench: &Bench) {
     let sweeps = digests(&thin.join("simbev2x/sweeps/vehicle-0/LIDAR"));
     assert_eq!(sweeps.len(), 4, "frames 0, 5, 10, 15 of 20");
     assert!(sweeps.keys().next_back().is_some_and(|name| name.contains("frame-0003")), "numbered anew");
+}
+
+/// Runs `convoy import` of an export; the store's path and how it ended.
+fn import(bench: &Bench, source: &Path, store: &str, args: &[&str]) -> (PathBuf, Outcome) {
+    let store = bench.folder.path().join(store);
+    let mut command = Command::new(program("convoy"));
+    command.args(["import", "simbev2x", "--source"]).arg(source).arg("--store").arg(&store);
+    let output = command.args(["--progress", "none"]).args(args).output().expect("the program starts");
+    (store, Outcome::of(&output))
+}
+
+/// Runs a program on a store that is not the bench's own.
+fn on(bench: &Bench, store: &Path, name: &str, args: &[&str]) -> Outcome {
+    let mut command = Command::new(program(name));
+    if name != "check" {
+        command.arg("--config").arg(bench.config()).args(["--progress", "none"]);
+    }
+    Outcome::of(&command.arg("--store").arg(store).args(args).output().expect("the program starts"))
+}
+
+fn imports_are_as_what_was_exported(bench: &Bench, processed: &Path, raw: &Path) {
+    let packages = ["numpy", "pyarrow", "PIL"];
+    let (one, outcome) = import(bench, processed, "imported", &["--threads", "1"]);
+    outcome.expect_done();
+    check_in_python("exports/imported.py", &packages, &[&bench.store(), &one]);
+    let (two, outcome) = import(bench, processed, "imported-again", &["--threads", "2"]);
+    outcome.expect_done();
+    assert_eq!(files(&one), files(&two), "other bytes for another number of threads");
+    let (_, kept) = import(bench, processed, "imported", &[]);
+    assert!(kept.stdout.contains("0 scenes imported"), "{}", kept.stdout);
+
+    // Tracks are made as of any store, statistics too; what would need the log is refused.
+    on(bench, &one, "merge-tracks", &[]).expect_done();
+    on(bench, &one, "bev-gt", &[]).expect_done();
+    let refused = on(bench, &one, "bev-gt", &["--force"]);
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+    assert!(refused.stderr.contains("imported, without a log that bev-gt"), "{}", refused.stderr);
+    on(bench, &one, "stats", &[]).expect_done();
+    on(bench, &one, "check", &[]).expect_done();
+    let (again, outcome) = import(bench, raw, "imported-raw", &[]);
+    outcome.expect_done();
+    check_in_python("exports/imported.py", &packages, &[&bench.store(), &again, Path::new("raw")]);
+    let refused = on(bench, &again, "postprocess-valid", &[]);
+    assert!(refused.code == 2 && refused.stderr.contains("imported"), "{}", refused.stderr);
+
+    // What is somebody else's is left alone.
+    let (_, refused) = import(bench, processed, "store", &[]);
+    assert!(refused.code == 2 && refused.stderr.contains("made here"), "{}", refused.stderr);
+    let (_, refused) = import(bench, processed, "imported-raw", &[]);
+    assert!(refused.code == 2 && refused.stderr.contains("another scene"), "{}", refused.stderr);
+
+    let scratch = bench.folder.path().join("foreign");
+    std::fs::create_dir(&scratch).expect("made");
+    check_in_python("exports/foreign.py", &packages, &[&program("import"), &scratch]);
+}
+
+/// Digests of the files of a store but for its name, which stands in `dataset.json` and so in the plan's manifest.
+fn files(store: &Path) -> std::collections::BTreeMap<String, String> {
+    let mut files = digests(store);
+    files.retain(|name, _| name != "dataset.json" && name != "plan/_manifest.json");
+    files
 }
