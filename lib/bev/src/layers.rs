@@ -164,48 +164,37 @@ impl Ground {
     }
 
     /// Follows the ground from the agent, cell by cell, nearest cells first, and keeps the layer by which
-    /// each cell is reached: first along roads and sidewalks, then over all other ground. So a ramp is not undercut
-    /// by the terrain beside it.
+    /// each cell is reached: first along roads and sidewalks, then over all other ground, and wherever that meets a road
+    /// again, first along it. So neither a ramp nor a bridge is undercut by the terrain beside it, though it may be joined to the
+    /// agent's road beyond the grid alone.
     fn follow(&mut self, layers: &[Layer]) {
         let layers = Layers { cells: &self.cells, several: layers };
-        let side = self.side;
-        let mut settled = self.cells.clone();
-        let mut reached = vec![false; side * side];
-        // In the order in which they were reached.
-        let mut order: Vec<usize> = Vec::new();
+        let mut walk = Walk {
+            side: self.side,
+            settled: self.cells.clone(),
+            reached: vec![false; self.side * self.side],
+            order: Vec::new(),
+            paved: Vec::new(),
+        };
+        let (mut next, mut next_paved) = (0, 0);
         for paved_only in [true, false] {
-            for cell in self.near_agent().filter(|&cell| !reached[cell]).collect::<Vec<_>>() {
-                if let Some(layer) =
-                    layers.nearest(cell, paved_only, Cell::height_gap).filter(|l| l.height_gap() <= STAND_M)
-                {
-                    (reached[cell], settled[cell]) = (true, layer);
-                    order.push(cell);
-                }
+            for cell in self.near_agent() {
+                let here = layers.nearest(cell, paved_only, Cell::height_gap);
+                walk.reach(cell, here.filter(|l| l.height_gap() <= STAND_M));
             }
-            let mut next = 0;
-            while let Some(&cell) = order.get(next) {
-                next += 1;
-                let from = settled[cell];
-                let (row, column) = (cell / side, cell % side);
-                let neighbours = [
-                    (row > 0).then(|| cell - side),
-                    (column > 0).then(|| cell - 1),
-                    (column + 1 < side).then_some(cell + 1),
-                    (row + 1 < side).then_some(cell + side),
-                ];
-                for to in neighbours.into_iter().flatten() {
-                    if reached[to] {
-                        continue;
-                    }
-                    if let Some(layer) =
-                        layers.nearest(to, paved_only, |l| l.gap(from)).filter(|l| l.gap(from) <= STEP_M)
-                    {
-                        (reached[to], settled[to]) = (true, layer);
-                        order.push(to);
-                    }
+            loop {
+                if let Some(&cell) = walk.paved.get(next_paved) {
+                    next_paved += 1;
+                    walk.step(cell, true, &layers);
+                } else if let Some(&cell) = walk.order.get(next).filter(|_| !paved_only) {
+                    next += 1;
+                    walk.step(cell, false, &layers);
+                } else {
+                    break;
                 }
             }
         }
+        let Walk { mut settled, reached, .. } = walk;
         for (cell, settled) in settled.iter_mut().enumerate().filter(|(cell, _)| !reached[*cell]) {
             if let Some(layer) = layers.nearest(cell, false, Cell::height_gap) {
                 *settled = layer;
@@ -220,6 +209,49 @@ impl Ground {
         let reach = ((STAND_M / self.cell_m).ceil() as usize).max(1).min(side.div_ceil(2));
         let range = (side / 2).saturating_sub(reach)..(side / 2 + reach).min(side);
         range.clone().flat_map(move |row| range.clone().map(move |column| row * side + column))
+    }
+}
+
+/// How far the ground has been followed.
+struct Walk {
+    side: usize,
+    /// The layer of each cell that was reached.
+    settled: Vec<Cell>,
+    reached: Vec<bool>,
+    /// The cells that were reached, in the order in which they were; and those of them on roads and sidewalks.
+    order: Vec<usize>,
+    paved: Vec<usize>,
+}
+
+impl Walk {
+    /// A cell is reached by one of its layers.
+    fn reach(&mut self, cell: usize, layer: Option<Cell>) {
+        if let Some(layer) = layer.filter(|_| !self.reached[cell]) {
+            (self.reached[cell], self.settled[cell]) = (true, layer);
+            self.order.push(cell);
+            if layer.bits != 0 {
+                self.paved.push(cell);
+            }
+        }
+    }
+
+    /// Goes on from a cell to those beside it.
+    fn step(&mut self, cell: usize, paved_only: bool, layers: &Layers) {
+        let (side, from) = (self.side, self.settled[cell]);
+        let (row, column) = (cell / side, cell % side);
+        let neighbours = [
+            (row > 0).then(|| cell - side),
+            (column > 0).then(|| cell - 1),
+            (column + 1 < side).then_some(cell + 1),
+            (row + 1 < side).then_some(cell + side),
+        ];
+        for to in neighbours.into_iter().flatten() {
+            if self.reached[to] {
+                continue;
+            }
+            let layer = layers.nearest(to, paved_only, |l| l.gap(from));
+            self.reach(to, layer.filter(|l| l.gap(from) <= STEP_M));
+        }
     }
 }
 

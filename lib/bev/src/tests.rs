@@ -203,6 +203,22 @@ fn a_ramp_leads_up_to_the_layer_it_ends_on() {
 }
 
 #[test]
+fn a_bridge_shows_though_only_land_leads_to_it() {
+    // Two parallel roads over a valley 3 m deep, its slopes at 45 degrees.
+    let mut b = WorldBuilder::default();
+    let valley = |x: f32, _: f32| (x.abs() - 10.0).clamp(-3.0, 0.0);
+    b.add(sheet(Tag::Terrain, [-40.0, 40.0], [-40.0, 40.0], 1.0, valley), 1, [0.0, 0.0, -0.2], [0.0; 3]);
+    for y in [0.0, 12.0] {
+        flat(&mut b, Tag::Road, [-40.0, 40.0], [y - 4.0, y + 4.0], 0.0);
+    }
+    // The other road is joined to the agent's beyond the grid alone: where land leads to it, the way goes on over its bridge.
+    for x in [-15.0, 0.0] {
+        let mask = mask_of(&b, &at([x, 0.0, 0.0], [0.0; 3]), Areas::default());
+        assert_eq!(mask.counts()[BevClass::Road as usize], 2 * 20 * 100, "{x}");
+    }
+}
+
+#[test]
 fn senseless_grids_are_refused() {
     for (cells, cell_m) in [(0, 0.4), (9000, 0.4), (400, 0.0), (400, f64::NAN)] {
         assert!(BevRasterizer::new(&BevSettings { cells, cell_m, ..BevSettings::default() }).is_err());

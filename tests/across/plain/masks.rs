@@ -1,6 +1,6 @@
 //! Masks by vertical lines through the cells' centres, as the rule `exact` is stated.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 
 use frames::{Agent, Pose, World};
 use nalgebra::{Point2, Vector3};
@@ -95,7 +95,8 @@ fn layers(met: &[Met], edges_too: bool) -> Vec<Layer> {
     layers
 }
 
-/// The layer of each cell that one gets to from the agent: along paved ground first, then over all.
+/// The layer of each cell that one gets to from the agent: along paved ground first, then over all, and along paved ground
+/// again wherever that meets some.
 fn reachable(cells: &[Vec<Layer>]) -> Vec<Option<Layer>> {
     let above_agent = |l: &Layer| l.low.max(-l.high).max(0.0);
     let nearest = |cell: usize, paved: bool, far: &dyn Fn(&Layer) -> f64| {
@@ -103,7 +104,7 @@ fn reachable(cells: &[Vec<Layer>]) -> Vec<Option<Layer>> {
         fits.min_by(|a, b| far(a).total_cmp(&far(b))).copied().map(|l| (far(&l), l))
     };
     let mut shown: Vec<Option<Layer>> = vec![None; cells.len()];
-    let mut order = Vec::new();
+    let (mut on_roads, mut on_all) = (VecDeque::new(), VecDeque::new());
     let about = (SIDE / 2 - 8)..(SIDE / 2 + 8);
     for paved in [true, false] {
         for cell in about.clone().flat_map(|row| about.clone().map(move |column| row * SIDE + column)) {
@@ -111,14 +112,18 @@ fn reachable(cells: &[Vec<Layer>]) -> Vec<Option<Layer>> {
                 && far <= 3.0
             {
                 shown[cell] = Some(layer);
-                order.push(cell);
+                [&mut on_roads, &mut on_all].into_iter().for_each(|queue| queue.push_back(cell));
             }
         }
-        let mut next = 0;
-        while next < order.len() {
-            let cell: usize = order[next];
-            next += 1;
-            let from = shown[cell].expect("was reached");
+        loop {
+            let next = on_roads.pop_front().map(|cell| (cell, true));
+            let over_all = |queue: &mut VecDeque<usize>| queue.pop_front().map(|cell| (cell, false));
+            let next = if paved { next } else { next.or_else(|| over_all(&mut on_all)) };
+            let Some((cell, along)) = next else { break };
+            let from: Layer = shown[cell].expect("was reached");
+            if along && from.bits == 0 {
+                continue;
+            }
             let step = |l: &Layer| (l.low - from.high).max(from.low - l.high).max(0.0);
             let (row, column) = (cell / SIDE, cell % SIDE);
             let ways = [
@@ -129,11 +134,11 @@ fn reachable(cells: &[Vec<Layer>]) -> Vec<Option<Layer>> {
             ];
             for to in ways.into_iter().filter(|(is_in, _)| *is_in).map(|(_, by)| (cell as i64 + by) as usize)
             {
-                if let (None, Some((far, layer))) = (shown[to], nearest(to, paved, &step))
+                if let (None, Some((far, layer))) = (shown[to], nearest(to, along, &step))
                     && far <= 0.6
                 {
                     shown[to] = Some(layer);
-                    order.push(to);
+                    [&mut on_roads, &mut on_all].into_iter().for_each(|queue| queue.push_back(to));
                 }
             }
         }
