@@ -9,10 +9,12 @@ use super::ranging::point_before;
 use crate::ledger::Ledger;
 use crate::rules::Rule;
 use crate::scene::Scene;
-use crate::space::V3;
+use crate::space::{V3, norm, sub};
 
 /// Flow may differ by this, pixels, and by this share of it.
 const FLOW: [f64; 2] = [0.1, 0.02];
+/// Rims turn as fast as their body drives, and somewhat faster where it slides.
+const WHEELS: f64 = 1.1;
 /// Flow beyond this (a picture is 2) is cut off and not judged.
 const CUT: f64 = 1.95;
 /// Objects with fewer pixels are not judged.
@@ -59,7 +61,7 @@ pub(crate) fn check(
     if dx.len() != pixels || dy.len() != pixels {
         return;
     }
-    let (mut flow, mut found) = (Judged::new(), Judged::new());
+    let (mut flow, mut beyond_wheels, mut found) = (Judged::new(), Judged::new(), Judged::new());
     for (k, (pixel, depth)) in instance.pixels().iter().zip(depth.pixels()).enumerate() {
         let (id, tag) = label(*pixel);
         let (x, y) = ((k % width) as f64 + 0.5, (k / width) as f64 + 0.5);
@@ -84,6 +86,8 @@ pub(crate) fn check(
                 wanted[0].abs() > 0.48 * CUT * width as f64 || wanted[1].abs() > 0.48 * CUT * height as f64;
             if !is_cut {
                 judge(&mut flow, id, off <= allowed);
+                let wheels = wheels_px(now, before, point, was, [was_x, was_y]);
+                judge(&mut beyond_wheels, id, off <= allowed + wheels);
             }
         }
         if id != 0
@@ -97,7 +101,9 @@ pub(crate) fn check(
         for (id, [all, off]) in judged.into_iter().filter(|(_, [all, _])| *all >= FEW) {
             // Wheels turn; fences are seen through.
             let turns = rule == Rule::Flow && scene.actors.get(&id).is_some_and(|actor| !actor.fixed);
+            let wheels_alone = || beyond_wheels.get(&id).is_some_and(|[all, off]| *off <= all / 10);
             let allowed = match rule {
+                Rule::Flow if turns && wheels_alone() => all,
                 Rule::Flow if turns => 3 * all / 4,
                 Rule::Flow => all / 10,
                 _ => all / 2,
@@ -108,6 +114,13 @@ pub(crate) fn check(
             });
         }
     }
+}
+
+/// How far a wheel's rim may be from where its body takes it, pixels: as far as the body has come, seen from here.
+fn wheels_px(now: &Sight<'_>, before: &Sight<'_>, point: V3, was: V3, [x, y]: [f64; 2]) -> f64 {
+    let way_m = norm(sub(now.world_from_optical.outward(point), before.world_from_optical.outward(was)));
+    let beside = now.camera.optics.project([was[0] + way_m, was[1], was[2]]);
+    WHEELS * beside.map_or(0.0, |[to_x, to_y]| libm::hypot(to_x - x, to_y - y))
 }
 
 fn judge(judged: &mut Judged, id: u16, holds: bool) {
