@@ -9,7 +9,6 @@ mod config;
 mod files;
 mod ledger;
 mod optics;
-mod published;
 mod report;
 mod rules;
 mod scene;

@@ -2,9 +2,7 @@
 
 use std::fmt::Write;
 
-use schema::{BevClass, DetectionClass, Tag};
-
-use crate::published;
+use schema::{BevClass, DetectionClass, Published, Tag};
 
 /// Occurrences of classes.
 #[derive(Clone, Debug, Default)]
@@ -61,7 +59,7 @@ impl Shares {
         );
         for (class, counts) in DetectionClass::ALL.into_iter().zip(&self.boxes) {
             let here = counts.map(|count| count as f64 / frames);
-            let there = published::boxes(class).map(|count| count / published::FRAMES);
+            let there = Published::boxes(class).map(|count| count / Published::FRAMES);
             let _ = writeln!(
                 text,
                 "{:15}{:>10.2}{:>10.2}{}{:>10.2}{:>10.2}{}{:>11.1}{:>11.1}",
@@ -86,7 +84,7 @@ impl Shares {
         );
         for (class, &cells) in BevClass::ALL.into_iter().zip(&self.bev_cells) {
             let here = cells as f64 / self.bev_grids as f64;
-            let there = published::bev_cells(class) / published::GRIDS;
+            let there = Published::bev_cells(class) / Published::GRIDS;
             let _ = writeln!(text, "{:15}{here:>12.2}{there:>12.2}{}", class.name(), ratio(here, there));
         }
     }
@@ -99,9 +97,9 @@ impl Shares {
         );
         let sum = |counts: &[u64]| counts.iter().skip(1).sum::<u64>() as f64;
         let there_sum =
-            [0, 1].map(|k| Tag::ALL.into_iter().map(|tag| published::voxels(tag)[k]).sum::<f64>());
+            [0, 1].map(|k| Tag::ALL.into_iter().map(|tag| Published::voxels(tag)[k]).sum::<f64>());
         for (k, tag) in Tag::ALL.into_iter().enumerate().skip(1) {
-            let there = published::voxels(tag);
+            let there = Published::voxels(tag);
             if self.voxels[k] == 0 && self.filled[k] == 0 && there[0] == 0.0 {
                 continue;
             }
