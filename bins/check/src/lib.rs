@@ -150,6 +150,7 @@ fn check_scene(store: &Path, config: &Config, number: u32, every: u32) -> (Ledge
         ledger.take(part);
         lists.insert(name, boxes);
     }
+    checks::sightings::check(&scene, &lists, &mut ledger);
     let merged = checks::tracks::check(&scene, &lists, config.label_every(), &mut ledger);
     checks::windows::check(&scene, &merged, config.windows(), &mut ledger);
     if scene.is_imported {

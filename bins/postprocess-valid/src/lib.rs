@@ -4,12 +4,14 @@ mod clouds;
 mod error;
 mod filling;
 mod observing;
+mod sightings;
 
 use frames::{Agent, Pose, World};
 use pipeline::{At, Job, Stage, StageError};
 use scene::{FrameRanges, SceneError, SceneLog, SceneReader};
 use schema::AgentId;
 use schema::settings::stages::{RangeRig, ValiditySettings};
+use schema::table::Row;
 use schema::tables::{BoxRow, VISIBLE_TABLE, ValidBoxRow, VisibleRow};
 use store::keys;
 use validity::{Evidence, PixelCounts};
@@ -49,6 +51,8 @@ fn run(job: &mut Job<'_, ValiditySettings>) -> Result<(), StageError> {
     let valid = validate_all(job, &scene, &log, &settings)?;
     if let Some(mut unit) = job.unit("boxes")? {
         unit.rows(&keys::scene(scene.scene(), "boxes_valid.parquet"), &valid)?;
+        let stats = format!("{}.boxes", ValidBoxRow::STAGE);
+        unit.rows(&keys::partial_stats(scene.scene(), &stats), &sightings::count(&valid).rows())?;
         unit.finish()?;
     }
     Ok(())

@@ -53,13 +53,37 @@ impl BevMask {
         std::array::from_fn(|channel| self.bits.iter().map(|bits| u64::from(bits >> channel & 1)).sum())
     }
 
+    /// True cells of each class in each block of the mask ([`measures::bin_of_block`]), class by class.
+    fn blocks(&self) -> Vec<u32> {
+        let side = measures::heat_blocks(self.cells);
+        let of: Vec<usize> = (0..self.cells).map(|cell| measures::heat_block(cell, self.cells)).collect();
+        let mut blocks = vec![0_u32; BevClass::COUNT * side * side];
+        for (row, bits) in self.bits.chunks_exact(self.cells.max(1)).enumerate() {
+            for (column, &bits) in bits.iter().enumerate().filter(|(_, bits)| **bits != 0) {
+                let block = measures::bin_of_block(of[row], of[column], self.cells);
+                let mut rest = bits;
+                while rest != 0 {
+                    blocks[rest.trailing_zeros() as usize * side * side + block] += 1;
+                    rest &= rest - 1;
+                }
+            }
+        }
+        blocks
+    }
+
     /// Counts the mask as one of an agent: [`measures::BEV_GRIDS`] of the rule and the true cells of every class that is
-    /// written.
+    /// written, altogether and by place.
     pub fn add_to(&self, counts: &mut PartialCounts, agent: &str, settings: &BevSettings) {
         counts.add(agent, measures::BEV_GRIDS, settings.rule.name(), 0, 1);
-        let cells = self.counts();
+        let blocks = self.blocks();
+        let size = blocks.len() / BevClass::COUNT;
         for class in &settings.classes {
-            counts.add(agent, measures::BEV_CELLS, class.name(), 0, cells[*class as usize]);
+            let blocks = &blocks[size * *class as usize..][..size];
+            let cells = blocks.iter().map(|&n| u64::from(n)).sum();
+            counts.add(agent, measures::BEV_CELLS, class.name(), 0, cells);
+            if cells > 0 {
+                counts.add_bins(agent, measures::BEV_HEAT, class.name(), blocks);
+            }
         }
     }
 }

@@ -275,3 +275,29 @@ fn layers_beside_the_mask() {
     assert!((38..=42).contains(&count(1)), "{}", count(1));
     assert_eq!(count(2), 5 * 3);
 }
+
+#[test]
+fn masks_are_counted_altogether_and_by_place() {
+    use schema::measures::bev::{BEV_CELLS, BEV_HEAT};
+    let mut b = WorldBuilder::default();
+    flat(&mut b, Tag::Road, [-30.0, 30.0], [-4.0, 4.0], 0.0);
+    b.add(box_mesh(Tag::Bus, [1.0, 1.0, 3.0], 1), 1, [15.0, 5.0, 0.0], [0.0; 3]);
+    let mask = mask_of(&b, &at([0.0; 3], [0.0; 3]), Areas::default());
+    let mut counts = counts::PartialCounts::new();
+    (0..3).for_each(|_| mask.add_to(&mut counts, "rsu_0", &settings()));
+    let rows = counts.rows();
+    let of = |measure: &str, class: &str| -> Vec<(i32, u64)> {
+        let rows = rows.iter().filter(|row| row.measure == measure && row.class == class);
+        rows.map(|row| (row.bin, row.count)).collect()
+    };
+    assert_eq!((of(BEV_CELLS, "bus"), of(BEV_CELLS, "car")), (vec![(0, 27)], vec![(0, 0)]));
+    // Rows 11 to 13, columns 36 to 38, in blocks of two by two: one row in block 5 and two in block 6, two columns in block
+    // 18 and one in block 19; three masks.
+    let bus = [(50 * 5 + 18, 6), (50 * 5 + 19, 3), (50 * 6 + 18, 12), (50 * 6 + 19, 6)];
+    assert_eq!(of(BEV_HEAT, "bus"), bus);
+    // Twenty columns of road from 4 m left to 4 m right: ten blocks in each of fifty rows, all full.
+    let road: Vec<(i32, u64)> =
+        (0..50).flat_map(|row| (20..30).map(move |column| (50 * row + column, 12))).collect();
+    assert_eq!(of(BEV_HEAT, "road"), road);
+    assert!(of(BEV_HEAT, "car").is_empty());
+}

@@ -285,7 +285,9 @@ fn check_partials(
     let shares = ledger.shares.clone();
     if shares.bev_grids > 0 {
         for class in BevClass::ALL {
-            wanted.insert(("bev_cells".into(), class.name().into()), shares.bev_cells[class as usize]);
+            for measure in ["bev_cells", "bev_heat"] {
+                wanted.insert((measure.into(), class.name().into()), shares.bev_cells[class as usize]);
+            }
         }
         wanted.insert(("bev_grids".into(), config.bev_rule().to_owned()), shares.bev_grids);
     }

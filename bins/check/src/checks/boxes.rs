@@ -47,6 +47,8 @@ pub(crate) struct Labelled {
     pub(crate) center_m: V3,
     pub(crate) speed_mps: f64,
     pub(crate) distance_m: f64,
+    /// To the left of the agent's forward axis; none of the agent itself.
+    pub(crate) angle_rad: Option<f64>,
     /// Whether a door of it stands open.
     pub(crate) open_door: bool,
     /// Row of `boxes_valid`, if that is there.
@@ -250,6 +252,7 @@ fn read_batch(
             center_m: found.center_m,
             speed_mps: norm(velocities[k]),
             distance_m: distances[k],
+            angle_rad: angles[k],
             open_door: state.is_some_and(|s| s.open_door),
             seen,
         });

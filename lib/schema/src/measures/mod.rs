@@ -7,6 +7,7 @@
 pub mod bev;
 mod bins;
 pub mod sensors;
+pub mod sightings;
 pub mod simulation;
 pub mod tracks;
 pub mod voxels;
