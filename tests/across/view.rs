@@ -7,20 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 use convoy_tests::{Bench, Outcome, TINY, program, workspace};
-use testkit::{Need, skip};
-
-/// Chromium, where it and node are at hand.
-fn browser() -> Option<String> {
-    let runs =
-        |name: &str| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success());
-    let named = env::var("CONVOY_CHROMIUM").ok();
-    let known = ["chromium", "chromium-browser", "google-chrome"].map(str::to_owned);
-    let found = named.into_iter().chain(known).find(|name| runs(name)).filter(|_| runs("node"));
-    if found.is_none() {
-        skip(Need::Browser, "there is no Chromium with node to look at the viewer's page");
-    }
-    found
-}
+use testkit::chromium;
 
 /// Looks at a page and keeps what it saw below a folder.
 fn look(chromium: &str, address: &str, folder: &Path) {
@@ -63,7 +50,7 @@ fn serve(store: &Path) -> (Served, String) {
 
 #[test]
 fn the_page_shows_a_store_and_an_excerpt_of_it() {
-    let Some(chromium) = browser() else { return };
+    let Some(chromium) = chromium() else { return };
     let bench =
         Bench::new(&TINY.replace("semantic = true\ndepth", "boxes_2d = true\nsemantic = true\ndepth"));
     bench.run("convoy", &["run"]).expect_done();
@@ -85,7 +72,7 @@ fn the_page_shows_a_store_and_an_excerpt_of_it() {
 /// What is not made yet is told with the stage that makes it.
 #[test]
 fn the_page_says_which_stage_to_run() {
-    let Some(chromium) = browser() else { return };
+    let Some(chromium) = chromium() else { return };
     let bench = Bench::new(TINY);
     bench.run("spawn-planner", &[]).expect_done();
     bench.run("simulate-and-log", &[]).expect_done();

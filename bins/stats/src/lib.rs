@@ -1,14 +1,22 @@
-//! The statistics stage: partial counts of all scenes into tables, figures and a report.
+//! The statistics stage: partial counts of all scenes into tables, figures and a report with a small picture of each scene.
+
+mod cards;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use analysis::{DatasetFacts, MeasureTotals, compute_tables, draw_figures, report_html, to_csv};
+use analysis::{
+    DatasetFacts, MadeBy, MeasureTotals, PUBLISHED_PAGE, SceneCard, compute_tables, dataset_card,
+    draw_figures, published_html, report_html, to_csv,
+};
 use pipeline::{At, Graph, Job, Place, Stage, StageError, StageSpec, UnitKind};
 use scene::SceneReader;
 use schema::scene_info::{self, SceneInfo};
 use schema::settings::stages::StatisticsSettings;
 use schema::tables::PartialRow;
 use store::{Manifest, keys};
+
+/// The dataset's card, where people and sites that keep datasets look for it.
+const CARD: &str = "README.md";
 
 /// The stage.
 pub const STAGE: Stage<StatisticsSettings> = Stage::new(run);
@@ -26,6 +34,7 @@ fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
     }
     let mut counts = MeasureTotals::default();
     let mut scenes: Vec<SceneInfo> = Vec::new();
+    let mut cards: Vec<(SceneCard, Option<Vec<u8>>)> = Vec::new();
     for (scene, manifests) in &covered {
         let folder = keys::scene(*scene, "stats/");
         for manifest in *manifests {
@@ -35,16 +44,20 @@ fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
         }
         if manifests.iter().any(|m| m.stage == scene_info::LOG_STAGE) {
             let reader = SceneReader::new(&store, *scene, manifests.iter().cloned());
-            scenes.push(reader.info().at(|| Place::scene(*scene))?);
+            let info = reader.info().at(|| Place::scene(*scene))?;
+            let picture = cards::picture(&reader, &info).at(|| Place::scene(*scene))?;
+            cards.push((cards::card(&info, picture.is_some()), picture));
+            scenes.push(info);
         }
         progress.advance(1)?;
     }
 
-    let settings = job.settings();
+    let settings = job.settings().clone();
     let facts = DatasetFacts {
         name: settings.name.clone(),
         planned_scenes: planned.len() as u64,
-        bev_cells_per_grid: settings.bev_cells_per_grid,
+        bev_cells: settings.bev.cells,
+        bev_cell_m: settings.bev.cell_m,
     };
     let tables = compute_tables(&facts, &scenes, &counts);
     let figures = draw_figures(&tables);
@@ -57,9 +70,33 @@ fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
     for figure in &figures {
         unit.bytes(&format!("stats/figures/{}.svg", figure.name), figure.svg.as_bytes(), 1)?;
     }
-    unit.bytes("stats/report.html", report_html(&tables, &figures).as_bytes(), 1)?;
+    for (card, picture) in &cards {
+        if let (Some(path), Some(bytes)) = (&card.picture, picture) {
+            unit.bytes(&format!("stats/{path}"), bytes, 1)?;
+        }
+    }
+    let cards: Vec<SceneCard> = cards.into_iter().map(|(card, _)| card).collect();
+    unit.bytes("stats/report.html", report_html(&tables, &figures, &cards).as_bytes(), 1)?;
+    if let Some(page) = published_html(&tables, &figures) {
+        unit.bytes(&format!("stats/{PUBLISHED_PAGE}"), page.as_bytes(), 1)?;
+    }
+    unit.bytes(CARD, dataset_card(&settings, &made_by(&covered), &tables).as_bytes(), 1)?;
     unit.finish()?;
     Ok(())
+}
+
+/// The code that made the scenes.
+fn made_by(covered: &[(u32, &[Manifest])]) -> MadeBy {
+    let manifests = || covered.iter().flat_map(|(_, manifests)| manifests.iter());
+    let stages = Graph::get().stages.iter().map(|stage| {
+        let of_stage = manifests().filter(|manifest| manifest.stage == stage.name);
+        (stage.name.to_owned(), of_stage.map(|manifest| manifest.code_version.clone()).collect())
+    });
+    MadeBy {
+        convoy: env!("CARGO_PKG_VERSION").to_owned(),
+        format: schema::FORMAT_VERSION,
+        stages: stages.filter(|(_, codes): &(String, BTreeSet<String>)| !codes.is_empty()).collect(),
+    }
 }
 
 /// The manifests of the stages of scenes that are done, by scene: any of them may leave partial counts.

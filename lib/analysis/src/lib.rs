@@ -3,17 +3,20 @@
 //! The stages count while they have the data in hand ([`schema::measures`] names what). [`MeasureTotals`] adds those
 //! rows up, [`compute_tables`] turns them into [`Tables`] (plain typed columns, so a caller writes them as
 //! Parquet or, by [`to_csv`], as text), [`draw_figures`] draws them as SVG and [`report_html`] puts everything
-//! on one page. The same counts give the same bytes.
+//! on one page, [`published_html`] what the published dataset has, too, on another. The same counts give the same bytes.
 
+mod card;
 mod compute;
 mod figures;
+mod page;
 mod report;
 mod table;
 mod text;
 mod totals;
 
+pub use card::{MadeBy, dataset_card};
 pub use compute::{DatasetFacts, compute_tables};
 pub use figures::{Figure, draw_figures};
-pub use report::report_html;
+pub use report::{PUBLISHED_PAGE, SceneCard, published_html, report_html};
 pub use table::{Section, Table, TableColumn, Tables, Values, to_csv};
 pub use totals::MeasureTotals;

@@ -1,60 +1,34 @@
-//! One page with everything.
+//! One page with everything, and one beside the published dataset.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 
 use crate::figures::Figure;
-use crate::table::{Section, Table, TableColumn, Tables, Values};
-use crate::text::{grouped, printable, words};
+use crate::page::{column_title, folded, numbers, page};
+use crate::table::{Section, Table, Tables};
+use crate::text::grouped;
 
-/// Longer tables are folded away behind their heading; on paper they are open.
-const FOLD_ROWS: usize = 16;
+/// File of the page beside the published dataset, in the report's folder.
+pub const PUBLISHED_PAGE: &str = "published.html";
 
-const STYLE: &str = "
-:root { color-scheme: light dark; --ink: #1d2127; --page: #ffffff; --faint: #667080; --line: #d9dee5; }
-@media (prefers-color-scheme: dark) {
-  :root { --ink: #dde2e9; --page: #15181c; --faint: #98a2b0; --line: #343a43; }
+/// A scene as the report shows it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SceneCard {
+    /// Its number.
+    pub scene: u32,
+    /// Its split and map.
+    pub split: String,
+    /// Its map.
+    pub map: String,
+    /// A few words of it.
+    pub words: String,
+    /// A small picture of it, from the report's folder on; none where it has no camera.
+    pub picture: Option<String>,
 }
-body { font: 15px/1.5 system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif; color: var(--ink);
-  background: var(--page); max-width: 1120px; margin: 0 auto; padding: 24px; }
-h1 { font-size: 26px; margin: 0 0 4px; }
-h2 { font-size: 20px; margin: 44px 0 8px; padding-bottom: 4px; border-bottom: 1px solid var(--line); }
-h3 { font-size: 15px; margin: 24px 0 6px; }
-p { margin: 4px 0; color: var(--faint); }
-nav a { margin-right: 14px; color: inherit; }
-.tiles { display: flex; flex-wrap: wrap; gap: 10px; margin: 12px 0; }
-.tile { border: 1px solid var(--line); border-radius: 6px; padding: 8px 14px; min-width: 110px; }
-.tile b { display: block; font-size: 20px; font-weight: 600; font-variant-numeric: tabular-nums; }
-.tile span { color: var(--faint); font-size: 13px; }
-.figures { display: flex; flex-wrap: wrap; align-items: flex-start; gap: 18px 28px; margin: 10px 0; }
-.figures svg { max-width: 100%; height: auto; }
-.scroll { overflow-x: auto; }
-table { border-collapse: collapse; font-size: 13px; font-variant-numeric: tabular-nums; margin: 6px 0; }
-th, td { padding: 3px 10px; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap; }
-th { font-weight: 600; vertical-align: bottom; }
-th.name, td.name { text-align: left; }
-tr.total td { font-weight: 600; border-top: 2px solid var(--line); }
-summary { cursor: pointer; margin: 6px 0; }
-@media print {
-  :root { --ink: #000000; --page: #ffffff; --faint: #444444; --line: #bbbbbb; }
-  body { max-width: none; padding: 0; font-size: 11px; }
-  nav { display: none; }
-  details::details-content { content-visibility: visible; height: auto; }
-  .scroll { overflow: visible; }
-  table { font-size: 9px; }
-  th, td { padding: 2px 5px; }
-  svg, tr, .tile { break-inside: avoid; }
-  h2, h3, summary { break-after: avoid; }
-}
-";
 
-/// Written out because maud leaves elements without content open, as XML may not.
-const META: &str = "<meta charset=\"utf-8\"/>\n\
-    <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n";
-
-/// The report: one self-contained HTML page (well-formed as XML too), without scripts or anything to load.
-/// Tables and figures without data are left out.
+/// The report: one page (well-formed as XML too) without anything to load but its small pictures of scenes. A small script
+/// sorts its tables and filters its scenes; without it the page is whole. Tables and figures without data are left out.
 #[must_use]
-pub fn report_html(tables: &Tables, figures: &[Figure]) -> String {
+pub fn report_html(tables: &Tables, figures: &[Figure], cards: &[SceneCard]) -> String {
     let name = &tables.dataset;
     let what = match tables.partial {
         None => "Statistics of the dataset".to_owned(),
@@ -62,35 +36,122 @@ pub fn report_html(tables: &Tables, figures: &[Figure]) -> String {
             format!("Statistics of {covered} of {planned} scenes of the dataset: the others are not finished")
         }
     };
-    let parts = Section::ALL.map(|section| (section, section_html(section, tables, figures)));
-    let parts: Vec<_> = parts.into_iter().filter(|(_, part)| !part.0.is_empty()).collect();
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                (PreEscaped(META))
-                title { (name) ": statistics" }
-                style { (PreEscaped(STYLE)) }
+    let sections = Section::ALL.into_iter().filter(|section| *section != Section::Published);
+    let parts = sections.map(|section| {
+        let scenes = if section == Section::Scenes {
+            scene_cards(cards)
+        } else {
+            html! {}
+        };
+        (section, html! { (scenes) (section_html(section, tables, figures)) })
+    });
+    let parts: Vec<_> = parts.filter(|(_, part)| !part.0.is_empty()).collect();
+    let is_beside = has_section(Section::Published, tables);
+    let body = html! {
+        h1 { (name) }
+        p { (what) }
+        nav {
+            @for (section, _) in &parts {
+                a href={ "#" (anchor(*section)) } { (section.title()) } "\n"
             }
-            body {
-                h1 { (name) }
-                p { (what) }
-                nav {
-                    @for (section, _) in &parts {
-                        a href={ "#" (anchor(*section)) } { (section.title()) } "\n"
-                    }
-                }
-                @for (section, part) in &parts {
-                    section id=(anchor(*section)) {
-                        h2 { (section.title()) }
-                        (part)
-                    }
-                }
+            @if is_beside {
+                a href=(PUBLISHED_PAGE) { (Section::Published.title()) } "\n"
             }
         }
-        "\n"
+        @for (section, part) in &parts {
+            section id=(anchor(*section)) {
+                h2 { (section.title()) }
+                (part)
+            }
+        }
     };
-    printable(&page.into_string())
+    page(&format!("{name}: statistics"), &body)
+}
+
+/// The page beside the published dataset; none where nothing of it was counted.
+#[must_use]
+pub fn published_html(tables: &Tables, figures: &[Figure]) -> Option<String> {
+    let section = Section::Published;
+    let name = &tables.dataset;
+    let of_section = tables.tables.iter().filter(|table| table.section == section && !table.is_empty());
+    let drawn =
+        |table: &Table| figures.iter().filter(|figure| figure.table == table.name).collect::<Vec<_>>();
+    let parts: Vec<(&Table, Vec<&Figure>)> = of_section.map(|table| (table, drawn(table))).collect();
+    // Tables whose figures belong together stand together.
+    let heading = |(table, figures): &(&Table, Vec<&Figure>)| match figures.first() {
+        Some(figure) if !figure.group.is_empty() => figure.group.clone(),
+        _ => table.title.clone(),
+    };
+    let body = html! {
+        h1 { (name) " beside SimBEV2X" }
+        p {
+            "Numbers of this dataset (ours) and of the published SimBEV2X dataset of 258 scenes, per scene, frame or grid where \
+             that makes sizes comparable. Other maps, traffic and grids give other numbers: a ratio of 1 is no aim."
+        }
+        nav { a href="report.html" { "All statistics" } }
+        @for group in parts.chunk_by(|a, b| heading(a) == heading(b)) {
+            h2 { (heading(&group[0])) }
+            div class="figures" {
+                @for figure in group.iter().flat_map(|(_, figures)| figures) { (PreEscaped(&figure.svg)) }
+            }
+            @for (table, figures) in group {
+                @if figures.is_empty() { (numbers(table)) } @else { (folded(table, true)) }
+            }
+        }
+    };
+    has_section(section, tables).then(|| page(&format!("{name} beside SimBEV2X"), &body))
+}
+
+fn has_section(section: Section, tables: &Tables) -> bool {
+    tables.tables.iter().any(|table| table.section == section && !table.is_empty())
+}
+
+/// Every scene with its picture, to be filtered by split and map; each leads to the viewer where that serves the page.
+fn scene_cards(cards: &[SceneCard]) -> Markup {
+    let values = |of: fn(&SceneCard) -> &str| {
+        let mut values: Vec<&str> = cards.iter().map(of).collect();
+        values.sort_unstable();
+        values.dedup();
+        values
+    };
+    let choices = [("split", values(|card| &card.split)), ("map", values(|card| &card.map))];
+    html! {
+        @if !cards.is_empty() {
+            div class="choices" hidden="hidden" {
+                @for (name, values) in &choices {
+                    label {
+                        (name) " "
+                        select name=(name) {
+                            option value="" { "all" }
+                            @for value in values { option value=(value) { (value) } }
+                        }
+                    }
+                }
+                output { "" }
+            }
+            div class="cards" {
+                @for card in cards {
+                    a class="card" href="#" data-scene=(format!("{:04}", card.scene)) data-split=(card.split) data-map=(card.map) {
+                        @if let Some(picture) = &card.picture {
+                            (PreEscaped(image(picture, card.scene)))
+                        }
+                        b { (format!("{:04}", card.scene)) " " (card.map) }
+                        span { (card.split) ", " (card.words) }
+                    }
+                    "\n"
+                }
+            }
+            div id="how" hidden="hidden" {
+                "To look at " b { "a scene" } " run " code { "convoy view STORE" } ", which also shows this report with links to every scene."
+            }
+        }
+    }
+}
+
+/// Written out because maud leaves elements without content open, as XML may not. Paths are of our own making: digits and
+/// letters.
+fn image(path: &str, scene: u32) -> String {
+    format!("<img src=\"{path}\" alt=\"scene {scene}\" loading=\"lazy\"/>")
 }
 
 /// The section's name in links: its title's first word.
@@ -98,8 +159,14 @@ fn anchor(section: Section) -> String {
     section.title().split(' ').next().unwrap_or_default().to_lowercase()
 }
 
+/// Whether a table has rows, and one of weather any scene in them.
+fn says_anything(table: &Table) -> bool {
+    !table.is_empty() && (table.section != Section::Weather || table.counts("scenes").iter().any(|&n| n > 0))
+}
+
 fn section_html(section: Section, tables: &Tables, figures: &[Figure]) -> Markup {
     let of_section: Vec<&Figure> = figures.iter().filter(|figure| figure.section == section).collect();
+    let is_drawn = |table: &Table| table.section == Section::Weather;
     html! {
         @for group in of_section.chunk_by(|a, b| a.group == b.group) {
             @if let Some(figure) = group.first().filter(|figure| !figure.group.is_empty()) {
@@ -109,8 +176,8 @@ fn section_html(section: Section, tables: &Tables, figures: &[Figure]) -> Markup
                 @for figure in group { (PreEscaped(&figure.svg)) }
             }
         }
-        @for table in tables.tables.iter().filter(|table| table.section == section && !table.is_empty()) {
-            @if section == Section::Overview { (tiles(table)) } @else { (folded(table)) }
+        @for table in tables.tables.iter().filter(|table| table.section == section && says_anything(table)) {
+            @if section == Section::Overview { (tiles(table)) } @else { (folded(table, is_drawn(table))) }
         }
     }
 }
@@ -126,76 +193,5 @@ fn tiles(table: &Table) -> Markup {
                 }
             }
         }
-    }
-}
-
-/// A table below its heading, folded away where its numbers are many or in a figure already.
-fn folded(table: &Table) -> Markup {
-    let folds = table.len() > FOLD_ROWS || table.column("bin").is_some() || table.section == Section::Weather;
-    html! {
-        @if folds {
-            details {
-                summary { (table.title) ": numbers" }
-                (numbers(table))
-            }
-        } @else {
-            h3 { (table.title) }
-            (numbers(table))
-        }
-    }
-}
-
-fn numbers(table: &Table) -> Markup {
-    let is_total = |row| table.columns.first().is_some_and(|column| column.values.text(row) == "total");
-    html! {
-        @if !table.note.is_empty() {
-            p { (table.note) }
-        }
-        div class="scroll" {
-            table {
-                thead {
-                    tr {
-                        @for column in &table.columns {
-                            th class=[class_of(&column.values)] { (column_title(&column.name)) }
-                        }
-                    }
-                }
-                tbody {
-                    @for row in 0..table.len() {
-                        tr class=[is_total(row).then_some("total")] {
-                            @for column in &table.columns {
-                                td class=[class_of(&column.values)] { (cell(column, row)) }
-                            }
-                        }
-                        "\n"
-                    }
-                }
-            }
-        }
-    }
-}
-
-fn class_of(values: &Values) -> Option<&'static str> {
-    matches!(values, Values::Str(_)).then_some("name")
-}
-
-fn cell(column: &TableColumn, row: usize) -> String {
-    let text = column.values.text(row);
-    match (&column.values, column.name.as_str()) {
-        (Values::Str(_), "class" | "label") => words(&text),
-        (Values::Str(_), _) => text,
-        _ if text.is_empty() => "\u{2013}".into(),
-        _ => grouped(&text),
-    }
-}
-
-/// A column's name as words, with its unit set apart.
-fn column_title(name: &str) -> String {
-    let units = [("_s", ", s"), ("_percent", ", %"), ("_m", ", m")];
-    let split = units.into_iter().find_map(|(end, unit)| Some((name.strip_suffix(end)?, unit)));
-    match (name, split) {
-        ("percent", _) => "%".into(),
-        (_, Some((stem, unit))) => words(stem) + unit,
-        _ => words(name),
     }
 }

@@ -76,22 +76,26 @@ pub enum Section {
     Weather,
     Boxes,
     Motion,
+    Sightings,
     Bev,
     Occupancy,
     Sensors,
+    Published,
 }
 
 impl Section {
     /// All sections, in order.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Overview,
         Self::Scenes,
         Self::Weather,
         Self::Boxes,
         Self::Motion,
+        Self::Sightings,
         Self::Bev,
         Self::Occupancy,
         Self::Sensors,
+        Self::Published,
     ];
 
     /// Heading in the report.
@@ -103,9 +107,11 @@ impl Section {
             Self::Weather => "Weather",
             Self::Boxes => "Boxes",
             Self::Motion => "Heading and motion of valid objects",
+            Self::Sightings => "Points and places of valid objects",
             Self::Bev => "BEV labels",
             Self::Occupancy => "Occupancy labels",
             Self::Sensors => "Sensor data",
+            Self::Published => "Beside the published dataset",
         }
     }
 }

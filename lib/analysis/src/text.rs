@@ -25,6 +25,10 @@ pub(crate) fn short(value: f64) -> String {
         .into_iter()
         .find(|(unit, _)| value.abs() >= *unit)
         .map_or((value, ""), |(unit, suffix)| (value / unit, suffix));
+    // What three decimals would make nothing of has its power of ten.
+    if scaled != 0.0 && scaled.abs() < 0.001 {
+        return format!("{scaled:.0e}");
+    }
     let digits = format!("{scaled:.3}");
     format!("{}{suffix}", digits.trim_end_matches('0').trim_end_matches('.'))
 }
@@ -63,8 +67,15 @@ mod tests {
         for (number, want) in cases {
             assert_eq!(grouped(number), want);
         }
-        let cases =
-            [(0.0, "0"), (250.0, "250"), (2500.0, "2.5k"), (1e6, "1M"), (2e10, "20G"), (0.05, "0.05")];
+        let cases = [
+            (0.0, "0"),
+            (250.0, "250"),
+            (2500.0, "2.5k"),
+            (1e6, "1M"),
+            (2e10, "20G"),
+            (0.05, "0.05"),
+            (2e-4, "2e-4"),
+        ];
         for (number, want) in cases {
             assert_eq!(short(number), want);
         }

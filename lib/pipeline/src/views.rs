@@ -128,8 +128,15 @@ impl StageSettings for StatisticsSettings {
     const STAGE: &'static str = "stats";
 
     fn of(all: &DatasetSettings) -> Self {
-        let side = u64::from(all.bev.cells);
-        Self { name: all.name.clone(), bev_cells_per_grid: side * side }
+        Self {
+            name: all.name.clone(),
+            card: all.card.clone(),
+            seed: all.seed,
+            rigs: all.rigs(),
+            annotation: all.annotation.clone(),
+            bev: all.bev.clone(),
+            occupancy: all.occupancy(),
+        }
     }
 }
 
@@ -211,7 +218,7 @@ mod tests {
 
     #[test]
     fn just_the_stages_that_see_a_key_become_stale() {
-        let rendered = ["render-sensors"];
+        let rendered = ["render-sensors", "stats"];
         assert_eq!(stale(|s| s.vehicle_rig.lidars[0].noise_m = 0.5), rendered);
         assert_eq!(stale(|s| s.own_rigs[0].rig.lidars[0].noise_m = 0.5), rendered);
         assert_eq!(stale(|s| s.rsu_rig.camera.jpeg_quality = 17), rendered);
@@ -219,31 +226,32 @@ mod tests {
             s.vehicle_rig.lidars[0].rolling = Some(RollingScan { slices: 8, compensated: true });
         };
         assert_eq!(stale(rolls), rendered);
-        let judged = ["render-sensors", "postprocess-valid"];
+        let judged = ["render-sensors", "postprocess-valid", "stats"];
         assert_eq!(stale(|s| s.rsu_rig.lidars[0].weather = Some(WeatherSpec { detected: 0.1 })), judged);
         assert_eq!(stale(|s| s.rsu_rig.camera.images = ImageSet::NONE), judged);
         assert_eq!(stale(|s| s.rsu_rig.camera.images.set(ImageKind::Flow, true)), rendered);
         assert_eq!(stale(|s| s.rsu_rig.camera.flow_half = true), rendered);
-        let voxels = ["occupancy-gt", "postprocess-valid"];
+        let voxels = ["occupancy-gt", "postprocess-valid", "stats"];
         assert_eq!(stale(|s| s.own_rigs[0].occupancy.voxel_m = 0.5), voxels);
         assert_eq!(stale(|s| s.vehicle_occupancy.range_m = 32.0), voxels);
-        assert_eq!(stale(|s| s.rsu_occupancy.observed = true), ["postprocess-valid"]);
+        assert_eq!(stale(|s| s.rsu_occupancy.observed = true), ["postprocess-valid", "stats"]);
         assert_eq!(stale(|s| s.bev.cells = 200), ["bev-gt", "stats"]);
-        assert_eq!(stale(|s| s.bev.cell_m = 0.2), ["bev-gt"]);
+        assert_eq!(stale(|s| s.bev.cell_m = 0.2), ["bev-gt", "stats"]);
         assert_eq!(stale(|s| s.tracks.future_s = 3.0), ["merge-tracks"]);
-        assert_eq!(stale(|s| s.bev.rule = BevRule::Simbev2x), ["bev-gt"]);
+        assert_eq!(stale(|s| s.bev.rule = BevRule::Simbev2x), ["bev-gt", "stats"]);
         assert_eq!(stale(|s| s.timing.warmup_s = 3.0), ["spawn-planner", "bev-gt"]);
         assert_eq!(stale(|s| s.name = "other".into()), ["stats"]);
-        assert_eq!(stale(|s| s.annotation.valid_by_image ^= true), ["postprocess-valid"]);
-        assert_eq!(stale(|s| s.annotation.box_radius_m = 90.0), ["simulate-and-log"]);
-        assert_eq!(stale(|s| s.annotation.every_n_frames = 10), ["simulate-and-log"]);
+        assert_eq!(stale(|s| s.card.licence = "CC-BY-4.0".into()), ["stats"]);
+        assert_eq!(stale(|s| s.annotation.valid_by_image ^= true), ["postprocess-valid", "stats"]);
+        assert_eq!(stale(|s| s.annotation.box_radius_m = 90.0), ["simulate-and-log", "stats"]);
+        assert_eq!(stale(|s| s.annotation.every_n_frames = 10), ["simulate-and-log", "stats"]);
         assert_eq!(stale(|s| s.rsu_rig.camera.every_n_frames = 10), rendered);
         assert_eq!(stale(|s| s.rsu_rig.lidars[0].every_n_frames = 2), judged);
         assert_eq!(stale(|s| s.rsu_occupancy.every_n_frames = 10), voxels);
-        assert_eq!(stale(|s| s.bev.every_n_frames = 10), ["bev-gt"]);
+        assert_eq!(stale(|s| s.bev.every_n_frames = 10), ["bev-gt", "stats"]);
         assert_eq!(stale(|s| s.world.radius_m = 90.0), ["simulate-and-log"]);
         assert_eq!(stale(|s| s.timing.max_duration_s = 9.0), ["spawn-planner"]);
-        assert_eq!(stale(|s| s.seed = 3), ["spawn-planner", "render-sensors"]);
+        assert_eq!(stale(|s| s.seed = 3), ["spawn-planner", "render-sensors", "stats"]);
         assert_eq!(stale(|s| s.traffic.door_open = 0.5), ["spawn-planner", "simulate-and-log"]);
     }
 }

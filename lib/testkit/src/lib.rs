@@ -23,7 +23,7 @@ mod town;
 pub use brute::BruteRenderer;
 pub use maps::{map_files, maps_folder, real_map, real_maps};
 pub use meshes::{MeshBuilder, block, instance, plane, snapshot};
-pub use need::{Need, devkit, python, skip};
+pub use need::{Need, chromium, devkit, python, skip};
 pub use roads::{
     both_ways, crossing, crossing_network, lane, map, map_from_text, one_way, road, road_link, straight,
     straight_road, town_street,

@@ -47,6 +47,20 @@ pub fn skip(need: Need, missing: &str) {
     let _ = writeln!(std::io::stderr(), "skipped: {missing}");
 }
 
+/// Chromium, where it and node are at hand: `CONVOY_CHROMIUM` may name it.
+#[must_use]
+pub fn chromium() -> Option<String> {
+    let runs =
+        |name: &str| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success());
+    let named = std::env::var("CONVOY_CHROMIUM").ok();
+    let known = ["chromium", "chromium-browser", "google-chrome"].map(str::to_owned);
+    let found = named.into_iter().chain(known).find(|name| runs(name)).filter(|_| runs("node"));
+    if found.is_none() {
+        skip(Need::Browser, "there is no Chromium with node to look at pages");
+    }
+    found
+}
+
 #[track_caller]
 fn is_required(need: Need, list: &str) -> bool {
     let words: Vec<&str> = list.split(',').map(str::trim).filter(|w| !w.is_empty()).collect();

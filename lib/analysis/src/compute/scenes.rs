@@ -1,6 +1,7 @@
 //! Tables over scenes.
 
 use schema::scene_info::SceneInfo;
+use schema::{Published, SceneBins};
 
 use super::histogram::histogram;
 use crate::table::{Section, Table};
@@ -11,16 +12,18 @@ pub(crate) struct SceneHistogram {
     pub(crate) title: &'static str,
     width: u64,
     overflow: Option<u64>,
-    value: fn(&SceneInfo) -> u64,
+    pub(super) value: fn(&SceneInfo) -> u64,
+    pub(super) published: SceneBins,
 }
 
-pub(crate) const SCENE_HISTOGRAMS: [SceneHistogram; 5] = [
+pub(crate) const SCENE_HISTOGRAMS: [SceneHistogram; 7] = [
     SceneHistogram {
         table: "scenes_by_vehicles",
         title: "Data-collection vehicles",
         width: 1,
         overflow: None,
         value: |scene| agents(scene, "vehicle_"),
+        published: Published::VEHICLES,
     },
     SceneHistogram {
         table: "scenes_by_rsus",
@@ -28,6 +31,7 @@ pub(crate) const SCENE_HISTOGRAMS: [SceneHistogram; 5] = [
         width: 1,
         overflow: None,
         value: |scene| agents(scene, "rsu_"),
+        published: Published::RSUS,
     },
     SceneHistogram {
         table: "scenes_by_duration",
@@ -36,6 +40,7 @@ pub(crate) const SCENE_HISTOGRAMS: [SceneHistogram; 5] = [
         overflow: None,
         // A half-frame's tolerance: 8 s written as 7.999999 are 8 s.
         value: |scene| (scene.duration_s + 0.5 * schema::FRAME_PERIOD_S) as u64,
+        published: Published::DURATIONS,
     },
     SceneHistogram {
         table: "scenes_by_background_vehicles",
@@ -43,6 +48,7 @@ pub(crate) const SCENE_HISTOGRAMS: [SceneHistogram; 5] = [
         width: 20,
         overflow: Some(400),
         value: |scene| scene.n_vehicles.into(),
+        published: Published::BACKGROUND_VEHICLES,
     },
     SceneHistogram {
         table: "scenes_by_pedestrians",
@@ -50,10 +56,27 @@ pub(crate) const SCENE_HISTOGRAMS: [SceneHistogram; 5] = [
         width: 20,
         overflow: Some(400),
         value: |scene| scene.n_walkers.into(),
+        published: Published::PEDESTRIANS,
+    },
+    SceneHistogram {
+        table: "scenes_by_accidents",
+        title: "Accidents",
+        width: 1,
+        overflow: Some(10),
+        value: |scene| scene.n_accident_hazards.into(),
+        published: Published::ACCIDENTS,
+    },
+    SceneHistogram {
+        table: "scenes_by_road_works",
+        title: "Road works",
+        width: 1,
+        overflow: Some(10),
+        value: |scene| scene.n_road_work_hazards.into(),
+        published: Published::ROAD_WORKS,
     },
 ];
 
-fn agents(scene: &SceneInfo, prefix: &str) -> u64 {
+pub(super) fn agents(scene: &SceneInfo, prefix: &str) -> u64 {
     scene.agents.iter().filter(|agent| agent.agent.starts_with(prefix)).count() as u64
 }
 
@@ -115,6 +138,8 @@ fn each_scene(scenes: &[&SceneInfo]) -> Table {
         .with_counts("rsus", scenes.iter().map(|scene| agents(scene, "rsu_")))
         .with_counts("background_vehicles", scenes.iter().map(|scene| scene.n_vehicles.into()))
         .with_counts("pedestrians", scenes.iter().map(|scene| scene.n_walkers.into()))
+        .with_counts("accidents", scenes.iter().map(|scene| scene.n_accident_hazards.into()))
+        .with_counts("road_works", scenes.iter().map(|scene| scene.n_road_work_hazards.into()))
         .with_strings("spawn_mode", scenes.iter().map(|scene| scene.spawn_mode.as_str()))
         .with_strings(
             "weather",

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schema::Published;
 use schema::scene_info::SceneInfo;
 
 use super::share::ratio;
@@ -17,20 +18,35 @@ pub(crate) struct WeatherTable {
     pub(crate) bins: &'static [&'static str],
     limits: &'static [f64],
     note: &'static str,
+    /// Scenes of the published dataset, row by row.
+    pub(crate) published: &'static [u64],
 }
 
 const SHARE_BINS: &[&str] = &["none", "low", "moderate", "heavy"];
 const SHARE_LIMITS: &[f64] = &[10.0, 40.0, 70.0];
 const SHARE_NOTE: &str = "Percent: none below 10, low from 10, moderate from 40, heavy from 70.";
 
-const fn share(table: &'static str, title: &'static str, parameter: &'static str) -> WeatherTable {
-    WeatherTable { table, title, parameter, bins: SHARE_BINS, limits: SHARE_LIMITS, note: SHARE_NOTE }
+const fn share(
+    table: &'static str,
+    title: &'static str,
+    parameter: &'static str,
+    published: &'static [u64; 16],
+) -> WeatherTable {
+    WeatherTable {
+        table,
+        title,
+        parameter,
+        bins: SHARE_BINS,
+        limits: SHARE_LIMITS,
+        note: SHARE_NOTE,
+        published,
+    }
 }
 
 pub(crate) const WEATHER_TABLES: [WeatherTable; 4] = [
-    share("weather_cloudiness", "Cloud cover", "cloudiness"),
-    share("weather_precipitation", "Rain", "precipitation"),
-    share("weather_fog_density", "Fog density", "fog_density"),
+    share("weather_cloudiness", "Cloud cover", "cloudiness", &Published::CLOUDINESS),
+    share("weather_precipitation", "Rain", "precipitation", &Published::PRECIPITATION),
+    share("weather_fog_density", "Fog density", "fog_density", &Published::FOG_DENSITY),
     WeatherTable {
         table: "weather_sun_altitude",
         title: "Sun altitude",
@@ -38,6 +54,7 @@ pub(crate) const WEATHER_TABLES: [WeatherTable; 4] = [
         bins: &["night", "dawn/dusk", "day"],
         limits: &[0.0, 6.0],
         note: "Degrees: night below 0, dawn or dusk from 0, day from 6.",
+        published: &Published::SUN_ALTITUDE,
     },
 ];
 

@@ -9,6 +9,8 @@ const TOP: f64 = 28.0;
 const BOTTOM: f64 = 42.0;
 const RIGHT: f64 = 18.0;
 const FONT: f64 = 10.0;
+/// Widest bar of whole bins, pixels.
+const WIDEST: f64 = 56.0;
 
 /// A histogram: as many labels as values.
 pub(super) struct Histogram {
@@ -18,6 +20,8 @@ pub(super) struct Histogram {
     /// Names of the bins; those that have no room are left out.
     pub(super) labels: Vec<String>,
     pub(super) values: Vec<f64>,
+    /// Values that are drawn as a line of steps over the bars; none, or as many.
+    pub(super) line: Vec<f64>,
     /// Whether a name is the bin's lower edge and stands there, or names the whole bin. Names of open bins
     /// (`<0`, `40+`) always stand in the middle.
     pub(super) edges: bool,
@@ -29,7 +33,7 @@ pub(super) struct Histogram {
 
 impl Histogram {
     pub(super) fn draw(&self) -> String {
-        let scale = Scale::linear(self.values.iter().copied().fold(0.0, f64::max));
+        let scale = Scale::linear(self.values.iter().chain(&self.line).copied().fold(0.0, f64::max));
         let mut svg = Svg::new(self.width, HEIGHT, &self.title);
         let tick_texts: Vec<String> = scale.ticks.iter().map(|&tick| short(tick)).collect();
         let tick_width = tick_texts.iter().map(|text| text_width(text, FONT)).fold(0.0, f64::max);
@@ -45,10 +49,18 @@ impl Histogram {
         for (i, &value) in self.values.iter().enumerate() {
             let height = plot_height * scale.position(value);
             if height > 0.0 {
-                // A gap between bars as long as they are not hair lines.
-                let gap = (0.12 * pitch).min(4.0);
+                // A gap between bars as long as they are not hair lines; few bars are no walls.
+                let gap = (0.12 * pitch).min(4.0).max(if self.edges { 0.0 } else { pitch - WIDEST });
                 svg.rect([left + pitch * i as f64 + 0.5 * gap, base - height], [pitch - gap, height], 0.9);
             }
+        }
+        let height = |value: f64| base - plot_height * scale.position(value);
+        let edges = self.line.iter().enumerate().flat_map(|(i, &value)| {
+            let x = left + pitch * i as f64;
+            [[x, height(value)], [x + pitch, height(value)]]
+        });
+        if !self.line.is_empty() {
+            svg.outline(&edges.collect::<Vec<_>>());
         }
         for i in self.label_places(pitch) {
             let label = &self.labels[i];
@@ -106,6 +118,7 @@ mod tests {
             y_label,
             labels,
             values,
+            line: Vec::new(),
             edges: false,
             steps: &[1, 2, 5, 10, 20],
             width: 320.0,
@@ -134,5 +147,17 @@ mod tests {
         // The axis ends at 2, the plot is 130 high: bars of 65 and 130, none for 0.
         assert_eq!(svg.matches("<rect").count(), 2);
         assert!(svg.contains("height=\"65.00\"") && svg.contains("height=\"130.00\""), "{svg}");
+    }
+
+    #[test]
+    fn a_line_has_a_step_a_value() {
+        let mut histogram = histogram(vec!["0".into(), "1".into()]);
+        histogram.line = vec![1.0, 0.5];
+        let svg = histogram.draw();
+        // The bars reach 1, the axis ends there: from the top at 28 to the middle of the 130 below it.
+        let path = svg.split(" d=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("a line");
+        let ys: Vec<&str> =
+            path.split(['M', 'L']).skip(1).filter_map(|point| point.split(' ').nth(1)).collect();
+        assert_eq!(ys, ["28.00", "28.00", "93.00", "93.00"]);
     }
 }

@@ -1,38 +1,33 @@
 //! Figures of the tables.
 
 mod bars;
+mod beside;
+mod curves;
+mod density;
+mod figure;
 mod histogram;
 mod matrix;
+mod pairs;
 mod scale;
+mod sightings;
 mod svg;
 
-use crate::compute::{MOTION_TABLES, SCENE_HISTOGRAMS, WEATHER_TABLES, WeatherTable};
-use crate::table::{Section, Table, Tables};
+use crate::compute::{
+    MOTION_TABLES, PLACE_TABLES, POINT_TABLES, SCENE_HISTOGRAMS, SPREAD_TABLES, WEATHER_TABLES, WeatherTable,
+};
+use crate::table::{Table, Tables};
 use crate::text::words;
 use bars::{Bar, Bars};
+use beside::published_figures;
+pub use figure::Figure;
+use figure::{STEPS, figure};
 use histogram::Histogram;
 use matrix::Matrix;
 use scale::Scale;
+use sightings::{heat_figures, place_figures, points_figure, spread_figures};
 
-/// Every how many bins one is named.
-const STEPS: &[usize] = &[1, 2, 5, 10, 20, 50];
 /// The same for headings in bins of 10 degrees: quarter turns.
 const QUARTERS: &[usize] = &[9, 18];
-
-/// One picture.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Figure {
-    /// File stem: `boxes_per_class`, `speed_car`.
-    pub name: String,
-    /// Where it stands in the report.
-    pub section: Section,
-    /// Heading of the figures that belong together; empty when a figure stands alone.
-    pub group: String,
-    /// What it shows.
-    pub title: String,
-    /// An SVG document without fixed ink: text takes the colour of the page (black on its own).
-    pub svg: String,
-}
 
 /// Every figure that the tables have data for.
 #[must_use]
@@ -50,15 +45,21 @@ pub fn draw_figures(tables: &Tables) -> Vec<Figure> {
     for spec in &MOTION_TABLES {
         figures.extend(present(spec.table).into_iter().flat_map(class_figures));
     }
+    for (name, ..) in POINT_TABLES {
+        figures.extend(present(name).map(points_figure));
+    }
+    for (name, ..) in SPREAD_TABLES {
+        figures.extend(present(name).into_iter().flat_map(spread_figures));
+    }
+    for (name, ..) in PLACE_TABLES {
+        figures.extend(present(name).into_iter().flat_map(place_figures));
+    }
     figures.extend(present("bev_cells").map(bev_figure));
+    figures.extend(present("bev_heat").into_iter().flat_map(heat_figures));
     figures.extend(present("voxel_cells").map(occupancy_figure));
     figures.extend(present("bytes_per_sensor").map(bytes_figure));
+    figures.extend(published_figures(tables));
     figures
-}
-
-fn figure(table: &Table, title: &str, svg: String) -> Figure {
-    let (name, group, title) = (table.name.clone(), String::new(), title.to_owned());
-    Figure { name, section: table.section, group, title, svg }
 }
 
 fn scenes_figure(table: &Table, title: &str) -> Figure {
@@ -69,6 +70,7 @@ fn scenes_figure(table: &Table, title: &str) -> Figure {
         y_label: "scenes".into(),
         labels: table.strings("bin").to_vec(),
         values,
+        line: Vec::new(),
         edges: false,
         steps: STEPS,
         width: 400.0,
@@ -195,6 +197,7 @@ fn class_figures(table: &Table) -> Vec<Figure> {
                 y_label: y_label.into(),
                 labels: labels.clone(),
                 values: table.counts(class).iter().map(|&n| n as f64).collect(),
+                line: Vec::new(),
                 edges: true,
                 steps: if table.name == "yaw" { QUARTERS } else { STEPS },
                 width: 320.0,

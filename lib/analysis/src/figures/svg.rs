@@ -1,6 +1,6 @@
 //! What figures are drawn with. Coordinates are pixels, y down, with two decimals.
 
-use svg::node::element::{Line, Rectangle, Text, Title};
+use svg::node::element::{Circle, Image, Line, Path, Rectangle, Text, Title};
 use svg::{Document, Node};
 
 use crate::text::printable;
@@ -69,6 +69,52 @@ impl Svg {
         self.0.append(line);
     }
 
+    /// A line through points, in the ink of the page.
+    pub(super) fn outline(&mut self, points: &[[f64; 2]]) {
+        let path = Path::new()
+            .set("d", steps(points))
+            .set("fill", "none")
+            .set("stroke", "currentColor")
+            .set("stroke-width", "1.5");
+        self.0.append(path);
+    }
+
+    /// A line through points, in a colour of its own.
+    pub(super) fn curve(&mut self, points: &[[f64; 2]], [r, g, b]: [u8; 3]) {
+        let path = Path::new()
+            .set("d", steps(points))
+            .set("fill", "none")
+            .set("stroke", format!("#{r:02x}{g:02x}{b:02x}"))
+            .set("stroke-width", "2")
+            .set("stroke-linejoin", "round");
+        self.0.append(path);
+    }
+
+    /// A picture within the document, its pixels drawn as rectangles.
+    pub(super) fn image(&mut self, [x, y]: [f64; 2], [w, h]: [f64; 2], address: &str) {
+        let image = Image::new()
+            .set("x", px(x))
+            .set("y", px(y))
+            .set("width", px(w))
+            .set("height", px(h))
+            .set("preserveAspectRatio", "none")
+            .set("style", "image-rendering: pixelated")
+            .set("href", address);
+        self.0.append(image);
+    }
+
+    /// A faint circle.
+    pub(super) fn circle(&mut self, [x, y]: [f64; 2], radius: f64) {
+        let circle = Circle::new()
+            .set("cx", px(x))
+            .set("cy", px(y))
+            .set("r", px(radius))
+            .set("fill", "none")
+            .set("stroke", "currentColor")
+            .set("stroke-opacity", "0.35");
+        self.0.append(circle);
+    }
+
     /// Text with its baseline at a point.
     pub(super) fn text(&mut self, at: [f64; 2], anchor: Anchor, size: f64, text: &str) {
         self.0.append(label(at, anchor, size, text));
@@ -83,6 +129,12 @@ impl Svg {
     pub(super) fn finish(self) -> String {
         printable(&format!("{}\n", self.0))
     }
+}
+
+/// A path from point to point.
+fn steps(points: &[[f64; 2]]) -> String {
+    let step = |(i, [x, y]): (usize, &[f64; 2])| format!("{}{x:.2} {y:.2}", if i == 0 { 'M' } else { 'L' });
+    points.iter().enumerate().map(step).collect()
 }
 
 fn label([x, y]: [f64; 2], anchor: Anchor, size: f64, text: &str) -> Text {

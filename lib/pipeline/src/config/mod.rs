@@ -18,7 +18,9 @@ pub use yaml_keys::simbev2x_keys;
 use std::path::Path;
 
 use schema::BevClass;
-use schema::settings::{AnnotationSettings, BevRule, BevSettings, DatasetSettings, TrackSettings};
+use schema::settings::{
+    AnnotationSettings, BevRule, BevSettings, CardSettings, DatasetSettings, TrackSettings,
+};
 
 use parts::every_n_frames;
 pub use reader::{ConfigKey, Fault};
@@ -75,6 +77,7 @@ pub fn config_keys() -> Vec<ConfigKey> {
 
 fn dataset(root: &Section<'_>) -> DatasetSettings {
     let name = root.text("name", "dataset", "name of the dataset, in reports");
+    let card = card(&root.section("card", "words of the dataset's card, README.md in the store"));
     let seed = root.integer(
         "seed",
         27,
@@ -90,6 +93,7 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
     let own_rigs = rigs::own(root);
     let settings = DatasetSettings {
         name,
+        card,
         seed,
         scenes,
         redraw,
@@ -120,6 +124,23 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
         );
     }
     settings
+}
+
+fn card(section: &Section<'_>) -> CardSettings {
+    let text = |key: &str, doc: &str| section.text(key, "", doc);
+    CardSettings {
+        description: text("description", "what the dataset is, as Markdown"),
+        licence: text(
+            "licence",
+            "licence of the dataset, an SPDX name where there is one; empty: not stated",
+        ),
+        authors: section.texts("authors", &[], "who made the dataset"),
+        url: text("url", "where the dataset is to be had"),
+        citation: text(
+            "citation",
+            "how to cite the dataset, as BibTeX; empty: an entry made of the words above",
+        ),
+    }
 }
 
 /// Labels that are made of boxes need boxes at their frames.

@@ -4,15 +4,17 @@
 use serde::Serialize;
 
 use super::{
-    AgentSettings, AnnotationSettings, BevSettings, HazardSettings, LightSettings, OccupancySettings,
-    PerAgent, Rig, SceneCount, TimingSettings, TrackSettings, TrafficSettings, WalkerSettings,
-    WeatherSettings, WorldSettings,
+    AgentSettings, AnnotationSettings, BevSettings, CardSettings, HazardSettings, LightSettings,
+    OccupancySettings, PerAgent, Rig, SceneCount, TimingSettings, TrackSettings, TrafficSettings,
+    WalkerSettings, WeatherSettings, WorldSettings,
 };
 /// Everything that determines a dataset, besides maps and code.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DatasetSettings {
     /// Name of the dataset, in reports.
     pub name: String,
+    /// Words of its card.
+    pub card: CardSettings,
     /// Seed of every random stream.
     pub seed: u64,
     /// How many scenes on which map, in split order.
@@ -59,6 +61,7 @@ impl DatasetSettings {
     pub fn with_scenes(scenes: Vec<SceneCount>) -> Self {
         Self {
             name: "dataset".into(),
+            card: CardSettings::default(),
             seed: 27,
             scenes,
             redraw: Vec::new(),

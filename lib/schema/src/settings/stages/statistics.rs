@@ -2,11 +2,23 @@
 
 use serde::Serialize;
 
-/// What the statistics say of the configuration.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+use crate::settings::{AnnotationSettings, BevSettings, CardSettings, OccupancySettings, PerAgent, Rig};
+
+/// What the statistics and the dataset's card say of the configuration.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StatisticsSettings {
     /// Name of the dataset.
     pub name: String,
-    /// Cells of a BEV mask.
-    pub bev_cells_per_grid: u64,
+    /// Words of its card.
+    pub card: CardSettings,
+    /// Seed of every random stream.
+    pub seed: u64,
+    /// Sensors of each agent.
+    pub rigs: PerAgent<Rig>,
+    /// Which objects are annotated.
+    pub annotation: AnnotationSettings,
+    /// BEV masks.
+    pub bev: BevSettings,
+    /// Voxel grid of each agent.
+    pub occupancy: PerAgent<OccupancySettings>,
 }

@@ -2,7 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use analysis::{DatasetFacts, MeasureTotals, Tables, compute_tables, draw_figures, report_html, to_csv};
+use analysis::{
+    DatasetFacts, MeasureTotals, SceneCard, Tables, compute_tables, draw_figures, published_html,
+    report_html, to_csv,
+};
 use proptest::prelude::*;
 use schema::measures;
 use schema::scene_info::{AgentInfo, SceneInfo};
@@ -40,7 +43,7 @@ fn tables_of(scenes: &[SceneInfo], rows: &[PartialRow]) -> Tables {
 }
 
 fn facts(planned: usize) -> DatasetFacts {
-    DatasetFacts { name: "demo".into(), planned_scenes: planned as u64, bev_cells_per_grid: 160_000 }
+    DatasetFacts { name: "demo".into(), planned_scenes: planned as u64, bev_cells: 400, bev_cell_m: 0.4 }
 }
 
 #[test]
@@ -48,11 +51,12 @@ fn statistics_say_which_part_of_the_dataset_they_cover() {
     let counts = MeasureTotals::default();
     let whole = compute_tables(&facts(2), &[scene(0, 1, 0), scene(1, 1, 0)], &counts);
     assert!(
-        !csv(&whole, "overview").contains("planned") && report_html(&whole, &[]).contains("of the dataset<")
+        !csv(&whole, "overview").contains("planned")
+            && report_html(&whole, &[], &[]).contains("of the dataset<")
     );
     let part = compute_tables(&facts(3), &[scene(0, 1, 0), scene(1, 1, 0)], &counts);
     assert!(csv(&part, "overview").starts_with("quantity,value\nscenes,2\nplanned_scenes,3\nmaps,1\n"));
-    assert!(report_html(&part, &[]).contains("Statistics of 2 of 3 scenes"));
+    assert!(report_html(&part, &[], &[]).contains("Statistics of 2 of 3 scenes"));
 }
 
 fn csv(tables: &Tables, name: &str) -> String {
@@ -256,9 +260,140 @@ fn the_report_of_nothing_is_a_page() {
     let tables = tables_of(&[], &[]);
     let figures = draw_figures(&tables);
     assert!(figures.is_empty());
-    let html = report_html(&tables, &figures);
+    let html = report_html(&tables, &figures, &[]);
     assert!(html.contains("<span>scenes</span>"));
     assert!(!html.contains("Occupancy labels"));
+    assert_eq!(published_html(&tables, &figures), None);
+}
+
+#[test]
+fn scenes_are_cards_that_say_what_to_filter_them_by() {
+    let tables = tables_of(&[scene(3, 1, 0)], &[]);
+    let card = |scene: u32, split: &str, picture: Option<&str>| SceneCard {
+        scene,
+        split: split.into(),
+        map: "Town<1>".into(),
+        words: "10 s".into(),
+        picture: picture.map(str::to_owned),
+    };
+    let cards = [card(3, "train", Some("scenes/0003.jpg")), card(4, "val", None)];
+    let html = report_html(&tables, &[], &cards);
+    let page = parse(&html);
+    let found: Vec<_> = page.descendants().filter(|n| n.attribute("class") == Some("card")).collect();
+    let attribute =
+        |name: &str| found.iter().map(|n| n.attribute(name).unwrap_or_default()).collect::<Vec<_>>();
+    assert_eq!(attribute("data-scene"), ["0003", "0004"]);
+    assert_eq!(attribute("data-split"), ["train", "val"]);
+    assert_eq!(attribute("data-map"), ["Town<1>"; 2]);
+    let images: Vec<_> = page.descendants().filter_map(|n| n.attribute("src")).collect();
+    assert_eq!(images, ["scenes/0003.jpg"]);
+    let select =
+        |name| page.descendants().find(|n| n.has_tag_name("select") && n.attribute("name") == Some(name));
+    let options =
+        |name| select(name).map_or(0, |s| s.descendants().filter(|n| n.has_tag_name("option")).count());
+    assert_eq!((options("split"), options("map")), (3, 2), "each value and `all`");
+}
+
+#[test]
+fn our_numbers_stand_beside_the_published_ones() {
+    let mut scenes = vec![scene(0, 4, 1), scene(1, 2, 0)];
+    scenes[0].n_accident_hazards = 3;
+    // 400 frames with 20,392 valid cars: 50.98 a frame, as in the published dataset.
+    let rows = [
+        row("", measures::tracks::FRAMES, "", 0, 400),
+        row("", measures::tracks::BOXES, "car", 0, 30_000),
+        row("", measures::tracks::BOXES_VALID, "car", 0, 20_392),
+        row("vehicle_0", measures::bev::BEV_GRIDS, "exact", 0, 10),
+        row("vehicle_0", measures::bev::BEV_CELLS, "road", 0, 320_000),
+    ];
+    let tables = tables_of(&scenes, &rows);
+    assert!(csv(&tables, "beside_boxes").contains("\ncar,50.98,50.98,1.000\n"));
+    assert!(csv(&tables, "beside_boxes").contains("\nbus,0.00,1.43,0.000\n"));
+    assert!(csv(&tables, "beside_valid_share").contains("\ncar,68.0,58.1,1.170\n"));
+    // A fifth of the grid, beside 19.565 %.
+    assert!(csv(&tables, "beside_bev").contains("\nroad,20.0000,19.5654,1.022\n"));
+    let of_scenes = csv(&tables, "beside_scene_means");
+    assert!(of_scenes.contains("data-collection vehicles,3.00,4.84,0.620\n"), "{of_scenes}");
+    assert!(of_scenes.contains("accidents,1.50,2.89,0.519\n"), "{of_scenes}");
+    assert!(csv(&tables, "beside_size").contains("\nboxes,30000,27337066,0.001097\n"));
+    assert!(csv(&tables, "beside_scenes_by_vehicles").contains("\n2,50.0,17.8\n3,0.0,12.4\n4,50.0,15.1\n"));
+    assert!(tables.get("beside_voxels").expect("there").is_empty());
+    let figures = draw_figures(&tables);
+    let html = published_html(&tables, &figures).expect("has numbers");
+    parse(&html);
+    assert!(html.contains("Valid objects in a frame") && html.contains("href=\"report.html\""));
+    // The report leads there, and leaves the numbers to it.
+    let report = report_html(&tables, &figures, &[]);
+    assert!(report.contains("href=\"published.html\"") && !report.contains("ours by published"));
+}
+
+#[test]
+fn points_and_places_have_tables_and_figures() {
+    use measures::sightings::{LIDAR_POINTS_AT, PLACES, SEEN_BY_VEHICLES, bin_of_points};
+    let points = |distance_m, points| bin_of_points(distance_m, points).expect("has a bin");
+    // 30 to 35 m ahead, up to 5 m to the left.
+    let ahead = 33 * PLACES + 39;
+    let rows = [
+        row("", LIDAR_POINTS_AT, "car", points(3.0, 1000), 8),
+        row("", LIDAR_POINTS_AT, "car", points(3.0, 1), 2),
+        row("", LIDAR_POINTS_AT, "car", points(62.0, 10), 1),
+        row("", SEEN_BY_VEHICLES, "car", ahead, 11),
+    ];
+    let tables = tables_of(&[scene(0, 1, 0)], &rows);
+    // 1000 points lie on the edge of a level that ends at 1334: 1154 in the middle; 10 in one that ends at 13.3.
+    let wanted = "class,from_m,objects,tenth,median,nine_tenths\ncar,0,10,1,1154,1154\ncar,60,1,11,11,11\n";
+    assert_eq!(csv(&tables, "lidar_points_by_distance"), wanted);
+    assert_eq!(csv(&tables, "seen_by_vehicles").lines().nth(1), Some("32.5,2.5,0,0,0,11,0,0,0,0,0,0"));
+    let spread = csv(&tables, "lidar_points_spread");
+    let rows: Vec<&str> = spread.lines().skip(1).collect();
+    assert_eq!(
+        rows,
+        ["0,1.0,0,0,0,2,0,0,0,0,0,0", "0,1000.0,0,0,0,8,0,0,0,0,0,0", "60,10.0,0,0,0,1,0,0,0,0,0,0"]
+    );
+    let names: Vec<String> = draw_figures(&tables).into_iter().map(|figure| figure.name).collect();
+    assert!(
+        names.contains(&"lidar_points_by_distance".to_owned())
+            && names.contains(&"seen_by_vehicles_car".into())
+    );
+    assert!(!names.iter().any(|name| name.contains("rsus_") || name.starts_with("radar")), "{names:?}");
+}
+
+#[test]
+fn bev_labels_have_places() {
+    use measures::bev::{BEV_CELLS, BEV_GRIDS, BEV_HEAT};
+    // Ten masks of 400 by 400 cells: blocks of 8 by 8, 3.2 m. The last block of the first row is far ahead on the right.
+    let rows = [
+        row("rsu_0", BEV_GRIDS, "exact", 0, 10),
+        row("rsu_0", BEV_CELLS, "road", 0, 336),
+        row("", BEV_HEAT, "road", 49, 320),
+        row("", BEV_HEAT, "road", 50 * 25 + 24, 16),
+    ];
+    let tables = tables_of(&[scene(0, 1, 0)], &rows);
+    let heat = csv(&tables, "bev_heat");
+    let lines: Vec<&str> = heat.lines().collect();
+    assert_eq!(lines.len(), 2501);
+    assert!(lines[50].starts_with("78.40,-78.40,50.0000,0.0000,"), "{}", lines[50]);
+    // Just behind the agent and to its left.
+    assert!(lines[1 + 50 * 25 + 24].starts_with("-1.60,1.60,2.5000,"), "{}", lines[1 + 50 * 25 + 24]);
+    let figures = draw_figures(&tables);
+    let drawn: Vec<&str> =
+        figures.iter().map(|f| f.name.as_str()).filter(|n| n.starts_with("bev_heat")).collect();
+    assert_eq!(drawn, ["bev_heat_road"], "classes that no cell carries have no figure");
+    // The long table stays in its file.
+    let html = report_html(&tables, &figures, &[]);
+    assert!(html.contains("href=\"bev_heat.csv\">2,500 rows") && !html.contains("<td>78.40</td>"));
+}
+
+#[test]
+fn hazards_have_histograms() {
+    let mut scenes: Vec<SceneInfo> = (0..3).map(|i| scene(i, 1, 0)).collect();
+    scenes[1].n_accident_hazards = 2;
+    scenes[2].n_accident_hazards = 14;
+    let tables = tables_of(&scenes, &[]);
+    let wanted =
+        "bin,lower,scenes\n0,0,1\n1,1,0\n2,2,1\n3,3,0\n4,4,0\n5,5,0\n6,6,0\n7,7,0\n8,8,0\n9,9,0\n10+,10,1\n";
+    assert_eq!(csv(&tables, "scenes_by_accidents"), wanted);
+    assert_eq!(csv(&tables, "scenes_by_road_works"), "bin,lower,scenes\n0,0,3\n");
 }
 
 /// The cells of a CSV file by RFC 4180, character by character: another reader than the writer's own crate.
@@ -326,7 +461,8 @@ proptest! {
             (
                 proptest::sample::select(vec![
                     "frames", "agent_frames", "boxes", "boxes_valid", "valid_per_frame", "yaw_deg", "speed_mps",
-                    "yaw_rate_dps", "bev_cells", "bev_grids", "voxel_cells", "voxel_cells_filled", "lidar_points",
+                    "yaw_rate_dps", "bev_cells", "bev_grids", "bev_heat", "lidar_points_at", "radar_points_at",
+                    "seen_by_vehicles", "seen_by_rsus", "voxel_cells", "voxel_cells_filled", "lidar_points",
                     "sensor_bytes", "pedestrians",
                 ]),
                 proptest::sample::select(vec!["", "car", "road", "a<b>&\"c\u{1}", "one, two\n\"three\"", "unlabeled", "vehicle_0"]),
@@ -345,11 +481,16 @@ proptest! {
             parse(&figure.svg);
             prop_assert!(!figure.svg.contains("NaN") && !figure.svg.contains("inf\""));
         }
-        let html = report_html(&tables, &figures);
+        let html = report_html(&tables, &figures, &[]);
         let page = parse(&html);
         // Every link within the page has its target.
         for link in page.descendants().filter_map(|node| node.attribute("href")) {
-            let target = link.trim_start_matches('#');
+            // Others lead to the page beside this one, or to the file of a long table.
+            let Some(target) = link.strip_prefix('#') else {
+                let is_table = link.strip_suffix(".csv").is_some_and(|name| tables.get(name).is_some());
+                prop_assert!(["published.html", "data:,"].contains(&link) || is_table, "{}", link);
+                continue;
+            };
             prop_assert!(page.descendants().any(|node| node.attribute("id") == Some(target)));
         }
         for table in &tables.tables {

@@ -1,0 +1,121 @@
+//! What pages have in common: style, script, tables.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::table::{Table, TableColumn, Values};
+use crate::text::{grouped, printable, words};
+
+/// Longer tables are folded away behind their heading; on paper they are open.
+const FOLD_ROWS: usize = 16;
+/// Still longer ones are left to the file beside the page, unless their rows are scenes.
+const FILE_ROWS: usize = 400;
+
+const STYLE: &str = include_str!("page/style.css");
+const SCRIPT: &str = include_str!("page/script.js");
+
+/// Written out because maud leaves elements without content open, as XML may not. An icon of nothing keeps browsers from asking
+/// servers for one.
+const META: &str = "<meta charset=\"utf-8\"/>\n\
+    <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<link rel=\"icon\" href=\"data:,\"/>\n";
+
+/// A self-contained page (well-formed as XML, too): nothing of it is loaded from elsewhere but pictures beside it.
+pub(crate) fn page(title: &str, body: &Markup) -> String {
+    // Scripts are text to browsers and markup to readers of XML: both pass over the other's comments.
+    let script = format!("<script>/*<![CDATA[*/\n{SCRIPT}/*]]>*/</script>\n");
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                (PreEscaped(META))
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                (body)
+                (PreEscaped(&script))
+            }
+        }
+        "\n"
+    };
+    printable(&page.into_string())
+}
+
+/// A table below its heading, folded away where its numbers are many or in a figure already.
+pub(crate) fn folded(table: &Table, is_drawn: bool) -> Markup {
+    let folds = table.len() > FOLD_ROWS || table.column("bin").is_some() || is_drawn;
+    let is_long = table.len() > FILE_ROWS && table.column("scene").is_none();
+    html! {
+        @if is_long {
+            p { (table.title) ": " a href={ (table.name) ".csv" } { (grouped(&table.len().to_string())) " rows" } ". " (table.note) }
+        } @else if folds {
+            details {
+                summary { (table.title) ": numbers" }
+                (numbers(table))
+            }
+        } @else {
+            h3 { (table.title) }
+            (numbers(table))
+        }
+    }
+}
+
+/// A table; a click on a heading sorts it. Rows of scenes say which split and map they are of.
+pub(crate) fn numbers(table: &Table) -> Markup {
+    let is_total = |row| table.columns.first().is_some_and(|column| column.values.text(row) == "total");
+    let is_of_scenes = table.column("scene").is_some();
+    let of = |column: &str, row: usize| {
+        let found = table.strings(column).get(row).filter(|_| is_of_scenes);
+        found.cloned()
+    };
+    html! {
+        @if !table.note.is_empty() {
+            p { (table.note) }
+        }
+        div class="scroll" {
+            table {
+                thead {
+                    tr {
+                        @for column in &table.columns {
+                            th class=[class_of(&column.values)] { (column_title(&column.name)) }
+                        }
+                    }
+                }
+                tbody {
+                    @for row in 0..table.len() {
+                        tr class=[is_total(row).then_some("total")] data-split=[of("split", row)] data-map=[of("map", row)] {
+                            @for column in &table.columns {
+                                td class=[class_of(&column.values)] { (cell(column, row)) }
+                            }
+                        }
+                        "\n"
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn class_of(values: &Values) -> Option<&'static str> {
+    matches!(values, Values::Str(_)).then_some("name")
+}
+
+fn cell(column: &TableColumn, row: usize) -> String {
+    let text = column.values.text(row);
+    match (&column.values, column.name.as_str()) {
+        (Values::Str(_), "class" | "label") => words(&text),
+        (Values::Str(_), _) => text,
+        _ if text.is_empty() => "\u{2013}".into(),
+        _ => grouped(&text),
+    }
+}
+
+/// A column's name as words, with its unit set apart.
+pub(crate) fn column_title(name: &str) -> String {
+    let units = [("_s", ", s"), ("_percent", ", %"), ("_m", ", m"), ("_deg", ", degrees")];
+    let split = units.into_iter().find_map(|(end, unit)| Some((name.strip_suffix(end)?, unit)));
+    match (name, split) {
+        ("percent", _) => "%".into(),
+        (_, Some((stem, unit))) => words(stem) + unit,
+        _ => words(name),
+    }
+}
