@@ -90,7 +90,7 @@ fn weather(info: &Value, key: &str) -> Result<Weather, String> {
 }
 
 fn agents(scene: &Scene, cast: &Cast) -> Vec<AgentInfo> {
-    let info = |(position, (agent, records)): (usize, &(schema::AgentId, Vec<crate::Record>))| {
+    let info = |(position, (agent, records)): (usize, &(schema::AgentId, Vec<crate::infos::Record>))| {
         let said = scene.info.get(&agent.to_string());
         let flag = |key: &str| said.and_then(|said| said.get(key)).and_then(Value::flag).unwrap_or(false);
         let (model, color) = cast.body(position).unwrap_or_default();

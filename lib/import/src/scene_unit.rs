@@ -196,8 +196,12 @@ pub(crate) fn bev_settings(cells: u32, cell_m: f64) -> BevSettings {
 }
 
 /// Infos name filled grids before they are there, too: there are all, or none.
-fn has_filled(folder: &Folder, records: &[crate::Record], agent: &AgentId) -> Result<bool, ImportError> {
-    let there = |record: &crate::Record| {
+fn has_filled(
+    folder: &Folder,
+    records: &[crate::infos::Record],
+    agent: &AgentId,
+) -> Result<bool, ImportError> {
+    let there = |record: &crate::infos::Record| {
         record.files.get(FILLED_VOXELS).is_some_and(|said| folder.find(said).is_ok())
     };
     let found = records.iter().filter(|record| there(record)).count();

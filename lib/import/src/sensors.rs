@@ -12,7 +12,6 @@ use schema::tables::{
 use schema::{AgentId, ImageKind};
 use store::{Finished, StoreError, TableOptions, TableWriter, Unit, keys};
 
-use crate::cast::BATCH;
 use crate::error::ImportError;
 use crate::names::{SensorKind, sensor_of};
 use crate::pictures;
@@ -21,6 +20,9 @@ use crate::work::Work;
 
 /// Key of a table's metadata that names the columns which hold zeros because the layout does not say them.
 const ZERO_COLUMNS: &str = "zero_columns";
+
+/// Frames that are read at once: those of six cameras with flow take 80 MB each.
+const BATCH: usize = 4;
 
 /// A table in hand.
 enum Table {
@@ -34,7 +36,7 @@ enum Table {
 }
 
 /// The sensors of an agent, by their keys.
-pub(crate) fn of_agent(agent: AgentId, record: &crate::Record) -> Vec<(String, SensorKind)> {
+pub(crate) fn of_agent(agent: AgentId, record: &crate::infos::Record) -> Vec<(String, SensorKind)> {
     let known = |key: &String| Some((key.clone(), sensor_of(agent.kind, key)?));
     record.files.keys().filter_map(known).collect()
 }

@@ -103,7 +103,7 @@ impl Source {
         let weather = |named: &std::collections::BTreeMap<String, f64>| {
             Weather::NAMES.map(|name| named.get(name).copied().unwrap_or(0.0))
         };
-        let keys = |(agent, records): &(AgentId, Vec<crate::Record>)| {
+        let keys = |(agent, records): &(AgentId, Vec<crate::infos::Record>)| {
             let known = sensors::of_agent(*agent, &records[0]).into_iter().map(|(key, _)| key);
             let arrays = [MASKS, VOXELS, FILLED_VOXELS].map(str::to_owned).into_iter();
             let arrays = arrays.filter(|key| records[0].files.contains_key(key));
@@ -150,7 +150,7 @@ impl Source {
 
     /// Size of a cell of the masks: it stands in the scene's configuration alone.
     fn bev_cell_m(&self, scene: &Scene) -> f64 {
-        let said = scene.info.get("config").and_then(crate::Value::text);
+        let said = scene.info.get("config").and_then(crate::value::Value::text);
         let text = said.and_then(|said| self.folder.read(said, MAX_CONFIG_BYTES).ok());
         let found = text.and_then(|(_, text)| cell_of(&String::from_utf8_lossy(&text)));
         found.unwrap_or(PUBLISHED_CELL_M)
@@ -178,10 +178,16 @@ fn cell_of(text: &str) -> Option<f64> {
     None
 }
 
-fn plan_agent(number: u32, scene: &Scene, (agent, records): &(AgentId, Vec<crate::Record>)) -> PlanAgentRow {
+fn plan_agent(
+    number: u32,
+    scene: &Scene,
+    (agent, records): &(AgentId, Vec<crate::infos::Record>),
+) -> PlanAgentRow {
     let said = scene.info.get(&agent.to_string());
-    let flag = |key: &str| said.and_then(|said| said.get(key)).and_then(crate::Value::flag).unwrap_or(false);
-    let model = said.and_then(|said| said.get("vehicle")).and_then(crate::Value::text).unwrap_or_default();
+    let flag =
+        |key: &str| said.and_then(|said| said.get(key)).and_then(crate::value::Value::flag).unwrap_or(false);
+    let model =
+        said.and_then(|said| said.get("vehicle")).and_then(crate::value::Value::text).unwrap_or_default();
     let pose = Pose::<World, Agent>::from_xyz_wxyz(records[0].xyz_m, records[0].quaternion);
     PlanAgentRow {
         scene: number,
