@@ -31,6 +31,8 @@ async function isSound(page, name) {
   assert.ok(wide <= 0, `${name}: ${wide} pixels stick out of the page`)
   assert.equal(broken, 0, `${name}: broken pictures`)
   assert.deepEqual(await page.evaluate(badTexts), [], name)
+  const shrunk = `[...document.querySelectorAll('.figures svg')].filter(svg => svg.getBoundingClientRect().width < 0.8 * svg.viewBox.baseVal.width).length`
+  assert.equal(await page.evaluate(shrunk), 0, `${name}: figures too small to read`)
   assert.deepEqual(page.errors, [], name)
   if (shots) {
     await mkdir(shots, { recursive: true })
