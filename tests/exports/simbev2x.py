@@ -3,7 +3,7 @@
 Usage: python3 simbev2x.py STORE PROCESSED RAW
 """
 
-import io
+import functools
 import json
 import math
 import pathlib
@@ -13,6 +13,7 @@ import sys
 import zipfile
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 from PIL import Image
 
@@ -198,6 +199,11 @@ def check_combined(lists, combined):
                 assert np.array_equal(value, want[key]), key
 
 
+@functools.lru_cache(maxsize=4)
+def rows_of(path):
+    return pq.read_table(path).to_pylist()
+
+
 class Agent:
     """What the store has of an agent."""
 
@@ -208,22 +214,25 @@ class Agent:
         for path in sorted((folder / "sensors" / name).glob("*.parquet")):
             about = pq.read_metadata(path).metadata.get(b"sensor")
             if about:
-                self.tables[path.stem] = pq.read_table(path)
+                self.tables[path.stem] = pq.ParquetFile(path)
                 self.about[path.stem] = json.loads(about)
-        rows = pq.read_table(folder / "agents.parquet").to_pylist()
-        self.rows = [row for row in rows if row["agent"] == name]
-        boxes = zip(pq.read_table(folder / "boxes.parquet").to_pylist(), pq.read_table(folder / "boxes_valid.parquet").to_pylist())
+        self.rows = [row for row in rows_of(folder / "agents.parquet") if row["agent"] == name]
+        boxes = zip(rows_of(folder / "boxes.parquet"), rows_of(folder / "boxes_valid.parquet"), strict=True)
         self.boxes = {}
         for row, seen in boxes:
             if row["agent"] == name:
                 self.boxes.setdefault(row["frame"], []).append((row, seen))
-        lanes = pq.read_table(folder / "hd_map.parquet").to_pylist()
-        self.lanes = {row["frame"]: row for row in lanes if row["agent"] == name}
+        self.lanes = {row["frame"]: row for row in rows_of(folder / "hd_map.parquet") if row["agent"] == name}
         self.grids = {key: np.load(folder / f"{place}/{name}.npz") for key, place in
                       [("VOXEL-GRID", "occupancy"), ("VOXEL-GRID-FILLED", "occupancy_filled"), ("GT_SEG", "bev")]}
 
     def column(self, sensor, name, frame):
-        return self.tables[sensor][name][frame].as_py()
+        """A value of a frame; of a sensor's table, which has a group for each, nothing else is read."""
+        table = self.tables[sensor]
+        is_by_frame = table.num_row_groups == table.metadata.num_rows
+        group = table.read_row_group(frame if is_by_frame else 0, columns=[name])
+        value = group[name][0 if is_by_frame else frame]
+        return value.values.to_numpy() if isinstance(value, pa.ListScalar) else value.as_py()
 
 
 def check_reading(agent, sensor, frame, path):

@@ -4,25 +4,57 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::ExportError;
 use crate::disk::{inside, read_error, remove, unfinished, write_error};
 use crate::unit::Watch;
 
-/// The files of a unit in hand.
+/// Names the files of a unit before they are made.
+struct Journal {
+    path: PathBuf,
+    file: Mutex<File>,
+}
+
+/// The files of a unit in hand, or of a piece of it.
 pub struct UnitFiles<'a> {
     root: &'a Path,
     files: BTreeMap<String, u64>,
     folders: BTreeSet<PathBuf>,
-    /// Names the unit's files before they are made.
-    journal: Option<(PathBuf, File)>,
+    journal: Option<Arc<Journal>>,
     watch: &'a dyn Watch,
 }
 
 impl<'a> UnitFiles<'a> {
     /// Files below a folder; where there is a journal, it names each before it is made.
     pub(crate) fn new(root: &'a Path, journal: Option<(PathBuf, File)>, watch: &'a dyn Watch) -> Self {
+        let journal = journal.map(|(path, file)| Arc::new(Journal { path, file: Mutex::new(file) }));
         Self { root, files: BTreeMap::new(), folders: BTreeSet::new(), journal, watch }
+    }
+
+    /// For another piece of the same unit.
+    pub(crate) fn of_piece(&self) -> Self {
+        let journal = self.journal.clone();
+        Self {
+            root: self.root,
+            files: BTreeMap::new(),
+            folders: self.folders.clone(),
+            journal,
+            watch: self.watch,
+        }
+    }
+
+    /// Takes the finished files of a piece over.
+    ///
+    /// # Errors
+    /// Another piece wrote one of them, too.
+    pub(crate) fn take(&mut self, piece: Self) -> Result<(), ExportError> {
+        if let Some(name) = piece.files.keys().find(|name| self.files.contains_key(*name)) {
+            return Err(written_twice(&self.root.join(name)));
+        }
+        self.files.extend(piece.files);
+        self.folders.extend(piece.folders);
+        Ok(())
     }
 
     /// The finished files, with their sizes.
@@ -47,7 +79,7 @@ impl<'a> UnitFiles<'a> {
     pub fn create(&mut self, name: &str) -> Result<ExportFile, ExportError> {
         let path = inside(self.root, name)?;
         if self.files.contains_key(name) {
-            return Err(ExportError::Refused(format!("{}: is written twice", path.display())));
+            return Err(written_twice(&path));
         }
         self.announce(name)?;
         self.folder_of(&path)?;
@@ -117,8 +149,11 @@ impl<'a> UnitFiles<'a> {
 
     /// Says in the journal that a file will be made.
     fn announce(&mut self, name: &str) -> Result<(), ExportError> {
-        let Some((path, journal)) = &mut self.journal else { return Ok(()) };
-        writeln!(journal, "{name}").map_err(|source| write_error(path, "write", source))
+        let Some(Journal { path, file }) = self.journal.as_deref() else { return Ok(()) };
+        // One write: a line of another piece never stands within it.
+        let written =
+            file.lock().unwrap_or_else(PoisonError::into_inner).write_all(format!("{name}\n").as_bytes());
+        written.map_err(|source| write_error(path, "write", source))
     }
 
     fn folder_of(&mut self, path: &Path) -> Result<(), ExportError> {
@@ -137,6 +172,10 @@ impl<'a> UnitFiles<'a> {
     pub fn advance(&self, agent_frames: u64) -> Result<(), ExportError> {
         if self.watch.advance(agent_frames) { Err(ExportError::Stopped) } else { Ok(()) }
     }
+}
+
+fn written_twice(path: &Path) -> ExportError {
+    ExportError::Refused(format!("{}: is written twice", path.display()))
 }
 
 /// A file that is being written.

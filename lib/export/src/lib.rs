@@ -15,6 +15,7 @@ mod selection;
 pub mod simbev2x;
 mod source;
 mod unit;
+mod work;
 
 pub use error::ExportError;
 pub use files::{ExportFile, UnitFiles};

@@ -29,6 +29,16 @@ pub struct Destination {
     layout: &'static str,
 }
 
+/// A unit of which everything is written, though not yet on the disk.
+pub(crate) struct Finished<'a> {
+    pub(crate) unit: UnitName,
+    /// Digest of what it was made from.
+    pub(crate) identity: String,
+    pub(crate) files: UnitFiles<'a>,
+    /// What it leaves for the end.
+    pub(crate) fragment: Vec<u8>,
+}
+
 /// What a finished unit wrote, from what.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Record {
@@ -214,23 +224,20 @@ impl Destination {
         UnitFiles::new(&self.root, None, watch)
     }
 
-    /// Ends a unit: from here on it is kept.
-    pub(crate) fn end(
-        &self,
-        unit: UnitName,
-        identity: &str,
-        files: UnitFiles<'_>,
-        fragment: &[u8],
-    ) -> Result<(), ExportError> {
-        let record = Record {
-            identity: identity.to_owned(),
-            files: files.into_sizes(),
-            fragment: hash_bytes(fragment),
-        };
-        put(&self.fragment_path(unit), fragment)?;
+    /// Ends units: from here on they are kept.
+    pub(crate) fn end(&self, units: Vec<Finished<'_>>) -> Result<(), ExportError> {
+        let mut records = Vec::new();
+        for Finished { unit, identity, files, fragment } in units {
+            put(&self.fragment_path(unit), &fragment)?;
+            let fragment = hash_bytes(&fragment);
+            records.push((unit, Record { identity, files: files.into_sizes(), fragment }));
+        }
         self.sync()?;
-        put(&self.record_path(unit), &to_json(&record))?;
-        remove(&self.journal_path(unit))
+        for (unit, record) in records {
+            put(&self.record_path(unit), &to_json(&record))?;
+            remove(&self.journal_path(unit))?;
+        }
+        Ok(())
     }
 
     /// Everything written so far is on the disk after this.
@@ -311,7 +318,8 @@ mod tests {
         let mut files = place.begin(unit, &Nobody)?;
         assert_eq!(files_below(folder.path()), ["scene_0003.rsu_1.journal"]);
         files.put("a/four.bin", b"1")?;
-        place.end(unit, "x", files, b"fragment")?;
+        let finished = Finished { unit, identity: "x".to_owned(), files, fragment: b"fragment".to_vec() };
+        place.end(vec![finished])?;
         assert!(place.is_done(unit, "x")? && !place.is_done(unit, "y")?);
         assert_eq!((place.finished()?, place.fragment(unit)?), (vec![unit], Some(b"fragment".to_vec())));
 

@@ -1,11 +1,11 @@
 //! Makes an export: what is missing of it, unit by unit, then what is common to all.
 
-use rayon::prelude::*;
 use store::hash_bytes;
 
 use crate::layout::Cost;
 use crate::unit::{UnitName, Watch};
-use crate::{Destination, ExportError, Layout, Omission, SceneSource, Source};
+use crate::work::{self, Job};
+use crate::{Destination, ExportError, Layout, Omission, Source, UnitFiles};
 
 /// What an export will come to.
 #[derive(Clone, Debug)]
@@ -86,16 +86,16 @@ pub fn export(
 ) -> Result<Outcome, ExportError> {
     place.declare(&plan.options)?;
     let scene_of = |unit: &UnitName| source.scenes.iter().find(|scene| scene.number() == unit.scene);
-    let make = |(unit, identity): &(UnitName, String)| match scene_of(unit) {
-        Some(scene) => one_unit(layout, scene, *unit, identity, (place, watch)),
-        None => Ok(()),
+    let job = |(unit, identity): &(UnitName, String)| {
+        let pieces = scene_of(unit).map_or(1, |scene| layout.pieces(scene, *unit).max(1));
+        Job { unit: *unit, identity: identity.clone(), pieces }
     };
-    if layout.is_parallel_inside() {
-        plan.units.iter().try_for_each(make)?;
-    } else {
-        let made: Vec<Result<(), ExportError>> = plan.units.par_iter().map(make).collect();
-        made.into_iter().collect::<Result<(), _>>()?;
-    }
+    let jobs: Vec<Job> = plan.units.iter().map(job).collect();
+    let write = |job: &Job, piece: u32, files: &mut UnitFiles<'_>| match scene_of(&job.unit) {
+        Some(scene) => layout.write_piece(scene, job.unit, piece, files),
+        None => Ok(Vec::new()),
+    };
+    work::make(&jobs, layout.is_parallel_inside(), (place, watch), &write)?;
     let mut fragments = Vec::new();
     for unit in place.finished()? {
         if let Some(fragment) = place.fragment(unit)? {
@@ -106,19 +106,4 @@ pub fn export(
     layout.finish(source, &fragments, &mut files)?;
     place.sync()?;
     Ok(Outcome { made: plan.units.len(), units: fragments.len() })
-}
-
-fn one_unit(
-    layout: &dyn Layout,
-    scene: &SceneSource,
-    unit: UnitName,
-    identity: &str,
-    (place, watch): (&Destination, &dyn Watch),
-) -> Result<(), ExportError> {
-    if watch.advance(0) {
-        return Err(ExportError::Stopped);
-    }
-    let mut files = place.begin(unit, watch)?;
-    let fragment = layout.write_unit(scene, unit, &mut files)?;
-    place.end(unit, identity, files, &fragment)
 }

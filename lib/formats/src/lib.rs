@@ -24,15 +24,17 @@
 //!
 //! The bytes of an archive depend on names, arrays and level alone: no clock, no machine.
 
+mod deflate;
 mod dtype;
 mod error;
 mod npy;
 mod npz;
 
+pub use deflate::Repeats;
 pub use dtype::{DType, Scalar};
 pub use error::NpzError;
 pub use npy::{Array, npy_header, npy_object_header};
 pub use npz::{
     DEFAULT_LEVEL, DEFAULT_MAX_BYTES, EncodedMember, NpzReader, NpzWriter, PackedArray, archive_of,
-    encode_member, frame_member,
+    encode_member, encode_records, frame_member,
 };

@@ -64,12 +64,12 @@ pub fn sensors_of(scene: &SceneReader, agent: AgentId) -> Result<Vec<SensorEntry
             continue;
         };
         // Tables that are no sensor's own (`visible`) say nothing of one.
-        let Some(text) = scene.store().table_metadata(manifest, &output.key, METADATA_KEY)? else { continue };
+        let head = scene.store().table_head(manifest, &output.key, METADATA_KEY)?;
+        let Some(text) = head.metadata else { continue };
         let path = || scene.store().location(&output.key);
         let about: Calibration =
             serde_json::from_str(&text).map_err(|source| SceneError::Calibration { path: path(), source })?;
-        let columns = scene.store().table_columns(manifest, &output.key)?;
-        if let Some(kind) = kind_of(name, &columns) {
+        if let Some(kind) = kind_of(name, &head.columns) {
             sensors.push(SensorEntry { name: name.to_owned(), kind, about, bytes: output.bytes });
         }
     }

@@ -1,5 +1,7 @@
 //! The boxes of an agent or of all, frame by frame, with what its sensors saw of each.
 
+use std::ops::Range;
+
 use schema::AgentId;
 use schema::table::{Framed, Row};
 use schema::tables::{BoxRow, ValidBoxRow};
@@ -20,17 +22,27 @@ pub struct LabelledBox {
 pub struct BoxFrames {
     boxes: Rows<BoxRow>,
     seen: Option<Rows<ValidBoxRow>>,
-    agent: Option<String>,
     held: Option<LabelledBox>,
 }
 
 impl BoxFrames {
-    /// Opens the boxes of an agent; with `seen`, and what its sensors saw of them.
+    /// Opens the boxes of an agent; with `seen`, and what its sensors saw of them. Those of others are not decoded.
     ///
     /// # Errors
     /// A stage has not made its part, or a table is not as its manifest says.
     pub fn open(scene: &SceneReader, agent: AgentId, seen: bool) -> Result<Self, SceneError> {
-        Ok(Self { agent: Some(agent.to_string()), ..Self::open_all(scene, seen)? })
+        let (agent, mut whose) = (agent.to_string(), Rows::<Whose>::open(scene, None)?);
+        let (mut row, mut own): (usize, Vec<Range<usize>>) = (0, Vec::new());
+        while let Some(next) = whose.next_row()? {
+            match own.last_mut() {
+                _ if next.agent != agent => {}
+                Some(range) if range.end == row => range.end += 1,
+                _ => own.push(row..row + 1),
+            }
+            row += 1;
+        }
+        let seen = if seen { Some(Rows::open(scene, Some(own.clone()))?) } else { None };
+        Ok(Self { boxes: Rows::open(scene, Some(own))?, seen, held: None })
     }
 
     /// Opens the boxes of all agents, likewise: a frame has those of one after those of another.
@@ -38,8 +50,8 @@ impl BoxFrames {
     /// # Errors
     /// As [`BoxFrames::open`].
     pub fn open_all(scene: &SceneReader, seen: bool) -> Result<Self, SceneError> {
-        let seen = if seen { Some(Rows::open(scene)?) } else { None };
-        Ok(Self { boxes: Rows::open(scene)?, seen, agent: None, held: None })
+        let seen = if seen { Some(Rows::open(scene, None)?) } else { None };
+        Ok(Self { boxes: Rows::open(scene, None)?, seen, held: None })
     }
 
     /// The boxes of a frame. Frames must be asked for in ascending order; those between are passed over.
@@ -66,28 +78,21 @@ impl BoxFrames {
         }
     }
 
-    /// The next row that is wanted.
     fn next_row(&mut self) -> Result<Option<LabelledBox>, SceneError> {
-        while let Some(raw) = self.boxes.next_row()? {
-            let seen = match &mut self.seen {
-                None => None,
-                Some(seen) => {
-                    let row = seen.next_row()?;
-                    let same = |row: &ValidBoxRow| {
-                        (row.frame, row.id) == (raw.frame, raw.id) && row.agent == raw.agent
-                    };
-                    match row.filter(same) {
-                        Some(row) => Some(row),
-                        None => return Err(seen.unlike(raw.frame())),
-                    }
-                }
-            };
-            if self.agent.as_ref().is_none_or(|agent| *agent == raw.agent) {
-                return Ok(Some(LabelledBox { raw, seen }));
-            }
+        let Some(raw) = self.boxes.next_row()? else { return Ok(None) };
+        let Some(table) = &mut self.seen else { return Ok(Some(LabelledBox { raw, seen: None })) };
+        let row = table.next_row()?;
+        let same = |row: &ValidBoxRow| (row.frame, row.id) == (raw.frame, raw.id) && row.agent == raw.agent;
+        match row.filter(same) {
+            Some(row) => Ok(Some(LabelledBox { raw, seen: Some(row) })),
+            None => Err(table.unlike(raw.frame())),
         }
-        Ok(None)
     }
+}
+
+schema::columns! {
+    /// Which agent a box is one of.
+    Whose of BoxRow { agent: String }
 }
 
 /// The rows of a table, one by one.
@@ -98,9 +103,14 @@ struct Rows<R> {
 }
 
 impl<R: Row> Rows<R> {
-    fn open(scene: &SceneReader) -> Result<Self, SceneError> {
+    /// Opens a table; all rows are wanted where none are named.
+    fn open(scene: &SceneReader, wanted: Option<Vec<Range<usize>>>) -> Result<Self, SceneError> {
         let key = keys::scene(scene.scene(), &format!("{}.parquet", R::TABLE));
-        let groups = scene.store().row_groups(scene.manifest(R::STAGE)?, &key)?;
+        let (store, manifest) = (scene.store(), scene.manifest(R::STAGE)?);
+        let groups = match wanted {
+            Some(wanted) => store.rows_at(manifest, &key, wanted)?,
+            None => store.row_groups(manifest, &key)?,
+        };
         Ok(Self { path: scene.store().location(&key), groups, ready: Vec::new().into_iter() })
     }
 

@@ -169,6 +169,19 @@ fn sensors_give_one_row_a_frame_and_say_what_is_wrong() {
     // At every other frame it is whole; at every frame it has a gap.
     let gnss = |every| SensorFrames::<GnssRow>::open(&reader, ego(), "GNSS", (FRAMES, every)).expect("opens");
     assert_eq!(gnss(2).map(|row| row.expect("reads").frame).collect::<Vec<_>>(), [0, 2]);
+    // Frames may be passed over; in groups of one row, and within one of many.
+    let mut some = images(FRAMES);
+    let at = |frame: u32, some: &mut SensorFrames<CameraRow>| {
+        some.at(frame).map(|row| row.map(|row| row.image.0[0]))
+    };
+    assert_eq!(at(2, &mut some).expect("reads"), Some(2));
+    assert!(matches!(at(1, &mut some), Err(SceneError::Frame { expected: 1, .. })), "only ahead");
+    let mut some = images(FRAMES);
+    assert_eq!([0, 2].map(|frame| at(frame, &mut some).expect("reads")), [Some(0), Some(2)]);
+    assert_eq!(at(FRAMES, &mut some).expect("is past the end"), None);
+    assert_eq!(gnss(2).at(2).expect("reads").map(|row| row.frame), Some(2));
+    assert_eq!(gnss(2).at(1).expect("is not due"), None);
+    assert!(matches!(gnss(1).at(1), Err(SceneError::Frame { expected: 1, found: Some(2), .. })));
     let mut gap = gnss(1);
     assert!(gap.next().is_some_and(|row| row.is_ok()));
     assert!(matches!(gap.next(), Some(Err(SceneError::Frame { expected: 1, found: Some(2), .. }))));

@@ -1,18 +1,16 @@
 //! Reading tables, whole or group by group.
 
-use std::collections::BTreeSet;
-use std::marker::PhantomData;
+use std::ops::Range;
 
-use arrow_array::RecordBatch;
-use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
-use schema::table::{Column, ColumnError, Row};
+use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ArrowReaderOptions};
+use schema::table::Row;
 use serde::de::DeserializeOwned;
 
 use crate::backend::Shard;
+use crate::groups::RowGroups;
 use crate::manifest::Manifest;
 use crate::shard::{Chunks, ShardStream};
-use crate::{Store, StoreError, convert};
+use crate::{Store, StoreError};
 
 impl Store {
     /// A whole table that a manifest names.
@@ -32,20 +30,25 @@ impl Store {
     /// # Errors
     /// As [`Store::read_rows`]; later groups report their own.
     pub fn row_groups<R: Row>(&self, manifest: &Manifest, key: &str) -> Result<RowGroups<R>, StoreError> {
-        let chunks = Chunks::new(self.open_output(manifest, key)?, self.location(key));
-        let builder =
-            ParquetRecordBatchReaderBuilder::try_new(chunks.clone()).map_err(|e| chunks.error(&e))?;
-        let groups = builder.metadata().num_row_groups();
-        let largest = (0..groups).map(|g| builder.metadata().row_group(g).num_rows()).max().unwrap_or(0);
-        // A batch never spans more than a few thousand rows, nor several frames of a sensor.
-        let batch = usize::try_from(largest).unwrap_or(1).clamp(1, 8192);
-        let named: BTreeSet<&str> = R::fields().iter().map(|field| field.name).collect();
-        let columns = builder.parquet_schema().root_schema().get_fields();
-        let wanted: Vec<usize> = (0..columns.len()).filter(|i| named.contains(columns[*i].name())).collect();
-        let columns = ProjectionMask::roots(builder.parquet_schema(), wanted);
-        let reader =
-            builder.with_projection(columns).with_batch_size(batch).build().map_err(|e| chunks.error(&e))?;
-        Ok(RowGroups { reader, chunks, before: 0, row: PhantomData })
+        RowGroups::open(self.chunks(manifest, key)?, None)
+    }
+
+    /// Some rows of such a table, in ascending ranges that do not overlap; what lies beyond its end is left out. Groups in
+    /// which no row is wanted are not read, and of the others only the wanted rows are decoded.
+    ///
+    /// # Errors
+    /// As [`Store::row_groups`].
+    pub fn rows_at<R: Row>(
+        &self,
+        manifest: &Manifest,
+        key: &str,
+        wanted: Vec<Range<usize>>,
+    ) -> Result<RowGroups<R>, StoreError> {
+        RowGroups::open(self.chunks(manifest, key)?, Some(wanted))
+    }
+
+    fn chunks(&self, manifest: &Manifest, key: &str) -> Result<Chunks, StoreError> {
+        Ok(Chunks::new(self.open_output(manifest, key)?, self.location(key)))
     }
 
     /// What a table that a manifest names says of itself under a key.
@@ -58,12 +61,7 @@ impl Store {
         key: &str,
         name: &str,
     ) -> Result<Option<String>, StoreError> {
-        let chunks = Chunks::new(self.open_output(manifest, key)?, self.location(key));
-        let builder =
-            ParquetRecordBatchReaderBuilder::try_new(chunks.clone()).map_err(|e| chunks.error(&e))?;
-        let entries = builder.metadata().file_metadata().key_value_metadata();
-        let entry = entries.into_iter().flatten().find(|entry| entry.key == name);
-        Ok(entry.and_then(|entry| entry.value.clone()))
+        Ok(self.table_head(manifest, key, name)?.metadata)
     }
 
     /// Names of the columns of a table that a manifest names, in file order.
@@ -71,10 +69,21 @@ impl Store {
     /// # Errors
     /// As [`Store::read_rows`].
     pub fn table_columns(&self, manifest: &Manifest, key: &str) -> Result<Vec<String>, StoreError> {
-        let chunks = Chunks::new(self.open_output(manifest, key)?, self.location(key));
-        let builder =
-            ParquetRecordBatchReaderBuilder::try_new(chunks.clone()).map_err(|e| chunks.error(&e))?;
-        Ok(builder.schema().fields().iter().map(|field| field.name().clone()).collect())
+        Ok(self.table_head(manifest, key, "")?.columns)
+    }
+
+    /// Both at once: what a table says of itself under a key, and its columns.
+    ///
+    /// # Errors
+    /// As [`Store::read_rows`].
+    pub fn table_head(&self, manifest: &Manifest, key: &str, name: &str) -> Result<TableHead, StoreError> {
+        let chunks = self.chunks(manifest, key)?;
+        let loaded = ArrowReaderMetadata::load(&chunks, ArrowReaderOptions::new());
+        let about = loaded.map_err(|e| chunks.error(&e))?;
+        let entries = about.metadata().file_metadata().key_value_metadata();
+        let entry = entries.into_iter().flatten().find(|entry| entry.key == name);
+        let columns = about.schema().fields().iter().map(|field| field.name().clone()).collect();
+        Ok(TableHead { metadata: entry.and_then(|entry| entry.value.clone()), columns })
     }
 
     /// A record in JSON that a manifest names.
@@ -122,40 +131,11 @@ impl Store {
     }
 }
 
-/// Rows of a table, some at a time.
-pub struct RowGroups<R> {
-    reader: ParquetRecordBatchReader,
-    chunks: Chunks,
-    /// Rows handed out so far.
-    before: usize,
-    row: PhantomData<fn() -> R>,
-}
-
-impl<R: Row> Iterator for RowGroups<R> {
-    type Item = Result<Vec<R>, StoreError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let batch = self.reader.next()?;
-        let batch = batch.map_err(|e| self.chunks.error(&e));
-        let before = self.before;
-        Some(batch.and_then(|batch| {
-            self.before += batch.num_rows();
-            let in_file = |e: ColumnError| ColumnError { row: e.row.map(|row| before + row), ..e };
-            rows_of(&batch).map_err(|e| self.chunks.error(&in_file(e)))
-        }))
-    }
-}
-
-fn rows_of<R: Row>(batch: &RecordBatch) -> Result<Vec<R>, ColumnError> {
-    let wanted: Vec<Column> = R::to_columns(&[]);
-    let mut columns = Vec::with_capacity(wanted.len());
-    for (field, column) in R::fields().into_iter().zip(&wanted) {
-        let array = batch.column_by_name(field.name).ok_or_else(|| ColumnError {
-            column: field.name.to_owned(),
-            row: None,
-            problem: "is missing".into(),
-        })?;
-        columns.push(convert::from_arrow(field.name, column, array.as_ref())?);
-    }
-    R::from_columns(columns)
+/// What a table says of itself.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TableHead {
+    /// Under the key that was asked for.
+    pub metadata: Option<String>,
+    /// Names of the columns, in file order.
+    pub columns: Vec<String>,
 }

@@ -181,10 +181,11 @@ impl Layout for Kitti {
         Ok(Cost { agent_frames: frames, bytes: bytes * frames, cpu_s })
     }
 
-    fn write_unit(
+    fn write_piece(
         &self,
         scene: &SceneSource,
         unit: UnitName,
+        _piece: u32,
         files: &mut UnitFiles<'_>,
     ) -> Result<Vec<u8>, ExportError> {
         let Some(agent) = unit.agent else { return Ok(Vec::new()) };

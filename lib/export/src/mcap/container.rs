@@ -7,30 +7,10 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
+use super::chunk::Chunk;
+use super::record::{opcode, put_map, put_text, put_u16, put_u32, put_u64, record};
+
 const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', 0x30, b'\r', b'\n'];
-
-mod opcode {
-    pub(crate) const HEADER: u8 = 0x01;
-    pub(crate) const FOOTER: u8 = 0x02;
-    pub(crate) const SCHEMA: u8 = 0x03;
-    pub(crate) const CHANNEL: u8 = 0x04;
-    pub(crate) const MESSAGE: u8 = 0x05;
-    pub(crate) const CHUNK: u8 = 0x06;
-    pub(crate) const MESSAGE_INDEX: u8 = 0x07;
-    pub(crate) const CHUNK_INDEX: u8 = 0x08;
-    pub(crate) const ATTACHMENT: u8 = 0x09;
-    pub(crate) const ATTACHMENT_INDEX: u8 = 0x0a;
-    pub(crate) const STATISTICS: u8 = 0x0b;
-    pub(crate) const METADATA: u8 = 0x0c;
-    pub(crate) const METADATA_INDEX: u8 = 0x0d;
-    pub(crate) const SUMMARY_OFFSET: u8 = 0x0e;
-    pub(crate) const DATA_END: u8 = 0x0f;
-}
-
-/// Bytes of a message record before the message itself, from the record's first byte.
-const MESSAGE_HEAD: usize = 9 + 2 + 4 + 8 + 8;
-/// Levels above gain a percent and cost a multiple.
-const ZSTD_LEVEL: i32 = 1;
 
 /// A schema: its number is its place in the list, from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -50,90 +30,6 @@ pub(crate) struct Channel {
     pub(crate) topic: String,
     /// What it says of itself.
     pub(crate) metadata: BTreeMap<String, String>,
-}
-
-/// How a chunk is kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Compression {
-    /// As it is: what is compressed already.
-    None,
-    /// Zstandard.
-    Zstd,
-}
-
-impl Compression {
-    fn name(self) -> &'static str {
-        match self {
-            Self::None => "",
-            Self::Zstd => "zstd",
-        }
-    }
-}
-
-/// Messages that are kept together.
-#[derive(Debug, Default)]
-pub(crate) struct Messages {
-    records: Vec<u8>,
-    /// Of each channel time and place of its messages.
-    index: BTreeMap<u16, Vec<(u64, u64)>>,
-}
-
-impl Messages {
-    /// Adds a message of a channel, which `encode` appends to what it is handed.
-    pub(crate) fn add(
-        &mut self,
-        channel: u16,
-        sequence: u32,
-        time_ns: u64,
-        encode: impl FnOnce(&mut Vec<u8>),
-    ) {
-        let start = self.records.len();
-        self.records.push(opcode::MESSAGE);
-        self.records.extend_from_slice(&[0; 8]);
-        put_u16(&mut self.records, channel);
-        put_u32(&mut self.records, sequence);
-        put_u64(&mut self.records, time_ns);
-        put_u64(&mut self.records, time_ns);
-        debug_assert_eq!(self.records.len() - start, MESSAGE_HEAD);
-        encode(&mut self.records);
-        let length = (self.records.len() - start - 9) as u64;
-        self.records[start + 1..start + 9].copy_from_slice(&length.to_le_bytes());
-        self.index.entry(channel).or_default().push((time_ns, start as u64));
-    }
-
-    /// Whether there is none.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.index.is_empty()
-    }
-
-    /// Closes them into a chunk.
-    ///
-    /// # Errors
-    /// The compressor fails.
-    pub(crate) fn into_chunk(self, compression: Compression) -> io::Result<Chunk> {
-        let Self { records, index } = self;
-        let crc = crc32fast::hash(&records);
-        let plain_bytes = records.len() as u64;
-        let packed = match compression {
-            Compression::None => records,
-            Compression::Zstd => zstd::bulk::compress(&records, ZSTD_LEVEL)?,
-        };
-        let times = || index.values().flatten().map(|(time, _)| *time);
-        let (first, last) = (times().min().unwrap_or(0), times().max().unwrap_or(0));
-        Ok(Chunk { first, last, plain_bytes, crc, compression, packed, index })
-    }
-}
-
-/// A finished chunk.
-#[derive(Debug)]
-pub(crate) struct Chunk {
-    first: u64,
-    last: u64,
-    plain_bytes: u64,
-    crc: u32,
-    compression: Compression,
-    packed: Vec<u8>,
-    index: BTreeMap<u16, Vec<(u64, u64)>>,
 }
 
 /// A file in hand.
@@ -387,43 +283,9 @@ fn channel_record(number: u16, channel: &Channel) -> Vec<u8> {
     record(opcode::CHANNEL, &content)
 }
 
-fn record(opcode: u8, content: &[u8]) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(9 + content.len());
-    bytes.push(opcode);
-    put_u64(&mut bytes, content.len() as u64);
-    bytes.extend_from_slice(content);
-    bytes
-}
-
-fn put_u16(out: &mut Vec<u8>, value: u16) {
-    out.extend_from_slice(&value.to_le_bytes());
-}
-
-fn put_u32(out: &mut Vec<u8>, value: u32) {
-    out.extend_from_slice(&value.to_le_bytes());
-}
-
-fn put_u64(out: &mut Vec<u8>, value: u64) {
-    out.extend_from_slice(&value.to_le_bytes());
-}
-
-fn put_text(out: &mut Vec<u8>, text: &str) {
-    put_u32(out, text.len() as u32);
-    out.extend_from_slice(text.as_bytes());
-}
-
-fn put_map(out: &mut Vec<u8>, map: &BTreeMap<String, String>) {
-    let mut entries = Vec::new();
-    for (key, value) in map {
-        put_text(&mut entries, key);
-        put_text(&mut entries, value);
-    }
-    put_u32(out, entries.len() as u32);
-    out.extend(entries);
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::chunk::{Compression, MESSAGE_HEAD, Messages};
     use super::*;
 
     fn u64_at(bytes: &[u8], at: usize) -> u64 {

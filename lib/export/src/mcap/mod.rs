@@ -13,6 +13,7 @@
 //! of every frame, and the chunks are written in the tracks' order. So a reader of boxes need not unpack pictures, and the
 //! bytes do not depend on the number of threads.
 
+mod chunk;
 mod clock;
 mod container;
 mod cost;
@@ -22,6 +23,7 @@ mod map;
 mod messages;
 mod options;
 mod packed;
+mod record;
 mod survey;
 mod topics;
 mod tracks;
@@ -86,10 +88,11 @@ impl Layout for Mcap {
         cost::of_scene(scene, self.options)
     }
 
-    fn write_unit(
+    fn write_piece(
         &self,
         scene: &SceneSource,
         _unit: UnitName,
+        _piece: u32,
         files: &mut UnitFiles<'_>,
     ) -> Result<Vec<u8>, ExportError> {
         write::scene(scene, self.options, files)?;

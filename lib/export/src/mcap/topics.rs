@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
 
+use super::chunk::Messages;
 use super::clock::time_ns;
-use super::container::{Channel, Messages, Schema};
+use super::container::{Channel, Schema};
 use super::descriptor::{descriptor_set, full_name};
 use super::wire::Message;
 use crate::ExportError;

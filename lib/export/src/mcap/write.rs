@@ -10,8 +10,9 @@ use schema::tables::{CameraRow, TrackFrameRow};
 use schema::{AgentId, FORMAT_VERSION, FRAME_PERIOD_S, ImageKind};
 use store::keys;
 
+use super::chunk::{Chunk, Messages};
 use super::clock::{EPOCH_S, time_ns};
-use super::container::{Chunk, McapWriter, Messages};
+use super::container::McapWriter;
 use super::map::lines_near;
 use super::messages::SceneUpdate;
 use super::options::McapOptions;

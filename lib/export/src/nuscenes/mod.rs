@@ -85,10 +85,11 @@ impl Layout for NuScenes {
         survey::cost(scene, unit, &self.options)
     }
 
-    fn write_unit(
+    fn write_piece(
         &self,
         scene: &SceneSource,
         unit: UnitName,
+        _piece: u32,
         files: &mut UnitFiles<'_>,
     ) -> Result<Vec<u8>, ExportError> {
         let Some(agent) = unit.agent else { return Ok(Vec::new()) };

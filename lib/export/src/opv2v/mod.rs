@@ -141,10 +141,11 @@ impl Layout for Opv2v {
         Ok(Cost { agent_frames: frames, bytes: all(per_frame[0]) as u64, cpu_s: all(per_frame[1]) })
     }
 
-    fn write_unit(
+    fn write_piece(
         &self,
         scene: &SceneSource,
         unit: UnitName,
+        _piece: u32,
         files: &mut UnitFiles<'_>,
     ) -> Result<Vec<u8>, ExportError> {
         let crew = self.crew(scene)?;

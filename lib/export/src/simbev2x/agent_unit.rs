@@ -140,14 +140,22 @@ fn rank(sensor: &SensorEntry) -> (usize, usize, usize) {
     }
 }
 
-/// Writes the files of an agent.
+/// Frames of a piece: few enough that threads end at about the same time, and enough that opening tables is little beside them.
+const FRAMES_A_PIECE: u32 = 16;
+
+/// In how many pieces an agent is written.
+pub(super) fn pieces(scene: &SceneSource) -> u32 {
+    scene.frame_count().div_ceil(FRAMES_A_PIECE)
+}
+
+/// Writes the files of some frames of an agent.
 pub(super) fn write(
     scene: &SceneSource,
     agent: AgentId,
-    holding: &Holding,
+    (holding, piece): (&Holding, u32),
     palette: Palette,
     files: &mut UnitFiles<'_>,
-) -> Result<AgentFacts, ExportError> {
+) -> Result<(), ExportError> {
     let number = scene.number();
     let mut sensors = Vec::new();
     for sensor in &holding.sensors {
@@ -159,7 +167,8 @@ pub(super) fn write(
     }
     let mut masks = if holding.has_masks { Some(scene.arrays(&BEV_MASKS, agent)?) } else { None };
     // Frames are numbered anew: readers want them without gaps.
-    for (to, from) in (0..).zip(scene.frames()) {
+    let first = piece * FRAMES_A_PIECE;
+    for (to, from) in (0..).zip(scene.frames()).skip(first as usize).take(FRAMES_A_PIECE as usize) {
         let fault = |what: &str, problem: &dyn std::fmt::Display| content(number, from, agent, what, problem);
         for (name, readings) in &mut sensors {
             let file = readings.file(from).map_err(|e| match e {
@@ -194,6 +203,15 @@ pub(super) fn write(
         }
         files.advance(1)?;
     }
+    Ok(())
+}
+
+/// What an agent leaves for the infos.
+pub(super) fn facts(
+    scene: &SceneSource,
+    agent: AgentId,
+    holding: &Holding,
+) -> Result<AgentFacts, ExportError> {
     let names = holding.sensors.iter().map(|sensor| sensor.name.clone());
     let grids = holding.grids.iter().map(|(name, _)| (*name).to_owned()).filter(|name| name == VOXELS);
     Ok(AgentFacts {

@@ -219,18 +219,33 @@ impl Layout for SimBev2x {
         }
     }
 
-    fn write_unit(
+    fn pieces(&self, scene: &SceneSource, unit: UnitName) -> u32 {
+        // Of a scene its boxes, then the rest.
+        if unit.agent.is_some() { agent_unit::pieces(scene) } else { 2 }
+    }
+
+    fn write_piece(
         &self,
         scene: &SceneSource,
         unit: UnitName,
+        piece: u32,
         files: &mut UnitFiles<'_>,
     ) -> Result<Vec<u8>, ExportError> {
         let config = config_of(scene)?;
-        let fragment = match unit.agent {
-            None => serde_json::to_vec(&scene_unit::write(scene, &config, self.is_processed(), files)?),
-            Some(agent) => {
+        // The first piece of an agent and the last one of a scene leave the facts.
+        let fragment = match (unit.agent, piece) {
+            (None, 0) => {
+                scene_unit::write_boxes(scene, self.is_processed(), files)?;
+                return Ok(Vec::new());
+            }
+            (None, _) => serde_json::to_vec(&scene_unit::write(scene, &config, files)?),
+            (Some(agent), piece) => {
                 let holding = self.holding(scene, agent, &config)?;
-                serde_json::to_vec(&agent_unit::write(scene, agent, &holding, self.options.palette, files)?)
+                agent_unit::write(scene, agent, (&holding, piece), self.options.palette, files)?;
+                if piece > 0 {
+                    return Ok(Vec::new());
+                }
+                serde_json::to_vec(&agent_unit::facts(scene, agent, &holding)?)
             }
         };
         fragment.map_err(|e| ExportError::Refused(format!("{unit}: its facts cannot be kept: {e}")))

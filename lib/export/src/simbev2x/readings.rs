@@ -1,6 +1,6 @@
 //! Readings of sensors as files of the layout.
 
-use formats::{DEFAULT_LEVEL, DType, EncodedMember, NpzError, Scalar, archive_of, encode_member, npy_header};
+use formats::{DType, EncodedMember, NpzError, Repeats, Scalar, archive_of, encode_records, npy_header};
 use scene::{SensorEntry, SensorFrames, SensorKind};
 use schema::table::{Framed, Row};
 use schema::tables::{CameraRow, FlowRow, GnssRow, ImuRow, LidarRow, RadarRow, SemanticLidarRow};
@@ -28,9 +28,6 @@ schema::columns! {
 }
 
 framed!(Points, TaggedPoints, Returns);
-
-/// Compression of what hardly shrinks: noisy points.
-const FAST: u32 = 1;
 
 /// The table of a sensor, frame by frame.
 pub(super) enum Readings {
@@ -98,8 +95,13 @@ fn made<R: Row + Framed>(
 }
 
 /// An archive of one array, `data`.
-fn archive(dtype: impl Into<DType>, shape: &[usize], bytes: &[u8], level: u32) -> Result<Vec<u8>, NpzError> {
-    archive_of(encode_member(DATA, dtype, shape, bytes, level)?)
+fn archive(
+    dtype: impl Into<DType>,
+    shape: &[usize],
+    bytes: &[u8],
+    repeats: Repeats<'_>,
+) -> Result<Vec<u8>, NpzError> {
+    archive_of(encode_records(DATA, dtype, shape, bytes, repeats)?)
 }
 
 /// Name of the one member of archives.
@@ -113,13 +115,14 @@ pub(super) fn repacked(member: EncodedMember) -> Result<Vec<u8>, NpzError> {
 /// Columns of equal length side by side: `[n, columns]`, f32.
 fn columns(columns: &[&Vec<f32>]) -> Result<Vec<u8>, NpzError> {
     let n = columns.iter().map(|column| column.len()).min().unwrap_or(0);
-    let mut bytes = Vec::with_capacity(4 * n * columns.len());
-    for i in 0..n {
-        for column in columns {
-            bytes.extend_from_slice(&column[i].to_le_bytes());
+    let mut bytes = vec![0; 4 * n * columns.len()];
+    for (i, record) in bytes.chunks_exact_mut(4 * columns.len()).enumerate() {
+        for (cell, column) in record.chunks_exact_mut(4).zip(columns) {
+            cell.copy_from_slice(&column[i].to_le_bytes());
         }
     }
-    archive(Scalar::F32, &[n, columns.len()], &bytes, FAST)
+    // Noise: next to nothing in it comes back.
+    archive(Scalar::F32, &[n, columns.len()], &bytes, Repeats::NONE)
 }
 
 /// `[n]` records.
@@ -132,27 +135,30 @@ fn tagged(row: &TaggedPoints) -> Result<Vec<u8>, NpzError> {
         ("ObjIdx", Scalar::U32),
         ("ObjTag", Scalar::U32),
     ];
-    let mut bytes = Vec::with_capacity(24 * row.x.len());
-    let floats = row.x.iter().zip(&row.y).zip(&row.z).zip(&row.cos_angle);
-    for ((((x, y), z), cos_angle), (id, tag)) in floats.zip(row.id.iter().zip(&row.tag)) {
-        for value in [x, y, z, cos_angle] {
-            bytes.extend_from_slice(&value.to_le_bytes());
-        }
-        bytes.extend_from_slice(&u32::from(*id).to_le_bytes());
-        bytes.extend_from_slice(&u32::from(*tag).to_le_bytes());
+    let columns = [row.y.len(), row.z.len(), row.cos_angle.len(), row.id.len(), row.tag.len()];
+    let n = columns.into_iter().fold(row.x.len(), usize::min);
+    let mut bytes = vec![0; 24 * n];
+    for (i, record) in bytes.chunks_exact_mut(24).enumerate() {
+        let floats = [row.x[i], row.y[i], row.z[i], row.cos_angle[i]].map(f32::to_le_bytes);
+        let numbers = [u32::from(row.id[i]), u32::from(row.tag[i])].map(u32::to_le_bytes);
+        record[..16].copy_from_slice(floats.as_flattened());
+        record[16..].copy_from_slice(numbers.as_flattened());
     }
     let dtype = DType::Record(fields.map(|(name, scalar)| (name.to_owned(), scalar)).to_vec());
-    archive(dtype, &[bytes.len() / 24], &bytes, FAST)
+    // Neighbours are of one object; ids and tags have bytes of zero behind them.
+    archive(dtype, &[n], &bytes, Repeats { distances: &[24], step: 2 })
 }
 
 /// `[height, width, 2]`, f32: motion to the right, motion up.
 fn flow(row: &FlowRow) -> Result<Vec<u8>, NpzError> {
-    let mut bytes = Vec::with_capacity(8 * row.dx.len());
-    for (dx, dy) in row.dx.iter().zip(&row.dy) {
-        bytes.extend_from_slice(&dx.to_le_bytes());
-        bytes.extend_from_slice(&dy.to_le_bytes());
+    let mut bytes = vec![0; 8 * row.dx.len().min(row.dy.len())];
+    for ((cell, dx), dy) in bytes.chunks_exact_mut(8).zip(&row.dx).zip(&row.dy) {
+        cell[..4].copy_from_slice(&dx.to_le_bytes());
+        cell[4..].copy_from_slice(&dy.to_le_bytes());
     }
-    archive(Scalar::F32, &[row.height as usize, row.width as usize, 2], &bytes, DEFAULT_LEVEL)
+    let (width, height) = (row.width as usize, row.height as usize);
+    // Pixels move as those beside or above them.
+    archive(Scalar::F32, &[height, width, 2], &bytes, Repeats { distances: &[8, 8 * width], step: 1 })
 }
 
 /// Numbers as a NPY file.

@@ -34,14 +34,12 @@ pub(super) struct SceneFacts {
 /// How deep the entries of `scene_info` stand in the file.
 pub(super) const INFO_LEVEL: usize = 4;
 
-/// Writes the files of a scene.
+/// Writes the files of a scene but for its boxes.
 pub(super) fn write(
     scene: &SceneSource,
     config: &Value,
-    is_processed: bool,
     files: &mut UnitFiles<'_>,
 ) -> Result<SceneFacts, ExportError> {
-    write_boxes(scene, is_processed, files)?;
     write_lanes(scene, files)?;
     let number = scene.number();
     files.put(&names::config(number), yaml::document(config).as_bytes())?;
@@ -72,7 +70,8 @@ pub(super) fn write(
     })
 }
 
-fn write_boxes(
+/// Writes the boxes of a scene.
+pub(super) fn write_boxes(
     scene: &SceneSource,
     is_processed: bool,
     files: &mut UnitFiles<'_>,

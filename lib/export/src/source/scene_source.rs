@@ -1,5 +1,8 @@
 //! A finished scene.
 
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
 use scene::{ArrayReader, BoxFrames, SceneError, SceneReader, SensorEntry, SensorFrames, sensors_of};
 use schema::AgentId;
 use schema::arrays::ArrayKind;
@@ -18,6 +21,8 @@ pub struct SceneSource {
     agents: Vec<AgentId>,
     selection: Selection,
     digest: String,
+    /// The wanted sensors of the agents that were asked for: who plans, estimates and writes asks again and again.
+    sensors: Arc<Mutex<BTreeMap<AgentId, Vec<SensorEntry>>>>,
 }
 
 impl SceneSource {
@@ -47,7 +52,7 @@ impl SceneSource {
                 selection.agents
             )));
         }
-        Ok(Ok(Self { reader, info, agents, selection: selection.clone(), digest }))
+        Ok(Ok(Self { reader, info, agents, selection: selection.clone(), digest, sensors: Arc::default() }))
     }
 
     /// Its number.
@@ -141,8 +146,13 @@ impl SceneSource {
     /// # Errors
     /// Their stage has not made its part, or a table cannot be read.
     pub fn sensors(&self, agent: AgentId) -> Result<Vec<SensorEntry>, ExportError> {
+        let known = || self.sensors.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(sensors) = known().get(&agent) {
+            return Ok(sensors.clone());
+        }
         let mut sensors = sensors_of(&self.reader, agent)?;
         sensors.retain(|sensor| self.selection.has_sensor(&sensor.name));
+        known().insert(agent, sensors.clone());
         Ok(sensors)
     }
 

@@ -6,6 +6,7 @@ use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use rawzip::CompressionMethod;
 
+use crate::deflate::{Repeats, deflate};
 use crate::dtype::DType;
 use crate::error::NpzError;
 use crate::npy;
@@ -80,13 +81,7 @@ pub fn encode_member(
     bytes: &[u8],
     level: u32,
 ) -> Result<EncodedMember, NpzError> {
-    let dtype = dtype.into();
-    check_name(name)?;
-    if npy::array_len(&dtype, shape) != Some(bytes.len()) {
-        let problem = format!("{} bytes don't fill the shape {shape:?} of {}", bytes.len(), dtype.literal());
-        return Err(NpzError::invalid(name, problem));
-    }
-    let header = npy::npy_header(name, &dtype, shape)?;
+    let header = header_of(name, &dtype.into(), shape, bytes)?;
     let mut crc = crc32fast::Hasher::new();
     let (method, data) = if level == 0 {
         let data = [header.as_slice(), bytes].concat();
@@ -104,6 +99,45 @@ pub fn encode_member(
     };
     let plain_len = header.len() as u64 + bytes.len() as u64;
     Ok(EncodedMember { name: name.to_owned(), method, crc: crc.finalize(), plain_len, data })
+}
+
+/// Encodes an array of measurements as a member of an archive, faster and smaller than [`encode_member`] at its fastest: it
+/// shortens bytes by how often they occur, and looks for repeats only where it is told.
+///
+/// # Errors
+/// As [`encode_member`].
+///
+/// ```
+/// // Three records of 12 bytes, of which the last eight are often the same.
+/// let bytes: Vec<u8> = (0..3_u8).flat_map(|i| [i, 7, 9, 3, 1, 0, 0, 0, 5, 0, 0, 0]).collect();
+/// let repeats = formats::Repeats { distances: &[12], step: 4 };
+/// let member = formats::encode_records("points.npy", formats::Scalar::U8, &[3, 12], &bytes, repeats)?;
+/// # Ok::<(), formats::NpzError>(())
+/// ```
+pub fn encode_records(
+    name: &str,
+    dtype: impl Into<DType>,
+    shape: &[usize],
+    bytes: &[u8],
+    repeats: Repeats<'_>,
+) -> Result<EncodedMember, NpzError> {
+    let header = header_of(name, &dtype.into(), shape, bytes)?;
+    let mut crc = crc32fast::Hasher::new();
+    crc.update(&header);
+    crc.update(bytes);
+    let plain_len = header.len() as u64 + bytes.len() as u64;
+    let (method, data) = (CompressionMethod::DEFLATE, deflate(&header, bytes, repeats));
+    Ok(EncodedMember { name: name.to_owned(), method, crc: crc.finalize(), plain_len, data })
+}
+
+/// The header of an array that fills its shape.
+fn header_of(name: &str, dtype: &DType, shape: &[usize], bytes: &[u8]) -> Result<Vec<u8>, NpzError> {
+    check_name(name)?;
+    if npy::array_len(dtype, shape) != Some(bytes.len()) {
+        let problem = format!("{} bytes don't fill the shape {shape:?} of {}", bytes.len(), dtype.literal());
+        return Err(NpzError::invalid(name, problem));
+    }
+    npy::npy_header(name, dtype, shape)
 }
 
 fn check_name(name: &str) -> Result<(), NpzError> {

@@ -4,7 +4,7 @@ mod encode;
 mod read;
 mod write;
 
-pub use encode::{DEFAULT_LEVEL, EncodedMember, encode_member};
+pub use encode::{DEFAULT_LEVEL, EncodedMember, encode_member, encode_records};
 pub use read::{DEFAULT_MAX_BYTES, NpzReader, PackedArray};
 pub use write::{NpzWriter, archive_of};
 

@@ -5,7 +5,9 @@ use std::io::Cursor;
 use std::path::PathBuf;
 use std::process::Command;
 
-use formats::{DEFAULT_LEVEL, DType, NpzReader, NpzWriter, Scalar, encode_member, npy_header};
+use formats::{
+    DEFAULT_LEVEL, DType, NpzReader, NpzWriter, Repeats, Scalar, encode_member, encode_records, npy_header,
+};
 
 /// Runs a Python program with the folder as its argument; `None` without Python or numpy.
 fn python(program: &str, folder: &str) -> Option<String> {
@@ -45,11 +47,21 @@ fn numpy_reads_our_archives() {
     let points: Vec<u8> = (0..3_u8)
         .flat_map(|i| [f32::from(i).to_le_bytes(), (u32::from(i) + 10).to_le_bytes()].concat())
         .collect();
+    let pairs: Vec<u8> =
+        (0..70_000_u32).flat_map(|i| [i.to_le_bytes(), (i / 100).to_le_bytes()].concat()).collect();
     for member in [
         encode_member("0000.npy", Scalar::Bool, &[2, 3, 4], &mask, DEFAULT_LEVEL),
         encode_member("0001.npy", Scalar::F32, &[2, 3], &floats, 0),
         encode_member("0002.npy", record, &[3], &points, DEFAULT_LEVEL),
         encode_member("0003.npy", Scalar::U8, &[0, 4], &[], DEFAULT_LEVEL),
+        encode_records(
+            "0004.npy",
+            Scalar::U32,
+            &[70_000, 2],
+            &pairs,
+            Repeats { distances: &[8, 800], step: 4 },
+        ),
+        encode_records("0005.npy", Scalar::U8, &[0, 4], &[], Repeats::NONE),
     ] {
         writer.append(member.expect("valid")).expect("in memory");
     }
@@ -59,12 +71,13 @@ import sys, zipfile, numpy as np
 path = sys.argv[1] + "/a.npz"
 assert zipfile.ZipFile(path).testzip() is None
 a = np.load(path)
-assert a.files == ["0000", "0001", "0002", "0003"], a.files
+assert a.files == [f"000{i}" for i in range(6)], a.files
 assert a["0000"].dtype == bool and a["0000"].shape == (2, 3, 4)
 assert (a["0000"].ravel() == np.arange(24) % 2).all()
 assert a["0001"].dtype == np.dtype("<f4") and (a["0001"] == np.arange(6).reshape(2, 3)).all()
 assert a["0002"]["ObjTag"].tolist() == [10, 11, 12] and a["0002"]["x"].tolist() == [0, 1, 2]
-assert a["0003"].shape == (0, 4)
+assert a["0003"].shape == (0, 4) and a["0005"].shape == (0, 4)
+assert (a["0004"] == np.stack([np.arange(70000), np.arange(70000) // 100], 1)).all()
 print("read")
 "#;
     if let Some(said) = python(program, folder.path()) {

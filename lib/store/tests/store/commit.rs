@@ -13,6 +13,7 @@ on_every_backend!(
     columns_that_nobody_asks_for_are_not_read,
     parts_of_an_object_are_read_alone,
     lists_keep_one_frame_per_group,
+    some_rows_of_a_table_are_read,
     a_text_that_means_nothing_is_named_with_its_place,
     a_killed_try_keeps_its_finished_units,
     a_try_killed_after_its_manifest_is_tidied,
@@ -101,6 +102,50 @@ fn lists_keep_one_frame_per_group(bench: &Bench) {
         .collect();
     assert_eq!(groups.iter().map(Vec::len).collect::<Vec<_>>(), [1; 5]);
     assert_eq!(groups.concat(), rows);
+    // Rows may be passed over.
+    let mut some = bench.store.row_groups::<LidarRow>(&manifest, "scenes/0007/x.parquet").expect("opens");
+    assert_eq!(some.next().expect("has one").expect("reads"), rows[..1]);
+    some.pass(2).expect("passes");
+    assert_eq!(some.next().expect("has one").expect("reads"), rows[3..4]);
+    some.pass(7).expect("passes beyond the end");
+    assert!(some.next().is_none());
+}
+
+fn some_rows_of_a_table_are_read(bench: &Bench) {
+    // Three groups of the default size, of which batches are a part.
+    let rows: Vec<SignalRow> = (0..150_000)
+        .map(|frame| SignalRow { frame, id: (frame % 1000) as u16, ..SignalRow::default() })
+        .collect();
+    let mut attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is new");
+    unit.rows("scenes/0007/log/signals.parquet", &rows).expect("writes");
+    unit.finish().expect("commits");
+    let manifest = attempt.commit().expect("commits");
+    let read = |wanted: &[std::ops::Range<usize>], passed: usize| {
+        let groups =
+            bench.store.rows_at::<SignalRow>(&manifest, "scenes/0007/log/signals.parquet", wanted.to_vec());
+        let mut groups = groups.expect("opens");
+        groups.pass(passed).expect("passes");
+        groups.flat_map(|group| group.expect("reads")).collect::<Vec<_>>()
+    };
+    let ends: &[&[std::ops::Range<usize>]] = &[
+        &[],
+        &[0..150_000],
+        &[5..6, 65_530..65_540, 65_541..65_541, 149_999..150_000],
+        &[70_000..70_001, 131_071..131_073],
+        &[0..1, 1..20_000, 149_990..200_000, 300_000..300_001],
+    ];
+    for wanted in ends {
+        let expected: Vec<&SignalRow> = wanted
+            .iter()
+            .flat_map(|range| range.start.min(150_000)..range.end.min(150_000))
+            .map(|i| &rows[i])
+            .collect();
+        for passed in [0, 1, 7, 20_000] {
+            let found = read(wanted, passed);
+            assert!(found.iter().eq(expected.iter().copied().skip(passed)), "{wanted:?} but {passed}");
+        }
+    }
 }
 
 fn a_text_that_means_nothing_is_named_with_its_place(bench: &Bench) {

@@ -8,7 +8,7 @@ use schema::tables::{LidarReturnsRow, LidarRow, RadarRow};
 use store::keys;
 
 use super::Track;
-use crate::mcap::container::Messages;
+use crate::mcap::chunk::Messages;
 use crate::mcap::messages::{PointCloud, Pose, Quaternion, Timestamp};
 use crate::mcap::packed::{Packed, Values, pack};
 use crate::mcap::topics::{Topic, Topics};

@@ -5,7 +5,7 @@ use schema::AgentId;
 use schema::tables::CameraRow;
 
 use super::Track;
-use crate::mcap::container::Messages;
+use crate::mcap::chunk::Messages;
 use crate::mcap::messages::{RawImage, Timestamp};
 use crate::mcap::topics::{Topic, Topics};
 use crate::{ExportError, SceneSource};

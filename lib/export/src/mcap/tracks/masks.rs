@@ -8,7 +8,7 @@ use schema::{AgentId, BevClass};
 use serde::Deserialize;
 
 use super::Track;
-use crate::mcap::container::Messages;
+use crate::mcap::chunk::Messages;
 use crate::mcap::messages::{Grid, Pose, Timestamp, Vector2};
 use crate::mcap::packed::{Packed, Values, pack};
 use crate::mcap::topics::{Topic, Topics};

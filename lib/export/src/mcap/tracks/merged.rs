@@ -5,7 +5,7 @@ use schema::tables::TrackFrameRow;
 use store::{RowGroups, keys};
 
 use super::Track;
-use crate::mcap::container::Messages;
+use crate::mcap::chunk::Messages;
 use crate::mcap::drawn::{Drawn, speed_text};
 use crate::mcap::messages::{KeyValuePair, SceneEntity, SceneUpdate};
 use crate::mcap::topics::{Topic, Topics};

@@ -10,7 +10,7 @@ pub(crate) mod pictures;
 pub(crate) mod seen;
 pub(crate) mod voxels;
 
-use super::container::{Compression, Messages};
+use super::chunk::{Compression, Messages};
 use crate::ExportError;
 
 /// A part of a scene that becomes messages.

@@ -9,7 +9,7 @@ use schema::calibration::Calibration;
 use schema::tables::{AgentRow, FrameRow, GnssRow, ImuRow};
 
 use super::Track;
-use crate::mcap::container::Messages;
+use crate::mcap::chunk::Messages;
 use crate::mcap::messages::{
     AgentState, CovarianceType, FrameTransform, FrameTransforms, Imu, LocationFix, Pose, Quaternion,
     Timestamp, Weather,

@@ -9,7 +9,7 @@ use schema::settings::Lens;
 use schema::tables::CameraRow;
 
 use super::Track;
-use crate::mcap::container::{Compression, Messages};
+use crate::mcap::chunk::{Compression, Messages};
 use crate::mcap::messages::{CameraCalibration, CompressedImage, Timestamp};
 use crate::mcap::topics::{Topic, Topics};
 use crate::{ExportError, SceneSource};

@@ -4,7 +4,7 @@ use scene::{BoxFrames, LabelledBox};
 use schema::AgentId;
 
 use super::Track;
-use crate::mcap::container::Messages;
+use crate::mcap::chunk::Messages;
 use crate::mcap::drawn::{Drawn, speed_text};
 use crate::mcap::messages::{KeyValuePair, SceneEntity, SceneUpdate};
 use crate::mcap::topics::{Topic, Topics};

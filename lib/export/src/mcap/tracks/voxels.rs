@@ -7,7 +7,7 @@ use schema::{AgentId, Tag};
 use serde::Deserialize;
 
 use super::Track;
-use crate::mcap::container::Messages;
+use crate::mcap::chunk::Messages;
 use crate::mcap::messages::{Pose, Quaternion, Timestamp, Vector3, VoxelGrid};
 use crate::mcap::packed::{Packed, Values, pack};
 use crate::mcap::topics::{Topic, Topics};
