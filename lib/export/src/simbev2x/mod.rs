@@ -261,7 +261,7 @@ impl Layout for SimBev2x {
     }
 }
 
-// Measured on the full rig (docs/performance.md), one core.
+// Rates from before pieces and records: on the published rig (docs/performance.md) they say 22 core seconds where 8.3 were taken.
 /// A box in its pickle, and its share of the time.
 const BYTES_A_BOX: f64 = 1200.0;
 const S_A_BOX: f64 = 4e-6;
