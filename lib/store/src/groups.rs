@@ -38,7 +38,7 @@ impl<R: Row> RowGroups<R> {
         let table = Table { chunks, about, columns };
         let all = table.groups().last().map_or(0, |group| group.end);
         let wanted = wanted.map_or_else(
-            || Vec::from([0..all]),
+            || std::iter::once(0..all).collect::<Vec<_>>(),
             |wanted| wanted.into_iter().map(|range| range.start.min(all)..range.end.min(all)).collect(),
         );
         Ok(Self { reader: table.reader(&wanted)?, table, wanted, row: PhantomData })
