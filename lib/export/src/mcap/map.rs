@@ -50,7 +50,8 @@ pub(crate) fn lines_near(
 ) -> Result<SceneUpdate, ExportError> {
     let store = scene.reader().store();
     let info = scene.info();
-    let Some(plan) = store.manifest(Scope::Plan, VectorMapRow::STAGE)? else {
+    let plan = store.manifest(Scope::Plan, VectorMapRow::STAGE)?;
+    let Some(plan) = plan.filter(|plan| plan.output(&keys::vector_map(&info.map)).is_some()) else {
         return Ok(SceneUpdate::default());
     };
     let places = agents.iter().flatten().map(|row| [row.xyz_m[0], row.xyz_m[1]]);

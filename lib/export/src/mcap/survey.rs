@@ -10,6 +10,7 @@ use schema::table::Row;
 use schema::tables::{CameraRow, TrackRow, ValidBoxRow};
 
 use super::options::McapOptions;
+use crate::source::NO_MAP;
 use crate::{ExportError, Omission, Source};
 
 const NO_MESSAGE: &str = "there is no message that viewers show of it";
@@ -47,6 +48,9 @@ pub(crate) fn omissions(source: &Source, options: McapOptions) -> Result<Vec<Omi
                 let why = format!("{stage} has not been run for scene {}", scene.number());
                 found.push(Omission::new(what, why));
             }
+        }
+        if !scene.has_map()? {
+            found.push(Omission::new(format!("the map of scene {}", scene.number()), NO_MAP));
         }
         for agent in scene.agents() {
             has_voxels |= scene.has_arrays(&VOXEL_GRIDS, *agent) || scene.has_arrays(&VOXEL_CELLS, *agent);

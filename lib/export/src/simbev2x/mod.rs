@@ -32,6 +32,7 @@ pub use options::{Options, State};
 
 use self::agent_unit::{Holding, check_rate};
 use self::rig::{Rigs, Voxels};
+use crate::source::NO_MAP;
 use crate::{Cost, ExportError, Layout, Omission, SceneSource, Source, UnitFiles, UnitName};
 
 /// The layout with its options, for a store.
@@ -164,6 +165,10 @@ impl Layout for SimBev2x {
                         lacks.entry(what).or_insert_with(Vec::new).push(agent.to_string());
                     }
                 }
+            }
+            if !scene.has_map()? {
+                let what = format!("the picture of scene {} from above", scene.number());
+                omissions.push(Omission::new(what, NO_MAP));
             }
             for (what, agents) in lacks {
                 let what = format!("{what} of scene {} {}", scene.number(), agents.join(", "));

@@ -45,7 +45,9 @@ pub(super) fn write(
     files.put(&names::config(number), yaml::document(config).as_bytes())?;
     files.put(&names::log(number), &log(scene)?)?;
     let rows = scene.agent_rows()?;
-    if let Some(first) = rows.first().and_then(|rows| rows.first()) {
+    if let Some(first) = rows.first().and_then(|rows| rows.first())
+        && scene.has_map()?
+    {
         files.put(&names::overview(number), &overview::picture(scene, first)?)?;
     }
     let most = |kind: AgentKind| {

@@ -23,6 +23,9 @@ const STAGES: [&str; 6] = [
     TrackRow::STAGE,
 ];
 
+/// Why what is drawn of a map is left out.
+pub(crate) const NO_MAP: &str = "the store has no map of it: it was imported";
+
 schema::columns! {
     /// Which scenes there are.
     Planned of PlanSceneRow { scene: u32, split: String }

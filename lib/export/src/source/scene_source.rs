@@ -8,8 +8,8 @@ use schema::AgentId;
 use schema::arrays::ArrayKind;
 use schema::scene_info::SceneInfo;
 use schema::table::{Framed, Row};
-use schema::tables::{AgentRow, CameraRow, ValidBoxRow};
-use store::{Scope, Store, hash_bytes};
+use schema::tables::{AgentRow, CameraRow, ValidBoxRow, VectorMapRow};
+use store::{Scope, Store, hash_bytes, keys};
 
 use crate::{ExportError, Selection};
 
@@ -102,6 +102,16 @@ impl SceneSource {
         &self.digest
     }
 
+    /// Whether the store has its map: that of an imported scene has none.
+    ///
+    /// # Errors
+    /// The plan cannot be read.
+    pub fn has_map(&self) -> Result<bool, ExportError> {
+        let plan = self.reader.store().manifest(Scope::Plan, VectorMapRow::STAGE)?;
+        let keys = [keys::map(&self.info.map), keys::vector_map(&self.info.map)];
+        Ok(plan.is_some_and(|plan| keys.iter().all(|key| plan.output(key).is_some())))
+    }
+
     /// Its reader, for tables and archives that have no function here.
     #[must_use]
     pub fn reader(&self) -> &SceneReader {
@@ -117,7 +127,7 @@ impl SceneSource {
     /// Whether an agent has arrays of a kind.
     #[must_use]
     pub fn has_arrays(&self, kind: &ArrayKind, agent: AgentId) -> bool {
-        let key = store::keys::array(self.number(), kind, agent);
+        let key = keys::array(self.number(), kind, agent);
         self.reader.manifest(kind.stage).is_ok_and(|manifest| manifest.output(&key).is_some())
     }
 
