@@ -1,9 +1,8 @@
 //! What was imported from another layout: it is never stale, and cannot be made again.
 
 use schema::scene_info::LOG_STAGE;
-use store::{Manifest, Scope, Store};
+use store::{Manifest, Scope, Store, StoreError};
 
-use crate::error::StageError;
 use crate::graph::{StageSpec, UnitKind};
 
 /// Whether a manifest stands for what was imported: no configuration, code or input of ours went into it that could change.
@@ -11,18 +10,19 @@ pub(crate) fn is_imported(manifest: &Manifest) -> bool {
     manifest.code_version == schema::IMPORTED
 }
 
-/// Refuses to make a stage of what was imported, where it would need the log that is not there; what `is_kept` is not touched.
+/// Why a stage cannot be made of some scopes: they were imported, and it needs the log that is not there. What `is_kept` is not
+/// touched, and counts for nothing.
 ///
 /// # Errors
-/// A usage error that names all such scenes; or the store cannot be read.
-pub(crate) fn refuse(
+/// The store cannot be read.
+pub(crate) fn refusal<E: From<StoreError>>(
     store: &Store,
     spec: &StageSpec,
     scopes: &[Scope],
-    is_kept: impl Fn(Scope) -> Result<bool, StageError>,
-) -> Result<(), StageError> {
+    is_kept: impl Fn(Scope) -> Result<bool, E>,
+) -> Result<Option<String>, E> {
     if !spec.needs_log {
-        return Ok(());
+        return Ok(None);
     }
     // A plan has been imported itself, a scene with its log.
     let origin = if spec.unit == UnitKind::Plan { spec.name } else { LOG_STAGE };
@@ -35,9 +35,7 @@ pub(crate) fn refuse(
             });
         }
     }
-    if refused.is_empty() {
-        return Ok(());
-    }
     let (what, name) = (refused.join(", "), spec.name);
-    Err(StageError::usage(format!("{what}: imported, without a log that {name} could be made from")))
+    Ok((!refused.is_empty())
+        .then(|| format!("{what}: imported, without a log that {name} could be made from")))
 }

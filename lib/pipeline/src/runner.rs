@@ -367,9 +367,15 @@ impl<S: StageSettings> Run<'_, S> {
         Ok(if failed == 0 { EXIT_DONE } else { EXIT_SOME_FAILED })
     }
 
+    /// Refuses what would have to be made from a log that was never there.
     fn refuse_imported(&self, scopes: &[Scope]) -> Result<(), StageError> {
-        let is_kept = |scope| Ok(!self.force && self.state(scope, &BTreeMap::new())? == State::Done);
-        imported::refuse(&self.store, self.spec, scopes, is_kept)
+        let is_kept = |scope| -> Result<bool, StageError> {
+            Ok(!self.force && self.state(scope, &BTreeMap::new())? == State::Done)
+        };
+        match imported::refusal(&self.store, self.spec, scopes, is_kept)? {
+            Some(why) => Err(StageError::usage(why)),
+            None => Ok(()),
+        }
     }
 
     /// What the stage reads outside the store, by the names of its manifest.

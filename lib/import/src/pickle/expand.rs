@@ -1,7 +1,7 @@
 //! Nodes to values: what has several names is copied each time, within a budget.
 
-use super::PickleError;
 use super::arrays::number;
+use super::error::PickleError;
 use super::node::{Array, Content, Id, Node};
 use crate::value::Value;
 

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::PickleError;
 use super::arrays;
-use super::node::{Global, Id, Node};
+use super::error::PickleError;
+use super::node::{Global, Heap, Id, Node};
 
 /// Most bytes of a pickle.
 const MAX_BYTES: usize = 32 << 20;
@@ -24,21 +24,26 @@ pub(super) fn run(bytes: &[u8]) -> Result<(Vec<Node>, Id), PickleError> {
         return Err(PickleError { offset: 0, problem });
     }
     let nodes = vec![Node::None, Node::Bool(false), Node::Bool(true)];
-    let mut machine =
-        Machine { bytes, at: 0, op: 0, nodes, stack: Vec::new(), marks: Vec::new(), memo: Vec::new() };
+    let mut machine = Machine {
+        heap: Heap { bytes, nodes },
+        at: 0,
+        op: 0,
+        stack: Vec::new(),
+        marks: Vec::new(),
+        memo: Vec::new(),
+    };
     loop {
         if let Some(answer) = machine.step()? {
-            return Ok((machine.nodes, answer));
+            return Ok((machine.heap.nodes, answer));
         }
     }
 }
 
-pub(super) struct Machine<'a> {
-    bytes: &'a [u8],
+struct Machine<'a> {
+    heap: Heap<'a>,
     at: usize,
     /// Where the opcode in hand stands.
     op: usize,
-    nodes: Vec<Node>,
     stack: Vec<Id>,
     /// Heights of the stack at which marks stand.
     marks: Vec<usize>,
@@ -46,25 +51,12 @@ pub(super) struct Machine<'a> {
 }
 
 impl Machine<'_> {
-    pub(super) fn fault(&self, problem: impl Into<String>) -> PickleError {
+    fn fault(&self, problem: impl Into<String>) -> PickleError {
         PickleError { offset: self.op, problem: problem.into() }
     }
 
-    pub(super) fn node(&self, id: Id) -> &Node {
-        &self.nodes[id as usize]
-    }
-
-    pub(super) fn text(&self, range: &Range<usize>) -> &str {
-        // Checked when the text was met.
-        std::str::from_utf8(&self.bytes[range.clone()]).unwrap_or_default()
-    }
-
-    pub(super) fn raw(&self, range: &Range<usize>) -> &[u8] {
-        &self.bytes[range.clone()]
-    }
-
     fn take(&mut self, count: usize) -> Result<Range<usize>, PickleError> {
-        let end = self.at.checked_add(count).filter(|&end| end <= self.bytes.len());
+        let end = self.at.checked_add(count).filter(|&end| end <= self.heap.bytes.len());
         let end = end.ok_or_else(|| self.fault("it ends early"))?;
         let range = self.at..end;
         self.at = end;
@@ -73,7 +65,7 @@ impl Machine<'_> {
 
     fn fixed<const N: usize>(&mut self) -> Result<[u8; N], PickleError> {
         let range = self.take(N)?;
-        Ok(std::array::from_fn(|i| self.bytes[range.start + i]))
+        Ok(std::array::from_fn(|i| self.heap.bytes[range.start + i]))
     }
 
     /// A length of 1, 4 or 8 bytes, and so many bytes.
@@ -85,7 +77,7 @@ impl Machine<'_> {
     }
 
     fn line(&mut self) -> Result<Range<usize>, PickleError> {
-        let rest = &self.bytes[self.at..];
+        let rest = &self.heap.bytes[self.at..];
         let length = rest.iter().position(|&b| b == b'\n').ok_or_else(|| self.fault("a name without end"))?;
         let range = self.take(length)?;
         self.at += 1;
@@ -93,16 +85,16 @@ impl Machine<'_> {
     }
 
     fn push(&mut self, node: Node) -> Result<(), PickleError> {
-        if self.nodes.len() >= MAX_NODES {
+        if self.heap.nodes.len() >= MAX_NODES {
             return Err(self.fault(format!("more than {MAX_NODES} values")));
         }
-        self.stack.push(self.nodes.len() as Id);
-        self.nodes.push(node);
+        self.stack.push(self.heap.nodes.len() as Id);
+        self.heap.nodes.push(node);
         Ok(())
     }
 
     fn push_text(&mut self, range: Range<usize>) -> Result<(), PickleError> {
-        if std::str::from_utf8(&self.bytes[range.clone()]).is_err() {
+        if std::str::from_utf8(&self.heap.bytes[range.clone()]).is_err() {
             return Err(self.fault("a text that is not UTF-8"));
         }
         self.push(Node::Text(range))
@@ -188,13 +180,13 @@ impl Machine<'_> {
             b'j' => self.fixed().and_then(|place| self.recall(u32::from_le_bytes(place) as usize))?,
             b'R' => {
                 let (arguments, what) = (self.pop()?, self.pop()?);
-                let made = arrays::reduce(self, what, arguments)?;
+                let made = arrays::reduce(&self.heap, what, arguments).map_err(|e| self.fault(e))?;
                 self.push(made)?;
             }
             b'b' => {
                 let (state, what) = (self.pop()?, self.top()?);
-                let built = arrays::build(self, what, state)?;
-                self.nodes[what as usize] = built;
+                let built = arrays::build(&self.heap, what, state).map_err(|e| self.fault(e))?;
+                self.heap.nodes[what as usize] = built;
             }
             other => return Err(self.fault(format!("opcode {other:#04x} is not known here"))),
         }
@@ -206,7 +198,7 @@ impl Machine<'_> {
         if !self.stack.is_empty() || !self.marks.is_empty() {
             return Err(self.fault("it stops with values left"));
         }
-        if self.at != self.bytes.len() {
+        if self.at != self.heap.bytes.len() {
             return Err(self.fault("something behind the end"));
         }
         Ok(answer)
@@ -220,7 +212,7 @@ impl Machine<'_> {
     /// A frame only says how much to read at once.
     fn frame(&mut self) -> Result<(), PickleError> {
         let length = u64::from_le_bytes(self.fixed()?);
-        let left = (self.bytes.len() - self.at) as u64;
+        let left = (self.heap.bytes.len() - self.at) as u64;
         if length <= left {
             Ok(())
         } else {
@@ -239,7 +231,7 @@ impl Machine<'_> {
                 if range.len() > 16 {
                     return Err(self.fault("a whole number of more than 16 bytes"));
                 }
-                let digits = &self.bytes[range];
+                let digits = &self.heap.bytes[range];
                 // Two's complement, lowest byte first.
                 let fill = if digits.last().is_some_and(|&b| b >= 0x80) { 0xff } else { 0 };
                 let mut wide = [fill; 16];
@@ -257,18 +249,18 @@ impl Machine<'_> {
 
     fn stack_global(&mut self) -> Result<(), PickleError> {
         let (name, module) = (self.pop()?, self.pop()?);
-        match (self.node(module), self.node(name)) {
+        match (self.heap.node(module), self.heap.node(name)) {
             (Node::Text(module), Node::Text(name)) => self.named(module.clone(), name.clone()),
             _ => Err(self.fault("a name that is no text")),
         }
     }
 
     fn named(&mut self, module: Range<usize>, name: Range<usize>) -> Result<(), PickleError> {
-        match Global::find(self.text(&module), self.text(&name)) {
+        match Global::find(self.heap.text(&module), self.heap.text(&name)) {
             Some(global) => self.push(Node::Global(global)),
             None => {
                 let shown = |range: &Range<usize>| {
-                    let text = String::from_utf8_lossy(self.raw(range));
+                    let text = String::from_utf8_lossy(self.heap.raw(range));
                     text.chars().take(60).collect::<String>().escape_debug().to_string()
                 };
                 let (module, name) = (shown(&module), shown(&name));
@@ -296,7 +288,7 @@ impl Machine<'_> {
 
     fn append(&mut self, items: Vec<Id>) -> Result<(), PickleError> {
         let list = self.top()?;
-        let Node::List(known) = &mut self.nodes[list as usize] else {
+        let Node::List(known) = &mut self.heap.nodes[list as usize] else {
             return Err(self.fault("appends to what is no list"));
         };
         known.extend(items);
@@ -307,11 +299,11 @@ impl Machine<'_> {
         if !items.len().is_multiple_of(2) {
             return Err(self.fault("a key without a value"));
         }
-        if items.iter().step_by(2).any(|&key| !matches!(self.node(key), Node::Text(_))) {
+        if items.iter().step_by(2).any(|&key| !matches!(self.heap.node(key), Node::Text(_))) {
             return Err(self.fault("a key that is no text"));
         }
         let dict = self.top()?;
-        let Node::Dict(known) = &mut self.nodes[dict as usize] else {
+        let Node::Dict(known) = &mut self.heap.nodes[dict as usize] else {
             return Err(self.fault("sets a key of what is no dictionary"));
         };
         known.extend(items.chunks_exact(2).map(|pair| (pair[0], pair[1])));

@@ -6,21 +6,14 @@
 //! Python; they are copied out at the end, within a budget.
 
 mod arrays;
+mod error;
 mod expand;
 mod machine;
 mod node;
 
 use crate::value::Value;
 
-/// A pickle is broken, or says what no file of boxes says.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("byte {offset}: {problem}")]
-pub struct PickleError {
-    /// Where, from the first byte of the pickle.
-    pub offset: usize,
-    /// What is wrong.
-    pub problem: String,
-}
+pub use error::PickleError;
 
 /// Reads a pickle of protocol 2 to 5.
 ///

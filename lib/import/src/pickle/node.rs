@@ -5,6 +5,27 @@ use std::ops::Range;
 /// Number of a node.
 pub(super) type Id = u32;
 
+/// A pickle and what has been made of it.
+pub(super) struct Heap<'a> {
+    pub(super) bytes: &'a [u8],
+    pub(super) nodes: Vec<Node>,
+}
+
+impl Heap<'_> {
+    pub(super) fn node(&self, id: Id) -> &Node {
+        &self.nodes[id as usize]
+    }
+
+    pub(super) fn text(&self, range: &Range<usize>) -> &str {
+        // Checked when the text was met.
+        std::str::from_utf8(self.raw(range)).unwrap_or_default()
+    }
+
+    pub(super) fn raw(&self, range: &Range<usize>) -> &[u8] {
+        &self.bytes[range.clone()]
+    }
+}
+
 /// A value in the making. Texts and bytes are places in the pickle.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Node {
