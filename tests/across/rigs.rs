@@ -103,7 +103,8 @@ fn each_agent_carries_its_own_sensors_and_more_can_be_added() {
         .map(|s| format!("scenes/0000/_manifests/{s}.json"));
     let allowed = |k: &str| {
         // The plan's manifest names dataset.json, which goes with it and holds the whole configuration.
-        ["dataset.json", "plan/_manifest.json"].contains(&k)
+        // The card names the sensors.
+        ["dataset.json", "plan/_manifest.json", "README.md"].contains(&k)
             || k.starts_with("stats/")
             || k.starts_with("scenes/0000/stats/render-sensors.")
             || manifests.iter().any(|m| m == k)

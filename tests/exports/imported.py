@@ -112,7 +112,8 @@ def check_facts(first, second):
         assert one[key] == two[key], (key, one[key], two[key])
     assert abs(one["duration_s"] - two["duration_s"]) < 1e-9
     for which in ["initial_weather", "final_weather"]:
-        assert all(one[which][key] == two[which][key] for key in WEATHER), which
+        for key in WEATHER:
+            assert np.isclose(one[which][key], two[which][key], rtol=1e-12, atol=0), (which, key, one[which][key], two[which][key])
     for a, b in zip(one["agents"], two["agents"], strict=True):
         for key in ["agent", "reckless", "distracted"] + (["id", "model", "color"] if a["agent"].startswith("vehicle") else []):
             assert a[key] == b[key], (key, a, b)

@@ -34,12 +34,13 @@ impl Scope {
         }
     }
 
-    /// The folder in which a stage's leftovers may lie: the plan's shards are spread over the store.
+    /// The folder in which a stage's leftovers may lie: the plan's shards are spread over the store, and the statistics have
+    /// a card at its root.
     #[must_use]
     pub fn swept_folder(self) -> String {
         match self {
-            Self::Plan => String::new(),
-            Self::Scene(_) | Self::Tile { .. } | Self::Stats => self.folder(),
+            Self::Plan | Self::Stats => String::new(),
+            Self::Scene(_) | Self::Tile { .. } => self.folder(),
         }
     }
 
