@@ -7,7 +7,7 @@ use counts::PartialCounts;
 use formats::{DType, EncodedMember, NpzError, NpzReader, NpzWriter, Scalar, frame_member};
 use rayon::prelude::*;
 use schema::arrays::ArrayKind;
-use schema::measures::bev::{BEV_CELLS, BEV_GRIDS};
+use schema::measures::bev::{BEV_CELLS, BEV_GRIDS, BEV_HEAT, bin_of_block, heat_block, heat_blocks};
 use schema::measures::voxels::{VOXEL_CELLS, VOXEL_CELLS_FILLED, VOXEL_GRIDS};
 use schema::{BevClass, Tag};
 use store::{StoreError, Unit, keys};
@@ -82,7 +82,7 @@ pub(crate) fn write(
     };
     let mut writer = NpzWriter::new(file);
     writer.set_comment(&arrays.comment).map_err(failed)?;
-    let mut cells = vec![0_u64; arrays.classes().len()];
+    let mut cells: Vec<u64> = Vec::new();
     let frames: Vec<u32> = (0..work.scene.frames()).collect();
     // A grid takes what it says it does, on each thread.
     for batch in frames.chunks(BATCH.min(rayon::current_num_threads().max(1))) {
@@ -90,6 +90,7 @@ pub(crate) fn write(
             batch.par_iter().map(|&frame| read_frame(work, position, arrays, frame)).collect();
         for read in read {
             let (member, found) = read?;
+            cells.resize(found.len(), 0);
             cells.iter_mut().zip(found).for_each(|(sum, n)| *sum += n);
             writer.append(member).map_err(failed)?;
         }
@@ -131,17 +132,26 @@ fn packed(path: &Path, arrays: &Arrays<'_>) -> Result<(EncodedMember, Vec<u64>),
         ));
     }
     let array = reader.read(DATA).map_err(|e| e.to_string())?;
-    let cells = if arrays.key == MASKS { mask_cells(&array.bytes)? } else { voxel_cells(&array.bytes)? };
+    let cells = if arrays.key == MASKS {
+        mask_cells(&array.bytes, arrays.shape[1])?
+    } else {
+        voxel_cells(&array.bytes)?
+    };
     Ok((packed.member, cells))
 }
 
-/// True cells of each channel.
-fn mask_cells(bytes: &[u8]) -> Result<Vec<u64>, String> {
+/// True cells of each channel, block by block, of masks with `side` rows and columns.
+fn mask_cells(bytes: &[u8], side: usize) -> Result<Vec<u64>, String> {
     if let Some(at) = bytes.iter().position(|&b| b > 1) {
         return Err(format!("{DATA}: value {at} is neither true nor false"));
     }
-    let channel = bytes.len() / BevClass::COUNT;
-    Ok(bytes.chunks_exact(channel.max(1)).map(|mask| mask.iter().map(|&b| u64::from(b)).sum()).collect())
+    let blocks = heat_blocks(side) * heat_blocks(side);
+    let mut counts = vec![0; BevClass::COUNT * blocks];
+    for (at, _) in bytes.iter().enumerate().filter(|(_, b)| **b == 1) {
+        let (channel, row, column) = (at / (side * side), at / side % side, at % side);
+        counts[channel * blocks + bin_of_block(heat_block(row, side), heat_block(column, side), side)] += 1;
+    }
+    Ok(counts)
 }
 
 /// Cells of each tag.
@@ -157,21 +167,25 @@ fn voxel_cells(bytes: &[u8]) -> Result<Vec<u64>, String> {
 
 fn counted(agent: &str, arrays: &Arrays<'_>, cells: &[u64], grids: u64) -> PartialCounts {
     let mut counts = PartialCounts::new();
-    let measure = match arrays.key {
-        MASKS => BEV_CELLS,
-        FILLED_VOXELS => VOXEL_CELLS_FILLED,
-        _ => VOXEL_CELLS,
-    };
-    for (class, &cells) in arrays.classes().into_iter().zip(cells) {
-        // Masks count every class, grids those that are there.
-        if arrays.key == MASKS || cells > 0 {
-            counts.add(agent, measure, class, 0, cells);
+    if arrays.key == MASKS {
+        counts.add(agent, BEV_GRIDS, MASK_RULE, 0, grids);
+        let blocks = (cells.len() / BevClass::COUNT).max(1);
+        for (class, blocks) in arrays.classes().into_iter().zip(cells.chunks_exact(blocks)) {
+            let all = blocks.iter().sum();
+            counts.add(agent, BEV_CELLS, class, 0, all);
+            if all > 0 {
+                let blocks: Vec<u32> = blocks.iter().map(|&n| u32::try_from(n).unwrap_or(u32::MAX)).collect();
+                counts.add_bins(agent, BEV_HEAT, class, &blocks);
+            }
         }
+        return counts;
     }
-    match arrays.key {
-        MASKS => counts.add(agent, BEV_GRIDS, MASK_RULE, 0, grids),
-        VOXELS => counts.add(agent, VOXEL_GRIDS, "", 0, grids),
-        _ => {}
+    let measure = if arrays.key == FILLED_VOXELS { VOXEL_CELLS_FILLED } else { VOXEL_CELLS };
+    for (class, &cells) in arrays.classes().into_iter().zip(cells).filter(|(_, cells)| **cells > 0) {
+        counts.add(agent, measure, class, 0, cells);
+    }
+    if arrays.key == VOXELS {
+        counts.add(agent, VOXEL_GRIDS, "", 0, grids);
     }
     counts
 }
@@ -215,9 +229,10 @@ mod tests {
     fn masks_are_booleans() {
         let mut cells = vec![0; 14 * 4];
         (cells[0], cells[5]) = (1, 1);
-        assert_eq!(mask_cells(&cells).expect("masks")[..3], [1, 1, 0]);
+        let blocks = mask_cells(&cells, 2).expect("masks");
+        assert_eq!((blocks.len(), &blocks[..6]), (14 * 4, &[1, 0, 0, 0, 0, 1][..]));
         cells[9] = 2;
-        assert_eq!(mask_cells(&cells), Err("data.npy: value 9 is neither true nor false".into()));
+        assert_eq!(mask_cells(&cells, 2), Err("data.npy: value 9 is neither true nor false".into()));
         assert_eq!(mask_shape(file(Scalar::Bool, &[14, 2, 2], &[0; 56]).path()), Ok(vec![14, 2, 2]));
         assert!(mask_shape(file(Scalar::Bool, &[13, 2, 2], &[0; 52]).path()).is_err());
     }
