@@ -60,10 +60,8 @@ impl FrameArrays for Masks<'_> {
         counts: &mut PartialCounts,
     ) -> Result<Vec<FrameArray<'m>>, StageError> {
         let settings = self.settings;
-        // Half the diagonal, and the size of the largest object.
-        let radius_m = settings.half_extent_m() * std::f64::consts::SQRT_2 + 10.0;
         let pose = self.replay.log.world_from_agent(self.position, frame);
-        let snapshot = self.replay.snapshot(frame, pose.xyz(), radius_m);
+        let snapshot = self.replay.snapshot(frame, pose.xyz(), settings.reach_m());
         let mut draw_exact = || exact.rasterize(&snapshot, &pose, self.areas.areas());
         let mask = match &self.rule {
             Rule::Exact => draw_exact(),

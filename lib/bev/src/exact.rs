@@ -1,12 +1,12 @@
 //! The rule `exact`: masks by the very triangles that sensors see.
 
 use culling::MeshCache;
-use frames::{Agent, Pose, World};
-use glam::{Vec3, Vec3A};
+use frames::{Aabb, Agent, Pose, World};
+use glam::{Affine3A, Vec3, Vec3A};
 use nalgebra::Point3;
 use schema::geometry::{Snapshot, TriMesh};
 use schema::settings::BevSettings;
-use schema::{BevClass, ObjectId};
+use schema::{BevClass, ObjectId, Tag};
 
 use crate::error::BevError;
 use crate::grid::GridFrame;
@@ -19,6 +19,10 @@ use crate::{line, polygon};
 
 /// Parts of objects this far outside the grid, metres and cells, still count for the object's middle.
 const MARGIN: (f64, f64) = (10.0, 2.0);
+
+/// Where decks lie above one another, the ground is followed beyond the grid by at most so many cells: a bridge's road may be
+/// joined to the agent's there alone.
+const BEYOND_CELLS: f64 = 300.0;
 
 /// What no triangle's tag tells, in the world.
 #[derive(Clone, Copy, Debug, Default)]
@@ -49,6 +53,8 @@ pub struct BevRasterizer {
     cell_m: f64,
     meshes: MeshCache,
     ground: Ground,
+    /// The ground of the grid and beyond; made when first needed.
+    wide: Option<Ground>,
     objects: Objects,
     /// Corners of the mesh in hand, in the grid.
     corners: Vec<Vec3A>,
@@ -68,6 +74,7 @@ impl BevRasterizer {
             cell_m,
             meshes: MeshCache::default(),
             ground: Ground::new(cells, cell_m as f32),
+            wide: None,
             objects: Objects::default(),
             corners: Vec::new(),
             highest: vec![(f32::NEG_INFINITY, 0); if settings.ids { cells * cells } else { 0 }],
@@ -83,7 +90,10 @@ impl BevRasterizer {
     ) -> BevMask {
         let grid = GridFrame::new(self.cells, self.cell_m, world_from_agent);
         self.collect(snapshot, &grid);
-        let mut bits = self.ground.settle();
+        if self.ground.has_layers() {
+            self.follow_beyond(snapshot, world_from_agent);
+        }
+        let mut bits = self.ground.bits();
         self.draw_areas(&grid, areas, &mut bits);
         self.highest.fill((f32::NEG_INFINITY, 0));
         self.objects.draw(&self.ground, self.cells, |cell, class, object, z| {
@@ -165,6 +175,32 @@ impl BevRasterizer {
         }
     }
 
+    /// Chooses the layers of the grid by the way that leads to them, beyond the grid as well.
+    fn follow_beyond(&mut self, snapshot: &Snapshot, world_from_agent: &Pose<World, Agent>) {
+        let beyond = (BevSettings::BEYOND_M / self.cell_m).min(BEYOND_CELLS) as usize;
+        let side = self.cells + 2 * beyond;
+        let wide = self.wide.get_or_insert_with(|| Ground::new(side, self.cell_m as f32));
+        wide.clear();
+        let grid_from_local = GridFrame::new(side, self.cell_m, world_from_agent).grid_from_local(snapshot);
+        let (ground_tags, facts) = (tag_bits(is_ground), self.meshes.facts(&snapshot.meshes));
+        for instance in &snapshot.instances {
+            let facts = &facts[instance.mesh as usize];
+            let to_grid = grid_from_local * instance.local_from_object;
+            if facts.tags & ground_tags == 0 || !is_over(&facts.bounds(&to_grid), side as f32, 0.0) {
+                continue;
+            }
+            let mesh = snapshot.mesh(instance);
+            place(mesh, &to_grid, &mut self.corners);
+            for (corners, tag) in triangles(mesh, &self.corners).filter(|(_, tag)| is_ground(*tag)) {
+                if let Some(triangle) = Triangle::new(corners, side) {
+                    wide.add(&triangle, tag);
+                }
+            }
+        }
+        wide.settle();
+        self.ground.take_middle(wide);
+    }
+
     /// Sorts the triangles over the grid into ground and objects.
     fn collect(&mut self, snapshot: &Snapshot, grid: &GridFrame) {
         let (ground_tags, object_tags) = (tag_bits(is_ground), tag_bits(|tag| object_class(tag).is_some()));
@@ -182,48 +218,43 @@ impl BevRasterizer {
             let is_object = facts.tags & object_tags != 0;
             let out = if is_object { margin } else { 0.0 };
             let to_grid = grid_from_local * instance.local_from_object;
-            let bounds = facts.bounds(&to_grid);
-            let near = bounds.max.x >= -out && bounds.max.y >= -out;
-            if !(near && bounds.min.x <= size + out && bounds.min.y <= size + out) {
+            if !is_over(&facts.bounds(&to_grid), size, out) {
                 continue;
             }
             if is_object {
                 self.objects.offer_base(instance.object, facts, &to_grid);
             }
-            self.corners.clear();
-            let positions = &snapshot.mesh(instance).positions;
-            self.corners.extend(positions.iter().map(|&p| to_grid.transform_point3a(Vec3A::from(p))));
-            sort_mesh(
-                snapshot.mesh(instance),
-                instance.object,
-                &self.corners,
-                self.cells,
-                &mut self.ground,
-                &mut self.objects,
-            );
+            let mesh = snapshot.mesh(instance);
+            place(mesh, &to_grid, &mut self.corners);
+            let mut shares = self.objects.mesh(instance.object);
+            for (corners, tag) in triangles(mesh, &self.corners) {
+                if let Some(class) = object_class(tag) {
+                    shares.add(class, corners, self.cells);
+                } else if is_ground(tag)
+                    && let Some(triangle) = Triangle::new(corners, self.cells)
+                {
+                    self.ground.add(&triangle, tag);
+                }
+            }
         }
     }
 }
 
-/// Sorts a mesh's triangles into ground and objects; `corners` are the mesh's vertices in the grid.
-fn sort_mesh(
-    mesh: &TriMesh,
-    object: ObjectId,
-    corners: &[Vec3A],
-    cells: usize,
-    ground: &mut Ground,
-    objects: &mut Objects,
-) {
-    let mut shares = objects.mesh(object);
-    for (vertices, &part) in mesh.triangles.iter().zip(&mesh.triangle_part) {
-        let tag = mesh.parts[usize::from(part)].tag;
-        let corners = || vertices.map(|v| corners[v as usize]);
-        if let Some(class) = object_class(tag) {
-            shares.add(class, corners(), cells);
-        } else if is_ground(tag)
-            && let Some(triangle) = Triangle::new(corners(), cells)
-        {
-            ground.add(&triangle, tag);
-        }
-    }
+/// Whether bounds in the grid lie over it, or as near to it as `out` cells.
+fn is_over(bounds: &Aabb, size: f32, out: f32) -> bool {
+    let near = bounds.max.x >= -out && bounds.max.y >= -out;
+    near && bounds.min.x <= size + out && bounds.min.y <= size + out
+}
+
+/// A mesh's vertices in the grid.
+fn place(mesh: &TriMesh, to_grid: &Affine3A, corners: &mut Vec<Vec3A>) {
+    corners.clear();
+    corners.extend(mesh.positions.iter().map(|&p| to_grid.transform_point3a(Vec3A::from(p))));
+}
+
+/// A mesh's triangles and their tags; `corners` are its vertices in the grid.
+fn triangles(mesh: &TriMesh, corners: &[Vec3A]) -> impl Iterator<Item = ([Vec3A; 3], Tag)> {
+    let tag = |part: u8| mesh.parts[usize::from(part)].tag;
+    let triangles = mesh.triangles.iter().zip(&mesh.triangle_part);
+    triangles.map(move |(vertices, &part)| (vertices.map(|v| corners[v as usize]), tag(part)))
 }

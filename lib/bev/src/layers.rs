@@ -87,6 +87,7 @@ pub(crate) struct Ground {
 }
 
 impl Ground {
+    /// Nothing yet, over as many cells on each side.
     pub(crate) fn new(side: usize, cell_m: f32) -> Self {
         Self { side, cell_m, cells: vec![Cell::EMPTY; side * side], triangles: Vec::new() }
     }
@@ -103,12 +104,28 @@ impl Ground {
         self.triangles.push((*triangle, tag));
     }
 
-    /// Chooses one layer per cell when all triangles are added, and returns the classes it shows.
-    pub(crate) fn settle(&mut self) -> Vec<u16> {
-        if self.cells.iter().any(|cell| cell.has_layers()) {
-            let layers = self.split();
-            self.follow(&layers);
+    /// Whether some cell has several layers, of which one must be chosen.
+    pub(crate) fn has_layers(&self) -> bool {
+        self.cells.iter().any(|cell| cell.has_layers())
+    }
+
+    /// Chooses one layer per cell when all triangles are added.
+    pub(crate) fn settle(&mut self) {
+        let layers = self.split();
+        self.follow(&layers);
+    }
+
+    /// Takes the middle of a settled larger ground.
+    pub(crate) fn take_middle(&mut self, larger: &Self) {
+        let beyond = (larger.side - self.side) / 2;
+        let rows = larger.cells.chunks_exact(larger.side).skip(beyond);
+        for (own, row) in self.cells.chunks_exact_mut(self.side).zip(rows) {
+            own.copy_from_slice(&row[beyond..beyond + self.side]);
         }
+    }
+
+    /// The classes that each cell shows.
+    pub(crate) fn bits(&self) -> Vec<u16> {
         self.cells.iter().map(|cell| cell.bits).collect()
     }
 
@@ -165,8 +182,7 @@ impl Ground {
 
     /// Follows the ground from the agent, cell by cell, nearest cells first, and keeps the layer by which
     /// each cell is reached: first along roads and sidewalks, then over all other ground, and wherever that meets a road
-    /// again, first along it. So neither a ramp nor a bridge is undercut by the terrain beside it, though it may be joined to the
-    /// agent's road beyond the grid alone.
+    /// again, first along it. So neither a ramp nor a bridge is undercut by the terrain beside it.
     fn follow(&mut self, layers: &[Layer]) {
         let layers = Layers { cells: &self.cells, several: layers };
         let mut walk = Walk {

@@ -219,6 +219,29 @@ fn a_bridge_shows_though_only_land_leads_to_it() {
 }
 
 #[test]
+fn a_bridge_shows_though_its_road_joins_the_agents_beyond_the_mask() {
+    // The agent's road and beside it a bridge, 6 m above land that goes on below it everywhere. The mask ends at 20 m; from
+    // 26 m on the bridge comes down and bends to the agent's road.
+    let mut b = WorldBuilder::default();
+    flat(&mut b, Tag::Terrain, [-100.0, 100.0], [-100.0, 100.0], -0.2);
+    flat(&mut b, Tag::Road, [-100.0, 100.0], [-4.0, 4.0], 0.0);
+    let deck = |x: f32, _: f32| (0.25 * (50.0 - x)).min(6.0);
+    let road = |b: &mut WorldBuilder, x: [f32; 2], y: [f32; 2]| {
+        b.add(sheet(Tag::Road, x, y, 1.0, deck), 1, [0.0; 3], [0.0; 3]);
+    };
+    road(&mut b, [-26.0, 26.0], [10.0, 18.0]);
+    let alone = mask_of(&b, &at([0.0; 3], [0.0; 3]), Areas::default());
+    assert_eq!(alone.counts()[BevClass::Road as usize], 20 * 100, "no road leads to it");
+    road(&mut b, [26.0, 50.0], [10.0, 18.0]);
+    road(&mut b, [44.0, 50.0], [4.0, 10.0]);
+    let joined = mask_of(&b, &at([0.0; 3], [0.0; 3]), Areas::default());
+    assert_eq!(joined.counts()[BevClass::Road as usize], 2 * 20 * 100);
+    // Where the mask's ground has one layer alone, nothing beyond it counts.
+    let below = mask_of(&b, &at([0.0, -16.0, 0.0], [0.0; 3]), Areas::default());
+    assert_eq!(below.counts()[BevClass::Road as usize], 20 * 100);
+}
+
+#[test]
 fn senseless_grids_are_refused() {
     for (cells, cell_m) in [(0, 0.4), (9000, 0.4), (400, 0.0), (400, f64::NAN)] {
         assert!(BevRasterizer::new(&BevSettings { cells, cell_m, ..BevSettings::default() }).is_err());

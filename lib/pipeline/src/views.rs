@@ -60,9 +60,9 @@ fn reach_m(all: &DatasetSettings) -> f64 {
     let diagonal = std::f64::consts::SQRT_2;
     let grids = all.occupancy();
     let occupancy = [&grids.vehicle, &grids.rsu].into_iter().chain(grids.own.iter().map(|(_, grid)| grid));
-    let half = occupancy.map(|grid| grid.range_m).fold(all.bev.half_extent_m(), f64::max);
+    let half = occupancy.map(|grid| grid.range_m).fold(0.0, f64::max);
     // Voxels reach up and down as well.
-    (diagonal * half + 20.0).max(all.annotation.box_radius_m).max(all.world.radius_m)
+    (diagonal * half + 20.0).max(all.bev.reach_m()).max(all.annotation.box_radius_m).max(all.world.radius_m)
 }
 
 impl StageSettings for SensorSettings {

@@ -7,7 +7,7 @@ use nalgebra::{Point2, Vector3};
 use schema::geometry::Snapshot;
 use schema::{BevClass, ObjectId, Tag};
 
-use super::grid::{Bits, CELL_M, Grid, LAYER_M, SIDE, TIE, bit};
+use super::grid::{BEYOND, Bits, CELL_M, Grid, LAYER_M, SIDE, TIE, WIDE, bit};
 use super::paint;
 use super::roads::Road;
 use super::soup::{self, Piece};
@@ -28,14 +28,14 @@ struct Layer {
     bits: u16,
 }
 
-/// Calls with each cell whose centre a triangle covers, or whose centre is near its outline: the cell, the height there, and
-/// whether it is near.
-fn cover(corners: &[Vector3<f64>; 3], mut cell: impl FnMut(usize, f64, bool)) {
+/// Calls with each cell of a grid whose centre a triangle covers, or whose centre is near its outline: the cell, the height
+/// there, and whether it is near.
+fn cover(corners: &[Vector3<f64>; 3], size: usize, mut cell: impl FnMut(usize, f64, bool)) {
     let span = |axis: usize| {
         let values = corners.map(|p| p[axis]);
         let low = values[0].min(values[1]).min(values[2]);
         let high = values[0].max(values[1]).max(values[2]);
-        let last = ((high + 1.0).ceil().clamp(0.0, SIDE as f64)) as usize;
+        let last = ((high + 1.0).ceil().clamp(0.0, size as f64)) as usize;
         ((low - 1.0).floor().max(0.0) as usize)..last
     };
     let [a, b, c] = *corners;
@@ -58,7 +58,7 @@ fn cover(corners: &[Vector3<f64>; 3], mut cell: impl FnMut(usize, f64, bool)) {
                 let slope = |axis: usize| -normal[axis] / normal.z;
                 let plane = a.z + (at.x - a.x) * slope(0) + (at.y - a.y) * slope(1);
                 let z = if plane.is_finite() { plane.clamp(low, high) } else { high };
-                cell(row * SIDE + column, z, nearest < TIE);
+                cell(row * size + column, z, nearest < TIE);
             }
         }
     }
@@ -96,7 +96,7 @@ fn layers(met: &[Met], edges_too: bool) -> Vec<Layer> {
 }
 
 /// The layer of each cell that one gets to from the agent: along paved ground first, then over all, and along paved ground
-/// again wherever that meets some.
+/// again wherever that meets some. The cells are those of the wide grid.
 fn reachable(cells: &[Vec<Layer>]) -> Vec<Option<Layer>> {
     let above_agent = |l: &Layer| l.low.max(-l.high).max(0.0);
     let nearest = |cell: usize, paved: bool, far: &dyn Fn(&Layer) -> f64| {
@@ -105,9 +105,9 @@ fn reachable(cells: &[Vec<Layer>]) -> Vec<Option<Layer>> {
     };
     let mut shown: Vec<Option<Layer>> = vec![None; cells.len()];
     let (mut on_roads, mut on_all) = (VecDeque::new(), VecDeque::new());
-    let about = (SIDE / 2 - 8)..(SIDE / 2 + 8);
+    let about = (WIDE / 2 - 8)..(WIDE / 2 + 8);
     for paved in [true, false] {
-        for cell in about.clone().flat_map(|row| about.clone().map(move |column| row * SIDE + column)) {
+        for cell in about.clone().flat_map(|row| about.clone().map(move |column| row * WIDE + column)) {
             if let (None, Some((far, layer))) = (shown[cell], nearest(cell, paved, &above_agent))
                 && far <= 3.0
             {
@@ -125,12 +125,12 @@ fn reachable(cells: &[Vec<Layer>]) -> Vec<Option<Layer>> {
                 continue;
             }
             let step = |l: &Layer| (l.low - from.high).max(from.low - l.high).max(0.0);
-            let (row, column) = (cell / SIDE, cell % SIDE);
+            let (row, column) = (cell / WIDE, cell % WIDE);
             let ways = [
-                (row > 0, -(SIDE as i64)),
+                (row > 0, -(WIDE as i64)),
                 (column > 0, -1),
-                (column + 1 < SIDE, 1),
-                (row + 1 < SIDE, SIDE as i64),
+                (column + 1 < WIDE, 1),
+                (row + 1 < WIDE, WIDE as i64),
             ];
             for to in ways.into_iter().filter(|(is_in, _)| *is_in).map(|(_, by)| (cell as i64 + by) as usize)
             {
@@ -165,22 +165,26 @@ pub(super) fn check(
     place: &str,
 ) -> [usize; BevClass::COUNT] {
     let grid = Grid { origin: pose.xyz(), ahead: frames::math::sin_cos(pose.yaw()) };
-    let mut met = vec![Vec::new(); SIDE * SIDE];
+    let mut met = vec![Vec::new(); WIDE * WIDE];
+    let beyond = Vector3::new(BEYOND as f64, BEYOND as f64, 0.0);
     for piece in pieces {
         if let Some(bits) = ground_bits(piece.tag) {
-            let corners = piece.corners.map(|p| grid.of(p));
-            cover(&corners, |cell, z, near_edge| met[cell].push(Met { z, bits, near_edge }));
+            let corners = piece.corners.map(|p| grid.of(p) + beyond);
+            cover(&corners, WIDE, |cell, z, near_edge| met[cell].push(Met { z, bits, near_edge }));
         }
     }
     let all: Vec<Vec<Layer>> = met.iter().map(|met| layers(met, true)).collect();
-    let ground = reachable(&all);
+    let reached = reachable(&all);
+    let in_wide = |cell: usize| (cell / SIDE + BEYOND) * WIDE + cell % SIDE + BEYOND;
+    let ground: Vec<Option<Layer>> = (0..SIDE * SIDE).map(|cell| reached[in_wide(cell)]).collect();
     // Where rounding may decide what ground there is, nothing is compared.
     let is_open = |cell: usize| {
-        let inner = layers(&met[cell], false);
+        let (met, all) = (&met[in_wide(cell)], &all[in_wide(cell)]);
+        let inner = layers(met, false);
         let alike = |(a, b): (&Layer, &Layer)| {
             a.bits == b.bits && (a.high - b.high).abs() < TIE && (a.low - b.low).abs() < TIE
         };
-        inner.len() != all[cell].len() || !inner.iter().zip(&all[cell]).all(alike)
+        inner.len() != all.len() || !inner.iter().zip(all).all(alike)
     };
     let open: Vec<bool> = (0..SIDE * SIDE).map(is_open).collect();
     let level: Vec<f64> = ground.iter().map(|layer| layer.map_or(0.0, |l| l.high)).collect();
@@ -246,7 +250,7 @@ fn objects(
         let z = [corners.map(|p| p.z).into_iter().fold(f64::INFINITY, f64::min), {
             corners.map(|p| p.z).into_iter().fold(f64::NEG_INFINITY, f64::max)
         }];
-        cover(&corners, |cell, _, near_edge| share.cells.push((cell, z, near_edge)));
+        cover(&corners, SIDE, |cell, _, near_edge| share.cells.push((cell, z, near_edge)));
     }
     for ((object, class), share) in shares {
         let last = SIDE as f64 - 1.0;

@@ -82,7 +82,7 @@ fn labels_are_those_of_the_triangles(map: &str, maps: Option<&Path>, classes: &[
         for frame in [0, replay.log.frame_count() - 1] {
             let place = format!("{map} {agent} frame {frame}");
             let pose = replay.log.world_from_agent(position, frame);
-            let snapshot = replay.snapshot(frame, pose.xyz(), 130.0);
+            let snapshot = replay.snapshot(frame, pose.xyz(), 210.0);
             let pieces = soup::pieces(&snapshot);
             let tags = array(&scene, &VOXEL_GRIDS, agent, frame);
             voxels::check(&pieces, &pose, &grid, &tags, &place);

@@ -105,6 +105,15 @@ impl BevSettings {
     pub fn half_extent_m(&self) -> f64 {
         0.5 * f64::from(self.cells) * self.cell_m
     }
+
+    /// The ground beyond a mask counts this far where decks lie above one another, metres.
+    pub const BEYOND_M: f64 = 60.0;
+
+    /// How far from the agent the world counts for masks, across, metres.
+    #[must_use]
+    pub fn reach_m(&self) -> f64 {
+        (self.half_extent_m() + Self::BEYOND_M) * std::f64::consts::SQRT_2
+    }
 }
 
 #[cfg(test)]
