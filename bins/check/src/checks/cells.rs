@@ -18,8 +18,8 @@ use crate::space::{Motion, V3, apart, norm, scale, sub};
 const RIGID: [f64; 2] = [0.05, 0.01];
 /// ...and of wheels and limbs, which turn: m/s, and as a share.
 const LOOSE: [f64; 2] = [10.0, 1.1];
-/// Objects with fewer cells are only held to the latter.
-const FEW: u64 = 8;
+/// Objects with fewer cells are only held to the latter: those of a bicycle may all be of wheels and limbs.
+const FEW: u64 = 24;
 
 /// The arrays that have a row for each occupied cell.
 pub(crate) struct CellArrays {
