@@ -11,20 +11,6 @@ use crate::cast::Cast;
 use crate::infos::{Entry, Scene};
 use crate::value::Value;
 
-/// The layout's names of the weather's parameters, and ours. Those that it has not are as on a clear noon.
-const WEATHER: [(&str, &str); 10] = [
-    ("cloudiness", "cloudiness"),
-    ("precipitation", "precipitation"),
-    ("precipitation_deposits", "precipitation_deposits"),
-    ("wind_intensity", "wind_intensity"),
-    ("sun_azimuth_angle", "sun_azimuth_deg"),
-    ("sun_altitude_angle", "sun_altitude_deg"),
-    ("wetness", "wetness"),
-    ("fog_density", "fog_density"),
-    ("fog_distance", "fog_distance_m"),
-    ("fog_falloff", "fog_falloff"),
-];
-
 /// The facts of a scene as a store has them, its agents where its objects are known. What the layout does not say is empty or 0.
 ///
 /// # Errors
@@ -76,10 +62,11 @@ pub(crate) fn scene_info(entry: &Entry, scene: &Scene, cast: Option<&Cast>) -> R
     })
 }
 
+/// The weather; parameters that the layout has not are as on a clear noon.
 fn weather(info: &Value, key: &str) -> Result<Weather, String> {
     let said = info.get(key).ok_or_else(|| format!("scene_info: has no `{key}`"))?;
     let mut values = Weather::default().to_array();
-    for (name, own) in WEATHER {
+    for (name, own) in Weather::PUBLISHED_NAMES {
         let value = said.get(name).and_then(Value::number).filter(|v| v.is_finite());
         let value = value.ok_or_else(|| format!("scene_info: `{key}` has no number `{name}`"))?;
         if let Some(place) = Weather::NAMES.iter().position(|known| *known == own) {

@@ -1,6 +1,6 @@
 //! What sensors are called, and which agents have them.
 
-use schema::{AgentKind, ImageKind};
+use schema::{AgentKind, ImageKind, SensorKind};
 
 pub(crate) const LIDAR: &str = "LIDAR";
 pub(crate) const SEMANTIC_LIDAR: &str = "SEG-LIDAR";
@@ -30,17 +30,6 @@ pub(crate) fn radars(kind: AgentKind) -> &'static [&'static str] {
         AgentKind::Vehicle => &RADARS,
         AgentKind::Rsu => &RADARS[1..2],
     }
-}
-
-/// What a key of a record is the readings of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum SensorKind {
-    Image(ImageKind),
-    Lidar,
-    SemanticLidar,
-    Radar,
-    Gnss,
-    Imu,
 }
 
 /// The sensor of an agent of a kind that a key names; none where it names no sensor that the layout has.

@@ -6,12 +6,11 @@ use std::path::Path;
 use formats::{Array, DType, NpzReader, Scalar};
 use schema::table::Blob;
 use schema::tables::{CameraRow, FlowRow, GnssRow, ImuRow, LidarRow, RadarRow, SemanticLidarRow};
-use schema::{FRAME_PERIOD_S, ImageKind, Tag};
+use schema::{FRAME_PERIOD_S, ImageKind, SensorKind, Tag};
 
 use crate::cast::Cast;
 use crate::error::ImportError;
 use crate::folder::{Folder, read_file};
-use crate::names::SensorKind;
 use crate::{npy, pictures};
 
 /// Most bytes of a picture, of a receiver's reading, and of a sweep's and a flow's array.

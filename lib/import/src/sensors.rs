@@ -9,11 +9,11 @@ use schema::measures::sensors::{IMAGES, LIDAR_POINTS, RADAR_POINTS, SENSOR_BYTES
 use schema::tables::{
     CameraRow, FlowRow, GnssRow, ImuRow, LidarRow, RadarRow, SemanticLidarRow, VISIBLE_TABLE, VisibleRow,
 };
-use schema::{AgentId, ImageKind};
+use schema::{AgentId, ImageKind, SensorKind};
 use store::{Finished, StoreError, TableOptions, TableWriter, Unit, keys};
 
 use crate::error::ImportError;
-use crate::names::{SensorKind, sensor_of};
+use crate::names::sensor_of;
 use crate::pictures;
 use crate::readings::{self, Reading, zero_columns};
 use crate::work::Work;

@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use schema::settings::{
     CameraSpec, DatasetSettings, GnssSpec, ImuSpec, Lens, Optics, Rig as RigSettings, SceneCount,
 };
-use schema::{AgentKind, ImageKind, ImageSet};
+use schema::{AgentKind, ImageKind, ImageSet, SensorKind};
 
-use crate::names::{GNSS, IMU, LIDAR, SEMANTIC_LIDAR, SensorKind, VOXELS, cameras, radars, sensor_of};
+use crate::names::{GNSS, IMU, LIDAR, SEMANTIC_LIDAR, VOXELS, cameras, radars, sensor_of};
 use crate::rig::Rigs;
 use crate::scene_unit::bev_settings;
 use crate::survey::SceneSurvey;

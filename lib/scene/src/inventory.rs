@@ -1,30 +1,12 @@
 //! Which sensors an agent of a scene has.
 
-use schema::AgentId;
-use schema::ImageKind;
 use schema::calibration::{Calibration, METADATA_KEY};
 use schema::table::Row;
 use schema::tables::CameraRow;
+use schema::{AgentId, ImageKind, SensorKind};
 use store::keys;
 
 use crate::{SceneError, SceneReader};
-
-/// What kind of readings a sensor's table holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum SensorKind {
-    /// Images of a kind of a camera.
-    Image(ImageKind),
-    /// Sweeps of a lidar.
-    Lidar,
-    /// Sweeps of a semantic lidar.
-    SemanticLidar,
-    /// Returns of a radar.
-    Radar,
-    /// Fixes of a GNSS receiver.
-    Gnss,
-    /// Readings of an IMU.
-    Imu,
-}
 
 /// A sensor of an agent: one table.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use formats::{EncodedMember, NpzWriter};
 use scene::BoxFrames;
 use schema::scene_info::{LOG_STAGE, SceneInfo};
 use schema::table::Row;
-use schema::tables::{HdMapRow, PlanSceneRow};
+use schema::tables::{HdMapRow, PlanSceneRow, Weather};
 use schema::{AgentId, AgentKind};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -169,25 +169,12 @@ fn log(scene: &SceneSource) -> Result<Vec<u8>, ExportError> {
     archive.finish().map_err(wrong)
 }
 
-/// The layout's names of the weather's parameters, and ours.
-const WEATHER: [(&str, &str); 10] = [
-    ("cloudiness", "cloudiness"),
-    ("precipitation", "precipitation"),
-    ("precipitation_deposits", "precipitation_deposits"),
-    ("wind_intensity", "wind_intensity"),
-    ("sun_azimuth_angle", "sun_azimuth_deg"),
-    ("sun_altitude_angle", "sun_altitude_deg"),
-    ("wetness", "wetness"),
-    ("fog_density", "fog_density"),
-    ("fog_distance", "fog_distance_m"),
-    ("fog_falloff", "fog_falloff"),
-];
-
 /// The facts of a scene but for the paths.
 fn info_entries(info: &SceneInfo, agents: &[AgentId]) -> Vec<(String, Node)> {
     let weather = |ours: &BTreeMap<String, f64>| {
         Node::object(
-            WEATHER.map(|(name, own)| (name, Node::Float(ours.get(own).copied().unwrap_or_default()))),
+            Weather::PUBLISHED_NAMES
+                .map(|(name, own)| (name, Node::Float(ours.get(own).copied().unwrap_or_default()))),
         )
     };
     let mut entries = vec![("map".to_owned(), Node::text(&info.map))];

@@ -1,5 +1,7 @@
 //! The keys of a SimBEV2X configuration that translate one by one.
 
+use schema::tables::Weather;
+
 /// What becomes of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rule {
@@ -154,13 +156,9 @@ pub(crate) fn rule(key: &str) -> Option<Rule> {
 
 /// Our name of a weather parameter.
 pub(crate) fn weather(parameter: &str) -> Option<&'static str> {
-    let renamed = match parameter {
-        "sun_azimuth_angle" => "sun_azimuth_deg",
-        "sun_altitude_angle" => "sun_altitude_deg",
-        "fog_distance" => "fog_distance_m",
-        same => same,
-    };
-    schema::tables::Weather::NAMES.into_iter().find(|name| *name == renamed)
+    let published = Weather::PUBLISHED_NAMES.iter().find(|(name, _)| *name == parameter);
+    let renamed = published.map_or(parameter, |(_, own)| own);
+    Weather::NAMES.into_iter().find(|name| *name == renamed)
 }
 
 /// Keys of the sensors of one kind of agent, by their name without `rsu_`; ours follow `vehicle.` or `rsu.`.

@@ -76,6 +76,20 @@ macro_rules! define_weather {
 weather_parameters!(define_weather);
 
 impl Weather {
+    /// The parameters that the published dataset has: its name, and ours.
+    pub const PUBLISHED_NAMES: [(&'static str, &'static str); 10] = [
+        ("cloudiness", "cloudiness"),
+        ("precipitation", "precipitation"),
+        ("precipitation_deposits", "precipitation_deposits"),
+        ("wind_intensity", "wind_intensity"),
+        ("sun_azimuth_angle", "sun_azimuth_deg"),
+        ("sun_altitude_angle", "sun_altitude_deg"),
+        ("wetness", "wetness"),
+        ("fog_density", "fog_density"),
+        ("fog_distance", "fog_distance_m"),
+        ("fog_falloff", "fog_falloff"),
+    ];
+
     /// Replaces parameters by name; unknown names are left to the configuration reader, which refuses them.
     #[must_use]
     pub fn with_overrides(self, overrides: &[(String, f64)]) -> Self {
