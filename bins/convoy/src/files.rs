@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use indicatif::DecimalBytes;
-use pipeline::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, StageError, report, say};
+use pipeline::{
+    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, OutputFile, StageError, report, say,
+};
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
@@ -57,24 +59,5 @@ pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
 
 /// Writes a file whole or not at all, making its folder where needed.
 pub(crate) fn save(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
-    let io = |source| Fault::Write { path: path.to_owned(), source };
-    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(io)?;
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(io)?;
-    std::io::Write::write_all(&mut file, bytes).map_err(io)?;
-    readable_by_all(file.as_file()).map_err(io)?;
-    file.persist(path).map_err(|e| io(e.error))?;
-    Ok(())
-}
-
-/// Temporary files are private; finished ones are like any other file.
-fn readable_by_all(file: &std::fs::File) -> std::io::Result<()> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        file.set_permissions(std::fs::Permissions::from_mode(0o644))?;
-    }
-    #[cfg(not(unix))]
-    let _ = file;
-    Ok(())
+    OutputFile::save(path, bytes).map_err(|source| Fault::Write { path: path.to_owned(), source })
 }

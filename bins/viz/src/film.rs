@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 
 use mapview::{FilmWriter, RasterError};
 use pictures::{Canvas, Panel, Sheet, draw_sheet};
-use pipeline::say;
+use pipeline::{OutputFile, say};
 use scene::SensorKind;
 use schema::table::Row;
 use schema::tables::CameraRow;
@@ -17,7 +17,6 @@ use crate::desk::Desk;
 use crate::error::{Drawing, VizError};
 use crate::feed::{AgentFrame, Rig, Wants};
 use crate::mode::{Mode, modes_of};
-use crate::output::{begin, finish};
 use crate::preview::camera_order;
 use crate::session::{Session, for_frames};
 use crate::stills::sensor_names;
@@ -38,7 +37,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), VizError> {
     let frames = frames(&session, agent, &modes, args.every)?;
     let mut feeds = session.feeds(&wants(&session, agent, &modes, args.common.all_boxes)?)?;
     let write = |source| VizError::Write { path: args.out.clone(), source };
-    let mut file = BufWriter::new(begin(&args.out).map_err(write)?);
+    let mut file = BufWriter::new(OutputFile::begin(&args.out).map_err(write)?);
     let step_s = f64::from(frames.get(1).map_or(args.every, |second| second - frames[0])) * FRAME_PERIOD_S;
     let mut film =
         Film { path: &args.out, file: Some(&mut file), frames: frames.len() as u32, step_s, open: None };
@@ -50,7 +49,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), VizError> {
     )?;
     let movie = film.end()?;
     let file = file.into_inner().map_err(|e| write(e.into_error()))?;
-    finish(file, &args.out).map_err(write)?;
+    file.finish().map_err(write)?;
     say(&format!("{} ({} frames)", args.out.display(), frames.len()));
     match movie {
         Some(movie) => say(&movie.end()),

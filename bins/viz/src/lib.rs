@@ -9,7 +9,6 @@ mod feed;
 mod film;
 mod ground;
 mod mode;
-mod output;
 mod preview;
 mod scene_view;
 mod session;

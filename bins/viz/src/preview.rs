@@ -4,7 +4,7 @@ use std::path::Path;
 
 use export_core::SceneSource;
 use pictures::{Canvas, Panel, Reach, Sheet, draw_sheet};
-use pipeline::say;
+use pipeline::{OutputFile, say};
 use scene::SensorKind;
 use schema::tables::FrameRow;
 use schema::{AgentId, DetectionClass, FRAME_PERIOD_S, ImageKind};
@@ -14,7 +14,6 @@ use crate::desk::{Desk, boxes_of_all};
 use crate::error::{Drawing, VizError};
 use crate::feed::{AgentFrame, Wants};
 use crate::mode::{Mode, modes_of};
-use crate::output::save;
 use crate::session::{Session, for_frames};
 use crate::stills::sensor_names;
 
@@ -52,7 +51,8 @@ pub(crate) fn run(args: &PreviewArgs) -> Result<(), VizError> {
 
 fn write(path: &Path, ending: &str, canvas: &Canvas) -> Result<(), VizError> {
     let bytes = if ending == "png" { canvas.to_png() } else { canvas.to_jpeg(JPEG_QUALITY) };
-    save(path, &bytes.drawing(|| path.display().to_string())?)?;
+    let bytes = bytes.drawing(|| path.display().to_string())?;
+    OutputFile::save(path, &bytes).map_err(|source| VizError::Write { path: path.to_owned(), source })?;
     let [width, height] = canvas.size();
     say(&format!("{} ({width} x {height} pixels)", path.display()));
     Ok(())

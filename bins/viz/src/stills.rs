@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use pictures::{Canvas, ColourBy};
-use pipeline::{SceneList, say};
+use pipeline::{OutputFile, SceneList, say};
 use scene::SensorKind;
 use schema::AgentId;
 use schema::table::Row;
@@ -14,7 +14,6 @@ use crate::desk::Desk;
 use crate::error::{Drawing, VizError};
 use crate::feed::Wants;
 use crate::mode::{Mode, Source, modes_of};
-use crate::output::save;
 use crate::session::{Session, for_frames};
 
 /// Quality of photographs.
@@ -194,5 +193,6 @@ fn write(
         if mode.is_photograph() { ("jpg", picture.to_jpeg(JPEG_QUALITY)) } else { ("png", picture.to_png()) };
     let file = format!("scene-{:04}-frame-{frame:04}-{owner}-{name}.{ending}", session.source.number());
     let path = dest.join(owner).join(&name).join(file);
-    save(&path, &bytes.drawing(|| path.display().to_string())?)
+    let bytes = bytes.drawing(|| path.display().to_string())?;
+    OutputFile::save(&path, &bytes).map_err(|source| VizError::Write { path, source })
 }

@@ -279,14 +279,7 @@ mod tests {
     use schema::AgentId;
 
     use super::*;
-
-    struct Nobody;
-
-    impl Watch for Nobody {
-        fn advance(&self, _: u64) -> bool {
-            false
-        }
-    }
+    use crate::unit::Nobody;
 
     fn files_below(folder: &Path) -> Vec<String> {
         let mut found = Vec::new();

@@ -25,3 +25,14 @@ pub trait Watch: Sync {
     /// So many frames of agents are done; whether to stop.
     fn advance(&self, agent_frames: u64) -> bool;
 }
+
+/// Nobody watches.
+#[cfg(test)]
+pub(crate) struct Nobody;
+
+#[cfg(test)]
+impl Watch for Nobody {
+    fn advance(&self, _: u64) -> bool {
+        false
+    }
+}

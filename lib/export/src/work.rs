@@ -165,14 +165,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-
-    struct Nobody;
-
-    impl Watch for Nobody {
-        fn advance(&self, _: u64) -> bool {
-            false
-        }
-    }
+    use crate::unit::Nobody;
 
     /// Comes after so many looks.
     struct Signal(AtomicUsize);

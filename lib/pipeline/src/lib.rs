@@ -11,6 +11,7 @@ mod error;
 mod graph;
 mod imported;
 mod interrupt;
+mod output_file;
 mod progress;
 mod runner;
 mod status;
@@ -22,6 +23,7 @@ pub use config::{ConfigKey, Fault, config_keys, load as load_config, parse as pa
 pub use error::{At, Place, StageError, report};
 pub use graph::{Graph, StageSpec, UnitKind};
 pub use interrupt::{listen as listen_for_signals, stopped as was_stopped};
+pub use output_file::OutputFile;
 pub use progress::Progress;
 pub use runner::{Forecast, Job, Stage, init_logging, run_stage, say, settings_or_faults};
 pub use status::{NotReady, Staleness, State, StateError, planned_scenes, state_of};
