@@ -75,7 +75,9 @@ def check_sequence(store, root, scene, frames):
         picture = np.asarray(Image.open(image))
         jpeg = np.asarray(Image.open(io.BytesIO(rgb[frame].as_py())).convert("RGB"))
         assert picture.shape == jpeg.shape and abs(picture.astype(int) - jpeg).mean() < 2, "another picture"
-        cloud = np.fromfile(tracking / f"velodyne/{scene:04d}/{frame:06d}.bin", np.float32).reshape(-1, 4)
+        sweep = tracking / f"velodyne/{scene:04d}/{frame:06d}.bin"
+        assert sweep.read_bytes() == (objects / f"velodyne/{number}.bin").read_bytes()
+        cloud = np.fromfile(sweep, np.float32).reshape(-1, 4)
         for column, name in enumerate(["x", "y", "z", "intensity"]):
             assert np.array_equal(cloud[:, column], np.array(lidar[name][frame].as_py(), np.float32)), name
         ids = np.array(lidar["id"][frame].as_py())
@@ -85,6 +87,7 @@ def check_sequence(store, root, scene, frames):
         own = [line for line in tracked if int(line[0]) == frame]
         assert len(own) == len(labels)
         own_cal = calibration(objects / f"calib/{number}.txt")
+        assert all(np.allclose(own_cal[key], cal[key]) for key in ["P0", "P1", "P2", "P3"])
         assert np.allclose(own_cal["Tr_velo_to_cam"], cal["Tr_velo_cam"]) and np.allclose(own_cal["R0_rect"].reshape(3, 3), np.eye(3))
         mask = np.asarray(Image.open(io.BytesIO(ist[frame].as_py()))).astype(int) if ist is not None else None
         for label, line in zip(labels, own):

@@ -35,7 +35,7 @@ SEEN = ["num_lidar_pts", "num_radar_pts", "valid_flag", "class", "difficulty"]
 CLASSES = {7: "traffic_light", 8: "traffic_sign", 12: "pedestrian", 14: "car", 15: "truck", 16: "bus",
            18: "motorcycle", 19: "bicycle", 30: "traffic_cone", 31: "barrier"}
 # Points below which an object is hard, and below which it is medium.
-FEW = {"car": (30, 80), "truck": (30, 100), "bus": (30, 100), "pedestrian": (20, 40), "motorcycle": (20, 40),
+FEW = {"car": (30, 80), "truck": (40, 100), "bus": (40, 100), "pedestrian": (20, 40), "motorcycle": (20, 40),
        "bicycle": (20, 40), "traffic_light": (10, 20), "traffic_sign": (10, 20), "traffic_cone": (10, 20),
        "barrier": (10, 20)}
 OPCODES = set("""PROTO FRAME MEMOIZE BINPUT LONG_BINPUT BINGET LONG_BINGET GLOBAL STACK_GLOBAL SHORT_BINUNICODE
