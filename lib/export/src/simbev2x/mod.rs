@@ -266,7 +266,7 @@ impl Layout for SimBev2x {
     }
 }
 
-// Rates from before pieces and records: on the published rig (docs/performance.md) they say 22 core seconds where 8.3 were taken.
+// Rates of the demo dataset, of one core (docs/performance.md).
 /// A box in its pickle, and its share of the time.
 const BYTES_A_BOX: f64 = 1200.0;
 const S_A_BOX: f64 = 4e-6;
@@ -284,10 +284,10 @@ const S_A_BYTE: f64 = 1e-9;
 fn growth(sensor: &scene::SensorEntry) -> (f64, f64) {
     use scene::SensorKind::{Gnss, Image, Imu, Lidar, Radar, SemanticLidar};
     match sensor.kind {
-        Image(schema::ImageKind::Flow) => (1.3, 2e-8),
+        Image(schema::ImageKind::Flow) => (3.4, 6.5e-8),
         Image(_) => (1.0, 1e-9),
-        Lidar => (0.85, 2e-8),
-        SemanticLidar => (1.2, 3e-8),
+        Lidar => (0.88, 4e-9),
+        SemanticLidar => (1.45, 6e-9),
         Radar => (0.7, 2e-8),
         Gnss | Imu => (3.0, 1e-8),
     }
