@@ -1,5 +1,7 @@
 //! Makes an export: what is missing of it, unit by unit, then what is common to all.
 
+use schema::IMPORTED;
+use schema::scene_info::LOG_STAGE;
 use store::hash_bytes;
 
 use crate::layout::Cost;
@@ -55,7 +57,8 @@ pub fn plan(
         let why = if why.is_empty() { "none is wanted".to_owned() } else { why.join(", ") };
         return Err(ExportError::Refused(format!("there is no finished scene to export ({why})")));
     }
-    let omissions = layout.survey(source)?;
+    let mut omissions = layout.survey(source)?;
+    omissions.extend(never_had(source)?);
     let options = format!("{}; {}; {}", layout.name(), layout.identity(), source.selection.identity());
     place.claim(&options, force)?;
     let (mut units, mut cost, mut done) = (Vec::new(), Cost::default(), 0);
@@ -71,6 +74,19 @@ pub fn plan(
         }
     }
     Ok(Plan { units, cost, done, omissions, options })
+}
+
+/// What imported scenes have only zeros of.
+fn never_had(source: &Source) -> Result<Option<Omission>, ExportError> {
+    for scene in &source.scenes {
+        if scene.reader().manifest(LOG_STAGE)?.code_version == IMPORTED {
+            let what = "rings, intensities, times, ids and tags of points, cross-sections";
+            let why =
+                "scenes that were imported never had them: they are 0 where the layout has a place for them";
+            return Ok(Some(Omission::new(what, why)));
+        }
+    }
+    Ok(None)
 }
 
 /// Makes what a plan says, on the threads of the pool that it is called in. The files do not depend on their number.

@@ -72,6 +72,12 @@ fn imports_are_as_what_was_exported(bench: &Bench, processed: &Path, raw: &Path)
     assert!(refused.stderr.contains("imported, without a log that bev-gt"), "{}", refused.stderr);
     on(bench, &one, "stats", &[]).expect_done();
     on(bench, &one, "check", &[]).expect_done();
+    let dest = bench.folder.path().join("imported-export");
+    let mut command = Command::new(program("export"));
+    command.arg("opv2v").arg("--store").arg(&one).arg("--dest").arg(&dest).arg("--dry-run");
+    let told = Outcome::of(&command.output().expect("the program starts"));
+    told.expect_done();
+    assert!(told.stdout.contains("scenes that were imported never had them"), "{}", told.stdout);
     let (again, outcome) = import(bench, raw, "imported-raw", &[]);
     outcome.expect_done();
     check_in_python("exports/imported.py", &packages, &[&bench.store(), &again, Path::new("raw")]);
