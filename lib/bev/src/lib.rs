@@ -20,7 +20,8 @@
 //! the ground from the agent, first along roads and sidewalks, then over land as well; or, where no way leads, the one nearest to
 //! the agent's height. Ways lead up to 60 m, at most 300 cells, beyond the mask. A marking is shown when it lies
 //! within 1.5 m of the shown layer, an object when it stands on it (0.5 m below to 1.5 m above it, at its own place), and its
-//! surfaces from 0.5 m below to 4.8 m above the layer at each cell. So nothing of another deck is drawn, on any map.
+//! surfaces from 0.5 m below to 4.8 m above the layer at each cell. So each cell shows one deck alone, with what
+//! stands on it; another deck is drawn where ways lead to it and it lies over no ground of the agent's own.
 
 mod error;
 mod exact;

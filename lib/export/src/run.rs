@@ -80,7 +80,7 @@ pub fn plan(
 fn never_had(source: &Source) -> Result<Option<Omission>, ExportError> {
     for scene in &source.scenes {
         if scene.reader().manifest(LOG_STAGE)?.code_version == IMPORTED {
-            let what = "rings, intensities, times, ids and tags of points, cross-sections";
+            let what = "rings, intensities and times of points, ids and tags of those of lidars and radars (semantic lidars have theirs), cross-sections";
             let why =
                 "scenes that were imported never had them: they are 0 where the layout has a place for them";
             return Ok(Some(Omission::new(what, why)));
