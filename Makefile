@@ -18,6 +18,8 @@ FRAMES ?=
 AGENT  ?=
 MODES  ?=
 COLOUR ?=
+PREDICTIONS ?=
+SPLIT  ?=
 OUT    ?=
 PYTHON ?= $(or $(CONVOY_PYTHON),python3)
 CARGO ?= cargo
@@ -32,7 +34,7 @@ SCENE_ARG   = $(if $(SCENE),--scene $(SCENE))
 AGENT_ARG   = $(if $(AGENT),--agent $(AGENT))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view export import devkit check-devkit town towns town-pictures check-towns traffic-report build test soak lint bench bench-kernels docs help
+.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate export import devkit check-devkit town towns town-pictures check-towns traffic-report build test soak lint bench bench-kernels docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
@@ -42,6 +44,7 @@ help:
 	@echo "make check [STORE=dataset] [SCENES=3,7-9] [EVERY=10]    (labels against each other; EVERY: some frames only)"
 	@echo "make export FORMAT=kitti|mcap|nuscenes|opv2v|v2x-real|simbev2x DEST=folder [STORE=dataset] [SCENES=] [SPLIT=] [ARGS=]    (docs/exports.md; ARGS=--dry-run first)"
 	@echo "make import SRC=folder [STORE=dataset] [SCENES=0,3-5] [ARGS=--dry-run]       (a dataset of SimBEV2X as a store: docs/import.md)"
+	@echo "make evaluate PREDICTIONS=file.parquet [STORE=dataset] [SCENES=] [SPLIT=] [EVERY=10] [OUT=scores.parquet] (docs/evaluation.md)"
 	@echo "make check-devkit [STORE=dataset] [SCENES=0,1] [DEST=pictures]    (nuscenes-devkit on an export of it)"
 	@echo "make view [STORE=dataset] [PORT=n]  (plays the scenes of a store in the browser)"
 	@echo "make town NAME=convoy/demo [SEED=7] [DEST=folder]       (a road network of our own, with its picture)"
@@ -86,6 +89,12 @@ check: build
 # Plays the scenes of a store in the browser: make view STORE=dataset [PORT=8080].
 view: build
 	$(BIN)/convoy view $(STORE) $(if $(PORT),--port $(PORT))
+
+# Predicted boxes scored against a store: make evaluate PREDICTIONS=file.parquet [SPLIT=test] [EVERY=10] [OUT=scores.parquet]
+evaluate: build
+	@test -n "$(PREDICTIONS)" || { echo "say of what: make evaluate PREDICTIONS=file.parquet [STORE=dataset]"; exit 2; }
+	$(BIN)/evaluate --predictions $(PREDICTIONS) --store $(STORE) $(SCENES_ARG) $(if $(SPLIT),--split $(SPLIT)) $(EVERY_ARG) \
+		$(THREADS_ARG) $(if $(OUT),--out $(OUT)) $(ARGS)
 
 # A finished store in a layout of other people's loaders: make export FORMAT=kitti DEST=folder [SCENES=0,3-5] [SPLIT=train] [ARGS=--dry-run]
 export: build
@@ -180,9 +189,10 @@ lint:
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	tests/check_layers.sh
 
-# Seconds per agent-frame and each part beside its budget. bench-kernels: every crate's own benchmarks.
-bench:
-	$(CARGO) bench --locked -p convoy-tests --bench agent_frame
+# Seconds per agent-frame: each part beside its budget, then whole stages with writing and memory. bench-kernels: every crate's own
+# benchmarks.
+bench: build
+	$(CARGO) bench --locked -p convoy-tests --bench agent_frame --bench stages
 
 bench-kernels:
 	$(CARGO) bench --locked -p convoy-opendrive -p convoy-world -p convoy-traffic -p convoy-visibility \

@@ -6,8 +6,10 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 declare -A allowed=(
+    [arguments]="pictures pipeline schema"
     [frames]=""
     [random]=""
+    [lanes]=""
     [schema]="frames"
     [formats]=""
     [store]="schema"
@@ -24,9 +26,9 @@ declare -A allowed=(
     [world]="actors frames schema"
     [plan]="frames opendrive random schema"
     [traffic]="frames opendrive random schema"
-    [renderer]="frames schema"
+    [renderer]="frames lanes schema"
     [visibility]="frames renderer schema"
-    [sensors]="frames random renderer schema"
+    [sensors]="frames lanes random renderer schema"
     [annotation]="frames opendrive schema"
     [bev]="counts culling frames schema"
     [bevmap]="bev opendrive"
@@ -46,6 +48,7 @@ declare -A allowed=(
     [testkit]="frames opendrive renderer schema"
     [scene]="formats frames schema store"
     [export]="formats frames mapstore mapview scene schema store"
+    [evaluation]="frames scene schema store"
     [import]="counts formats frames schema store"
     [forecast]="plan schema"
     [mapstore]="opendrive store"
@@ -63,10 +66,11 @@ declare -A cores=(
     [postprocess-valid]="carve counts fill formats framewise validity voxelgrid"
     [merge-tracks]="tracks"
     [stats]="analysis thumbnail"
-    [export]="export-core"
-    [import]="import-core"
-    [viz]="export-core mapview pictures"
-    [convoy]="check driver mapstore mapview opendrive town view"
+    [export]="arguments export-core"
+    [evaluate]="arguments evaluation export-core"
+    [import]="arguments import-core"
+    [viz]="arguments export-core mapview pictures"
+    [convoy]="arguments check driver mapstore mapview opendrive town view"
 )
 bad=0
 for manifest in lib/*/Cargo.toml bins/*/Cargo.toml; do

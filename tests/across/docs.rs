@@ -53,6 +53,13 @@ fn schema_page_names_every_column() {
         ];
         writeln!(text, "| {} |", line.join(" | ")).expect("writes");
     }
+    text.push_str("\n### Predictions\n\nWhat `evaluate` reads: one row per box that a model found. Integers and floats of any width, lists of fixed or of any length.\n\n");
+    text.push_str("| column | type | meaning |\n|---|---|---|\n");
+    for column in evaluation::COLUMNS {
+        let doc =
+            if column.optional { format!("{} May be left out.", column.doc) } else { column.doc.to_owned() };
+        writeln!(text, "| `{}` | {} | {doc} |", column.name, column.type_name()).expect("writes");
+    }
     check("schema.md", &text);
 }
 

@@ -18,7 +18,7 @@ fn offered(script: &Path, words: &[&str]) -> BTreeSet<String> {
     let ask = format!(
         "source '{}'; COMP_WORDS=({}); COMP_CWORD={}; _convoy convoy \"${{COMP_WORDS[-1]}}\" \"${{COMP_WORDS[-2]}}\"; printf '%s\\n' \"${{COMPREPLY[@]}}\"",
         script.display(),
-        words.join(" "),
+        words.iter().map(|word| format!("'{word}'")).collect::<Vec<_>>().join(" "),
         words.len() - 1,
     );
     let output = Command::new("bash").args(["-c", &ask]).output().expect("bash starts");
@@ -34,6 +34,22 @@ fn bash_completes_commands_and_options() {
     assert_eq!(offered(&script, &["convoy", "ver"]), BTreeSet::from(["verify".to_owned()]));
     let options = offered(&script, &["convoy", "tidy", "--"]);
     assert!(options.contains("--store"), "{options:?}");
+    // Programs that it starts complete theirs, too.
+    for (words, options) in [
+        (vec!["convoy", "export", "n"], vec!["nuscenes"]),
+        (vec!["convoy", "export", "nuscenes", "--"], vec!["--store", "--dest", "--sweeps", "--radius"]),
+        (vec!["convoy", "import", "simbev2x", "--s"], vec!["--source", "--store", "--scenes"]),
+        (vec!["convoy", "evaluate", "--"], vec!["--predictions", "--metrics"]),
+        (vec!["convoy", "viz", "--"], vec!["--modes", "--colour"]),
+        (vec!["convoy", "viz", "--colour", ""], vec!["distance", "velocity"]),
+        (vec!["convoy", "preview", "--"], vec!["--frame", "--agent"]),
+        (vec!["convoy", "film", "--"], vec!["--width"]),
+        (vec!["convoy", "check", "--"], vec!["--every"]),
+        (vec!["convoy", "view", "--"], vec!["--embed"]),
+    ] {
+        let offers = offered(&script, &words);
+        assert!(options.iter().all(|option| offers.contains(*option)), "{words:?}: {offers:?}");
+    }
     for (shell, word) in [("zsh", "#compdef convoy"), ("fish", "complete -c convoy")] {
         assert!(convoy(&["completions", shell]).contains(word), "{shell}");
     }
@@ -44,25 +60,27 @@ fn every_command_has_a_page_with_its_options() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let pages = folder.path().join("man");
     convoy(&["man", &pages.display().to_string()]);
-    let text = convoy(&["--help"]);
-    let commands = text.lines().skip_while(|l| *l != "Commands:").skip(1).take_while(|l| !l.is_empty());
-    let names = commands.filter_map(|l| l.strip_prefix("  ").filter(|l| !l.starts_with(' ')));
-    let mut count = 0;
-    for name in names.filter_map(|l| l.split(' ').next()).filter(|name| *name != "help") {
-        let page = std::fs::read_to_string(pages.join(format!("convoy-{name}.1"))).expect("has a page");
-        // In manual pages a dash is written with a backslash.
-        let plain = page.replace('\\', "");
-        assert!(plain.contains(&format!(".TH convoy-{name} 1")), "{name}: {page}");
-        // Programs that are started explain themselves.
-        if !plain.contains("--help lists it") {
-            let help = convoy(&[name, "--help"]);
-            let words = help.split_whitespace().filter(|word| word.starts_with("--"));
-            for option in words.map(|w| w.trim_matches(|c: char| !c.is_ascii_alphanumeric() && c != '-')) {
-                let option = option.trim_end_matches('-');
-                assert!(option.is_empty() || plain.contains(option), "{name}: {option} is not in its page");
-            }
-        }
-        count += 1;
+    let count = pages_of(&pages, &[]);
+    // Of `export` alone there are six layouts.
+    assert!(count > 20, "{count}");
+}
+
+/// Looks for the pages of a command and of all below it; how many there are.
+fn pages_of(pages: &Path, command: &[&str]) -> usize {
+    let text = convoy(&[command, &["--help"]].concat());
+    let name = [&["convoy"], command].concat().join("-");
+    let page = std::fs::read_to_string(pages.join(format!("{name}.1"))).expect("has a page");
+    // In manual pages a dash is written with a backslash.
+    let plain = page.replace('\\', "");
+    assert!(plain.contains(&format!(".TH {name} 1")), "{name}: {page}");
+    let words = text.split_whitespace().filter(|word| word.starts_with("--"));
+    for option in words.map(|w| w.trim_matches(|c: char| !c.is_ascii_alphanumeric() && c != '-')) {
+        let option = option.trim_end_matches('-');
+        assert!(option.is_empty() || plain.contains(option), "{name}: {option} is not in its page");
     }
-    assert!(count > 6 && pages.join("convoy.1").exists());
+    let commands = text.lines().skip_while(|l| *l != "Commands:").skip(1).take_while(|l| !l.is_empty());
+    // Their descriptions go on in lines that are set in further.
+    let names = commands.filter_map(|l| l.strip_prefix("  ").filter(|l| !l.starts_with(' ')));
+    let names = names.filter_map(|l| l.split(' ').next()).filter(|name| *name != "help");
+    1 + names.map(|name| pages_of(pages, &[command, &[name]].concat())).sum::<usize>()
 }

@@ -49,6 +49,6 @@ fn main() -> ExitCode {
         Command::View(args) => view::run(&args),
         Command::Map(command) => maps::run(command),
         Command::Film(command) => film::run(command),
-        Command::Shell(command) => shell::run(command, Args::command()),
+        Command::Shell(command) => shell::run(command, programs::explained(Args::command())),
     })
 }

@@ -15,6 +15,9 @@ pub(crate) enum ProgramCommand {
     /// Makes a store of a dataset in another layout.
     #[command(disable_help_flag = true)]
     Import(Rest),
+    /// Scores predicted boxes against a finished store by SimBEV2X's and nuScenes' metrics.
+    #[command(disable_help_flag = true)]
+    Evaluate(Rest),
     /// Draws sensor data and labels: one file a picture.
     #[command(disable_help_flag = true)]
     Viz(Rest),
@@ -34,11 +37,20 @@ pub(crate) struct Rest {
     arguments: Vec<OsString>,
 }
 
+/// `convoy` as shells and manual pages are told of it: the commands that start programs with what these take.
+pub(crate) fn explained(convoy: clap::Command) -> clap::Command {
+    arguments::commands().into_iter().fold(convoy, |convoy, program| {
+        let name = program.get_name().to_owned();
+        convoy.mut_subcommand(name, |_| program)
+    })
+}
+
 /// Runs a program to its end; its exit code.
 pub(crate) fn run(command: ProgramCommand) -> u8 {
     let (name, first, Rest { arguments }) = match command {
         ProgramCommand::Export(rest) => ("export", None, rest),
         ProgramCommand::Import(rest) => ("import", None, rest),
+        ProgramCommand::Evaluate(rest) => ("evaluate", None, rest),
         ProgramCommand::Viz(rest) => ("viz", None, rest),
         ProgramCommand::Preview(rest) => ("viz", Some("preview"), rest),
         ProgramCommand::Film(rest) => ("viz", Some("film"), rest),

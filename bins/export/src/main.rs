@@ -1,38 +1,22 @@
 //! Exports a finished store in the layouts that other people's loaders read.
 
-mod args;
 mod layouts;
 
 use std::collections::BTreeMap;
 use std::process::ExitCode;
 
+use arguments::export::{CommonArgs, Export};
 use clap::Parser;
-use export_core::{Destination, ExportError, Layout, Omission, Plan, Source, Watch, export, plan};
+use export_core::{Destination, ExportError, Layout, Omission, Plan, Selection, Source, Watch, export, plan};
 use indicatif::{DecimalBytes, HumanDuration};
 use pipeline::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Progress, say};
 use store::Store;
 
-use args::CommonArgs;
-use layouts::LayoutCommand;
-
-/// Exports a finished store in a layout that other people's loaders read.
-#[derive(Debug, Parser)]
-#[command(
-    name = "export",
-    version,
-    after_help = "Exit codes: 0 done, 1 the store or what it holds does not allow it, 2 bad arguments or a destination of \
-                  something else, 75 stopped by a signal or a full disk (run the same command again)."
-)]
-struct Args {
-    #[command(subcommand)]
-    layout: LayoutCommand,
-}
-
 fn main() -> ExitCode {
-    let args = Args::parse();
+    let command = Export::parse().layout;
     pipeline::init_logging();
     pipeline::listen_for_signals();
-    let done = args.layout.split().and_then(|(layout, common)| run(layout.as_ref(), &common));
+    let done = layouts::split(command).and_then(|(layout, common)| run(layout.as_ref(), &common));
     ExitCode::from(match done {
         Ok(()) => EXIT_DONE,
         Err(error) => {
@@ -56,7 +40,7 @@ fn run(layout: &dyn Layout, common: &CommonArgs) -> Result<(), ExportError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(common.threads.unwrap_or(0)).build();
     let pool = pool.map_err(|e| ExportError::Refused(format!("--threads: {e}")))?;
     let store = Store::open(&common.store)?;
-    let source = Source::open(&store, &common.selection(layout.every_n_frames()), &layout.needs())?;
+    let source = Source::open(&store, &selection(common, layout.every_n_frames()), &layout.needs())?;
     let place = Destination::new(&common.dest, layout.name());
     let plan = plan(layout, &source, &place, pipeline::code_version("export"), common.force)?;
     announce(&plan, &source, pool.current_num_threads());
@@ -69,6 +53,17 @@ fn run(layout: &dyn Layout, common: &CommonArgs) -> Result<(), ExportError> {
     let (made, units, root) = (outcome.made, outcome.units, place.root().display());
     say(&format!("{root}: {made} of {units} parts made now"));
     Ok(())
+}
+
+/// What of the store is wanted, where a layout takes every so many frames.
+fn selection(common: &CommonArgs, every_n_frames: u32) -> Selection {
+    Selection {
+        scenes: common.scenes.as_ref().map(|scenes| scenes.ranges().to_vec()),
+        splits: common.split.clone(),
+        agents: common.agents.clone(),
+        sensors: common.sensors.clone(),
+        every_n_frames: common.every.unwrap_or(every_n_frames),
+    }
 }
 
 /// Says what will be made, and what not.

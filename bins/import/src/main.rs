@@ -1,61 +1,15 @@
 //! Makes a store of a dataset in another layout.
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use arguments::import::{Import, ImportArgs, ImportCommand};
+use clap::Parser;
 use import_core::{ImportError, Prospect, Selection, Source, Watch, import, prospect};
-use pipeline::{
-    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Progress, ProgressMode, SceneList, say,
-};
+use pipeline::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Progress, say};
 use store::Store;
 
-/// Makes a store of a dataset in another layout.
-#[derive(Debug, Parser)]
-#[command(
-    name = "import",
-    version,
-    after_help = "Exit codes: 0 done, 1 some scenes cannot be imported (each is listed; the others are kept), 2 bad arguments, no such \
-                  dataset, or a store of something else, 75 stopped by a signal or a full disk (run the same command again)."
-)]
-struct Cli {
-    #[command(subcommand)]
-    layout: LayoutCommand,
-}
-
-#[derive(Debug, Subcommand)]
-enum LayoutCommand {
-    /// SimBEV2X's own layout, raw or post-processed
-    Simbev2x(ImportArgs),
-}
-
-#[derive(Debug, Args)]
-struct ImportArgs {
-    /// The dataset: the folder simbev2x, or that which holds it.
-    #[arg(long, value_name = "DIR")]
-    source: PathBuf,
-    /// The store to write: a fresh folder, or one with the same import, which is gone on with.
-    #[arg(long, value_name = "DIR")]
-    store: PathBuf,
-    /// Only these scenes, such as 0,3,5-9 (default: all).
-    #[arg(long, value_name = "LIST")]
-    scenes: Option<SceneList>,
-    /// Import again what has been imported.
-    #[arg(long)]
-    force: bool,
-    /// Worker threads (default: all cores). The files do not depend on it.
-    #[arg(long, value_name = "N")]
-    threads: Option<usize>,
-    /// Only say what would be imported.
-    #[arg(long)]
-    dry_run: bool,
-    /// How to show progress.
-    #[arg(long, value_enum, default_value = "auto")]
-    progress: ProgressMode,
-}
-
 fn main() -> ExitCode {
-    let LayoutCommand::Simbev2x(args) = Cli::parse().layout;
+    let ImportCommand::Simbev2x(args) = Import::parse().layout;
     pipeline::init_logging();
     pipeline::listen_for_signals();
     ExitCode::from(match run(&args) {
@@ -89,6 +43,7 @@ fn run(args: &ImportArgs) -> Result<u8, ImportError> {
     if args.dry_run {
         return Ok(if found.failed.is_empty() { EXIT_DONE } else { EXIT_SOME_FAILED });
     }
+    let are_processed = found.scenes.iter().all(|scene| scene.is_processed);
     let name = args.store.file_name().map_or_else(|| "import".into(), |name| name.to_string_lossy());
     let progress = Progress::start(args.progress, "import simbev2x".to_owned(), found.agent_frames());
     let outcome = pool.install(|| import(&source, &store, found, &selection, &name, &Watching(progress)))?;
@@ -96,7 +51,15 @@ fn run(args: &ImportArgs) -> Result<u8, ImportError> {
         tracing::error!("scene {scene} is not imported: {}", pipeline::report(error));
     }
     let (made, kept, failed) = (outcome.made, outcome.kept, outcome.failed.len());
-    say(&format!("{}: {made} scenes imported, {kept} kept, {failed} failed", args.store.display()));
+    let store = args.store.display();
+    say(&format!("{store}: {made} scenes imported, {kept} kept, {failed} failed"));
+    if made + kept > 0 {
+        let next = match are_processed {
+            true => "tracks (merge-tracks), then statistics, report and dataset card (stats)",
+            false => "statistics, report and dataset card (stats); what is not post-processed has no tracks",
+        };
+        say(&format!("not made yet: {next}"));
+    }
     Ok(if failed == 0 { EXIT_DONE } else { EXIT_SOME_FAILED })
 }
 

@@ -1,21 +1,20 @@
 #![doc = include_str!("../README.md")]
 
 mod archive;
-mod args;
 mod desk;
 mod draw;
 mod error;
 mod feed;
 mod film;
 mod ground;
+mod known;
 mod mode;
 mod preview;
 mod scene_view;
 mod session;
 mod stills;
 
-pub use args::{FilmArgs, PictureCommand, PreviewArgs, VizArgs};
-
+use arguments::viz::PictureCommand;
 use pipeline::{EXIT_DONE, EXIT_USAGE, report};
 
 use error::VizError;

@@ -2,20 +2,8 @@
 
 use std::process::ExitCode;
 
+use arguments::viz::{FilmArgs, PictureCommand, PreviewArgs, Stills};
 use clap::{Parser, Subcommand};
-use viz::{FilmArgs, PictureCommand, PreviewArgs, VizArgs};
-
-/// Draws what a finished store holds: sensor data and labels, one file a picture.
-#[derive(Debug, Parser)]
-#[command(
-    name = "viz",
-    version,
-    after_help = "Further commands: `viz preview --help` (a contact sheet), `viz film --help` (a scene as a film)."
-)]
-struct Stills {
-    #[command(flatten)]
-    args: VizArgs,
-}
 
 /// Draws what a finished store holds.
 #[derive(Debug, Parser)]

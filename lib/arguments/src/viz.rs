@@ -1,8 +1,9 @@
-//! Arguments.
+//! The command lines of `viz`.
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand};
 use pictures::ColourBy;
 use pipeline::SceneList;
 use schema::AgentId;
@@ -19,7 +20,9 @@ pub enum PictureCommand {
 }
 
 impl PictureCommand {
-    pub(crate) fn common(&self) -> &CommonArgs {
+    /// What all of them share.
+    #[must_use]
+    pub fn common(&self) -> &CommonArgs {
         match self {
             Self::Viz(args) => &args.common,
             Self::Preview(args) => &args.common,
@@ -28,125 +31,114 @@ impl PictureCommand {
     }
 }
 
+/// Draws what a finished store holds: sensor data and labels, one file a picture.
+#[derive(Debug, Parser)]
+#[command(
+    name = "viz",
+    version,
+    after_help = "Further commands: `viz preview --help` (a contact sheet), `viz film --help` (a scene as a film)."
+)]
+pub struct Stills {
+    /// What to draw.
+    #[command(flatten)]
+    pub args: VizArgs,
+}
+
 /// What all of them share.
 #[derive(Debug, Args)]
-pub(crate) struct CommonArgs {
+pub struct CommonArgs {
     /// The store: a folder, by its path or as file:///FOLDER.
     #[arg(long, value_name = "DIR")]
-    pub(crate) store: PathBuf,
+    pub store: PathBuf,
     /// Worker threads (default: all cores). The pictures do not depend on it.
     #[arg(long, value_name = "N")]
-    pub(crate) threads: Option<usize>,
+    pub threads: Option<usize>,
     /// Draw boxes that the agent did not see, too.
     #[arg(long)]
-    pub(crate) all_boxes: bool,
+    pub all_boxes: bool,
 }
 
 /// What to draw.
 #[derive(Debug, Args)]
 pub struct VizArgs {
+    /// What all commands share.
     #[command(flatten)]
-    pub(crate) common: CommonArgs,
+    pub common: CommonArgs,
     /// Number of the scene (default: the first that is finished).
     #[arg(long, value_name = "N")]
-    pub(crate) scene: Option<u32>,
+    pub scene: Option<u32>,
     /// Frames, such as 0,10-20 (default: one in the middle).
     #[arg(long, value_name = "LIST")]
-    pub(crate) frames: Option<SceneList>,
+    pub frames: Option<SceneList>,
     /// Of these frames (without --frames: of all) every n-th.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    pub(crate) every: Option<u32>,
+    pub every: Option<u32>,
     /// Agents, such as vehicle_0,rsu_* (default: all).
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    pub(crate) agents: Vec<String>,
+    pub agents: Vec<String>,
     /// Pictures, such as RGB-*,LIDAR3DwBBOX-NEAR (default: all); --list names them.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    pub(crate) modes: Vec<String>,
+    pub modes: Vec<String>,
     /// What the colours of points tell (default: of lidars the distance, of semantic ones the tag, of radars the velocity, of
     /// several agents together whose they are).
-    #[arg(long, value_name = "WHAT", value_enum)]
-    pub(crate) colour: Option<Colour>,
+    #[arg(long, value_name = "WHAT", value_parser = colours())]
+    pub colour: Option<ColourBy>,
     /// The folder to write to.
     #[arg(long, value_name = "DIR", required_unless_present = "list")]
-    pub(crate) dest: Option<PathBuf>,
+    pub dest: Option<PathBuf>,
     /// Only name the pictures that there are.
     #[arg(long)]
-    pub(crate) list: bool,
+    pub list: bool,
 }
 
 /// What to show.
 #[derive(Debug, Args)]
 pub struct PreviewArgs {
+    /// What all commands share.
     #[command(flatten)]
-    pub(crate) common: CommonArgs,
+    pub common: CommonArgs,
     /// Number of the scene (default: the first that is finished).
     #[arg(long, value_name = "N")]
-    pub(crate) scene: Option<u32>,
+    pub scene: Option<u32>,
     /// The frame (default: one in the middle).
     #[arg(long, value_name = "N")]
-    pub(crate) frame: Option<u32>,
+    pub frame: Option<u32>,
     /// The agent (default: the first vehicle).
     #[arg(long, value_name = "NAME")]
-    pub(crate) agent: Option<AgentId>,
+    pub agent: Option<AgentId>,
     /// Width of the sheet, pixels.
     #[arg(long, value_name = "PX", default_value_t = 2400, value_parser = clap::value_parser!(u32).range(400..=8000))]
-    pub(crate) width: u32,
+    pub width: u32,
     /// The file to write: .png or .jpg.
     #[arg(long, value_name = "FILE")]
-    pub(crate) out: PathBuf,
+    pub out: PathBuf,
 }
 
 /// What to film.
 #[derive(Debug, Args)]
 pub struct FilmArgs {
+    /// What all commands share.
     #[command(flatten)]
-    pub(crate) common: CommonArgs,
+    pub common: CommonArgs,
     /// Number of the scene (default: the first that is finished).
     #[arg(long, value_name = "N")]
-    pub(crate) scene: Option<u32>,
+    pub scene: Option<u32>,
     /// The agent (default: the first vehicle).
     #[arg(long, value_name = "NAME")]
-    pub(crate) agent: Option<AgentId>,
+    pub agent: Option<AgentId>,
     /// Every which frame of the scene is shown.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub(crate) every: u32,
+    pub every: u32,
     /// Width of the film, pixels.
     #[arg(long, value_name = "PX", default_value_t = 960, value_parser = clap::value_parser!(u32).range(200..=4000))]
-    pub(crate) width: u32,
+    pub width: u32,
     /// The file to write: .png (browsers play it); with an ffmpeg at hand a .mp4 is put beside it.
     #[arg(long, value_name = "FILE")]
-    pub(crate) out: PathBuf,
+    pub out: PathBuf,
 }
 
-/// What the colours of points tell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Colour {
-    /// Distance from the sensor.
-    Distance,
-    /// Height over the agent's ground.
-    Height,
-    /// Semantic tag.
-    Tag,
-    /// Object.
-    Id,
-    /// Strength of the return.
-    Intensity,
-    /// Radial velocity.
-    Velocity,
-    /// Whose point it is.
-    Agent,
-}
-
-impl Colour {
-    pub(crate) fn by(self) -> ColourBy {
-        match self {
-            Self::Distance => ColourBy::Distance,
-            Self::Height => ColourBy::Height,
-            Self::Tag => ColourBy::Tag,
-            Self::Id => ColourBy::Id,
-            Self::Intensity => ColourBy::Intensity,
-            Self::Velocity => ColourBy::Velocity,
-            Self::Agent => ColourBy::Agent,
-        }
-    }
+fn colours() -> impl TypedValueParser<Value = ColourBy> {
+    let words = ColourBy::ALL.map(|by| PossibleValue::new(by.name()).help(by.meaning()));
+    PossibleValuesParser::new(words)
+        .try_map(|word| ColourBy::from_name(&word).ok_or_else(|| format!("no colour of points: {word}")))
 }

@@ -1,0 +1,73 @@
+//! The command line of `evaluate`.
+
+use std::path::PathBuf;
+
+use clap::{Parser, ValueEnum};
+use pipeline::SceneList;
+
+/// Scores predicted boxes against a finished store by SimBEV2X's and nuScenes' metrics.
+#[derive(Debug, Parser)]
+#[command(
+    name = "evaluate",
+    version,
+    after_help = "Exit codes: 0 done, 1 the store is damaged, 2 bad arguments, no such store, or predictions that cannot be, 75 the \
+                  result cannot be written."
+)]
+pub struct Evaluate {
+    /// The predictions: one Parquet file (docs/schema.md says which columns).
+    #[arg(long, value_name = "FILE")]
+    pub predictions: PathBuf,
+    /// The store: a folder, by its path or as file:///FOLDER.
+    #[arg(long, value_name = "DIR")]
+    pub store: PathBuf,
+    /// Only these scenes, such as 0,3,5-9 (default: all that are finished).
+    #[arg(long, value_name = "LIST")]
+    pub scenes: Option<SceneList>,
+    /// Only scenes of these splits, such as test.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub split: Vec<String>,
+    /// Egos, such as vehicle_0,rsu_*.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "vehicle_*")]
+    pub agents: Vec<String>,
+    /// Frames 0, n, 2 n, ... are evaluated (default: all that have boxes).
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub every: Option<u32>,
+    /// The metrics (default: all).
+    #[arg(long, value_name = "NAMES", value_enum, value_delimiter = ',')]
+    pub metrics: Vec<Metrics>,
+    /// By whom a box must be seen to count.
+    #[arg(long, value_enum, default_value = "partners")]
+    pub seen: SeenBy,
+    /// How far away a partner may be, m.
+    #[arg(long, value_name = "M", default_value_t = 80.0)]
+    pub comm_range_m: f64,
+    /// How much higher or lower a partner may be, m.
+    #[arg(long, value_name = "M", default_value_t = 4.8)]
+    pub elevation_m: f64,
+    /// A file for all numbers, one a row: .parquet or .json.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Worker threads (default: all cores). The numbers do not depend on it.
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+}
+
+/// Families of metrics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Metrics {
+    /// mAP by difficulty, ATE, AOE, ASE, AVE, SDS
+    Simbev2x,
+    /// mAP, ATE, ASE, AOE, AVE, AAE, NDS
+    Nuscenes,
+}
+
+/// By whom a box must be seen to count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SeenBy {
+    /// By the ego or any vehicle or RSU in reach
+    Partners,
+    /// By the ego
+    Ego,
+    /// By nobody: all boxes of the ego's list
+    Nobody,
+}

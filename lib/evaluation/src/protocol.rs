@@ -1,0 +1,34 @@
+//! What detection metrics share, and their names.
+
+/// Distances up to which a prediction finds a target, m: of both metrics.
+pub const THRESHOLDS_M: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
+
+/// A family of metrics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Protocol {
+    /// SimBEV2X: mAP, ATE, AOE, ASE, AVE, SDS.
+    SimBev2x,
+    /// nuScenes: mAP, ATE, ASE, AOE, AVE, AAE, NDS.
+    NuScenes,
+}
+
+impl Protocol {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::SimBev2x, Self::NuScenes];
+
+    /// Its name on the command line and in results.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SimBev2x => "simbev2x",
+            Self::NuScenes => "nuscenes",
+        }
+    }
+}
+
+/// The mean of the values that are numbers; NaN where none is.
+pub(crate) fn mean_of_numbers(values: impl IntoIterator<Item = f64>) -> f64 {
+    let (sum, count) =
+        values.into_iter().filter(|v| !v.is_nan()).fold((0.0, 0_u64), |(sum, count), v| (sum + v, count + 1));
+    if count == 0 { f64::NAN } else { sum / count as f64 }
+}

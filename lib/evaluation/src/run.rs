@@ -1,0 +1,264 @@
+//! A file of predictions against scenes of a store.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+use scene::SceneReader;
+use schema::{AgentId, DetectionClass};
+
+use crate::EvaluationError;
+use crate::boxes::{Prediction, Target};
+use crate::mode::{Mode, Seen};
+use crate::nuscenes::{NuScenesScores, NuScenesTally, nuscenes_class};
+use crate::predictions::{PredictionFile, PredictionRow};
+use crate::protocol::Protocol;
+use crate::simbev2x::{SimBev2xScores, SimBev2xTally};
+use crate::targets::{Label, SceneLabels};
+
+/// As many boxes nuScenes lets a model find in a sample.
+const MAX_BOXES: usize = 500;
+
+/// What is evaluated, and by which metrics.
+pub struct Plan<'a> {
+    /// The metrics.
+    pub protocols: &'a [Protocol],
+    /// By whom a box must be seen to be a target.
+    pub seen: Seen,
+    /// Samples are frames 0, n, 2 n, ...; none: all that have boxes.
+    pub every_n_frames: Option<u32>,
+    /// Which agents are egos.
+    pub is_ego: &'a (dyn Fn(AgentId) -> bool + Sync),
+}
+
+/// The scores of the predictions of one mode.
+#[derive(Clone, Debug)]
+pub struct ModeScores {
+    /// With whom the model worked together.
+    pub mode: Mode,
+    /// How many samples have predictions of it.
+    pub samples: u64,
+    /// SimBEV2X's scores, if they were asked for.
+    pub simbev2x: Option<SimBev2xScores>,
+    /// nuScenes' scores, likewise.
+    pub nuscenes: Option<NuScenesScores>,
+}
+
+/// What came of it.
+#[derive(Clone, Debug)]
+pub struct Evaluation {
+    /// Scores by mode.
+    pub modes: Vec<ModeScores>,
+    /// Frames of egos that were looked at.
+    pub samples: u64,
+    /// Predictions that were looked at.
+    pub predictions: u64,
+    /// Predictions of other frames and egos of these scenes, which were left out.
+    pub left_out: u64,
+}
+
+#[derive(Default)]
+struct Tally {
+    samples: u64,
+    simbev2x: SimBev2xTally,
+    nuscenes: NuScenesTally,
+}
+
+/// What a scene, or an ego of it, gives.
+struct Part {
+    modes: Vec<Tally>,
+    samples: u64,
+    predictions: u64,
+    left_out: u64,
+}
+
+impl Part {
+    fn new(modes: usize) -> Self {
+        let modes = std::iter::repeat_with(Tally::default).take(modes).collect();
+        Self { modes, samples: 0, predictions: 0, left_out: 0 }
+    }
+
+    fn append(&mut self, later: Self) {
+        self.samples += later.samples;
+        self.predictions += later.predictions;
+        self.left_out += later.left_out;
+        for (tally, later) in self.modes.iter_mut().zip(later.modes) {
+            tally.samples += later.samples;
+            tally.simbev2x.append(later.simbev2x);
+            tally.nuscenes.append(later.nuscenes);
+        }
+    }
+}
+
+/// Holds the predictions of some scenes against their boxes, on the threads of the pool at hand; the result does not depend
+/// on how many these are. As many scenes are in memory as there are threads.
+///
+/// # Errors
+/// The store or the file cannot be read; a prediction is of an agent, a frame or a scene that is none; there is nothing to
+/// evaluate; nuScenes' metrics are asked for and a sample has more than 500 predictions.
+pub fn evaluate(
+    scenes: &[SceneReader],
+    file: &PredictionFile,
+    plan: &Plan<'_>,
+) -> Result<Evaluation, EvaluationError> {
+    let modes: Vec<Mode> = file.modes().collect();
+    let mut whole = Part::new(modes.len());
+    for some in scenes.chunks(rayon::current_num_threads().max(1)) {
+        let parts: Vec<_> = some.par_iter().map(|scene| of_scene(scene, file, &modes, plan)).collect();
+        for part in parts {
+            whole.append(part?);
+        }
+    }
+    if whole.predictions == 0 {
+        let problem = "none of its rows is of a frame and agent that is evaluated".to_owned();
+        return Err(EvaluationError::Predictions { path: file.path().to_owned(), problem });
+    }
+    let scores = modes.into_iter().zip(&whole.modes).map(|(mode, tally)| ModeScores {
+        mode,
+        samples: tally.samples,
+        simbev2x: plan.protocols.contains(&Protocol::SimBev2x).then(|| tally.simbev2x.scores()),
+        nuscenes: plan.protocols.contains(&Protocol::NuScenes).then(|| tally.nuscenes.scores()),
+    });
+    let modes = scores.collect();
+    let Part { samples, predictions, left_out, .. } = whole;
+    Ok(Evaluation { modes, samples, predictions, left_out })
+}
+
+fn of_scene(
+    scene: &SceneReader,
+    file: &PredictionFile,
+    modes: &[Mode],
+    plan: &Plan<'_>,
+) -> Result<Part, EvaluationError> {
+    let (info, agents, number) = (scene.info()?, scene.agents()?, scene.scene());
+    let labelled = info.label_every_n_frames.max(1);
+    let every = plan.every_n_frames.unwrap_or(labelled);
+    if !every.is_multiple_of(labelled) {
+        return Err(EvaluationError::Refused(format!(
+            "scene {number} has boxes at every {labelled}th frame: every {every}th is no multiple of that"
+        )));
+    }
+    let mut rows = file.rows(number)?;
+    for row in &rows {
+        let fault = |problem: String| Err(file.fault(row.row, &problem));
+        if !agents.contains(&row.agent) {
+            let there = agents.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+            return fault(format!("scene {number} has no agent `{}`; it has {there}", row.agent));
+        }
+        if row.frame >= info.frames {
+            let last = info.frames.saturating_sub(1);
+            return fault(format!("scene {number} has no frame {}; it has frames 0 to {last}", row.frame));
+        }
+        if !schema::rate::is_due(row.frame, labelled) {
+            return fault(format!(
+                "scene {number} has no boxes at frame {}, only at every {labelled}th",
+                row.frame
+            ));
+        }
+    }
+    let all = rows.len();
+    rows.retain(|row| schema::rate::is_due(row.frame, every) && (plan.is_ego)(row.agent));
+    // Those of one sample and mode stay in the file's order.
+    rows.sort_by_key(|row| (row.agent, row.frame, row.mode));
+    let labels = SceneLabels::read(scene, every)?;
+    let egos: Vec<AgentId> = agents.into_iter().filter(|agent| (plan.is_ego)(*agent)).collect();
+    let parts: Vec<_> = egos
+        .par_iter()
+        .map(|ego| {
+            let mut part = Part::new(modes.len());
+            for frame in schema::rate::due(info.frames, every) {
+                add_sample(&mut part, (number, frame, *ego), &labels, &rows, modes, plan)?;
+            }
+            Ok::<Part, EvaluationError>(part)
+        })
+        .collect();
+    let mut whole = Part::new(modes.len());
+    whole.left_out = (all - rows.len()) as u64;
+    for part in parts {
+        whole.append(part?);
+    }
+    Ok(whole)
+}
+
+/// Rows of a sample and mode.
+fn range_of(rows: &[PredictionRow], ego: AgentId, frame: u32, mode: Mode) -> Range<usize> {
+    let key = (ego, frame, mode);
+    let start = rows.partition_point(|row| (row.agent, row.frame, row.mode) < key);
+    let length = rows[start..].iter().take_while(|row| (row.agent, row.frame, row.mode) == key).count();
+    start..start + length
+}
+
+fn add_sample(
+    part: &mut Part,
+    (scene, frame, ego): (u32, u32, AgentId),
+    labels: &SceneLabels,
+    rows: &[PredictionRow],
+    modes: &[Mode],
+    plan: &Plan<'_>,
+) -> Result<(), EvaluationError> {
+    let Some((own, xyz_m)) = labels.pose(frame, ego) else {
+        let problem = "`agents` has no row of it".to_owned();
+        return Err(EvaluationError::Labels { scene, frame, agent: ego.to_string(), problem });
+    };
+    let boxes = labels.of(frame, ego, plan.seen);
+    part.samples += 1;
+    let is_near = |center_m: &[f64; 3], range_m: f64| {
+        let away = [0, 1].map(|axis| center_m[axis] - xyz_m[axis]);
+        (away[0] * away[0] + away[1] * away[1]).sqrt() < range_m
+    };
+    let target = |class: usize, label: &Label| Target {
+        class,
+        solid: label.solid,
+        difficulty: label.difficulty,
+        attribute: None,
+    };
+    let canonical = |class: DetectionClass| DetectionClass::ALL.into_iter().position(|c| c == class);
+    let simbev2x: Vec<Target> = boxes
+        .iter()
+        .filter(|label| label.is_seen)
+        .filter_map(|label| canonical(label.class).map(|class| target(class, label)))
+        .collect();
+    let has_points = |label: &&Label| plan.seen == Seen::Nobody || label.points > 0;
+    let nuscenes: Vec<Target> = boxes
+        .iter()
+        .filter(|label| label.id != own)
+        .filter(has_points)
+        .filter_map(|label| {
+            let (class, range_m) = nuscenes_class(label.class)?;
+            is_near(&label.solid.center_m, range_m).then(|| target(class, label))
+        })
+        .collect();
+    for (mode, tally) in modes.iter().zip(&mut part.modes) {
+        let found = &rows[range_of(rows, ego, frame, *mode)];
+        part.predictions += found.len() as u64;
+        tally.samples += u64::from(!found.is_empty());
+        let prediction = |class, row: &PredictionRow| Prediction {
+            class,
+            score: row.score,
+            solid: row.solid,
+            attribute: None,
+        };
+        if plan.protocols.contains(&Protocol::SimBev2x) {
+            let found: Vec<Prediction> = found
+                .iter()
+                .filter_map(|row| canonical(row.class).map(|class| prediction(class, row)))
+                .collect();
+            tally.simbev2x.add(&simbev2x, &found);
+        }
+        if plan.protocols.contains(&Protocol::NuScenes) {
+            let known = || found.iter().filter_map(|row| Some((nuscenes_class(row.class)?, row)));
+            let count = known().count();
+            if count > MAX_BOXES {
+                return Err(EvaluationError::Refused(format!(
+                    "scene {scene}, frame {frame}, {ego}: {count} predictions, nuScenes allows {MAX_BOXES} a sample \
+                     (keep the surest, or evaluate with --metrics simbev2x)"
+                )));
+            }
+            let found: Vec<Prediction> = known()
+                .filter(|((_, range_m), row)| is_near(&row.solid.center_m, *range_m))
+                .map(|((class, _), row)| prediction(class, row))
+                .collect();
+            tally.nuscenes.add(&nuscenes, &found);
+        }
+    }
+    Ok(())
+}

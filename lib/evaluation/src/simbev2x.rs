@@ -1,0 +1,225 @@
+//! SimBEV2X's detection metrics: mAP by difficulty, four errors, SDS.
+
+use rayon::prelude::*;
+use schema::{DetectionClass, Difficulty};
+
+use crate::boxes::{Prediction, Target};
+use crate::matching::{Distances, by_score};
+use crate::protocol::{THRESHOLDS_M, mean_of_numbers};
+
+/// Names of the errors.
+pub(crate) const ERRORS: [&str; 4] = ["ATE", "AOE", "ASE", "AVE"];
+/// Names of the levels: all targets, then those of each difficulty.
+pub(crate) const LEVELS: [&str; 4] = ["all", "easy", "medium", "hard"];
+/// What falls below this precision is left out of a curve.
+const MIN_PRECISION: f64 = 0.1;
+
+/// Of how many predictions of a class a sample keeps the surest.
+fn cap(class: usize) -> usize {
+    use DetectionClass::{Car, Pedestrian, TrafficCone, TrafficLight, TrafficSign};
+    match DetectionClass::ALL[class] {
+        Car | Pedestrian => 100,
+        TrafficSign => 60,
+        TrafficLight | TrafficCone => 40,
+        _ => 20,
+    }
+}
+
+/// Number of a difficulty among [`LEVELS`].
+fn level(difficulty: Difficulty) -> u8 {
+    match difficulty {
+        Difficulty::Easy => 1,
+        Difficulty::Medium => 2,
+        Difficulty::Hard => 3,
+    }
+}
+
+/// A prediction with what it found: for each threshold the level of the target, 0 for none.
+#[derive(Clone, Copy, Debug)]
+struct Hit {
+    score: f64,
+    found: [u8; 4],
+}
+
+#[derive(Clone, Debug, Default)]
+struct ClassTally {
+    /// By level.
+    targets: [u64; 4],
+    hits: Vec<Hit>,
+    /// By threshold: pairs, and sums of their errors.
+    pairs: [u64; 4],
+    errors: [[f64; 4]; 4],
+}
+
+/// What was found and what not, sample by sample.
+#[derive(Clone, Debug)]
+pub struct SimBev2xTally {
+    classes: Vec<ClassTally>,
+}
+
+impl Default for SimBev2xTally {
+    fn default() -> Self {
+        Self { classes: vec![ClassTally::default(); DetectionClass::ALL.len()] }
+    }
+}
+
+impl SimBev2xTally {
+    /// Adds a sample's targets and predictions, whose classes are numbers of [`DetectionClass::ALL`]. Of equal scores the earlier
+    /// counts as the surer, within a sample and among samples. Velocities that are not known count as none.
+    pub fn add(&mut self, targets: &[Target], predictions: &[Prediction]) {
+        for (class, tally) in self.classes.iter_mut().enumerate() {
+            let targets: Vec<&Target> = targets.iter().filter(|t| t.class == class).collect();
+            let mut own: Vec<&Prediction> = predictions.iter().filter(|p| p.class == class).collect();
+            own.sort_by(|a, b| by_score(a.score, b.score));
+            own.truncate(cap(class));
+            tally.add(&targets, &own);
+        }
+    }
+
+    /// Adds what another has of later samples.
+    pub fn append(&mut self, later: Self) {
+        for (class, later) in self.classes.iter_mut().zip(later.classes) {
+            class.hits.extend(later.hits);
+            for i in 0..4 {
+                class.targets[i] += later.targets[i];
+                class.pairs[i] += later.pairs[i];
+                for (sum, part) in class.errors[i].iter_mut().zip(later.errors[i]) {
+                    *sum += part;
+                }
+            }
+        }
+    }
+
+    /// The scores of all samples.
+    #[must_use]
+    pub fn scores(&self) -> SimBev2xScores {
+        let classes = self.classes.par_iter().enumerate();
+        SimBev2xScores {
+            classes: classes.map(|(i, tally)| tally.scores(DetectionClass::ALL[i].name())).collect(),
+        }
+    }
+}
+
+impl ClassTally {
+    fn add(&mut self, targets: &[&Target], surest: &[&Prediction]) {
+        self.targets[0] += targets.len() as u64;
+        for target in targets {
+            self.targets[usize::from(level(target.difficulty))] += 1;
+        }
+        let distances = Distances::new(surest, targets, |p, t| t.solid.distance_m(&p.solid));
+        let first = self.hits.len();
+        self.hits.extend(surest.iter().map(|p| Hit { score: p.score, found: [0; 4] }));
+        for (at, threshold_m) in THRESHOLDS_M.into_iter().enumerate() {
+            let found = distances.assign(surest.len(), |away| away <= threshold_m);
+            for (position, target) in found.into_iter().enumerate() {
+                let Some(target) = target.map(|target| targets[target]) else { continue };
+                self.hits[first + position].found[at] = level(target.difficulty);
+                self.pairs[at] += 1;
+                for (sum, error) in self.errors[at].iter_mut().zip(errors(target, surest[position])) {
+                    *sum += error;
+                }
+            }
+        }
+    }
+
+    fn scores(&self, name: &'static str) -> SimBev2xClass {
+        let mut order: Vec<u32> = (0..self.hits.len() as u32).collect();
+        let hit = |i: u32| self.hits[i as usize];
+        order.par_sort_unstable_by(|a, b| by_score(hit(*a).score, hit(*b).score).then(a.cmp(b)));
+        let surest: Vec<Hit> = order.into_iter().map(hit).collect();
+        let ap = [0, 1, 2, 3].map(|at| {
+            [0, 1, 2, 3].map(|level: u8| {
+                let found = surest.iter().map(|hit| hit.found[at]);
+                average_precision(found, level, self.targets[usize::from(level)])
+            })
+        });
+        let mean = |at: usize, error: usize| match self.pairs[at] {
+            0 => f64::NAN,
+            pairs => self.errors[at][error] / pairs as f64,
+        };
+        let errors = [0, 1, 2, 3].map(|at| [0, 1, 2, 3].map(|error| mean(at, error)));
+        SimBev2xClass { name, targets: self.targets, ap, errors }
+    }
+}
+
+/// The errors of a pair, in the order of [`ERRORS`].
+fn errors(target: &Target, prediction: &Prediction) -> [f64; 4] {
+    let truth = target.solid.at_rest_where_unknown();
+    let guess = prediction.solid.at_rest_where_unknown();
+    [
+        truth.distance_m(&guess),
+        truth.yaw_error_rad(&guess, std::f64::consts::TAU),
+        truth.scale_error(&guess),
+        truth.velocity_error_mps(&guess),
+    ]
+}
+
+/// The area below precision over recall, from (0, 1) on and without points of low precision; NaN without targets. Whoever
+/// found a target of another level is neither right nor wrong.
+fn average_precision(found: impl Iterator<Item = u8>, level: u8, targets: u64) -> f64 {
+    if targets == 0 {
+        return f64::NAN;
+    }
+    let (mut right, mut wrong) = (0_u64, 0_u64);
+    let (mut recall, mut precision, mut area) = (0.0, 1.0, 0.0);
+    for target in found {
+        match target {
+            0 => wrong += 1,
+            _ if level == 0 || target == level => right += 1,
+            _ => {}
+        }
+        let point = if right == 0 { 0.0 } else { right as f64 / (right + wrong) as f64 };
+        if point >= MIN_PRECISION {
+            let next = right as f64 / targets as f64;
+            area += (next - recall) * (point + precision) / 2.0;
+            (recall, precision) = (next, point);
+        }
+    }
+    area.clamp(0.0, 1.0)
+}
+
+/// The scores of a class.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SimBev2xClass {
+    /// Its name.
+    pub name: &'static str,
+    /// How many targets there were: all, easy, medium, hard.
+    pub targets: [u64; 4],
+    /// Average precision at each of [`THRESHOLDS_M`], for all, easy, medium and hard targets; NaN where there are none.
+    pub ap: [[f64; 4]; 4],
+    /// ATE (m), AOE (rad), ASE, AVE (m/s) at each of [`THRESHOLDS_M`]; NaN where nothing was found.
+    pub errors: [[f64; 4]; 4],
+}
+
+/// The scores of all classes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SimBev2xScores {
+    /// Class by class, in canonical order.
+    pub classes: Vec<SimBev2xClass>,
+}
+
+impl SimBev2xScores {
+    /// Mean average precision of all, easy, medium and hard targets, over classes that have some; NaN where none has.
+    #[must_use]
+    pub fn mean_ap(&self) -> [f64; 4] {
+        [0, 1, 2, 3].map(|level| {
+            mean_of_numbers(self.classes.iter().flat_map(|class| class.ap.iter().map(move |ap| ap[level])))
+        })
+    }
+
+    /// The means of the errors over classes and thresholds; NaN where nothing was found.
+    #[must_use]
+    pub fn mean_errors(&self) -> [f64; 4] {
+        [0, 1, 2, 3].map(|error| {
+            mean_of_numbers(self.classes.iter().flat_map(|class| class.errors.iter().map(move |e| e[error])))
+        })
+    }
+
+    /// SimBEV2X's detection score; NaN without targets. An error of nothing found counts as a whole one.
+    #[must_use]
+    pub fn sds(&self) -> f64 {
+        // The greater of 0 and NaN is 0.
+        let right: f64 = self.mean_errors().iter().map(|error| (1.0 - error).max(0.0)).sum();
+        (4.0 * self.mean_ap()[0] + right) / 8.0
+    }
+}

@@ -1,0 +1,170 @@
+//! The boxes of a scene that are to be found.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use scene::SceneReader;
+use schema::table::Row;
+use schema::tables::{AgentRow, BoxRow, ValidBoxRow};
+use schema::{AgentId, DetectionClass, Difficulty};
+use store::{RowGroups, keys};
+
+use crate::EvaluationError;
+use crate::boxes::Solid;
+use crate::mode::Seen;
+
+schema::columns! {
+    /// Where agents are.
+    Pose of AgentRow { frame: u32, agent: String, id: u16, xyz_m: [f64; 3] }
+}
+
+schema::columns! {
+    /// Boxes.
+    Placed of BoxRow {
+        frame: u32, agent: String, id: u16, class: String, center_m: [f64; 3], size_m: [f64; 3], rpy_rad: [f64; 3],
+        velocity_mps: [f32; 3],
+    }
+}
+
+schema::columns! {
+    /// What was seen of them.
+    Sight of ValidBoxRow {
+        frame: u32, agent: String, id: u16, num_lidar_pts: u32, num_radar_pts: u32, valid_flag: bool, difficulty: String,
+    }
+}
+
+/// A box of an agent's list.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Label {
+    pub(crate) id: u16,
+    pub(crate) class: DetectionClass,
+    pub(crate) solid: Solid,
+    pub(crate) difficulty: Difficulty,
+    /// Whether somebody who counts saw it.
+    pub(crate) is_seen: bool,
+    /// Points of lidars and radars of those who count.
+    pub(crate) points: u64,
+}
+
+/// The lists of all agents of a scene at some frames.
+#[derive(Debug)]
+pub(crate) struct SceneLabels {
+    labels: Vec<Label>,
+    /// Which of them are whose, by frame and agent.
+    lists: BTreeMap<(u32, AgentId), Range<usize>>,
+    /// Id and place of each agent, likewise.
+    poses: BTreeMap<u32, BTreeMap<AgentId, (u16, [f64; 3])>>,
+}
+
+/// The rows of a table, one after the other.
+fn rows<R: Row>(
+    scene: &SceneReader,
+) -> Result<impl Iterator<Item = Result<R, EvaluationError>>, EvaluationError> {
+    let key = keys::scene(scene.scene(), &format!("{}.parquet", R::TABLE));
+    let groups: RowGroups<R> = scene.store().row_groups(scene.manifest(R::STAGE)?, &key)?;
+    Ok(groups.flat_map(|group| match group {
+        Ok(rows) => rows.into_iter().map(Ok).collect::<Vec<_>>(),
+        Err(fault) => vec![Err(EvaluationError::from(fault))],
+    }))
+}
+
+impl SceneLabels {
+    /// Reads those of frames 0, n, 2 n, ...
+    pub(crate) fn read(scene: &SceneReader, every_n_frames: u32) -> Result<Self, EvaluationError> {
+        let is_due = |frame: u32| schema::rate::is_due(frame, every_n_frames);
+        let number = scene.scene();
+        let named = |frame: u32, agent: &str| {
+            let fault = |problem: String| fault(number, frame, agent, problem);
+            agent.parse::<AgentId>().map_err(|e| fault(e.to_string()))
+        };
+        let mut poses: BTreeMap<u32, BTreeMap<AgentId, (u16, [f64; 3])>> = BTreeMap::new();
+        for pose in rows::<Pose>(scene)? {
+            let Pose { frame, agent, id, xyz_m } = pose?;
+            if is_due(frame) {
+                poses.entry(frame).or_default().insert(named(frame, &agent)?, (id, xyz_m));
+            }
+        }
+        let (mut labels, mut lists) = (Vec::new(), BTreeMap::<(u32, AgentId), Range<usize>>::new());
+        let mut sights = rows::<Sight>(scene)?;
+        let mut whose: Option<(String, AgentId)> = None;
+        for placed in rows::<Placed>(scene)? {
+            let placed = placed?;
+            let Placed { frame, agent, id, .. } = &placed;
+            let fault = |problem: &str| fault(number, *frame, agent, format!("object {id}: {problem}"));
+            let sight = sights.next().transpose()?;
+            let sight = sight.filter(|s| (s.frame, s.id) == (*frame, *id) && s.agent == *agent);
+            let sight = sight.ok_or_else(|| fault("`boxes_valid` has no row of it in its place"))?;
+            if !is_due(*frame) {
+                continue;
+            }
+            let owner = match &whose {
+                Some((name, owner)) if name == agent => *owner,
+                _ => whose.insert((agent.clone(), named(*frame, agent)?)).1,
+            };
+            let at = labels.len();
+            let range = lists.entry((*frame, owner)).or_insert(at..at);
+            if range.end != at {
+                return Err(fault("the boxes of a frame and agent do not stand together"));
+            }
+            range.end += 1;
+            labels.push(label(&placed, &sight).ok_or_else(|| {
+                fault(&format!("class `{}` or difficulty `{}` is none", placed.class, sight.difficulty))
+            })?);
+        }
+        Ok(Self { labels, lists, poses })
+    }
+
+    /// Where an agent is, and its own object.
+    pub(crate) fn pose(&self, frame: u32, agent: AgentId) -> Option<(u16, [f64; 3])> {
+        self.poses.get(&frame)?.get(&agent).copied()
+    }
+
+    /// The list of an agent with what those who count saw of it.
+    pub(crate) fn of(&self, frame: u32, agent: AgentId, seen: Seen) -> Vec<Label> {
+        let list =
+            |agent| self.lists.get(&(frame, agent)).map_or(&[][..], |range| &self.labels[range.clone()]);
+        let mut own = list(agent).to_vec();
+        match seen {
+            Seen::Nobody => own.iter_mut().for_each(|label| label.is_seen = true),
+            Seen::Ego => {}
+            Seen::Partners { .. } => {
+                let by_id: BTreeMap<u16, usize> = own.iter().enumerate().map(|(i, l)| (l.id, i)).collect();
+                let others = self.poses.get(&frame);
+                let here = self.pose(frame, agent).map_or([f64::NAN; 3], |(_, xyz_m)| xyz_m);
+                for (other, (_, xyz_m)) in others.into_iter().flatten() {
+                    if !seen.is_partner((agent, here), (*other, *xyz_m)) {
+                        continue;
+                    }
+                    for label in list(*other) {
+                        let Some(mine) = by_id.get(&label.id).map(|i| &mut own[*i]) else { continue };
+                        mine.is_seen |= label.is_seen;
+                        mine.points += label.points;
+                    }
+                }
+            }
+        }
+        own
+    }
+}
+
+fn fault(scene: u32, frame: u32, agent: &str, problem: String) -> EvaluationError {
+    EvaluationError::Labels { scene, frame, agent: agent.to_owned(), problem }
+}
+
+fn label(placed: &Placed, sight: &Sight) -> Option<Label> {
+    let levels = [Difficulty::Easy, Difficulty::Medium, Difficulty::Hard];
+    let [vx, vy, _] = placed.velocity_mps.map(f64::from);
+    Some(Label {
+        id: placed.id,
+        class: DetectionClass::from_name(&placed.class)?,
+        solid: Solid {
+            center_m: placed.center_m,
+            size_m: placed.size_m,
+            yaw_rad: placed.rpy_rad[2],
+            velocity_mps: [vx, vy],
+        },
+        difficulty: levels.into_iter().find(|level| level.name() == sight.difficulty)?,
+        is_seen: sight.valid_flag,
+        points: u64::from(sight.num_lidar_pts) + u64::from(sight.num_radar_pts),
+    })
+}

@@ -1,0 +1,5 @@
+//! Scores against those of others, and files of predictions that cannot be.
+
+mod files;
+mod golden;
+mod invariants;

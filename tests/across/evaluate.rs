@@ -1,0 +1,137 @@
+//! `evaluate` on a tiny dataset: its own boxes as predictions, and predictions that cannot be.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Arc;
+
+use arrow_array::cast::AsArray;
+use arrow_array::{Array, ArrayRef, Float64Array, RecordBatch, StringArray, UInt32Array};
+use convoy_tests::{Bench, Outcome, TINY, program};
+use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::basic::Compression;
+use parquet::file::properties::WriterProperties;
+
+/// The boxes of a scene as predictions of all of them, surer the earlier they stand.
+fn perfect(bench: &Bench) -> Vec<(&'static str, ArrayRef)> {
+    let file = File::open(bench.store().join("scenes/0000/boxes.parquet")).expect("is there");
+    let reader = ParquetRecordBatchReaderBuilder::try_new(file).expect("is Parquet").with_batch_size(1 << 20);
+    let batches: Vec<RecordBatch> =
+        reader.build().expect("opens").map(|batch| batch.expect("reads")).collect();
+    let [boxes] = &batches[..] else { panic!("{} batches", batches.len()) };
+    let column = |name: &str| boxes.column_by_name(name).expect("is a column").clone();
+    let rpy = column("rpy_rad");
+    let angles = rpy.as_fixed_size_list().values().clone();
+    let angles = angles.as_primitive::<arrow_array::types::Float64Type>();
+    let rows = boxes.num_rows();
+    let turns: Float64Array = (0..rows)
+        .flat_map(|i| {
+            let (s, c) = frames::math::sin_cos(angles.value(3 * i + 2) / 2.0);
+            [c, 0.0, 0.0, s]
+        })
+        .collect();
+    let item = Arc::new(arrow_schema::Field::new("item", arrow_schema::DataType::Float64, false));
+    let turns = arrow_array::FixedSizeListArray::try_new(item, 4, Arc::new(turns), None).expect("is a list");
+    let scores: Float64Array = (0..rows).map(|i| 1.0 - i as f64 / rows as f64).collect();
+    vec![
+        ("scene", Arc::new(UInt32Array::from(vec![0; rows])) as ArrayRef),
+        ("frame", column("frame")),
+        ("agent", column("agent")),
+        ("class", column("class")),
+        ("score", Arc::new(scores)),
+        ("center_m", column("center_m")),
+        ("size_m", column("size_m")),
+        ("quaternion", Arc::new(turns)),
+        ("velocity_mps", column("velocity_mps")),
+    ]
+}
+
+fn write(folder: &Path, name: &str, columns: Vec<(&'static str, ArrayRef)>) -> PathBuf {
+    let path = folder.join(name);
+    let batch = RecordBatch::try_from_iter(columns).expect("is a table");
+    let file = File::create(&path).expect("is created");
+    let as_pyarrow_does = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+    let mut writer = ArrowWriter::try_new(file, batch.schema(), Some(as_pyarrow_does)).expect("is a schema");
+    writer.write(&batch).expect("is written");
+    writer.close().expect("is closed");
+    path
+}
+
+fn evaluate(bench: &Bench, predictions: &Path, args: &[&str]) -> Outcome {
+    let mut command = Command::new(program("convoy"));
+    command
+        .arg("evaluate")
+        .arg("--predictions")
+        .arg(predictions)
+        .arg("--store")
+        .arg(bench.store())
+        .args(args);
+    Outcome::of(&command.output().expect("the program starts"))
+}
+
+/// The value of a measure over all classes.
+fn value(file: &Path, metrics: &str, measure: &str) -> f64 {
+    let rows: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(file).expect("is written")).expect("is JSON");
+    let is_it = |row: &&serde_json::Value| {
+        row["metrics"] == metrics
+            && row["measure"] == measure
+            && row["class"] == "all"
+            && row["level"] == "all"
+    };
+    let row = rows.as_array().and_then(|rows| rows.iter().find(is_it));
+    row.and_then(|row| row["value"].as_f64()).expect("has a value")
+}
+
+#[test]
+fn own_boxes_are_perfect_and_faults_are_named() {
+    let bench = Bench::new(TINY);
+    bench.run("convoy", &["run", "--progress", "none"]).expect_done();
+    let folder = bench.folder.path();
+    let good = perfect(&bench);
+    let file = write(folder, "perfect.parquet", good.clone());
+    let results: Vec<Vec<u8>> = ["1", "2"]
+        .map(|threads| {
+            let out = folder.join(format!("scores-{threads}.json"));
+            let table = folder.join(format!("scores-{threads}.parquet"));
+            for out in [&out, &table] {
+                let args = ["--threads", threads, "--seen", "nobody", "--metrics", "simbev2x", "--out"];
+                let outcome = evaluate(&bench, &file, &[&args[..], &[&out.display().to_string()]].concat());
+                outcome.expect_done();
+                assert!(outcome.stdout.contains("SDS"), "{}", outcome.stdout);
+            }
+            assert!((value(&out, "simbev2x", "mATE")).abs() < 1e-9);
+            assert!((value(&out, "simbev2x", "mAOE")).abs() < 1e-6);
+            [std::fs::read(out).expect("is written"), std::fs::read(table).expect("is written")].concat()
+        })
+        .into();
+    assert_eq!(results[0], results[1]);
+    let outcome = evaluate(&bench, &file, &["--every", "5", "--agents", "vehicle_0"]);
+    outcome.expect_done();
+    assert!(
+        outcome.stdout.starts_with("4 samples, ") && outcome.stdout.contains("NDS"),
+        "{}",
+        outcome.stdout
+    );
+
+    let rows = good[0].1.len();
+    let texts = |text: &str| Arc::new(StringArray::from(vec![text; rows])) as ArrayRef;
+    let numbers = |n: u32| Arc::new(UInt32Array::from(vec![n; rows])) as ArrayRef;
+    let cases = [
+        ("scene", numbers(7), "scene 7, which is not in the plan"),
+        ("frame", numbers(20), "row 0: scene 0 has no frame 20; it has frames 0 to 19"),
+        ("agent", texts("vehicle_5"), "row 0: scene 0 has no agent `vehicle_5`; it has vehicle_0, rsu_0"),
+        ("class", texts("cat"), "row 0: `class` is `cat`, which is no detection class"),
+    ];
+    for (column, values, want) in cases {
+        let columns =
+            good.iter().map(|(name, old)| (*name, if *name == column { &values } else { old }.clone()));
+        let bad = write(folder, "bad.parquet", columns.collect());
+        let outcome = evaluate(&bench, &bad, &[]);
+        assert!(outcome.code == 2 && outcome.stderr.contains(want), "{column}: {}", outcome.stderr);
+        assert_eq!(outcome.stderr.matches("ERROR").count(), 1, "{}", outcome.stderr);
+    }
+    let refused = evaluate(&bench, &file, &["--agents", "vehicle_7"]);
+    assert!(refused.code == 2 && refused.stderr.contains("none of its rows"), "{}", refused.stderr);
+}
