@@ -4,12 +4,27 @@ use pipeline::{At, Place, StageError};
 use rayon::prelude::*;
 use renderer::Renderer;
 use replay::Replay;
-use sensors::{AgentState, Cameras, FrameWeather, Motion, Observation, Painter};
+use schema::ObjectId;
+use schema::geometry::Snapshot;
+use sensors::{AgentState, Cameras, FrameWeather, Motion, Observation, Painter, StillWorld};
 
 use crate::recorder::{Channel, Recorder};
 
 /// Everything within this distance is handed to the sensors: scenery reaches no further, lidars see less.
 const SIGHT_M: f64 = 1000.0;
+
+/// What stands still in a scene, for painters.
+pub(crate) struct Standing<'a>(pub(crate) &'a Replay);
+
+impl StillWorld for Standing<'_> {
+    fn around(&self, centre_world_m: [f64; 3], nearer_m: f64) -> Snapshot {
+        self.0.still(centre_world_m, SIGHT_M, nearer_m)
+    }
+
+    fn moves(&self, object: ObjectId) -> bool {
+        self.0.moves(object)
+    }
+}
 
 /// Who looks at a scene, for all agents in it.
 #[derive(Clone, Copy)]
@@ -39,7 +54,12 @@ impl AgentRig<'_> {
         let here = || self.place(frame);
         let scene = self.eyes.renderer.place(&snapshot).at(here)?;
         let row = &log.frames[frame as usize];
-        let when = FrameWeather { frame, time_s: row.time_s, weather: row.weather() };
+        let when = FrameWeather {
+            frame,
+            time_s: row.time_s,
+            weather: row.weather(),
+            is_steady: self.sun_is_steady(frame),
+        };
         let agent = AgentState {
             own: log.agent(self.position, frame).id,
             motion: Motion::from_row(log.agent(self.position, frame)),
@@ -52,6 +72,17 @@ impl AgentRig<'_> {
             .map(|channel| channel.sense(&at).at(|| self.place(frame).sensor(channel.name())))
             .collect();
         sensed.into_iter().collect()
+    }
+
+    /// Whether the sun turns little from a frame to the next (to the last one from that before).
+    fn sun_is_steady(&self, frame: u32) -> bool {
+        let frames = &self.replay.log.frames;
+        let first = (frame as usize).min(frames.len().saturating_sub(2));
+        let suns: Vec<[f64; 3]> =
+            frames[first..].iter().take(2).map(|row| row.weather().direction_to_sun()).collect();
+        let square = |v: f64| v * v;
+        let turned2 = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|k| square(a[k] - b[k])).sum::<f64>();
+        suns.iter().all(|sun| turned2(sun, &suns[0]) < square(FrameWeather::STEADY_RAD))
     }
 
     fn place(&self, frame: u32) -> Place {

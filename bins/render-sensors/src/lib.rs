@@ -14,7 +14,7 @@ use sensors::{Cameras, Carrier, CpuPainter, GeoOrigin};
 use store::keys;
 use visibility::CpuRenderer;
 
-use crate::agent::{AgentRig, Eyes};
+use crate::agent::{AgentRig, Eyes, Standing};
 use crate::recorder::Recorder;
 
 /// The stage.
@@ -28,7 +28,8 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
     let replay = Replay::open(&reader).at(|| job.place())?;
     let mut renderer = CpuRenderer::default();
     renderer.prepare(&replay.meshes()).at(|| job.place())?;
-    let painter = CpuPainter::default();
+    let standing = Standing(&replay);
+    let painter = CpuPainter::new(&renderer, &standing);
     let eyes = Eyes { renderer: &renderer, painter: &painter };
     let agents = replay.log.agent_ids().to_vec();
     let frames = replay.log.frame_count();

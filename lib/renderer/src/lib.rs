@@ -44,5 +44,5 @@ pub use error::RenderError;
 pub use moment::pose_before;
 pub use ray::{Hit, Hits, RayBatch};
 pub use seeing::{Alone, AloneRays, Renderer, Scene};
-pub use surface::{SurfacePoint, Surfaces};
+pub use surface::{Facet, SurfacePoint, SurfacePoints, Surfaces};
 pub use voxels::{VoxelBlock, VoxelRenderer};

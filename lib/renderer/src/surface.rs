@@ -1,6 +1,9 @@
 //! Surface points behind pixels: the pixel's ray met with the triangle that is known to be there.
 
+use std::ops::Range;
+
 use glam::{DVec3, Mat3, Vec3};
+use lanes::{LANES, Lanes, Vec3s};
 use schema::geometry::{Instance, Part, Snapshot, TriMesh};
 
 use crate::buffer::{SKY, VisibilityBuffer};
@@ -56,12 +59,28 @@ impl<'a> View<'a> {
     }
 }
 
+/// Eight points of one surface.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SurfacePoints {
+    /// Snapshot's local frame, metres.
+    pub position_local: Vec3s,
+    /// Object frame, metres.
+    pub position_object: Vec3s,
+    /// As in [`VisibilityBuffer::depth_m`].
+    pub depth_m: Lanes,
+}
+
 /// A triangle as the camera sees it: what is the same for all its pixels.
 #[derive(Clone, Copy)]
-struct Facet<'v, 'a> {
-    instance: u32,
-    triangle: u32,
-    part: &'a Part,
+pub struct Facet<'v, 'a> {
+    /// Index into the snapshot's instances.
+    pub instance: u32,
+    /// Index into the triangles of that instance's mesh.
+    pub triangle: u32,
+    /// What is there.
+    pub part: &'a Part,
+    /// Unit normal of the triangle's plane, on the camera's side, local frame.
+    pub normal_local: Vec3,
     view: &'v View<'a>,
     /// First corner, in the object frame relative to the camera; and in the object frame.
     a: Vec3,
@@ -69,7 +88,6 @@ struct Facet<'v, 'a> {
     normal: Vec3,
     /// Distance of the plane from the camera along `normal` (times its length).
     offset: f32,
-    normal_local: Vec3,
 }
 
 impl<'v, 'a> Facet<'v, 'a> {
@@ -94,6 +112,35 @@ impl<'v, 'a> Facet<'v, 'a> {
         })
     }
 
+    /// The points of eight pixels, as [`Surfaces::at`] gives each: `x` are their columns, all in row `y`.
+    #[inline]
+    pub fn points(&self, buffer: &VisibilityBuffer, x: &[u32; LANES], y: u32) -> SurfacePoints {
+        let direction_optical = match &buffer.rays {
+            Some(rays) => Vec3s::from_fn(|i| rays[buffer.index(x[i], y)]),
+            None => {
+                let camera = &buffer.camera;
+                let column = Lanes::from(x.map(|x| x as f32 + 0.5));
+                let down = (y as f32 + 0.5 - camera.cy) / camera.fy;
+                Vec3s::new((column - camera.cx) / camera.fx, Lanes::splat(down), Lanes::ONE)
+            }
+        };
+        let direction = direction_optical.turned(&self.view.rotation);
+        let slope = direction.dot(Vec3s::splat(self.normal));
+        let exact = self.offset / slope;
+        // Not a number, endless and behind fail this.
+        let usable = exact.simd_gt(0.0) & exact.simd_lt(f32::INFINITY);
+        let depth_m = if usable.all() {
+            exact
+        } else {
+            usable.select(exact, Lanes::from(x.map(|x| buffer.depth_m[buffer.index(x, y)])))
+        };
+        let from_corner = direction * depth_m - Vec3s::splat(self.a);
+        let position_object = Vec3s::splat(self.corner) + from_corner;
+        let position_local =
+            position_object.turned(&self.view.to_local) + Vec3s::splat(self.view.translation);
+        SurfacePoints { position_local, position_object, depth_m }
+    }
+
     #[inline]
     fn point(&self, direction_optical: Vec3, depth_m: f32) -> SurfacePoint<'a> {
         let direction = self.view.rotation * direction_optical;
@@ -113,6 +160,15 @@ impl<'v, 'a> Facet<'v, 'a> {
             part: self.part,
         }
     }
+}
+
+/// How many words at the start of a list are all the same.
+#[inline]
+fn alike(words: &[u32], word: u32) -> usize {
+    // Blocks first, in wide registers.
+    let (blocks, _) = words.as_chunks::<8>();
+    let whole = 8 * blocks.iter().take_while(|b| b.iter().all(|&w| w == word)).count();
+    whole + words[whole..].iter().take_while(|&&w| w == word).count()
 }
 
 /// Reads surface points out of a [`VisibilityBuffer`], whichever renderer filled it.
@@ -136,6 +192,22 @@ impl<'a> Surfaces<'a> {
         let index = self.buffer.index(x, y);
         let facet = self.facet(self.buffer.instance[index], self.buffer.triangle[index])?;
         Some(facet.point(self.buffer.direction_optical(x, y), self.buffer.depth_m[index]))
+    }
+
+    /// Calls `each(columns, facet)` for every span of a row, in order: neighbours that see one triangle, or the sky (`None`).
+    pub fn for_each_span(&self, y: u32, mut each: impl FnMut(Range<u32>, Option<&Facet<'_, 'a>>)) {
+        let start = self.buffer.index(0, y);
+        let end = start + self.buffer.width as usize;
+        let (instances, triangles) = (&self.buffer.instance[start..end], &self.buffer.triangle[start..end]);
+        let mut first = 0;
+        while first < instances.len() {
+            let seen = (instances[first], triangles[first]);
+            let same_triangle = alike(&triangles[first..], seen.1);
+            let length = alike(&instances[first..first + same_triangle], seen.0);
+            let facet = self.facet(seen.0, seen.1);
+            each(first as u32..(first + length) as u32, facet.as_ref());
+            first += length;
+        }
     }
 
     /// Calls `each(x, point)` for every pixel of a row, in order; neighbours on one triangle share its set-up.

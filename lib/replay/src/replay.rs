@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use opendrive::Map;
 use scene::{SceneError, SceneLog, SceneReader, read_ground};
+use schema::ObjectId;
 use schema::geometry::{Snapshot, TriMesh};
 use world::{Moment, SceneWorld, WorldError};
 
@@ -55,6 +56,18 @@ impl Replay {
     #[must_use]
     pub fn meshes(&self) -> Arc<[Arc<TriMesh>]> {
         self.world.meshes()
+    }
+
+    /// What never moves within a radius of a place, and no farther than it is there around every agent, less `nearer_m`.
+    #[must_use]
+    pub fn still(&self, centre_world_m: [f64; 3], radius_m: f64, nearer_m: f64) -> Snapshot {
+        self.world.still(centre_world_m, radius_m.min(self.log.info.world_radius_m) - nearer_m)
+    }
+
+    /// Whether an object of a snapshot may move.
+    #[must_use]
+    pub fn moves(&self, object: ObjectId) -> bool {
+        self.world.moves(object)
     }
 
     /// Everything within a radius of a place at a frame, and no farther than the static world is there around every agent: a

@@ -58,7 +58,7 @@
 //! let pose = Pose::<World, Agent>::from_xyz_rpy([0.0; 3], [0.0; 3]);
 //! let view = Camera::new(&spec, &CameraSettings::default())?.view(&snapshot.origin, &pose, &pose);
 //! let painter = CpuPainter::default();
-//! let noon = FrameWeather { frame: 0, time_s: 0.0, weather: Default::default() };
+//! let noon = FrameWeather { frame: 0, time_s: 0.0, weather: Default::default(), is_steady: true };
 //! let sight = sensors::see(&*scene, Some(&painter), &noon, Vec3::ZERO, vec![view])?.remove(0);
 //! let row = images::Rgb::of(&snapshot, &sight, 0)?;
 //! assert_eq!(row.image.0[..2], [0xff, 0xd8], "a JPEG");
@@ -99,7 +99,7 @@ pub use geo::GeoOrigin;
 pub use gnss::gnss;
 pub use imu::imu;
 pub use lidar::{Lidar, LidarMoment, LidarSweep, OfBeam, SensorPath};
-pub use light::{FrameWeather, Lighting, Sky};
+pub use light::{FrameWeather, Lighting, Sky, StillWorld};
 pub use metadata::{camera_metadata, sensor_metadata};
 pub use motion::Motion;
 pub use observation::{AgentState, Observation, see};

@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 use rayon::prelude::*;
-use renderer::{Scene, VisibilityBuffer};
+use renderer::{Renderer, Scene, VisibilityBuffer};
 
 use crate::camera::picture::Picture;
 use crate::camera::view::CameraView;
 use crate::error::SensorError;
-use crate::light::{FrameWeather, SceneLights};
+use crate::light::{FrameWeather, SceneLights, StillWorld};
 
 /// What one camera saw, to be painted.
 #[derive(Clone, Copy, Debug)]
@@ -39,11 +39,20 @@ pub trait Painter: Send + Sync {
 
 /// Paints on the processor's cores.
 #[derive(Debug, Default)]
-pub struct CpuPainter {
-    lights: SceneLights,
+pub struct CpuPainter<'a> {
+    lights: SceneLights<'a>,
 }
 
-impl Painter for CpuPainter {
+impl<'a> CpuPainter<'a> {
+    /// A painter that keeps what lights see of what stands still; the renderer has the world's meshes. (The default keeps
+    /// nothing: its scenes may be of any world.)
+    #[must_use]
+    pub fn new(renderer: &'a dyn Renderer, world: &'a dyn StillWorld) -> Self {
+        Self { lights: SceneLights::over(renderer, world) }
+    }
+}
+
+impl Painter for CpuPainter<'_> {
     fn paint(
         &self,
         scene: &dyn Scene,

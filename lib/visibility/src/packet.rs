@@ -181,7 +181,7 @@ impl SeenTriangle {
 
 #[inline(always)]
 fn dot(v: Vec3, x: f32, y: f32, z: f32) -> f32 {
-    v.x.mul_add(x, v.y.mul_add(y, v.z * z))
+    v.x * x + v.y * y + v.z * z
 }
 
 /// The least and the greatest of some numbers.

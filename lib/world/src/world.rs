@@ -268,34 +268,17 @@ impl SceneWorld {
     #[must_use]
     pub fn snapshot(&self, moment: &Moment<'_>, centre_world_m: [f64; 3], radius_m: f64) -> Snapshot {
         let origin = LocalOrigin::near(centre_world_m);
-        let zero = origin.world_xyz();
         let signals: BTreeMap<ObjectId, u32> =
             moment.signals.iter().map(|row| (row.id, signal_bits(row.state))).collect();
-        let mut instances = Vec::new();
-        for (fixed, sphere) in self.fixed.iter().zip(&self.spheres) {
-            if !sphere.reaches(centre_world_m, radius_m) {
-                continue;
-            }
-            let lights = match fixed.lights {
-                StaticLights::None => 0,
-                StaticLights::Signal => signals.get(&fixed.object).copied().unwrap_or(0),
-                StaticLights::StreetLamp if moment.frame.street_lamps => lights::STREET_LAMP,
-                StaticLights::Work if moment.frame.weather().is_night() => lights::STREET_LAMP,
-                StaticLights::Building if moment.frame.building_lights => lights::BUILDING,
-                _ => 0,
-            };
-            let translation = Vec3A::from_array([0, 1, 2].map(|k| (fixed.origin_m[k] - zero[k]) as f32));
-            let pose = Affine3A { matrix3: fixed.rotation, translation };
-            instances.push(Instance {
-                mesh: fixed.mesh,
-                object: fixed.object,
-                local_from_object: pose,
-                previous_local_from_object: pose,
-                paint: fixed.paint,
-                lights,
-                glow: fixed.glow,
-            });
-        }
+        let burning = |fixed: &Fixed| match fixed.lights {
+            StaticLights::None => 0,
+            StaticLights::Signal => signals.get(&fixed.object).copied().unwrap_or(0),
+            StaticLights::StreetLamp if moment.frame.street_lamps => lights::STREET_LAMP,
+            StaticLights::Work if moment.frame.weather().is_night() => lights::STREET_LAMP,
+            StaticLights::Building if moment.frame.building_lights => lights::BUILDING,
+            _ => 0,
+        };
+        let mut instances = self.fixed_around(&origin, centre_world_m, radius_m, burning);
         let mut previous: Vec<&StateRow> = moment.previous.iter().collect();
         previous.sort_by_key(|s| s.id);
         let mut states: Vec<&StateRow> = moment.states.iter().collect();
@@ -329,6 +312,46 @@ impl SceneWorld {
             }
         }
         Snapshot { origin, meshes: self.meshes(), instances }
+    }
+
+    /// What never moves within `radius_m` (by bounding spheres) of a place, by id and piece; no lamp burns.
+    #[must_use]
+    pub fn still(&self, centre_world_m: [f64; 3], radius_m: f64) -> Snapshot {
+        let origin = LocalOrigin::near(centre_world_m);
+        let instances = self.fixed_around(&origin, centre_world_m, radius_m, |_| 0);
+        Snapshot { origin, meshes: self.meshes(), instances }
+    }
+
+    /// Whether an object may move; if not it is among what stands [`still`](Self::still).
+    #[must_use]
+    pub fn moves(&self, object: ObjectId) -> bool {
+        self.movers.contains_key(&object)
+    }
+
+    fn fixed_around(
+        &self,
+        origin: &LocalOrigin,
+        centre_world_m: [f64; 3],
+        radius_m: f64,
+        burning: impl Fn(&Fixed) -> u32,
+    ) -> Vec<Instance> {
+        let zero = origin.world_xyz();
+        let near = self.fixed.iter().zip(&self.spheres);
+        near.filter(|(_, sphere)| sphere.reaches(centre_world_m, radius_m))
+            .map(|(fixed, _)| {
+                let translation = Vec3A::from_array([0, 1, 2].map(|k| (fixed.origin_m[k] - zero[k]) as f32));
+                let pose = Affine3A { matrix3: fixed.rotation, translation };
+                Instance {
+                    mesh: fixed.mesh,
+                    object: fixed.object,
+                    local_from_object: pose,
+                    previous_local_from_object: pose,
+                    paint: fixed.paint,
+                    lights: burning(fixed),
+                    glow: fixed.glow,
+                }
+            })
+            .collect()
     }
 }
 

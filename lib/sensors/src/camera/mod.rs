@@ -5,6 +5,7 @@ mod boxes_2d;
 mod colour;
 mod depth;
 mod encode;
+mod film;
 mod flow;
 mod image;
 mod labels;

@@ -1,16 +1,18 @@
-//! The colour picture: light times surface, row by row.
+//! The colour picture: light times surface, span by span.
 
 use glam::Vec3;
+use lanes::{LANES, Lanes, STEPS, Vec3s, exp_neg};
 use rayon::prelude::*;
-use renderer::{SurfacePoint, Surfaces, VisibilityBuffer};
+use renderer::{Facet as Triangle, SurfacePoints, Surfaces, VisibilityBuffer};
 use schema::geometry::{Snapshot, Surface};
 
 use super::antialias::smooth_edges;
+use super::film::Film;
 use super::picture::Picture;
 use super::rain::draw_rain;
 use super::view::CameraView;
-use crate::light::{Lighting, Lit, exp_neg};
-use crate::look::{Facet, Look, Noise, look};
+use crate::light::{Lighting, Lit};
+use crate::look::{Facet, Gloss, Noise, Points, look};
 
 impl Picture {
     /// Lights and colours what was seen.
@@ -34,7 +36,7 @@ impl Picture {
             exposure,
             per_focal: 1.0 / buffer.camera.fx,
             camera: Vec3::from(buffer.camera.local_from_optical.translation),
-            film: film_table(),
+            film: Film::new(),
             hazy: !lighting.fog.is_clear(),
             veil: lighting.fog.rgb * exposure,
             ambient: ambient.map(|a| a * (exposure / std::f32::consts::PI)),
@@ -42,10 +44,15 @@ impl Picture {
         };
         let surfaces = Surfaces::new(buffer, snapshot);
         rgb.par_chunks_mut(3 * width).enumerate().for_each(|(y, row)| {
-            let mut painter =
-                Painter { shader: &shader, row: row.as_chunks_mut::<3>().0, run: None, strip: Vec::new() };
-            surfaces.for_each_in_row(y as u32, |x, point| painter.add(x as usize, y as u32, point));
-            painter.flush(width);
+            let row = row.as_chunks_mut::<3>().0;
+            surfaces.for_each_span(y as u32, |columns, triangle| {
+                let pixels = &mut row[columns.start as usize..columns.end as usize];
+                let span = Span { first: columns.start, y: y as u32, pixels };
+                match triangle {
+                    Some(triangle) => shader.paint(span, triangle),
+                    None => shader.paint_sky(span),
+                }
+            });
         });
         let mut picture = Self { width: buffer.width, height: buffer.height, rgb };
         smooth_edges(&mut picture);
@@ -56,10 +63,24 @@ impl Picture {
     }
 }
 
-/// The triangle that the last pixel was on.
+/// Neighbours in a row that show one triangle, or the sky.
+struct Span<'p> {
+    first: u32,
+    y: u32,
+    pixels: &'p mut [[u8; 3]],
+}
+
+impl Span<'_> {
+    /// Columns of eight of its pixels, `apart` from one another; none beyond the last.
+    #[inline]
+    fn columns(&self, from: usize, apart: usize) -> [u32; LANES] {
+        let last = self.first + self.pixels.len() as u32 - 1;
+        std::array::from_fn(|i| (self.first + (from + i * apart) as u32).min(last))
+    }
+}
+
+/// What is the same for a triangle.
 struct Run<'a> {
-    instance: u32,
-    triangle: u32,
     facet: Facet<'a>,
     /// Normal for the light: that of the triangle, bent upwards for leaves, which stand every way.
     normal: Vec3,
@@ -71,88 +92,30 @@ struct Run<'a> {
     ambient: Vec3,
 }
 
-/// The light at a place, before the surface's colour; smooth enough to be interpolated.
+/// What decides the light at eight places, before the surface's colour; all but the sun's share is smooth enough to be
+/// interpolated.
 #[derive(Clone, Copy)]
 struct Light {
-    /// Film value of a white surface.
-    received: Vec3,
-    /// Share of the sun that is seen, and whether all around.
-    lit: Lit,
+    /// Share of the sun that is seen.
+    sunlit: Lanes,
     /// Share of the sky that is seen.
-    open: f32,
+    open: Lanes,
+    /// Film value of a white surface by lamps.
+    lamps: Vec3s,
     /// Share of light that passes the fog.
-    passes: f32,
-    /// Width of a pixel, metres.
-    footprint_m: f32,
+    passes: Lanes,
+    /// Width of a pixel a metre away on surfaces as slanted as here, metres.
+    footprint_at_1_m: Lanes,
 }
 
-impl Light {
-    fn lerp(&self, other: &Self, share: f32) -> Self {
-        let mix = |a: f32, b: f32| a + (b - a) * share;
-        Self {
-            received: self.received.lerp(other.received, share),
-            lit: self.lit,
-            open: mix(self.open, other.open),
-            passes: mix(self.passes, other.passes),
-            footprint_m: mix(self.footprint_m, other.footprint_m),
-        }
-    }
+/// Light at places of one span that stand [`LANES`] pixels apart.
+struct Knots {
+    light: Light,
+    sun: Lit,
 }
 
-/// Most pixels between two places where the light is worked out.
-const STRIP: usize = 8;
-/// Shade from above may differ by this at the ends of a strip.
+/// Shade from above may differ by this at the ends of an even stretch.
 const ALIKE: f32 = 0.06;
-
-/// Paints one row: pixels of one triangle are collected into strips; where no edge of a shadow crosses a strip, the
-/// light is worked out at its ends alone.
-struct Painter<'a, 'b> {
-    shader: &'b Shader<'b>,
-    row: &'b mut [[u8; 3]],
-    run: Option<Run<'a>>,
-    strip: Vec<SurfacePoint<'a>>,
-}
-
-impl<'a> Painter<'a, '_> {
-    #[inline]
-    fn add(&mut self, x: usize, y: u32, point: Option<&SurfacePoint<'a>>) {
-        let Some(point) = point else {
-            self.flush(x);
-            self.run = None;
-            self.row[x] = self.shader.develop(self.shader.sky(x as u32, y));
-            return;
-        };
-        let same =
-            self.run.as_ref().is_some_and(|r| r.instance == point.instance && r.triangle == point.triangle);
-        if !same || self.strip.len() == STRIP {
-            self.flush(x);
-        }
-        if !same {
-            self.run = Some(self.shader.begin(point));
-        }
-        self.strip.push(*point);
-    }
-
-    /// Paints the strip that ends before column `end`.
-    fn flush(&mut self, end: usize) {
-        let (Some(run), [first, rest @ ..]) = (&self.run, self.strip.as_slice()) else { return };
-        let row = &mut self.row[end - 1 - rest.len()..end];
-        let at_first = self.shader.light(run, first);
-        let at_last = rest.last().map(|last| self.shader.light(run, last));
-        let smooth = at_last.filter(|last| {
-            at_first.lit == last.lit && last.lit.all_around && (at_first.open - last.open).abs() < ALIKE
-        });
-        let step = 1.0 / rest.len().max(1) as f32;
-        for (i, (point, pixel)) in self.strip.iter().zip(row).enumerate() {
-            let light = match &smooth {
-                Some(last) => at_first.lerp(last, i as f32 * step),
-                None => self.shader.light(run, point),
-            };
-            *pixel = self.shader.develop(self.shader.surface(run, point, &light));
-        }
-        self.strip.clear();
-    }
-}
 
 struct Shader<'a> {
     snapshot: &'a Snapshot,
@@ -164,7 +127,7 @@ struct Shader<'a> {
     /// Width of a pixel at a depth of a metre.
     per_focal: f32,
     camera: Vec3,
-    film: Vec<u8>,
+    film: Film,
     hazy: bool,
     /// Film value of fog.
     veil: Vec3,
@@ -175,153 +138,194 @@ struct Shader<'a> {
 }
 
 impl Shader<'_> {
-    /// Film value of a pixel that shows the sky.
-    fn sky(&self, x: u32, y: u32) -> Vec3 {
+    /// Paints what shows the sky.
+    fn paint_sky(&self, span: Span<'_>) {
         let camera = &self.buffer.camera;
-        let direction =
-            camera.local_from_optical.transform_vector3(self.buffer.direction_optical(x, y)).normalize();
-        let seen = self.lighting.sky.seen(direction);
-        let fog = &self.lighting.fog;
-        if !self.hazy {
-            return seen * self.exposure;
+        let turn = glam::Mat3::from(camera.local_from_optical.matrix3);
+        for from in (0..span.pixels.len()).step_by(LANES) {
+            let columns = span.columns(from, 1);
+            let optical = Vec3s::from_fn(|i| self.buffer.direction_optical(columns[i], span.y));
+            let direction = optical.turned(&turn);
+            let direction = direction * (1.0 / direction.length_squared().sqrt());
+            let mut seen = self.lighting.sky.seen(&direction) * Lanes::splat(self.exposure);
+            if self.hazy {
+                let passes = self.lighting.fog.passes_sky(self.camera.z, direction.z);
+                seen = Vec3s::splat(self.veil).lerp(seen, passes.fast_min(Lanes::ONE));
+            }
+            self.film.develop(&seen, &mut span.pixels[from..]);
         }
-        let passes = fog.passes_sky(self.camera.z, direction.z).min(1.0);
-        self.veil.lerp(seen * self.exposure, passes)
     }
 
-    /// The light at a place.
+    /// Paints what shows a triangle. Of long spans the light is worked out at every eighth pixel, and between these only what
+    /// is not even.
+    fn paint(&self, span: Span<'_>, triangle: &Triangle<'_, '_>) {
+        let run = self.begin(triangle);
+        let points =
+            |span: &Span<'_>, from, apart| triangle.points(self.buffer, &span.columns(from, apart), span.y);
+        let length = span.pixels.len();
+        if length <= LANES {
+            let here = points(&span, 0, 1);
+            let light = self.light(&run, &here).light;
+            self.film.develop(&self.surface(&run, &here, &light), span.pixels);
+            return;
+        }
+        for stretch in (0..length).step_by(LANES * (LANES - 1)) {
+            let knots = self.light(&run, &points(&span, stretch, LANES));
+            for knot in 0..LANES - 1 {
+                let from = stretch + knot * LANES;
+                if from >= length {
+                    break;
+                }
+                let here = points(&span, from, 1);
+                let light = self.between(&run, &knots, knot, (length - 1 - from).min(LANES), &here);
+                self.film.develop(&self.surface(&run, &here, &light), &mut span.pixels[from..]);
+            }
+        }
+    }
+
+    /// The light at some places.
     #[inline]
-    fn light(&self, run: &Run<'_>, point: &SurfacePoint<'_>) -> Light {
+    fn light(&self, run: &Run<'_>, points: &SurfacePoints) -> Knots {
         let light = self.lighting;
+        let positions = &points.position_local;
         let normal = run.facet.normal_local;
-        let to_camera = self.camera - point.position_local;
-        let distance_m = to_camera.length().max(1e-6);
-        let slant = (normal.dot(to_camera) / distance_m).clamp(0.04, 1.0);
-        let lit = if run.facing > 0.0 {
-            light.shadows.lit(point.position_local, run.outward)
+        let to_camera = Vec3s::splat(self.camera) - *positions;
+        let distance_m = to_camera.length_squared().sqrt().fast_max(Lanes::splat(1e-6));
+        let slant =
+            (to_camera.dot(Vec3s::splat(normal)) / distance_m).fast_clamp(Lanes::splat(0.04), Lanes::ONE);
+        let sun = self.sun(run, positions);
+        let lamps = if light.lamps.is_empty() {
+            Vec3s::default()
         } else {
-            Lit { share: 0.0, all_around: true }
+            let klx = light.lamps.illuminance(positions, run.normal);
+            klx * Lanes::splat(self.exposure / std::f32::consts::PI)
         };
-        let open = light.overhead.open(point.position_local, normal);
-        let mut received = self.key * (run.facing * lit.share) + run.ambient * open;
-        if !light.lamps.is_empty() {
-            let lamps = light.lamps.illuminance(point.position_local, run.normal);
-            received += lamps * (self.exposure / std::f32::consts::PI);
-        }
-        Light {
-            received,
-            lit,
-            open,
-            passes: light.fog.passes(self.camera.z, point.position_local.z, distance_m),
+        let light = Light {
+            sunlit: sun.share,
+            open: light.overhead.open(positions, normal),
+            lamps,
+            passes: light.fog.passes(self.camera.z, positions.z, distance_m),
             // A pixel on a slanted surface is longer than wide; the geometric mean blurs neither way too much.
-            footprint_m: point.depth_m * self.per_focal / slant.sqrt(),
-        }
+            footprint_at_1_m: self.per_focal / slant.sqrt(),
+        };
+        Knots { light, sun }
     }
 
-    /// Film value of a pixel that shows a surface.
     #[inline]
-    fn surface(&self, run: &Run<'_>, point: &SurfacePoint<'_>, light: &Light) -> Vec3 {
-        let look = look(
-            self.noise,
-            &self.lighting.around,
-            &run.facet,
-            point.position_object,
-            point.position_local,
-            light.footprint_m,
-        );
-        let mut out = look.albedo * light.received + look.emission;
-        if look.mirror > 0.0 {
-            let toward = (self.camera - point.position_local).normalize_or(run.normal);
-            out = self.gloss(out, &look, run.facet.normal_local, toward, light);
-        }
-        self.veil.lerp(out, light.passes)
+    fn sun(&self, run: &Run<'_>, positions: &Vec3s) -> Lit {
+        if run.facing > 0.0 { self.lighting.shadows.lit(positions, run.outward) } else { Lit::none() }
     }
 
-    /// What is the same for a triangle.
-    fn begin<'p>(&self, point: &SurfacePoint<'p>) -> Run<'p> {
-        let instance = &self.snapshot.instances[point.instance as usize];
-        let n = point.normal_local;
+    /// The light at eight pixels between two neighbouring knots that are so many pixels apart.
+    #[inline]
+    fn between(
+        &self,
+        run: &Run<'_>,
+        knots: &Knots,
+        knot: usize,
+        pixels: usize,
+        here: &SurfacePoints,
+    ) -> Light {
+        let Knots { light, sun } = knots;
+        let ends = |v: Lanes| (v.as_array()[knot], v.as_array()[knot + 1]);
+        let share = STEPS * (1.0 / pixels.max(1) as f32);
+        let mix = |v: Lanes| {
+            let (a, b) = ends(v);
+            share * (b - a) + a
+        };
+        let both = 0b11 << knot;
+        let (first, last) = ends(sun.share);
+        let even = sun.all_around & both == both
+            && first == last
+            && self.lighting.shadows.adjoin(sun.block[knot], sun.block[knot + 1]);
+        let open = ends(light.open);
+        let lamps = if self.lighting.lamps.is_empty() {
+            light.lamps
+        } else {
+            Vec3s::new(mix(light.lamps.x), mix(light.lamps.y), mix(light.lamps.z))
+        };
+        Light {
+            sunlit: if even { Lanes::splat(first) } else { self.sun(run, &here.position_local).share },
+            open: if (open.0 - open.1).abs() < ALIKE {
+                mix(light.open)
+            } else {
+                self.lighting.overhead.open(&here.position_local, run.facet.normal_local)
+            },
+            lamps,
+            passes: mix(light.passes),
+            footprint_at_1_m: mix(light.footprint_at_1_m),
+        }
+    }
+
+    /// Film values of pixels that show a surface.
+    #[inline]
+    fn surface(&self, run: &Run<'_>, here: &SurfacePoints, light: &Light) -> Vec3s {
+        let around = &self.lighting.around;
+        let points = Points {
+            object_m: here.position_object,
+            world_m: here.position_local + Vec3s::splat(around.world_from_local_m),
+            footprint_m: here.depth_m * light.footprint_at_1_m,
+        };
+        let look = look(self.noise, around, &run.facet, &points);
+        let received = Vec3s::splat(self.key * run.facing) * light.sunlit
+            + Vec3s::splat(run.ambient) * light.open
+            + light.lamps;
+        let mut out = look.albedo * received;
+        if let Some(emission) = look.emission {
+            out += emission;
+        }
+        if let Some(gloss) = &look.gloss {
+            let toward = Vec3s::splat(self.camera) - here.position_local;
+            let toward = toward * (1.0 / toward.length_squared().sqrt().fast_max(Lanes::splat(1e-6)));
+            out = self.gloss(out, gloss, run.facet.normal_local, toward, light);
+        }
+        Vec3s::splat(self.veil).lerp(out, light.passes)
+    }
+
+    fn begin<'p>(&self, triangle: &Triangle<'_, 'p>) -> Run<'p> {
+        let instance = &self.snapshot.instances[triangle.instance as usize];
+        let n = triangle.normal_local;
         let [a, x, y, z] = self.ambient;
         let ambient = (a + x * n.x + y * n.y + z * n.z).max(Vec3::ZERO);
         let to_key = self.lighting.sky.key_direction;
-        let facet = Facet::new(instance, point.part, n);
-        let (instance, triangle) = (point.instance, point.triangle);
-        if point.part.surface == Surface::Foliage {
+        let facet = Facet::new(instance, triangle.part, n);
+        if triangle.part.surface == Surface::Foliage {
             // Leaves let light through, and those turned away are looked at on their lit side.
             let normal = (n + Vec3::Z * 0.6).normalize_or(n);
             let side = normal.dot(to_key);
             let facing = 0.55 * side.max(0.0) + 0.2 + 0.15 * (side * 0.5 + 0.5);
-            return Run {
-                instance,
-                triangle,
-                facet,
-                normal,
-                outward: to_key * 4.0,
-                facing,
-                ambient: ambient * 0.8,
-            };
+            return Run { facet, normal, outward: to_key * 4.0, facing, ambient: ambient * 0.8 };
         }
-        Run { instance, triangle, facet, normal: n, outward: n, facing: n.dot(to_key).max(0.0), ambient }
+        Run { facet, normal: n, outward: n, facing: n.dot(to_key).max(0.0), ambient }
     }
 
     /// Adds what a glossy surface mirrors: the sky, and a highlight of the sun.
-    fn gloss(&self, out: Vec3, look: &Look, n: Vec3, toward: Vec3, light: &Light) -> Vec3 {
-        let slant = n.dot(toward).clamp(0.0, 1.0);
+    #[inline]
+    fn gloss(&self, out: Vec3s, gloss: &Gloss, normal: Vec3, toward: Vec3s, light: &Light) -> Vec3s {
+        let n = Vec3s::splat(normal);
+        let cos = toward.dot(n);
         // Schlick's form of Fresnel's reflectance; rough surfaces gain less at grazing angles.
-        let grazing = 1.0 - slant;
+        let grazing = 1.0 - cos.fast_clamp(Lanes::ZERO, Lanes::ONE);
         let g2 = grazing * grazing;
-        let fresnel = look.mirror + (1.0 - look.roughness - look.mirror).max(0.0) * g2 * g2 * grazing;
-        let mirrored = 2.0 * n.dot(toward) * n - toward;
+        let gain = (1.0 - gloss.roughness - gloss.mirror).fast_max(Lanes::ZERO);
+        let fresnel = gloss.mirror + gain * (g2 * g2 * grazing);
+        // Dull neighbours in a group of eight stay dull at any angle.
+        let fresnel = gloss.mirror.simd_gt(0.0).select(fresnel, Lanes::ZERO);
+        let mirrored = n * (cos * 2.0) - toward;
         // Rough surfaces see a wide piece of sky: the mean light stands for it.
-        let sharp = self.lighting.sky.radiance(mirrored) * self.exposure;
-        let wide = (self.ambient[0] + self.ambient[3] * mirrored.z).max(Vec3::ZERO);
-        let blur = (2.0 * look.roughness).min(1.0);
+        let sharp = self.lighting.sky.radiance(&mirrored) * Lanes::splat(self.exposure);
+        let [level, .., rise] = self.ambient;
+        let wide = |level: f32, rise: f32| (mirrored.z * rise + level).fast_max(Lanes::ZERO);
+        let wide = Vec3s::new(wide(level.x, rise.x), wide(level.y, rise.y), wide(level.z, rise.z));
+        let blur = (gloss.roughness * 2.0).fast_min(Lanes::ONE);
         let mut reflected = sharp.lerp(wide, blur) * light.open;
-        if light.lit.share > 0.0 && self.lighting.sky.key_klx != Vec3::ZERO {
-            let off = (1.0 - mirrored.dot(self.lighting.sky.key_direction)).max(0.0);
-            let spread = 0.0012 + 0.5 * look.roughness * look.roughness;
-            let highlight = exp_neg(off / spread) * (0.08 / spread).min(14.0);
-            reflected += self.key * (highlight * light.lit.share);
+        if light.sunlit.simd_gt(0.0).any() && self.lighting.sky.key_klx != Vec3::ZERO {
+            let key = self.lighting.sky.key_direction;
+            let off = (1.0 - mirrored.dot(Vec3s::splat(key))).fast_max(Lanes::ZERO);
+            let spread = gloss.roughness * gloss.roughness * 0.5 + 0.0012;
+            let highlight = exp_neg(off / spread) * (0.08 / spread).fast_min(Lanes::splat(14.0));
+            reflected += Vec3s::splat(self.key) * (highlight * light.sunlit);
         }
-        out.lerp(reflected, fresnel.clamp(0.0, 1.0))
+        out.lerp(reflected, fresnel.fast_clamp(Lanes::ZERO, Lanes::ONE))
     }
-
-    /// Film value to 8-bit sRGB.
-    #[inline]
-    fn develop(&self, light: Vec3) -> [u8; 3] {
-        [self.tone(light.x), self.tone(light.y), self.tone(light.z)]
-    }
-
-    #[inline]
-    fn tone(&self, value: f32) -> u8 {
-        // Clamped to the table's range; NaN goes to its start.
-        let v = if value > FILM_LEAST { value } else { FILM_LEAST };
-        let bits = if v < FILM_MOST { v.to_bits() } else { FILM_MOST.to_bits() - 1 };
-        self.film.get(((bits - FILM_LEAST.to_bits()) >> FILM_SHIFT) as usize).copied().unwrap_or(255)
-    }
-}
-
-/// Range of the film table: powers of two, with 256 steps to each doubling.
-const FILM_LEAST: f32 = 1.0 / 8192.0;
-const FILM_MOST: f32 = 32.0;
-const FILM_SHIFT: u32 = 23 - 8;
-
-/// 8-bit sRGB of film values, indexed by the leading bits of the number: a filmic curve (Narkowicz, "ACES filmic
-/// tone mapping curve", 2015) and the sRGB code.
-fn film_table() -> Vec<u8> {
-    let entries = (FILM_MOST.to_bits() - FILM_LEAST.to_bits()) >> FILM_SHIFT;
-    (0..entries)
-        .map(|i| {
-            let half = 1 << (FILM_SHIFT - 1);
-            let v =
-                if i == 0 { 0.0 } else { f32::from_bits(FILM_LEAST.to_bits() + (i << FILM_SHIFT) + half) };
-            let linear = (v * (2.51 * v + 0.03) / (v * (2.43 * v + 0.59) + 0.14)).min(1.0);
-            let coded = if linear <= 0.003_130_8 {
-                12.92 * linear
-            } else {
-                1.055 * frames::math::f32::pow(linear, 1.0 / 2.4) - 0.055
-            };
-            (coded * 255.0 + 0.5) as u8
-        })
-        .collect()
 }

@@ -1,9 +1,9 @@
 //! Fog and haze between a surface and the camera.
 
 use glam::Vec3;
+use lanes::{Lanes, exp_neg};
 use schema::tables::Weather;
 
-use super::math::exp_neg;
 use super::sky::Sky;
 
 /// Haze of clear air per metre: visibility of about 60 km.
@@ -50,33 +50,35 @@ impl Fog {
         }
     }
 
-    /// Share of light that passes from a point at height `z` to a camera at `camera_z`, `distance_m` away.
+    /// Share of light that passes from points at height `z` to a camera at `camera_z`, `distance_m` away.
     #[inline]
-    pub(crate) fn passes(&self, camera_z: f32, z: f32, distance_m: f32) -> f32 {
+    pub(crate) fn passes(&self, camera_z: f32, z: Lanes, distance_m: Lanes) -> Lanes {
         if self.is_clear() {
             // At most 0.06 within a camera's reach: the series' first terms are exact to 4e-5.
-            let depth = self.even_per_m * distance_m;
-            return (1.0 - depth * (1.0 - 0.5 * depth)).max(0.0);
+            let depth = distance_m * self.even_per_m;
+            return (1.0 - depth * (1.0 - depth * 0.5)).fast_max(Lanes::ZERO);
         }
         // The mean of exp(-k h) along a straight line; a level line has one height.
-        let (low, rise) = (camera_z.min(z) - self.ground_z, (camera_z - z).abs());
+        let camera = Lanes::splat(camera_z);
+        let (low, rise) = (camera.fast_min(z) - self.ground_z, (camera - z).abs());
         let k = self.per_height;
-        let x = k * rise;
-        let mean = if x > 1e-3 { (1.0 - exp_neg(x)) / x } else { 1.0 - 0.5 * x };
-        let dense = exp_neg((k * low).max(0.0)) * mean * self.ground_per_m;
-        let depth = self.even_per_m * distance_m + dense * (distance_m - self.start_m).max(0.0);
-        exp_neg(depth)
+        let x = rise * k;
+        let slanted = (1.0 - exp_neg(x)) / x;
+        let mean = x.simd_gt(1e-3).select(slanted, 1.0 - x * 0.5);
+        let dense = exp_neg((low * k).fast_max(Lanes::ZERO)) * mean * self.ground_per_m;
+        let beyond = (distance_m - self.start_m).fast_max(Lanes::ZERO);
+        exp_neg(distance_m * self.even_per_m + dense * beyond)
     }
 
-    /// The same for the sky in a direction whose altitude has this sine.
+    /// The same for the sky in directions whose altitudes have these sines.
     #[inline]
-    pub(crate) fn passes_sky(&self, camera_z: f32, up: f32) -> f32 {
-        let up = up.max(0.0);
+    pub(crate) fn passes_sky(&self, camera_z: f32, up: Lanes) -> Lanes {
+        let up = up.fast_max(Lanes::ZERO);
         // Looking up leaves a layer of haze a kilometre thick.
-        let length = SKY_M / (1.0 + up * SKY_M / 700.0);
-        let fog = self.passes(camera_z, camera_z + up * length, length);
+        let length = SKY_M / (up * (SKY_M / 700.0) + 1.0);
+        let fog = self.passes(camera_z, up * length + camera_z, length);
         // Clear air is in the sky's colours already.
-        fog * (1.0 / exp_neg(AIR_PER_M * length))
+        fog / exp_neg(length * AIR_PER_M)
     }
 
     /// Whether there is none but clear air's haze.
@@ -100,6 +102,10 @@ mod tests {
         Fog::new(&weather, &Sky::new(&weather, 0.0), 0.0)
     }
 
+    fn passes(fog: &Fog, camera_z: f32, z: f32, distance_m: f32) -> f32 {
+        fog.passes(camera_z, Lanes::splat(z), Lanes::splat(distance_m)).to_array()[3]
+    }
+
     #[test]
     fn it_matches_a_sum_along_the_line() {
         let f = fog(60.0, 2.0);
@@ -108,22 +114,25 @@ mod tests {
             let mean: f32 = (0..n)
                 .map(|i| {
                     let h = camera_z + (z - camera_z) * (i as f32 + 0.5) / n as f32;
-                    exp_neg(f.per_height * h)
+                    frames::math::f32::exp(-f.per_height * h)
                 })
                 .sum::<f32>()
                 / n as f32;
-            let want = exp_neg(AIR_PER_M * distance + f.ground_per_m * mean * (distance - 10.0));
-            assert!((f.passes(camera_z, z, distance) - want).abs() < 2e-3, "{camera_z} {z}");
+            let depth = AIR_PER_M * distance + f.ground_per_m * mean * (distance - 10.0);
+            let want = frames::math::f32::exp(-depth);
+            let got = passes(&f, camera_z, z, distance);
+            assert!((got - want).abs() < 2e-3, "{camera_z} {z}: {got} {want}");
         }
     }
 
     #[test]
     fn density_and_distance_hide() {
         assert!(fog(0.0, 1.0).is_clear());
-        let passes = |density, d| fog(density, 0.0).passes(1.6, 1.6, d);
+        let passes = |density, d| passes(&fog(density, 0.0), 1.6, 1.6, d);
         assert!(passes(100.0, 90.0) < 0.03);
         assert!(passes(10.0, 90.0) > 0.8);
         assert!(passes(50.0, 200.0) < passes(50.0, 100.0));
-        assert!(fog(80.0, 1.0).passes_sky(1.6, 1.0) > fog(80.0, 1.0).passes_sky(1.6, 0.05));
+        let sky = |up| fog(80.0, 1.0).passes_sky(1.6, Lanes::splat(up)).to_array()[0];
+        assert!(sky(1.0) > sky(0.05));
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::Vec3;
+use lanes::{Lanes, Vec3s, Words, floor_words};
 use schema::geometry::{Snapshot, Surface, TriMesh};
 use schema::lights;
 
@@ -93,45 +94,62 @@ impl Lamps {
         self.entries.is_empty()
     }
 
-    /// Illuminance of a surface by the lamps around, kilolux.
-    #[inline]
-    pub(crate) fn illuminance(&self, position: Vec3, normal: Vec3) -> Vec3 {
-        let cell = (position - self.corner) / CELL_M;
-        if !(cell.x >= 0.0 && cell.y >= 0.0 && cell.x < CELLS as f32 && cell.y < CELLS as f32) {
-            return Vec3::ZERO;
-        }
-        let cell = cell.y as usize * CELLS + cell.x as usize;
-        let here = self.starts[cell] as usize..self.starts[cell + 1] as usize;
-        let mut sum = Vec3::ZERO;
-        for &index in &self.entries[here] {
-            let lamp = &self.lamps[usize::from(index)];
-            let to = lamp.position - position;
-            let r2 = to.length_squared();
-            let facing = to.dot(normal);
-            let reach2 = lamp.radius_m * lamp.radius_m;
-            if facing <= 0.0 || r2 >= reach2 {
-                continue;
+    /// Illuminance of places of one surface by the lamps around, kilolux.
+    pub(crate) fn illuminance(&self, positions: &Vec3s, normal: Vec3) -> Vec3s {
+        let cell = |v: Lanes, corner: f32| (v - corner) * (1.0 / CELL_M);
+        let (x, y) = (cell(positions.x, self.corner.x), cell(positions.y, self.corner.y));
+        let limit = CELLS as f32;
+        let inside = x.simd_ge(0.0) & y.simd_ge(0.0) & x.simd_lt(limit) & y.simd_lt(limit);
+        let none = Lanes::ZERO;
+        let cells = floor_words(inside.select(y, none)) * CELLS as u32 + floor_words(inside.select(x, none));
+        let mut left = inside.to_bitmask();
+        let mut sum = Vec3s::default();
+        // Mostly all places are in one cell.
+        while left != 0 {
+            let cell = cells.as_array()[left.trailing_zeros() as usize];
+            let here = cells.simd_eq(Words::splat(cell));
+            left &= !here.to_bitmask();
+            let entries = self.starts[cell as usize] as usize..self.starts[cell as usize + 1] as usize;
+            let mut of_cell = Vec3s::default();
+            for &index in &self.entries[entries] {
+                self.lamps[usize::from(index)].add_to(&mut of_cell, positions, normal);
             }
-            let r2 = r2.max(0.04);
-            let r = r2.sqrt();
-            let cos = -to.dot(lamp.direction) / r;
-            let spread = match lamp.beam {
-                Beam::Street => cos.max(0.0) * (0.6 + 0.8 * (1.0 - cos)),
-                Beam::Head => {
-                    // Half the intensity at 12 degrees, a faint wide skirt.
-                    let c = cos.max(0.0);
-                    let (c2, narrow) = (c * c, 0.9 + 0.1 * cos);
-                    let narrow = narrow.max(0.0) * narrow.max(0.0);
-                    let lobe = if c > 0.85 { (c - 0.85) / 0.15 } else { 0.0 };
-                    lobe * lobe * lobe * narrow + 0.02 * c2
-                }
-                Beam::Glow => 1.0,
-            };
-            // Ends smoothly at the radius.
-            let window = 1.0 - r2 / reach2;
-            sum += lamp.rgb * (spread * facing / (r * r2) * window * window);
+            sum += of_cell.or(Lanes::from_bits(here) & inside, Vec3s::default());
         }
         sum
+    }
+}
+
+impl Lamp {
+    /// Adds its light on places of one surface.
+    #[inline]
+    fn add_to(&self, sum: &mut Vec3s, positions: &Vec3s, normal: Vec3) {
+        let to = Vec3s::splat(self.position) - *positions;
+        let r2 = to.length_squared();
+        let facing = to.dot(Vec3s::splat(normal));
+        let reach2 = self.radius_m * self.radius_m;
+        let reached = facing.simd_gt(0.0) & r2.simd_lt(reach2);
+        if reached.none() {
+            return;
+        }
+        let r2 = r2.fast_max(Lanes::splat(0.04));
+        let r = r2.sqrt();
+        let cos = to.dot(Vec3s::splat(-self.direction)) / r;
+        let ahead = cos.fast_max(Lanes::ZERO);
+        let spread = match self.beam {
+            Beam::Street => ahead * (1.4 - cos * 0.8),
+            Beam::Head => {
+                // Half the intensity at 12 degrees, a faint wide skirt.
+                let narrow = (cos * 0.1 + 0.9).fast_max(Lanes::ZERO);
+                let lobe = ((ahead - 0.85) * (1.0 / 0.15)).fast_max(Lanes::ZERO);
+                lobe * lobe * lobe * (narrow * narrow) + ahead * ahead * 0.02
+            }
+            Beam::Glow => Lanes::ONE,
+        };
+        // Ends smoothly at the radius.
+        let window = 1.0 - r2 * (1.0 / reach2);
+        let strength = spread * facing / (r * r2) * (window * window);
+        *sum += Vec3s::splat(self.rgb) * reached.select(strength, Lanes::ZERO);
     }
 }
 
@@ -225,6 +243,12 @@ mod tests {
         }
     }
 
+    /// The light on one place, asked for among others.
+    fn at(lamps: &Lamps, position: Vec3, normal: Vec3) -> Vec3 {
+        let places = Vec3s::from_fn(|i| position + Vec3::X * (i as f32 - 3.0) * 20.0);
+        lamps.illuminance(&places, normal).lane(3)
+    }
+
     #[test]
     fn light_falls_with_the_square_of_the_distance() {
         let lamps = one(Beam::Glow);
@@ -232,20 +256,20 @@ mod tests {
             let d = 6.0 - z;
             let window = 1.0 - d * d / 900.0;
             let want = window * window / (d * d);
-            let got = lamps.illuminance(Vec3::new(0.0, 0.0, z), Vec3::Z).x;
+            let got = at(&lamps, Vec3::new(0.0, 0.0, z), Vec3::Z).x;
             assert!((got - want).abs() < 1e-4 * want, "{got} {want}");
         }
-        assert_eq!(lamps.illuminance(Vec3::ZERO, -Vec3::Z), Vec3::ZERO);
-        assert_eq!(lamps.illuminance(Vec3::new(40.0, 0.0, 0.0), Vec3::Z), Vec3::ZERO);
+        assert_eq!(at(&lamps, Vec3::ZERO, -Vec3::Z), Vec3::ZERO);
+        assert_eq!(at(&lamps, Vec3::new(40.0, 0.0, 0.0), Vec3::Z), Vec3::ZERO);
     }
 
     #[test]
     fn beams_point() {
         let street = one(Beam::Street);
-        assert_eq!(street.illuminance(Vec3::new(2.0, 0.0, 7.0), -Vec3::X), Vec3::ZERO);
+        assert_eq!(at(&street, Vec3::new(2.0, 0.0, 7.0), -Vec3::X), Vec3::ZERO);
         let head = one(Beam::Head);
-        let on_axis = head.illuminance(Vec3::ZERO, Vec3::Z).x;
-        let aside = head.illuminance(Vec3::new(5.0, 0.0, 0.0), Vec3::Z).x;
+        let on_axis = at(&head, Vec3::ZERO, Vec3::Z).x;
+        let aside = at(&head, Vec3::new(5.0, 0.0, 0.0), Vec3::Z).x;
         assert!(on_axis > 8.0 * aside);
     }
 }

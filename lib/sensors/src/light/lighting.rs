@@ -8,8 +8,9 @@ use schema::tables::Weather;
 
 use super::fog::Fog;
 use super::lamps::Lamps;
-use super::shadow::{Overhead, Shadows, shadows_at};
+use super::shadow::{Caster, Overhead, Shadows, shadows_at};
 use super::sky::Sky;
+use super::still::StillMaps;
 use crate::look::Surroundings;
 
 /// What decides the light of a frame.
@@ -21,6 +22,13 @@ pub struct FrameWeather {
     pub time_s: f64,
     /// The weather then.
     pub weather: Weather,
+    /// Whether the sun stands nearly still from frame to frame, so that what it sees of things that stand still may be kept.
+    pub is_steady: bool,
+}
+
+impl FrameWeather {
+    /// Most that a steady sun turns from a frame to the next, radians: some maps serve four frames then.
+    pub const STEADY_RAD: f64 = 1.0 / 1024.0;
 }
 
 /// The light around one place at one frame, for all cameras there.
@@ -48,12 +56,27 @@ impl Lighting {
         weather: &Weather,
         centre_local: Vec3,
     ) -> Result<Self, RenderError> {
-        let snapshot = scene.snapshot();
+        let when = FrameWeather { frame: 0, time_s: 0.0, weather: *weather, is_steady: false };
+        Self::over(scene, None, sky, &when, centre_local)
+    }
+
+    /// The same where maps of what stands still may be kept.
+    pub(crate) fn over(
+        scene: &dyn Scene,
+        still: Option<&StillMaps<'_>>,
+        sky: Arc<Sky>,
+        when: &FrameWeather,
+        centre_local: Vec3,
+    ) -> Result<Self, RenderError> {
+        let (snapshot, weather) = (scene.snapshot(), &when.weather);
         let world = snapshot.origin.world_xyz();
         let wrapped = world.map(|w| w.rem_euclid(Surroundings::WRAP_M) as f32);
         let share = |percent: f64| (percent / 100.0).clamp(0.0, 1.0) as f32;
+        let caster = sky
+            .key_casts_shadows()
+            .then_some(Caster { to_light: sky.key_direction, is_steady: when.is_steady });
         let (shadows, lamps) = rayon::join(
-            || shadows_at(scene, sky.key_direction, sky.key_casts_shadows(), centre_local),
+            || shadows_at(scene, still, caster, centre_local),
             || Lamps::new(snapshot, sky.lamps_matter(), centre_local),
         );
         let (shadows, overhead) = shadows?;

@@ -6,15 +6,18 @@
 mod atmosphere;
 mod fog;
 mod lamps;
+mod lens;
 mod lighting;
+mod map;
 mod math;
 mod scene_lights;
 mod shadow;
 mod sky;
+mod still;
 
 pub(crate) use fog::fog_extinction_per_m;
 pub use lighting::{FrameWeather, Lighting};
-pub(crate) use math::exp_neg;
+pub(crate) use map::Lit;
 pub(crate) use scene_lights::SceneLights;
-pub(crate) use shadow::Lit;
 pub use sky::Sky;
+pub use still::StillWorld;

@@ -4,22 +4,29 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
 use glam::Vec3;
-use renderer::{RenderError, Scene};
+use renderer::{RenderError, Renderer, Scene};
 
 use super::lighting::{FrameWeather, Lighting};
 use super::sky::Sky;
+use super::still::{StillMaps, StillWorld};
 
 /// Skies kept at most: 3 MiB each.
 const MOST_SKIES: usize = 48;
 
-/// Owns the light of one scene's frames: skies belong to a frame, shadow maps and lamps to a place at a frame. Agents
-/// ask for what they stand in.
+/// Owns the light of one scene's frames: skies belong to a frame, shadow maps and lamps to a place at a frame, but maps of what
+/// stands still to a place and a direction of the light. Agents ask for what they stand in.
 #[derive(Debug, Default)]
-pub(crate) struct SceneLights {
+pub(crate) struct SceneLights<'a> {
+    still: Option<StillMaps<'a>>,
     skies: Mutex<BTreeMap<u32, Arc<Sky>>>,
 }
 
-impl SceneLights {
+impl<'a> SceneLights<'a> {
+    /// The lights of a scene of whose world it is known what stands still.
+    pub(crate) fn over(renderer: &'a dyn Renderer, world: &'a dyn StillWorld) -> Self {
+        Self { still: Some(StillMaps::new(renderer, world)), skies: Mutex::default() }
+    }
+
     /// The light around a place (in the scene's local frame) at a frame.
     ///
     /// # Errors
@@ -30,8 +37,7 @@ impl SceneLights {
         when: &FrameWeather,
         centre_local: Vec3,
     ) -> Result<Lighting, RenderError> {
-        // Maps of a place are not kept: no two agents share one.
-        Lighting::new(scene, self.sky(when), &when.weather, centre_local)
+        Lighting::over(scene, self.still.as_ref(), self.sky(when), when, centre_local)
     }
 
     /// The sky of a frame. Of a long scene the first frames' are kept: agents come by one after the other, each from
@@ -60,7 +66,12 @@ mod tests {
     #[test]
     fn a_frames_sky_is_made_once_and_memory_is_bounded() {
         let lights = SceneLights::default();
-        let at = |frame| FrameWeather { frame, time_s: f64::from(frame), weather: Weather::default() };
+        let at = |frame| FrameWeather {
+            frame,
+            time_s: f64::from(frame),
+            weather: Weather::default(),
+            is_steady: true,
+        };
         let first = lights.sky(&at(0));
         assert!(Arc::ptr_eq(&first, &lights.sky(&at(0))));
         assert!(!Arc::ptr_eq(&first, &lights.sky(&at(1))));

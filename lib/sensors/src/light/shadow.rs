@@ -1,233 +1,72 @@
 //! Shadows of the sun or moon, and the shade under things, from maps of what the light sees.
 //!
-//! A light far away sees the same triangles as the cameras, through the same renderer with a very long lens. A place is in shadow when the light saw something nearer there.
+//! A light far away sees the same triangles as the cameras, through the same renderer with a very long lens. A place is in
+//! shadow when the light saw something nearer there.
 
-use glam::{Affine3A, Mat3A, Vec3, Vec3A};
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+use lanes::{LANES, Lanes, Vec3s, floor_words, lerp};
 use rayon::prelude::*;
-use renderer::{PinholeCamera, RenderError, Scene, VisibilityBuffer};
+use renderer::{Alone, RenderError, Scene};
 
-/// Distance of the stand-in for the sun, metres: far enough that its rays are within a degree of parallel, near
-/// enough that depths keep a millimetre in `f32`.
-const LIGHT_M: f32 = 10_000.0;
-/// Heights around the place that cast and receive shadows, metres.
-const REACH_M: f32 = 900.0;
-/// Half widths of the maps, metres, and their sides, texels: fine near by, coarse far away.
-const MAPS: [(f32, u32); 3] = [(12.0, 768), (45.0, 1024), (160.0, 768)];
-/// Half width and side of the map from above.
-const ABOVE: (f32, u32) = (56.0, 448);
-/// Texels a side of the blocks whose depths are summed up, and how far around a block its readers reach.
-const BLOCK: usize = 8;
-const AROUND: usize = 3;
-/// Where nothing around is higher than this above a place, all of it is lit; where everything is higher than the
-/// other, none is. Metres.
-const LEVEL_M: f32 = 0.06;
-const COVER_M: f32 = 0.5;
+use super::lens::{ABOVE, BLOCK, Lens, MAPS, Window};
+use super::map::{Lit, Map};
+use super::still::StillMaps;
+
 /// Lowest light that casts shadows: the sine of 2 degrees.
 const LOWEST_UP: f32 = 0.035;
 
-/// How a light looks at a place.
+/// A light that casts shadows.
 #[derive(Clone, Copy, Debug)]
-struct Lens {
-    right: Vec3,
-    down: Vec3,
-    forward: Vec3,
-    texel_m: f32,
-    camera: PinholeCamera,
+pub(crate) struct Caster {
+    pub(crate) to_light: Vec3,
+    /// Whether it stands still enough that maps made for its direction will serve other frames.
+    pub(crate) is_steady: bool,
 }
 
-impl Lens {
-    fn new(world_m: [f64; 3], to_light: Vec3, centre: Vec3, half_m: f32, side: u32) -> Self {
-        let forward = -to_light;
-        let right = forward.cross(if forward.z.abs() < 0.99 { Vec3::Z } else { Vec3::Y }).normalize();
-        let down = forward.cross(right);
-        let texel_m = 2.0 * half_m / side as f32;
-        // Whole texels from the world's origin, so that edges of shadows do not swim when the agent moves.
-        let snap = |axis: Vec3| {
-            let along = axis.as_dvec3().dot(glam::DVec3::from_array(world_m) + centre.as_dvec3());
-            let texel = f64::from(texel_m);
-            axis * ((along / texel).round() * texel - along) as f32
-        };
-        let centre = centre + snap(right) + snap(down);
-        let local_from_optical = Affine3A {
-            matrix3: Mat3A::from_cols(right.into(), down.into(), forward.into()),
-            translation: Vec3A::from(centre - forward * LIGHT_M),
-        };
-        let half = 0.5 * side as f32;
-        let focal = half * LIGHT_M / half_m;
-        let camera = PinholeCamera {
-            local_from_optical,
-            width: side,
-            height: side,
-            fx: focal,
-            fy: focal,
-            cx: half,
-            cy: half,
-            near_m: LIGHT_M - REACH_M,
-            far_m: LIGHT_M + REACH_M,
-        };
-        Self { right, down, forward, texel_m, camera }
-    }
-}
-
-/// What the light sees through one lens.
-#[derive(Clone, Debug)]
-struct Map {
-    /// Rows of the rotation from local to light axes, scaled to texels across and metres along.
-    right: Vec3,
-    down: Vec3,
-    forward: Vec3,
-    origin: Vec3,
-    focal: f32,
-    half: f32,
-    side: usize,
-    texel_m: f32,
-    depth_m: Vec<f32>,
-    /// Least and greatest height of what the light sees in and around each block: most of the ground is wholly lit
-    /// or wholly in shadow, and one look here tells.
-    blocks: Vec<[f32; 2]>,
-}
-
-impl Map {
-    /// Works out `blocks`.
-    fn sum_up(&self) -> Vec<[f32; 2]> {
-        let per_side = self.side.div_ceil(BLOCK);
-        let span = |block: usize| {
-            (block * BLOCK).saturating_sub(AROUND)..((block + 1) * BLOCK + AROUND).min(self.side)
-        };
-        let empty = [f32::INFINITY, f32::NEG_INFINITY];
-        let join = |a: [f32; 2], b: [f32; 2]| {
-            [if b[0] < a[0] { b[0] } else { a[0] }, if b[1] > a[1] { b[1] } else { a[1] }]
-        };
-        // Columns first, row by row; then rows.
-        let across: Vec<[f32; 2]> = self
-            .depth_m
-            .par_chunks(self.side)
-            .enumerate()
-            .flat_map_iter(|(y, row)| {
-                let slope = self.forward.z + self.down.z * (y as f32 + 0.5 - self.half) / self.focal;
-                let per_column = self.right.z / self.focal;
-                (0..per_side).map(move |block| {
-                    span(block).fold(empty, |all, x| {
-                        let height =
-                            self.origin.z + row[x] * (slope + per_column * (x as f32 + 0.5 - self.half));
-                        join(all, [height, height])
-                    })
-                })
-            })
-            .collect();
-        (0..per_side * per_side)
-            .map(|i| {
-                span(i / per_side).fold(empty, |all, row| join(all, across[row * per_side + i % per_side]))
-            })
-            .collect()
-    }
-
-    /// Reads the map out of what was seen through its lens.
-    fn new(lens: &Lens, seen: VisibilityBuffer) -> Self {
-        let Lens { right, down, forward, texel_m, camera } = *lens;
-        let mut map = Self {
-            right,
-            down,
-            forward,
-            origin: camera.local_from_optical.translation.into(),
-            focal: camera.fx,
-            half: camera.cx,
-            side: camera.width as usize,
-            texel_m,
-            depth_m: seen.depth_m,
-            blocks: Vec::new(),
-        };
-        map.blocks = map.sum_up();
-        map
-    }
-
-    /// Column, row (texel centres at whole numbers) and depth of a place.
-    #[inline]
-    fn project(&self, p: Vec3) -> Vec3 {
-        let d = p - self.origin;
-        let z = self.forward.dot(d);
-        let scale = self.focal / z;
-        Vec3::new(self.right.dot(d) * scale + self.half - 0.5, self.down.dot(d) * scale + self.half - 0.5, z)
-    }
-
-    #[inline]
-    fn holds(&self, q: Vec3) -> bool {
-        let limit = (self.side - 2) as f32;
-        q.x >= 2.0 && q.y >= 2.0 && q.x < limit && q.y < limit
-    }
-
-    #[inline]
-    fn at(&self, column: usize, row: usize) -> f32 {
-        self.depth_m.get(row * self.side + column).copied().unwrap_or(f32::INFINITY)
-    }
-
-    /// Least and greatest height around a texel.
-    #[inline]
-    fn block(&self, column: usize, row: usize) -> [f32; 2] {
-        let index = row / BLOCK * self.side.div_ceil(BLOCK) + column / BLOCK;
-        self.blocks.get(index).copied().unwrap_or([f32::NEG_INFINITY, f32::INFINITY])
-    }
-
-    /// Share of the texels around that see the place, each weighted by its overlap with a square two texels wide:
-    /// edges of shadows are soft, as wide as three texels. `height` is that of the place.
-    #[inline]
-    fn lit(&self, q: Vec3, height: f32, bias_m: f32) -> Lit {
-        let (x0, y0) = (q.x as usize, q.y as usize);
-        let z = q.z - bias_m;
-        let [least, greatest] = self.block(x0, y0);
-        if greatest <= height + LEVEL_M || least > height + COVER_M {
-            return Lit { share: f32::from(u8::from(greatest <= height + LEVEL_M)), all_around: true };
-        }
-        let first = (y0 - 1) * self.side + x0 - 1;
-        let row = |r: usize| -> [f32; 4] {
-            let start = first + r * self.side;
-            let Some(&[a, b, c, d]) = self.depth_m.get(start..start + 4).and_then(|s| s.first_chunk()) else {
-                return [1.0; 4];
-            };
-            let lit = |depth: f32| f32::from(u8::from(depth >= z));
-            [lit(a), lit(b), lit(c), lit(d)]
-        };
-        let rows = [row(0), row(1), row(2), row(3)];
-        let (fx, fy) = (q.x - x0 as f32, q.y - y0 as f32);
-        let weigh = |v: [f32; 4], f: f32| (1.0 - f) * v[0] + v[1] + v[2] + f * v[3];
-        // Each way the weights sum to 3.
-        let [a, b, c, d] = rows;
-        let share = weigh([weigh(a, fx), weigh(b, fx), weigh(c, fx), weigh(d, fx)], fy) * (1.0 / 9.0);
-        Lit { share, all_around: false }
-    }
-}
-
-/// How much of a light reaches a place.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lit {
-    /// Share of the light's disc that is seen, 0 to 1.
-    pub(crate) share: f32,
-    /// Whether it is the same in the whole neighbourhood.
-    pub(crate) all_around: bool,
-}
-
-/// Looks from the light (when its shadows are wanted) and from above at a place, all in one batch.
+/// Looks from the light (when there is one whose shadows are wanted) and from above at a place: at what moves, where there are
+/// maps of what stands still, at all things elsewhere.
 ///
 /// # Errors
 /// The renderer failed.
 pub(crate) fn shadows_at(
     scene: &dyn Scene,
-    to_light: Vec3,
-    wanted: bool,
+    still: Option<&StillMaps<'_>>,
+    caster: Option<Caster>,
     centre: Vec3,
 ) -> Result<(Shadows, Overhead), RenderError> {
-    let world_m = scene.snapshot().origin.world_xyz();
-    let raised = Vec3::new(to_light.x, to_light.y, to_light.z.max(LOWEST_UP)).normalize();
-    let lens =
-        |to_light: Vec3, (half_m, side): (f32, u32)| Lens::new(world_m, to_light, centre, half_m, side);
-    let above = std::iter::once(lens(Vec3::Z, ABOVE));
-    let lenses: Vec<Lens> =
-        above.chain(MAPS.iter().filter(|_| wanted).map(|&size| lens(raised, size))).collect();
-    let cameras: Vec<PinholeCamera> = lenses.iter().map(|lens| lens.camera).collect();
-    let seen = scene.look(&cameras)?;
-    let mut maps: Vec<Map> = lenses.par_iter().zip(seen).map(|(lens, seen)| Map::new(lens, seen)).collect();
+    let origin = scene.snapshot().origin;
+    let place_m = DVec3::from_array(origin.world_xyz()) + centre.as_dvec3();
+    // The view from above serves all frames.
+    let mut lenses = vec![(Lens::at(place_m, Vec3::Z, &ABOVE), true)];
+    if let Some(Caster { to_light, is_steady }) = caster {
+        let raised = Vec3::new(to_light.x, to_light.y, to_light.z.max(LOWEST_UP)).normalize();
+        lenses.extend(MAPS.iter().map(|size| {
+            let to_light = if is_steady { size.rounded(raised) } else { raised };
+            (Lens::at(place_m, to_light, size), is_steady)
+        }));
+    }
+    let kept: Vec<Lens> = lenses.iter().filter(|(_, kept)| *kept).map(|((lens, _), _)| *lens).collect();
+    let (standing, moving) = match still {
+        Some(still) => (still.of(&kept)?, still.moving(scene.snapshot())),
+        None => (Vec::new(), Vec::new()),
+    };
+    let map = |(i, ((lens, window), _)): (usize, &((Lens, Window), bool))| {
+        let camera = lens.camera(&origin, *window);
+        // Those that are kept come first.
+        let still = standing.get(i).map(Arc::as_ref);
+        let seen = match still {
+            Some(_) => scene.look_at(&[Alone { camera, instances: &moving }])?,
+            None => scene.look(&[camera])?,
+        };
+        Ok(seen.iter().map(|seen| Map::new(lens, *window, still, seen)).collect::<Vec<_>>())
+    };
+    let maps: Result<Vec<Vec<Map>>, RenderError> = lenses.par_iter().enumerate().map(map).collect();
+    let mut maps: Vec<Map> = maps?.into_iter().flatten().collect();
     let above = maps.remove(0);
-    Ok((Shadows { to_light: raised, maps }, Overhead { map: above }))
+    let to_light = lenses.get(1).map_or(Vec3::Z, |((lens, _), _)| -lens.forward);
+    Ok((Shadows { to_light, maps }, Overhead { map: above }))
 }
 
 /// Shadows of the sun or moon around a place.
@@ -238,19 +77,50 @@ pub(crate) struct Shadows {
 }
 
 impl Shadows {
-    /// How much of the light reaches a surface; all of it beyond the maps.
+    /// How much of the light reaches places of one surface; all of it beyond the maps.
     #[inline]
-    pub(crate) fn lit(&self, position: Vec3, normal: Vec3) -> Lit {
-        for map in &self.maps {
-            // Off the surface by a texel, so that it does not shade itself; more where light grazes it.
-            let facing = normal.dot(self.to_light).clamp(0.05, 1.0);
-            let lift_m = map.texel_m * (1.0 + 1.5 * (1.0 - facing));
-            let q = map.project(position + normal * lift_m);
-            if map.holds(q) {
-                return map.lit(q, position.z, 0.015 + 0.8 * map.texel_m);
+    pub(crate) fn lit(&self, positions: &Vec3s, normal: Vec3) -> Lit {
+        // Off the surface by a texel, so that it does not shade itself; more where light grazes it.
+        let facing = normal.dot(self.to_light).clamp(0.05, 1.0);
+        let lift = 1.0 + 1.5 * (1.0 - facing);
+        let mut lit = Lit { share: Lanes::ONE, all_around: u32::from(u8::MAX), block: [u32::MAX; LANES] };
+        let mut left = Lanes::ZERO.simd_eq(0.0);
+        for (level, map) in self.maps.iter().enumerate() {
+            let q = map.project(*positions + Vec3s::splat(normal * (map.texel_m * lift)));
+            let here = left & map.holds(&q, 0.0);
+            if here.none() {
+                continue;
+            }
+            let found = map.lit(here, &q, positions.z, 0.015 + 0.8 * map.texel_m);
+            lit.share = here.select(found.share, lit.share);
+            let bits = here.to_bitmask();
+            lit.all_around = (lit.all_around & !bits) | (found.all_around & bits);
+            for (i, (to, of)) in lit.block.iter_mut().zip(found.block).enumerate() {
+                if bits >> i & 1 != 0 {
+                    *to = of * 4 + level as u32;
+                }
+            }
+            left &= !here;
+            if left.none() {
+                break;
             }
         }
-        Lit { share: 1.0, all_around: true }
+        lit
+    }
+
+    /// Whether what lies between two places is in their neighbourhoods, by the blocks that [`Lit`] tells.
+    #[inline]
+    pub(crate) fn adjoin(&self, a: u32, b: u32) -> bool {
+        if a == b {
+            return true;
+        }
+        let Some(map) = self.maps.get((a & 3) as usize) else { return false };
+        if a & 3 != b & 3 {
+            return false;
+        }
+        let per_side = map.side.div_ceil(BLOCK) as u32;
+        let (a, b) = (a >> 2, b >> 2);
+        (a % per_side).abs_diff(b % per_side) <= 1 && (a / per_side).abs_diff(b / per_side) <= 1
     }
 }
 
@@ -261,40 +131,52 @@ pub(crate) struct Overhead {
 }
 
 impl Overhead {
-    /// Share of the light of the sky that reaches a surface, 0 to 1; 1 beyond the map.
+    /// Share of the light of the sky that reaches places of one surface, 0 to 1; 1 beyond the map.
     #[inline]
-    pub(crate) fn open(&self, position: Vec3, normal: Vec3) -> f32 {
-        const SPREAD_M: f32 = 0.4;
-        /// What is nearer above is the surface itself.
-        const LEAST_ABOVE_M: f32 = 0.25;
+    pub(crate) fn open(&self, positions: &Vec3s, normal: Vec3) -> Lanes {
         let map = &self.map;
         // Looked at from a little off the surface: a wall is not under its own roof.
-        let q = map.project(position + normal * (1.5 * SPREAD_M));
+        let q = map.project(*positions + Vec3s::splat(normal * (1.5 * SPREAD_M)));
         let spread = SPREAD_M / map.texel_m;
-        if !map.holds(q - Vec3::new(spread, spread, 0.0)) || !map.holds(q + Vec3::new(spread, spread, 0.0)) {
-            return 1.0;
+        let here = map.holds(&q, spread);
+        if here.none() {
+            return Lanes::ONE;
         }
-        let [_, highest] = map.block(q.x as usize, q.y as usize);
-        if highest <= position.z + LEAST_ABOVE_M {
-            return 1.0;
+        let q = q.or(here, Vec3s::splat(Vec3::splat(2.0 + spread)));
+        let ([_, highest], _) = map.block(&q);
+        let covered = here & highest.simd_gt(positions.z + LEAST_ABOVE_M);
+        if covered.none() {
+            return Lanes::ONE;
         }
-        // A roof close above hides nearly everything; a bridge lets light in from the sides.
-        let hides = |column, row| {
-            let above_m = q.z - map.at(column, row);
-            if above_m > LEAST_ABOVE_M { 1.0 / (1.0 + 0.12 * above_m) } else { 0.0 }
-        };
-        let mut hidden = 0.0;
+        let mut hidden = Lanes::ZERO;
         for (dx, dy) in [(-1.0, -0.4), (0.4, -1.0), (1.0, 0.4), (-0.4, 1.0)] {
             let (x, y) = (q.x + spread * dx, q.y + spread * dy);
-            let (x0, y0) = (x as usize, y as usize);
-            let (fx, fy) = (x - x0 as f32, y - y0 as f32);
-            let mix = |a: f32, b: f32, f: f32| a + (b - a) * f;
-            let upper = mix(hides(x0, y0), hides(x0 + 1, y0), fx);
-            let lower = mix(hides(x0, y0 + 1), hides(x0 + 1, y0 + 1), fx);
-            hidden += mix(upper, lower, fy);
+            let (x0, y0) = (x.floor(), y.floor());
+            let (columns, rows) = (floor_words(x0).to_array(), floor_words(y0).to_array());
+            let texel = |right: usize, down: usize| -> Lanes {
+                let depth: [f32; LANES] =
+                    std::array::from_fn(|i| map.at(columns[i] as usize + right, rows[i] as usize + down));
+                hides(q.z - Lanes::from(depth))
+            };
+            let (fx, fy) = (x - x0, y - y0);
+            let upper = lerp(texel(0, 0), texel(1, 0), fx);
+            let lower = lerp(texel(0, 1), texel(1, 1), fx);
+            hidden += lerp(upper, lower, fy);
         }
-        1.0 - 0.2 * hidden
+        covered.select(1.0 - hidden * 0.2, Lanes::ONE)
     }
+}
+
+/// Where the sky is looked for around a place, metres.
+const SPREAD_M: f32 = 0.4;
+/// What is nearer above is the surface itself.
+const LEAST_ABOVE_M: f32 = 0.25;
+
+/// How much of the sky something so far above hides: a roof close above nearly everything; a bridge lets light in from the
+/// sides.
+#[inline]
+fn hides(above_m: Lanes) -> Lanes {
+    above_m.simd_gt(LEAST_ABOVE_M).select(1.0 / (above_m * 0.12 + 1.0), Lanes::ZERO)
 }
 
 #[cfg(test)]
@@ -302,6 +184,7 @@ mod tests {
     use std::sync::Arc;
 
     use frames::LocalOrigin;
+    use glam::Affine3A;
     use renderer::{RayBatch, Renderer};
     use schema::Tag;
     use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
@@ -350,7 +233,9 @@ mod tests {
         let mut renderer = CpuRenderer::default();
         renderer.prepare(&snapshot.meshes).expect("has no device");
         let scene = renderer.place(snapshot).expect("all meshes are prepared");
-        let (shadows, overhead) = shadows_at(&*scene, to_light, true, Vec3::ZERO).expect("has no device");
+        let (shadows, overhead) =
+            shadows_at(&*scene, None, Some(Caster { to_light, is_steady: false }), Vec3::ZERO)
+                .expect("has no device");
         each(&*scene, &shadows, &overhead);
     }
 
@@ -374,7 +259,7 @@ mod tests {
             let (mut wrong, mut shaded) = (0, 0);
             for (p, hit) in places.iter().zip(hits) {
                 let want = if hit.get(0).is_some() { 0.0 } else { 1.0 };
-                let got = shadows.lit(*p, Vec3::Z).share;
+                let got = shadows.lit(&Vec3s::splat(*p), Vec3::Z).share.to_array()[2];
                 shaded += i32::from(want == 0.0);
                 wrong += i32::from((got - want).abs() > 0.5);
             }
@@ -387,9 +272,10 @@ mod tests {
     #[test]
     fn it_is_dark_under_a_low_roof_only() {
         with_shadows(&scene_of([0.0; 3]), Vec3::Z, |_, _, overhead| {
-            assert!(overhead.open(Vec3::new(3.0, 2.0, 0.0), Vec3::Z) < 0.4);
-            assert_eq!(overhead.open(Vec3::new(-8.0, 0.0, 0.0), Vec3::Z), 1.0);
-            assert_eq!(overhead.open(Vec3::new(3.0, 2.0, 1.5), Vec3::Z), 1.0);
+            let open = |p: Vec3| overhead.open(&Vec3s::splat(p), Vec3::Z).to_array()[6];
+            assert!(open(Vec3::new(3.0, 2.0, 0.0)) < 0.4);
+            assert_eq!(open(Vec3::new(-8.0, 0.0, 0.0)), 1.0);
+            assert_eq!(open(Vec3::new(3.0, 2.0, 1.5)), 1.0);
         });
     }
 }

@@ -1,6 +1,7 @@
 //! The sky of a frame: clear air, clouds, night glow; what it shines on surfaces; how the film is exposed.
 
 use glam::{Vec2, Vec3};
+use lanes::{Lanes, Vec3s, exp_neg, floor_words};
 use rayon::prelude::*;
 use schema::tables::Weather;
 
@@ -29,11 +30,14 @@ const BOUNCED: f32 = 0.13;
 /// Radius of the sun's disc, radians, a little enlarged by glare.
 const SUN_RADIUS: f32 = 0.0075;
 
+/// Red, green and blue; the fourth is idle.
+type Texel = wide::f32x4;
+
 /// The sky and the sun or moon of one frame; the same for all agents.
 #[derive(Clone, Debug)]
 pub struct Sky {
     /// Radiance over the upper half of directions: `(x, y) / (1 + z)` spans the square.
-    texels: Vec<Vec3>,
+    texels: Vec<Texel>,
     /// Radiance of the ground far away.
     ground: Vec3,
     /// Mean radiance near the horizon.
@@ -80,12 +84,13 @@ impl Sky {
         let wind_m = (3.0 + 0.15 * weather.wind_intensity) * time_s;
         let clouds = Clouds { cover, veiled, overcast, sun, lit: clear_key, drift_m: wind_m as f32 };
         let noise = Noise::get();
-        let texels: Vec<Vec3> = (0..SIDE * SIDE)
+        let texels: Vec<Texel> = (0..SIDE * SIDE)
             .into_par_iter()
             .with_min_len(SIDE)
             .map(|i| {
                 let direction = direction_of((i % SIDE) as f32, (i / SIDE) as f32);
-                clouds.over(noise, direction, clear.at(direction))
+                let [r, g, b] = clouds.over(noise, direction, clear.at(direction)).to_array();
+                Texel::new([r, g, b, 0.0])
             })
             .collect();
 
@@ -119,7 +124,7 @@ impl Sky {
                 }
                 // Solid angle of a texel in this projection.
                 let weight = (1.0 + d.z) * (1.0 + d.z);
-                let radiance = self.texels[row * SIDE + column];
+                let radiance = self.texel(column, row);
                 for (sum, component) in linear.iter_mut().zip(d.to_array()) {
                     *sum += radiance * (component * weight);
                 }
@@ -173,41 +178,59 @@ impl Sky {
         self.horizontal_klx < 0.6
     }
 
-    /// Radiance from a direction (world axes), without the sun's disc.
+    fn texel(&self, column: usize, row: usize) -> Vec3 {
+        let [r, g, b, _] = self.texels[row * SIDE + column].to_array();
+        Vec3::new(r, g, b)
+    }
+
+    /// Radiance from directions (world axes), without the sun's disc.
     #[inline]
-    pub(crate) fn radiance(&self, direction: Vec3) -> Vec3 {
-        if direction.z <= 0.0 {
-            return self.ground.lerp(self.horizon, exp_toward_horizon(direction.z));
+    pub(crate) fn radiance(&self, directions: &Vec3s) -> Vec3s {
+        let z = directions.z;
+        let up = z.simd_gt(0.0);
+        let mut above = Vec3s::default();
+        if up.any() {
+            let scale = 0.5 * SIDE as f32 / (z.fast_max(Lanes::ZERO) + 1.0);
+            let limit = Lanes::splat((SIDE - 1) as f32 - 1e-2);
+            let place = |v: Lanes| (v * scale + (0.5 * SIDE as f32 - 0.5)).fast_clamp(Lanes::ZERO, limit);
+            let (x, y) = (place(directions.x), place(directions.y));
+            let (x0, y0) = (x.floor(), y.floor());
+            let index = (floor_words(y0) * SIDE as u32 + floor_words(x0)).to_array();
+            let (fx, fy) = ((x - x0).to_array(), (y - y0).to_array());
+            above = Vec3s::from_fn(|i| {
+                let first = index[i] as usize;
+                let at = |i: usize| self.texels.get(i).copied().unwrap_or(Texel::ZERO);
+                let mix = |a: Texel, b: Texel, share: f32| a + (b - a) * share;
+                let upper = mix(at(first), at(first + 1), fx[i]);
+                let lower = mix(at(first + SIDE), at(first + SIDE + 1), fx[i]);
+                let [r, g, b, _] = mix(upper, lower, fy[i]).to_array();
+                Vec3::new(r, g, b)
+            });
+            if up.all() {
+                return above;
+            }
         }
-        let scale = 0.5 * SIDE as f32 / (1.0 + direction.z);
-        let limit = (SIDE - 1) as f32 - 1e-2;
-        let x = (direction.x * scale + 0.5 * SIDE as f32 - 0.5).clamp(0.0, limit);
-        let y = (direction.y * scale + 0.5 * SIDE as f32 - 0.5).clamp(0.0, limit);
-        let (column, row) = (x as usize, y as usize);
-        let (fx, fy) = (x - column as f32, y - row as f32);
-        let index = row * SIDE + column;
-        let at = |i: usize| self.texels.get(i).copied().unwrap_or(Vec3::ZERO);
-        let upper = at(index).lerp(at(index + 1), fx);
-        let lower = at(index + SIDE).lerp(at(index + SIDE + 1), fx);
-        upper.lerp(lower, fy)
+        // The far ground goes over into haze at the horizon.
+        let haze = exp_neg((z * -12.0).fast_max(Lanes::ZERO));
+        let below = Vec3s::splat(self.ground).lerp(Vec3s::splat(self.horizon), haze);
+        above.or(up, below)
     }
 
-    /// Radiance of what a camera sees in a direction: sky with the sun's or moon's disc.
+    /// Radiance of what a camera sees in directions: sky with the sun's or moon's disc.
     #[inline]
-    pub(crate) fn seen(&self, direction: Vec3) -> Vec3 {
-        let sky = self.radiance(direction);
+    pub(crate) fn seen(&self, directions: &Vec3s) -> Vec3s {
+        let sky = self.radiance(directions);
         // 1 - cos is half the angle squared.
-        let off2 = 2.0 * (1.0 - direction.dot(self.key_direction)).max(0.0);
-        let edge = off2 / (SUN_RADIUS * SUN_RADIUS);
-        let glare = 0.015 / (1.0 + 0.02 * edge);
-        let disc = (1.5 - edge).clamp(0.0, 1.0);
-        sky + self.disc * (disc + if edge < 4000.0 { glare * (1.0 - edge / 4000.0) } else { 0.0 })
+        let off2 = (1.0 - directions.dot(Vec3s::splat(self.key_direction))).fast_max(Lanes::ZERO) * 2.0;
+        let edge = off2 * (1.0 / (SUN_RADIUS * SUN_RADIUS));
+        let near = edge.simd_lt(4000.0);
+        if near.none() {
+            return sky;
+        }
+        let glare = (1.0 - edge * (1.0 / 4000.0)) * 0.015 / (edge * 0.02 + 1.0);
+        let disc = (1.5 - edge).fast_clamp(Lanes::ZERO, Lanes::ONE);
+        sky + Vec3s::splat(self.disc) * near.select(disc + glare, Lanes::ZERO)
     }
-}
-
-/// The far ground goes over into haze at the horizon.
-fn exp_toward_horizon(z: f32) -> f32 {
-    super::math::exp_neg(-z * 12.0)
 }
 
 /// Direction of a texel's centre.
@@ -323,6 +346,10 @@ impl Clouds {
 mod tests {
     use super::*;
 
+    fn radiance(sky: &Sky, direction: Vec3) -> Vec3 {
+        sky.radiance(&Vec3s::splat(direction)).lane(5)
+    }
+
     #[test]
     fn ambient_light_is_the_sky_integrated() {
         // Against a direct sum over directions, for an upward and a tilted surface.
@@ -337,7 +364,7 @@ mod tests {
                         frames::math::f32::sin_cos(std::f32::consts::TAU * (c as f32 + 0.5) / columns as f32);
                     let flat = (1.0 - z * z).sqrt();
                     let d = Vec3::new(flat * cos, flat * sin, z);
-                    let radiance = if z > 0.0 { sky.radiance(d) } else { sky.ground };
+                    let radiance = if z > 0.0 { radiance(&sky, d) } else { sky.ground };
                     sum += radiance * d.dot(normal).max(0.0);
                 }
             }
@@ -353,8 +380,8 @@ mod tests {
         let sky = Sky::new(&Weather { cloudiness: 60.0, ..Weather::default() }, 3.0);
         for (column, row) in [(100, 300), (256, 256), (400, 120), (60, 256)] {
             let d = direction_of(column as f32, row as f32);
-            let got = sky.radiance(d);
-            assert!((got - sky.texels[row * SIDE + column]).abs().max_element() < 1e-3 * got.max_element());
+            let got = radiance(&sky, d);
+            assert!((got - sky.texel(column, row)).abs().max_element() < 1e-3 * got.max_element());
         }
     }
 

@@ -4,5 +4,5 @@ mod material;
 mod noise;
 mod pattern;
 
-pub(crate) use material::{Facet, Look, Surroundings, look};
+pub(crate) use material::{Facet, Gloss, Points, Surroundings, look};
 pub(crate) use noise::{Noise, hash2, unit};

@@ -5,6 +5,8 @@
 
 use std::sync::OnceLock;
 
+use lanes::{Lanes, Words, floor_words, lerp, number_of};
+
 /// Side of the tile, texels; a power of two.
 const SIDE: usize = 256;
 /// Copies: from full size down to one texel.
@@ -16,6 +18,8 @@ const COARSEST: usize = 4;
 pub(crate) struct Noise {
     /// Square levels, each half the side of the one before.
     levels: [Vec<u8>; LEVELS],
+    /// Each texel of the finest level with its right, lower and lower right neighbour, a byte each from the lowest.
+    quads: Vec<u32>,
 }
 
 /// Mixes two lattice coordinates and a seed to 32 even bits (the finaliser of MurmurHash3).
@@ -72,7 +76,53 @@ impl Noise {
             }
             finer
         });
-        Self { levels }
+        let finest: &Vec<u8> = &levels[0];
+        let quads = (0..SIDE * SIDE)
+            .map(|i| {
+                let (row, column) = (i & !(SIDE - 1), i & (SIDE - 1));
+                let below = (row + SIDE) & (SIDE * SIDE - 1);
+                let right = (column + 1) & (SIDE - 1);
+                let four = [row | column, row | right, below | column, below | right];
+                u32::from_le_bytes(four.map(|k| finest[k]))
+            })
+            .collect();
+        Self { levels, quads }
+    }
+
+    /// [`at`](Self::at) eight places, whose footprints are alike: all are read as the smallest of them wants it.
+    #[inline]
+    pub(crate) fn at_all(&self, x: Lanes, y: Lanes, footprint: Lanes) -> Lanes {
+        let f = footprint.as_array();
+        let (first, last) = (f[0], f[7]);
+        let least = if first < last { first } else { last };
+        if least < 1.0 {
+            return self.interpolated_all(x, y);
+        }
+        let level = level_of(least);
+        if level >= LEVELS - 1 {
+            return Lanes::splat(0.5);
+        }
+        let scale = f32::from_bits((127 - level as u32) << 23);
+        let (mask, shift) = ((SIDE as u32 - 1) >> level, SIDE.ilog2() - level as u32);
+        let (column, row) = (floor_words(x * scale) & mask, floor_words(y * scale) & mask);
+        let index = (row << shift) | column;
+        let texels = &self.levels[level];
+        let values = index.to_array().map(|i| u32::from(texels.get(i as usize).copied().unwrap_or(128)));
+        number_of(values.into()) * (1.0 / 255.0)
+    }
+
+    #[inline]
+    fn interpolated_all(&self, x: Lanes, y: Lanes) -> Lanes {
+        const MASK: u32 = SIDE as u32 - 1;
+        let (x, y) = (x - 0.5, y - 0.5);
+        let (x0, y0) = (x.floor(), y.floor());
+        let (fx, fy) = (x - x0, y - y0);
+        let index = ((floor_words(y0) & MASK) << SIDE.ilog2()) | (floor_words(x0) & MASK);
+        let four: Words = index.to_array().map(|i| self.quads.get(i as usize).copied().unwrap_or(0)).into();
+        let texel = |shift: u32| number_of((four >> shift) & 0xff);
+        let upper = lerp(texel(0), texel(8), fx);
+        let lower = lerp(texel(16), texel(24), fx);
+        lerp(upper, lower, fy) * (1.0 / 255.0)
     }
 
     /// Value in 0 to 1 (mean 1/2) at a place in texels, averaged over about `footprint` texels.
@@ -83,8 +133,7 @@ impl Noise {
         if footprint < 1.0 {
             return self.interpolated(x, y);
         }
-        // The exponent of a floating-point number is the floor of its base-2 logarithm.
-        let level = ((footprint * 1.4).to_bits() >> 23) as usize - 127;
+        let level = level_of(footprint);
         if level >= LEVELS - 1 {
             return 0.5;
         }
@@ -114,6 +163,13 @@ impl Noise {
         let lower = c + (d - c) * fx;
         (upper + (lower - upper) * fy) * (1.0 / 255.0)
     }
+}
+
+/// The level whose texels are as large as a footprint of at least a texel.
+#[inline]
+fn level_of(footprint: f32) -> usize {
+    // The exponent of a floating-point number is the floor of its base-2 logarithm.
+    ((footprint * 1.4).to_bits() >> 23) as usize - 127
 }
 
 /// Value noise that repeats after `cells` cells.
@@ -147,6 +203,19 @@ mod tests {
         let mean = values.iter().sum::<f32>() / 4096.0;
         assert!((mean - 0.5).abs() < 0.03, "{mean}");
         assert!(values.iter().any(|&v| v < 0.15) && values.iter().any(|&v| v > 0.85));
+    }
+
+    #[test]
+    fn eight_are_read_as_one_is() {
+        let noise = Noise::get();
+        for footprint in [0.2, 0.99, 1.0, 1.5, 3.0, 70.0, 1e5] {
+            let x: [f32; 8] = std::array::from_fn(|i| i as f32 * 37.3 - 400.0);
+            let y: [f32; 8] = std::array::from_fn(|i| i as f32 * -11.7 + 255.4);
+            let all = noise.at_all(x.into(), y.into(), Lanes::splat(footprint)).to_array();
+            for i in 0..8 {
+                assert_eq!(all[i], noise.at(x[i], y[i], footprint), "{footprint} {i}");
+            }
+        }
     }
 
     #[test]

@@ -1,22 +1,32 @@
 //! Regular patterns, averaged over a pixel so that they fade instead of flickering.
 
+use lanes::Lanes;
+
 /// Share of the interval `[x - w / 2, x + w / 2]` that lies in the bars `[k, k + bar)` of a pattern of period 1.
 #[inline]
-pub(super) fn bars(x: f32, bar: f32, w: f32) -> f32 {
-    let w = w.max(1e-4);
+pub(super) fn bars(x: Lanes, bar: f32, width: Width) -> Lanes {
     // Length of bar from 0 to t.
-    let length = |t: f32| {
+    let length = |t: Lanes| {
         let whole = t.floor();
-        whole * bar + (t - whole).min(bar)
+        whole * bar + (t - whole).fast_min(Lanes::splat(bar))
     };
-    ((length(x + 0.5 * w) - length(x - 0.5 * w)) / w).clamp(0.0, 1.0)
+    let half = width.w * 0.5;
+    ((length(x + half) - length(x - half)) * width.inverse).fast_clamp(Lanes::ZERO, Lanes::ONE)
 }
 
-/// 0 below `low`, 1 above `high`, smooth between.
-#[inline]
-pub(crate) fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
+/// The width of a pixel in periods of a pattern.
+#[derive(Clone, Copy)]
+pub(super) struct Width {
+    pub(super) w: Lanes,
+    inverse: Lanes,
+}
+
+impl Width {
+    #[inline]
+    pub(super) fn new(w: Lanes) -> Self {
+        let w = w.fast_max(Lanes::splat(1e-4));
+        Self { w, inverse: 1.0 / w }
+    }
 }
 
 #[cfg(test)]
@@ -35,7 +45,7 @@ mod tests {
                     t - t.floor() < bar
                 })
                 .count();
-            prop_assert!((bars(x, bar, w) - inside as f32 / n as f32).abs() < 4e-3);
+            prop_assert!((bars(Lanes::splat(x), bar, Width::new(Lanes::splat(w))).to_array()[5] - inside as f32 / n as f32).abs() < 4e-3);
         }
     }
 }

@@ -28,7 +28,7 @@ pub(crate) fn with_scene<T>(snapshot: &Snapshot, run: impl FnOnce(&dyn Scene) ->
 
 /// The first frame in a weather.
 pub(crate) fn first_frame(weather: &Weather) -> FrameWeather {
-    FrameWeather { frame: 0, time_s: 0.0, weather: *weather }
+    FrameWeather { frame: 0, time_s: 0.0, weather: *weather, is_steady: true }
 }
 
 /// Pictures of a size, 80 degrees wide.

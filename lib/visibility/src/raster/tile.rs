@@ -96,12 +96,9 @@ impl HalfSpaces {
         let half = (node.max - node.min) * 0.5;
         let mut outside = 0;
         for i in 0..LANES {
-            let nearest = self.normal[0][i].mul_add(
-                centre.x,
-                self.normal[1][i].mul_add(centre.y, self.normal[2][i].mul_add(centre.z, self.offset[i])),
-            );
-            let extent = self.normal_abs[0][i]
-                .mul_add(half.x, self.normal_abs[1][i].mul_add(half.y, self.normal_abs[2][i] * half.z));
+            let along = |v: &[[f32; LANES]; 3], p: Vec3| v[0][i] * p.x + v[1][i] * p.y + v[2][i] * p.z;
+            let nearest = along(&self.normal, centre) + self.offset[i];
+            let extent = along(&self.normal_abs, half);
             outside |= u32::from(nearest + extent < 0.0);
         }
         outside != 0
@@ -267,8 +264,7 @@ impl Tile {
             for axis in 0..3 {
                 let (row, shift) = (seen.rows[axis], seen.translation[axis]);
                 for i in 0..BLOCK {
-                    place[corner][axis][i] =
-                        row.x.mul_add(px[i], row.y.mul_add(py[i], row.z.mul_add(pz[i], shift)));
+                    place[corner][axis][i] = row.x * px[i] + row.y * py[i] + row.z * pz[i] + shift;
                 }
             }
         }
@@ -287,9 +283,8 @@ impl Tile {
             farthest[i] = high(high(z[0], z[1]), z[2]);
             let all_in_front = nearest[i] >= lens.near_m;
             for axis in 0..2 {
-                let p: [f32; 3] = std::array::from_fn(|k| {
-                    (lens.focal[axis] / z[k]).mul_add(place[k][axis][i], lens.axis[axis])
-                });
+                let p: [f32; 3] =
+                    std::array::from_fn(|k| lens.focal[axis] / z[k] * place[k][axis][i] + lens.axis[axis]);
                 let start = high(low(low(p[0], p[1]), p[2]) - MARGIN_PX, 0.0).ceil();
                 let stop = low(high(high(p[0], p[1]), p[2]) + MARGIN_PX, last[axis]).floor();
                 from[axis][i] = if all_in_front { start } else { 0.0 };
@@ -343,7 +338,7 @@ impl Tile {
         let [x_first, x_last, y_first, y_last] = covering.bounds;
         let x_first = x_first - x_first % LANES;
         for y in y_first..=y_last {
-            let at_row = |f: Linear| f.per_row.mul_add(y as f32, f.start);
+            let at_row = |f: Linear| f.per_row * y as f32 + f.start;
             let rows = edges.map(at_row);
             let inverse_row = at_row(inverse);
             for x in (x_first..=x_last).step_by(LANES) {
@@ -355,10 +350,10 @@ impl Tile {
                 let mut any = 0;
                 for i in 0..LANES {
                     let column = start + LANE[i];
-                    let w = inverse.per_column.mul_add(column, inverse_row);
-                    let inside = (edges[0].per_column.mul_add(column, rows[0]) >= thresholds[0])
-                        & (edges[1].per_column.mul_add(column, rows[1]) >= thresholds[1])
-                        & (edges[2].per_column.mul_add(column, rows[2]) >= thresholds[2])
+                    let w = inverse.per_column * column + inverse_row;
+                    let inside = (edges[0].per_column * column + rows[0] >= thresholds[0])
+                        & (edges[1].per_column * column + rows[1] >= thresholds[1])
+                        & (edges[2].per_column * column + rows[2] >= thresholds[2])
                         & (w <= covering.inverse_limit);
                     // Within the corners' depths whatever the rounding of a steep plane.
                     let w = if w < covering.inverse_range[0] { covering.inverse_range[0] } else { w };
