@@ -81,3 +81,29 @@ fn the_page_says_which_stage_to_run() {
     let output = Command::new("node").arg(script).args([&chromium, &address]).output().expect("node starts");
     Outcome::of(&output).expect_done();
 }
+
+/// What the dataset of an imported store did not say is not painted, and no stage is named that has no log to be made from.
+#[test]
+fn the_page_says_what_imports_do_not_know() {
+    let Some(chromium) = chromium() else { return };
+    let bench = Bench::new(TINY);
+    bench.run("convoy", &["run", "--progress", "none"]).expect_done();
+    let at = |name: &str| bench.folder.path().join(name);
+    let run = |name: &str, args: &[&str], folders: [(&str, PathBuf); 2]| {
+        let mut command = Command::new(program(name));
+        command.args(args).args(["--progress", "none"]);
+        folders.iter().for_each(|(option, folder)| {
+            command.arg(option).arg(folder);
+        });
+        Outcome::of(&command.output().expect("it starts")).expect_done();
+    };
+    run("export", &["simbev2x"], [("--store", bench.store()), ("--dest", at("dataset"))]);
+    run("import", &["simbev2x"], [("--source", at("dataset")), ("--store", at("imported"))]);
+    let (_served, address) = serve(&at("imported"));
+    let kept = env::var_os("CONVOY_SHOTS").map(PathBuf::from);
+    let shots = kept.unwrap_or_else(|| at("shots"));
+    let script = workspace().join("viewer/test/imported.mjs");
+    let mut look = Command::new("node");
+    look.arg(script).args([&chromium, &address]).arg(shots.join("imported"));
+    Outcome::of(&look.output().expect("node starts")).expect_done();
+}

@@ -18,7 +18,7 @@ NEAR = {"boxes": {"center_m": 1e-6, "size_m": 1e-6, "rpy_rad": 1e-12, "angle_rad
         "boxes_valid": {"angle_rad": 1e-12}, "hd_map": {"rpy_rad": 1e-12, "lane_offset_m": 0.1}}
 LOST = {"hd_map": {"speed_limit_mps", "next_junction_id", "next_junction_m", "signal_ids", "stop_line_m", "crosswalk_id",
                    "crosswalk_m", "sidewalk_m"}}
-ZERO = {"LIDAR": {"intensity", "ring", "cos_angle", "id", "tag"}, "SEG-LIDAR": {"intensity", "ring"},
+ZERO = {"LIDAR": {"intensity", "ring", "time_offset_s", "cos_angle", "id", "tag"}, "SEG-LIDAR": {"intensity", "ring", "time_offset_s"},
         "RAD": {"rcs_dbsm", "snr_db", "id", "tag"}}
 WEATHER = ["cloudiness", "precipitation", "precipitation_deposits", "wind_intensity", "sun_azimuth_deg", "sun_altitude_deg",
            "wetness", "fog_density", "fog_distance_m", "fog_falloff"]

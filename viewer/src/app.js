@@ -8,7 +8,7 @@ import { remedy } from './data/store.js'
 import { readLink, writeLink } from './link.js'
 import { Panels } from './panels.js'
 import { Player } from './player.js'
-import { $, keysDialog, make, note } from './ui.js'
+import { $, advice, keysDialog, make, note } from './ui.js'
 import { drawBev, drawCamera, pictureElement } from './view/pictures.js'
 import { View3d, boxColor } from './view/view3d.js'
 
@@ -30,6 +30,8 @@ export class App {
       this.isDirty = true
       this.linkSoon()
     })
+    /** What the points on the screen do not say, by colouring: `tag`, `id`, `intensity`. */
+    this.unknown = new Set()
     this.panels = new Panels(this)
     this.player = new Player({ periodS: this.names.frame_period_s, isReady: frame => this.isReady(frame), show: frame => this.setFrame(frame) })
     this.grid = new CameraGrid(this)
@@ -78,12 +80,12 @@ export class App {
       this.view.navigation.mode = c.mode
       this.drawTracks()
       const { missing } = scene.store.index.scenes.find(s => s.folder === folder) ?? {}
-      if (missing?.length) this.setNote('stages', note('', 'Not made yet: ', make('code', { textContent: missing.join(', ') }), '. ', make('code', { textContent: 'make dataset' }), ' makes what is missing.'))
+      if (missing?.length) this.setNote('stages', unmade(scene, missing))
       this.update()
       if (this.link.pose) this.view.navigation.pose = this.link.pose
       this.link = {}
     } catch (error) {
-      if (version === this.version) this.fail('scene', error, folder)
+      if (version === this.version) this.fail('scene', error, { folder, store: this.store, info: {} })
     }
   }
 
@@ -96,6 +98,12 @@ export class App {
   sensorsShown(agent) {
     const { sensor } = this.choices
     return this.scene.pointSensors(agent).filter(s => sensor === 'Radars' ? s.startsWith('RAD_') : s === sensor)
+  }
+
+  /** What colours of points tell: the choice, or heights where the points do not say it. */
+  get coloring() {
+    const { color } = this.choices
+    return this.unknown.has(color) ? 'height' : color
   }
 
   get egoAgent() {
@@ -123,11 +131,12 @@ export class App {
     $('notes').replaceChildren(...this.notes.values())
   }
 
-  fail(key, error, folder = this.scene?.folder) {
+  fail(key, error, scene = this.scene) {
     if (error.name === 'AbortError') return
-    if (error.name === 'MissingFile') {
+    if (error.name === 'MissingFile' && scene) {
       const path = error.path.replace(/^scenes\/[^/]+\//, '')
-      this.setNote(key, note('', `There is no ${path}: ${remedy(folder, path).stage} writes it. Run `, make('code', { textContent: remedy(folder, path).command })))
+      const { stage, ...way } = remedy(scene, path)
+      this.setNote(key, note('', `There is no ${path}${stage ? `: ${stage} writes it` : ''}. `, ...advice(way)))
       return
     }
     console.error(error)
@@ -186,7 +195,7 @@ export class App {
       this.view.navigation.anchorAt(pose.matrix)
       const colorOf = boxColor(c.boxes, this.classColor, scene.agents, this.isDark)
       this.view.update({
-        coloring: c.color, pointSize: c.size, layers: c.layers, frame: this.frame, groundZ: pose.matrix.elements[14],
+        coloring: this.coloring, pointSize: c.size, layers: c.layers, frame: this.frame, groundZ: pose.matrix.elements[14],
         place: { x: pose.matrix.elements[12], y: pose.matrix.elements[13] }, boxes: c.layers.has('boxes') ? boxes : [], colorOf, chosen: this.chosen,
         labels: c.layers.has('labels') ? this.labels(boxes, colorOf) : [],
       })
@@ -241,6 +250,7 @@ export class App {
       const readings = await Promise.all(wanted.map(async w => ({ ...w, reading: await scene.cache.get(w.request) })))
       // Readings of different frames do not appear together.
       if (version !== this.pointVersion || scene !== this.scene) return
+      this.setUnknown(readings)
       let tags = 0
       let count = 0
       for (const [index, agent] of scene.agents.entries()) {
@@ -261,9 +271,18 @@ export class App {
     }
   }
 
+  /** Looks which colourings the sensors of some readings say nothing of. */
+  setUnknown(readings) {
+    const unknown = new Set(['tag', 'id', 'intensity'].filter(column => readings.some(({ about }) => !about.known(column))))
+    if ([...unknown].join() === [...this.unknown].join()) return
+    this.unknown = unknown
+    this.panels.colorings()
+    this.view.setColoring(this.coloring)
+  }
+
   noPoints() {
     if (this.scene.agents.some(a => this.scene.sensors(a.name).length)) return note('', 'The shown agents have no such sensor.')
-    return note('', 'No sensors yet. Run ', make('code', { textContent: remedy(this.scene.folder, 'sensors/').command }))
+    return note('', 'No sensors yet. ', ...advice(remedy(this.scene, 'sensors/')))
   }
 
   async showVoxels() {
@@ -277,7 +296,7 @@ export class App {
     const kind = scene.voxelKinds.find(k => scene.has(`${k}/${this.ego}.npz`))
     if (!kind) {
       this.view.voxels.hide()
-      this.setNote('voxels', note('', `No voxels of ${this.ego}. Run `, make('code', { textContent: remedy(scene.folder, 'occupancy/').command })))
+      this.setNote('voxels', note('', `No voxels of ${this.ego}. `, ...advice(remedy(scene, 'occupancy/'))))
       return
     }
     try {
@@ -302,7 +321,7 @@ export class App {
     try {
       const elements = await this.map
       if (scene !== this.scene) return
-      if (!elements.length) this.setNote('map', note('', `The store has no lines of ${scene.info.map}. Run `, make('code', { textContent: 'make stage STAGE=spawn-planner' })))
+      if (!elements.length && !scene.info.imported) this.setNote('map', note('', `The store has no lines of ${scene.info.map}. Run `, make('code', { textContent: 'make stage STAGE=spawn-planner' })))
       this.view.setMap(elements)
       this.isDirty = true
     } catch (error) {
@@ -340,9 +359,7 @@ export class App {
   /** Whether a file is not there; then the place of its picture says which stage writes it. */
   isMissing(element, path, what) {
     if (this.scene.has(path)) return false
-    const { command } = remedy(this.scene.folder, path)
-    const run = this.store.index.excerpt ? ['This excerpt has none.'] : ['Run ', make('code', { textContent: command })]
-    element.message.replaceChildren(make('span', {}, `${what} of ${this.ego}. `, ...run))
+    element.message.replaceChildren(make('span', {}, `${what} of ${this.ego}. `, ...advice(remedy(this.scene, path))))
     element.canvas.getContext('2d').clearRect(0, 0, element.canvas.width, element.canvas.height)
     return true
   }
@@ -438,6 +455,17 @@ export class App {
       this.openScene(this.store.index.scenes.some(s => s.folder === link.scene) ? link.scene : this.scene.folder)
     })
   }
+}
+
+/** What has not been made of a scene, and what makes it. */
+function unmade(scene, missing) {
+  const code = text => make('code', { textContent: text })
+  if (!scene.info.imported) return note('', 'Not made yet: ', code(missing.join(', ')), '. ', code('make dataset'), ' makes what is missing.')
+  const { command } = remedy(scene, 'tracks')
+  const parts = command ? ['Tracks are not merged yet. Run ', code(command)] : ['The dataset that was imported is not post-processed: nobody counted what agents see of boxes, and there are no tracks. ']
+  const rest = missing.filter(stage => !['postprocess-valid', 'merge-tracks'].includes(stage))
+  if (rest.length) parts.push(' It has nothing of ', code(rest.join(', ')), '.')
+  return note('', ...parts)
 }
 
 function storedTheme() {

@@ -1,7 +1,7 @@
 // All cameras of an agent side by side, or one alone.
 
 import { remedy } from './data/store.js'
-import { $, make } from './ui.js'
+import { $, advice, make } from './ui.js'
 import { SHOWN_AS, drawCamera, pictureElement } from './view/pictures.js'
 
 /** Pictures in a grid are decoded in steps of this width, at most the other, pixels: a window that grows a little decodes nothing anew. */
@@ -28,7 +28,7 @@ export class CameraGrid {
       this.pictures = new Map(names.map(name => [name, pictureElement(name)]))
       this.host.replaceChildren(...[...this.pictures.values()].map(p => p.figure))
       for (const [name, { figure }] of this.pictures) figure.addEventListener('dblclick', () => panels.setCamera(choices.camera ? '' : name))
-      if (!names.length) this.host.append(make('p', { className: 'note' }, `No pictures of ${ego}. Run `, make('code', { textContent: remedy(scene.folder, 'sensors/').command })))
+      if (!names.length) this.host.append(make('p', { className: 'note' }, `No pictures of ${ego}. `, ...advice(remedy(scene, 'sensors/'))))
     }
     this.host.style.gridTemplateColumns = `repeat(${this.across()}, minmax(0, 1fr))`
     for (const [name, element] of this.pictures) {

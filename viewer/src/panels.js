@@ -23,8 +23,14 @@ export class Panels {
     options($('scene'), app.store.index.scenes.map(s => [s.folder, s.title]), '')
     options($('voxel-detail'), Object.entries(VOXEL_DETAIL).map(([key, d]) => [key, d.label]), 'wide')
     options($('boxes-by'), [['class', 'class'], ['id', 'object id'], ['agent', 'who saw it']], 'class')
-    options($('coloring'), COLORINGS.map(c => [c, COLOR_NAMES[c]]), 'height')
+    this.colorings()
     $('modes').replaceChildren(...MODES.map(mode => this.button(MODE_NAMES[mode][0], MODE_NAMES[mode][1], () => this.setMode(mode), mode)))
+  }
+
+  /** Colourings that the points on the screen do not say cannot be chosen. */
+  colorings() {
+    const { unknown, choices } = this.app
+    options($('coloring'), COLORINGS.map(c => unknown.has(c) ? [c, `${COLOR_NAMES[c]} (not known)`, true] : [c, COLOR_NAMES[c]]), choices.color)
   }
 
   button(text, title, pressed, mode) {
@@ -40,7 +46,7 @@ export class Panels {
     const { scene, choices: c } = app
     options($('scene'), app.store.index.scenes.map(s => [s.folder, s.title]), scene.folder)
     const { info } = scene
-    const length = `${info.frames} frames, ${(info.frames * app.names.frame_period_s).toFixed(1)} s`
+    const length = `${info.frames} frames, ${(info.frames * app.names.frame_period_s).toFixed(1)} s${info.imported ? ', imported' : ''}`
     $('facts').textContent = $('facts').title = app.store.index.excerpt ?? length
     $('report').hidden = !app.store.index.report
     // Frames of an excerpt keep the numbers that they have in the scene.
@@ -125,8 +131,14 @@ export class Panels {
     $('voxel-detail').value = c.voxels
     $('kind').value = c.kind
     $('voxel-row').style.display = c.layers.has('voxels') ? '' : 'none'
-    $('map-legend').replaceChildren(...(c.layers.has('map') ? MAP_KINDS.map(k => swatch(k.name, app.isDark ? k.dark : k.light, 'line')) : []))
+    $('map-legend').replaceChildren(...(c.layers.has('map') ? this.mapKinds() : []))
     this.legend(this.tags ?? 0)
+  }
+
+  mapKinds() {
+    const { scene, isDark } = this.app
+    if (scene?.info.imported && !scene.listing.map_bytes) return [make('span', { className: 'wide', textContent: 'No map lines: the scene was imported without its map.' })]
+    return MAP_KINDS.map(k => swatch(k.name, isDark ? k.dark : k.light, 'line'))
   }
 
   views() {
@@ -138,12 +150,12 @@ export class Panels {
   legend(tags) {
     this.tags = tags
     const { app } = this
-    const { color, layers } = app.choices
-    const key = `${color} ${tags} ${app.isDark} ${[...layers]}`
+    const { color, layers, sensor } = app.choices
+    const key = `${color} ${tags} ${app.isDark} ${[...layers]} ${[...app.unknown]} ${sensor}`
     if (key === this.legendKey) return
     this.legendKey = key
     const ramp = (low, high) => make('div', { className: 'ramp' }, make('i', { style: { background: rampCss() } }), make('span', {}, make('span', { textContent: low }), make('span', { textContent: high })))
-    const shown = layers.has('points') ? color : layers.has('voxels') ? 'tag' : ''
+    const shown = layers.has('points') ? app.coloring : layers.has('voxels') ? 'tag' : ''
     const parts = {
       height: () => [ramp('−1 m', '7 m above the agent')],
       intensity: () => [ramp('0', '1 (root scale)')],
@@ -151,7 +163,15 @@ export class Panels {
       agent: () => [make('span', { className: 'wide', textContent: 'The colours beside the agents above.' })],
       tag: () => app.names.tags.map((tag, i) => [tag, i]).filter(([, i]) => tags >>> i & 1).map(([tag]) => swatch(tag.name, css(readable(tag.rgb, app.isDark)))),
     }[shown]?.() ?? []
+    if (layers.has('points') && shown !== color) parts.unshift(make('span', { className: 'wide', textContent: this.whyUnknown(color) }))
     $('legend').replaceChildren(...parts)
+  }
+
+  /** Why points are coloured by height, although something else is chosen. */
+  whyUnknown(color) {
+    const { scene, choices } = this.app
+    const why = scene.info.imported ? 'the dataset that was imported does not say it' : 'this sensor does not say it'
+    return `No ${COLOR_NAMES[color]} of ${choices.sensor} is known: ${why}. Coloured by height:`
   }
 
   bevLegend({ masks, about }) {
@@ -330,7 +350,7 @@ export class Panels {
     } else if (code === 'KeyV') {
       app.setView(next(VIEWS, app.choices.view))
     } else if (code === 'KeyC') {
-      app.choices.color = next(COLORINGS, app.choices.color)
+      app.choices.color = next(COLORINGS.filter(c => !app.unknown.has(c)), app.coloring)
       this.toggles()
       app.update()
     } else if (code === 'KeyF') {

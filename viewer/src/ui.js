@@ -27,17 +27,23 @@ export function swatch(label, color, className = 'swatch') {
   return make('span', { className: 'item', title: name }, make('span', { className, style: { background: color } }), make('span', { className: 'name', textContent: name }))
 }
 
+/** Entries are `[value, text]`, or `[value, text, true]` for what cannot be chosen. */
 export function options(select, entries, chosen) {
   const key = JSON.stringify(entries)
   if (select.dataset.entries !== key) {
     select.dataset.entries = key
-    select.replaceChildren(...entries.map(([value, text]) => make('option', { value, textContent: text })))
+    select.replaceChildren(...entries.map(([value, text, disabled]) => make('option', { value, textContent: text, disabled: disabled === true })))
   }
   select.value = chosen
 }
 
 export function note(kind, ...parts) {
   return make('div', { className: `note ${kind}` }, ...parts)
+}
+
+/** What may be done about what is not there, in words. */
+export function advice({ why, command }) {
+  return why ? [why] : ['Run ', make('code', { textContent: command })]
 }
 
 export const KEYS = [

@@ -5,8 +5,8 @@ mod cards;
 use std::collections::{BTreeMap, BTreeSet};
 
 use analysis::{
-    DatasetFacts, MadeBy, MeasureTotals, PUBLISHED_PAGE, SceneCard, compute_tables, dataset_card,
-    draw_figures, published_html, report_html, to_csv,
+    DatasetFacts, GroupTotals, MadeBy, MeasureTotals, PUBLISHED_PAGE, SceneCard, compute_tables,
+    dataset_card, draw_figures, published_html, report_html, to_csv,
 };
 use pipeline::{At, Graph, Job, Place, Stage, StageError, StageSpec, UnitKind};
 use scene::SceneReader;
@@ -33,20 +33,24 @@ fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
         tracing::warn!("statistics of {covered} of {planned} scenes: the others are not finished");
     }
     let mut counts = MeasureTotals::default();
+    let mut groups = GroupTotals::default();
     let mut scenes: Vec<SceneInfo> = Vec::new();
     let mut cards: Vec<(SceneCard, Option<Vec<u8>>)> = Vec::new();
     for (scene, manifests) in &covered {
         let folder = keys::scene(*scene, "stats/");
+        let mut counted = MeasureTotals::default();
         for manifest in *manifests {
             for output in manifest.outputs.iter().filter(|o| o.key.starts_with(&folder)) {
-                counts.add(&store.read_rows::<PartialRow>(manifest, &output.key)?);
+                counted.add(&store.read_rows::<PartialRow>(manifest, &output.key)?);
             }
         }
+        counts.merge(&counted);
         if manifests.iter().any(|m| m.stage == scene_info::LOG_STAGE) {
             let reader = SceneReader::new(&store, *scene, manifests.iter().cloned());
             let info = reader.info().at(|| Place::scene(*scene))?;
             let picture = cards::picture(&reader, &info).at(|| Place::scene(*scene))?;
             cards.push((cards::card(&info, picture.is_some()), picture));
+            groups.add(&info, &counted);
             scenes.push(info);
         }
         progress.advance(1)?;
@@ -76,7 +80,8 @@ fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
         }
     }
     let cards: Vec<SceneCard> = cards.into_iter().map(|(card, _)| card).collect();
-    unit.bytes("stats/report.html", report_html(&tables, &figures, &cards).as_bytes(), 1)?;
+    let report = report_html(&tables, &figures, &cards, groups.groups(&facts));
+    unit.bytes("stats/report.html", report.as_bytes(), 1)?;
     if let Some(page) = published_html(&tables, &figures) {
         unit.bytes(&format!("stats/{PUBLISHED_PAGE}"), page.as_bytes(), 1)?;
     }

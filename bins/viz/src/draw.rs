@@ -103,14 +103,15 @@ impl Desk<'_> {
         let view_from_agent = agent_from_view.inverse();
         let view = view_of(is_solid, reach);
         let (mut canvas, mut depth) = (Canvas::new(view.size(), PAPER)?, Vec::new());
-        let by = self.colour.unwrap_or(source.colour());
         let ground_z_m = -agent_from_view.translation.z;
         let mut any = false;
         for name in names {
             let Some(cloud) = agent.clouds.get(name) else { continue };
             any = true;
             let placed = view_from_agent * rig.agent_from(name);
-            let how = (by, ground_z_m, agent.position);
+            // What nobody knows is not painted, unless it is asked for: that is refused.
+            let usual = if cloud.has(source.colour()) { source.colour() } else { ColourBy::Height };
+            let how = (self.colour.unwrap_or(usual), ground_z_m, agent.position);
             draw_cloud(&mut canvas, &mut depth, &view, (cloud, &placed), how, side)?;
         }
         if has_boxes {

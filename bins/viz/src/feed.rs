@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use export_core::SceneSource;
 use frames::Sensor;
 use nalgebra::{Isometry3, Point3};
-use pictures::{BoxShape, Camera, Cloud};
+use pictures::{BoxShape, Camera, Cloud, ColourBy};
 use scene::{BoxFrames, LabelledBox, SensorEntry, SensorFrames, SensorKind};
 use schema::calibration::Calibration;
 use schema::table::Row;
@@ -60,7 +60,7 @@ pub(crate) struct Feed {
     position: usize,
     rows: Vec<AgentRow>,
     sensors: Vec<SensorEntry>,
-    readings: Vec<(String, Readings)>,
+    readings: Vec<(String, Readings, Vec<ColourBy>)>,
     boxes: Option<BoxFrames>,
     all_boxes: bool,
 }
@@ -83,7 +83,7 @@ impl Feed {
                 SensorKind::Radar => Readings::Radar(source.readings(agent, entry)?),
                 SensorKind::Gnss | SensorKind::Imu => continue,
             };
-            readings.push((entry.name.clone(), open));
+            readings.push((entry.name.clone(), open, unknown_colours(source, agent, entry)?));
         }
         let boxes = if wants.boxes { Some(source.boxes(agent)?) } else { None };
         Ok(Self { agent, position, rows, sensors, readings, boxes, all_boxes: wants.all_boxes })
@@ -113,21 +113,22 @@ impl Feed {
             boxes: Vec::new(),
             box_count: 0,
         };
-        for (name, readings) in &mut self.readings {
+        for (name, readings, unknown) in &mut self.readings {
             let name = name.clone();
+            let known = |cloud: Cloud| unknown.iter().fold(cloud, |cloud, by| cloud.without(*by));
             match readings {
                 Readings::Image(rows) => {
                     found.images.extend(rows.at(frame)?.map(|row| (name, row.image.0)));
                 }
                 Readings::Flow(rows) => found.flows.extend(rows.at(frame)?.map(|row| (name, row))),
                 Readings::Lidar(rows) => {
-                    found.clouds.extend(rows.at(frame)?.map(|row| (name, lidar_cloud(row))));
+                    found.clouds.extend(rows.at(frame)?.map(|row| (name, known(lidar_cloud(row)))));
                 }
                 Readings::SemanticLidar(rows) => {
-                    found.clouds.extend(rows.at(frame)?.map(|row| (name, semantic_cloud(row))));
+                    found.clouds.extend(rows.at(frame)?.map(|row| (name, known(semantic_cloud(row)))));
                 }
                 Readings::Radar(rows) => {
-                    found.clouds.extend(rows.at(frame)?.map(|row| (name, radar_cloud(row))));
+                    found.clouds.extend(rows.at(frame)?.map(|row| (name, known(radar_cloud(row)))));
                 }
             }
         }
@@ -139,6 +140,17 @@ impl Feed {
         }
         Ok(found)
     }
+}
+
+/// What the points of a sensor cannot be coloured by, because the dataset that was imported did not say it.
+pub(crate) fn unknown_colours(
+    source: &SceneSource,
+    agent: AgentId,
+    sensor: &SensorEntry,
+) -> Result<Vec<ColourBy>, VizError> {
+    let columns = source.unknown_columns(agent, sensor)?;
+    let is_unknown = |by: &ColourBy| by.column().is_some_and(|column| columns.contains(column));
+    Ok(ColourBy::ALL.into_iter().filter(is_unknown).collect())
 }
 
 /// A box as it is drawn, and whether the agent saw it; as if easy and seen where nobody has looked.

@@ -4,6 +4,7 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
+use arguments::viz::FilmArgs;
 use mapview::{FilmWriter, RasterError};
 use pictures::{Canvas, Panel, Sheet, draw_sheet};
 use pipeline::{OutputFile, say};
@@ -12,7 +13,6 @@ use schema::table::Row;
 use schema::tables::CameraRow;
 use schema::{AgentId, FRAME_PERIOD_S, ImageKind, rate};
 
-use crate::args::FilmArgs;
 use crate::desk::Desk;
 use crate::error::{Drawing, VizError};
 use crate::feed::{AgentFrame, Rig, Wants};

@@ -27,6 +27,9 @@ pub(crate) enum Mode {
     Scene,
 }
 
+/// The pictures that are wanted of an agent.
+pub(crate) type Wanted = (AgentId, Vec<Mode>);
+
 /// Whose points a cloud has.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Source {
@@ -81,6 +84,11 @@ impl Mode {
     /// Photographs are kept as JPEG, all that is drawn as PNG.
     pub(crate) fn is_photograph(&self) -> bool {
         matches!(self, Self::Camera(ImageKind::Rgb, _))
+    }
+
+    /// Whether it shows points.
+    pub(crate) fn has_points(&self) -> bool {
+        matches!(self, Self::Cloud { .. }) || self.is_of_all()
     }
 
     /// Whether it shows what other agents have, too.

@@ -2,14 +2,15 @@
 
 use std::path::Path;
 
+use arguments::viz::PreviewArgs;
 use export_core::SceneSource;
 use pictures::{Canvas, Panel, Reach, Sheet, draw_sheet};
 use pipeline::{OutputFile, say};
 use scene::SensorKind;
-use schema::tables::FrameRow;
+use schema::table::Row;
+use schema::tables::{FrameRow, ValidBoxRow};
 use schema::{AgentId, DetectionClass, FRAME_PERIOD_S, ImageKind};
 
-use crate::args::PreviewArgs;
 use crate::desk::{Desk, boxes_of_all};
 use crate::error::{Drawing, VizError};
 use crate::feed::{AgentFrame, Wants};
@@ -138,10 +139,16 @@ fn caption(desk: &Desk<'_>, which: usize) -> Result<Sheet, VizError> {
         desk.session.dataset, info.scene, desk.frame, agent.agent
     );
     let seen = agent.boxes.iter().filter(|(_, is_seen)| *is_seen).count();
+    let boxes = agent.box_count;
+    let sight = match source.has(ValidBoxRow::STAGE) {
+        true => format!("sees {seen} of {boxes} boxes. Lines: thick easy, thin and dark hard to detect."),
+        false => format!("lists {boxes} boxes, seen or not: nobody has looked."),
+    };
+    let origin = if source.is_imported() { ", imported" } else { "" };
     let place = agent.world_from_agent.translation.vector;
     let lines = vec![
         format!(
-            "map {}, split {}, {:.0} s of {} agents, {} vehicles and {} walkers around, {}",
+            "map {}, split {}{origin}, {:.0} s of {} agents, {} vehicles and {} walkers around, {}",
             info.map,
             info.split,
             info.duration_s,
@@ -150,10 +157,7 @@ fn caption(desk: &Desk<'_>, which: usize) -> Result<Sheet, VizError> {
             info.n_walkers,
             weather(source, desk.frame)?,
         ),
-        format!(
-            "{} at {:.1} m east, {:.1} m north, sees {seen} of {} boxes. Lines: thick easy, thin and dark hard to detect.",
-            agent.agent, place.x, place.y, agent.box_count
-        ),
+        format!("{} at {:.1} m east, {:.1} m north, {sight}", agent.agent, place.x, place.y),
     ];
     Ok(Sheet { heading, lines, ..Sheet::default() })
 }

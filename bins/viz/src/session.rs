@@ -1,5 +1,6 @@
 //! A scene that is looked at.
 
+use arguments::viz::CommonArgs;
 use export_core::{SceneSource, Selection, Source};
 use pictures::GroundLine;
 use rayon::prelude::*;
@@ -8,7 +9,6 @@ use schema::scene_info::LOG_STAGE;
 use schema::tables::AgentRow;
 use store::Store;
 
-use crate::args::CommonArgs;
 use crate::error::VizError;
 use crate::feed::{AgentFrame, Feed, Rig, Wants};
 use crate::ground::ground_of;

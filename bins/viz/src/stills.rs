@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use arguments::viz::VizArgs;
 use pictures::{Canvas, ColourBy};
 use pipeline::{OutputFile, SceneList, say};
 use scene::SensorKind;
@@ -9,20 +10,17 @@ use schema::AgentId;
 use schema::table::Row;
 use schema::tables::CameraRow;
 
-use crate::args::{Colour, VizArgs};
 use crate::desk::Desk;
 use crate::error::{Drawing, VizError};
 use crate::feed::Wants;
-use crate::mode::{Mode, Source, modes_of};
+use crate::known::keep_known;
+use crate::mode::{Mode, Source, Wanted, modes_of};
 use crate::session::{Session, for_frames};
 
 /// Quality of photographs.
 const JPEG_QUALITY: u8 = 92;
 /// Folder of the pictures that are of no agent.
 const SCENE_FOLDER: &str = "scene";
-
-/// The pictures that are wanted of an agent.
-type Wanted = (AgentId, Vec<Mode>);
 
 pub(crate) fn run(args: &VizArgs) -> Result<(), VizError> {
     let session = Session::open(&args.common, args.scene)?;
@@ -37,7 +35,7 @@ pub(crate) fn run(args: &VizArgs) -> Result<(), VizError> {
     let dest = args.dest.as_deref().unwrap_or(Path::new("."));
     let frames = frames(&session, args.frames.as_ref(), args.every)?;
     let mut feeds = session.feeds(&wants(&session, &wanted, args.common.all_boxes)?)?;
-    let colour = args.colour.map(Colour::by);
+    let colour = args.colour;
     let mut written = 0_u64;
     let made = for_frames(
         &mut feeds,
@@ -118,8 +116,12 @@ fn wanted(session: &Session, args: &VizArgs) -> Result<Vec<Wanted>, VizError> {
     } else if let Some(colour) = args.colour {
         // Without a choice of pictures it is those that can be coloured so.
         for (_, modes) in &mut there {
-            modes.retain(|mode| may_have(mode, colour.by()));
+            modes.retain(|mode| may_have(mode, colour));
         }
+    }
+    if let Some(colour) = args.colour {
+        keep_known(session, &mut there, colour, !args.modes.is_empty())?;
+        there.retain(|(_, modes)| !modes.is_empty());
     }
     Ok(there)
 }

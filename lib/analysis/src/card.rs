@@ -3,12 +3,17 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-use schema::FRAME_PERIOD_S;
 use schema::settings::stages::StatisticsSettings;
 use schema::settings::{BevRule, CameraSpec, OccupancySettings, Rig};
+use schema::{FRAME_PERIOD_S, IMPORTED};
 
 use crate::table::{Section, Tables, Values};
 use crate::text::{grouped, words};
+
+/// What is said of the sensors and labels of imported scenes.
+const IMPORTED_SENSORS: &str = "As the dataset had them: rates, poses and intrinsics stand in the metadata of each sensor's table, and so do \
+    columns that the dataset did not say (`zero_columns`): they hold zeros.\n";
+const IMPORTED_LABELS: &str = "As the dataset had them: grids say of themselves what they are.\n";
 
 /// By which code a dataset was made.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -19,6 +24,13 @@ pub struct MadeBy {
     pub format: u32,
     /// Code versions of each stage, by its name in running order: more than one where scenes are older than others.
     pub stages: Vec<(String, BTreeSet<String>)>,
+}
+
+impl MadeBy {
+    /// Whether scenes were imported: then the configuration says nothing of their sensors and labels.
+    fn is_imported(&self) -> bool {
+        self.stages.iter().flat_map(|(_, codes)| codes).any(|code| schema::is_imported(code))
+    }
 }
 
 /// The card. Its first lines are YAML, as Hugging Face reads them.
@@ -34,7 +46,9 @@ pub fn dataset_card(settings: &StatisticsSettings, made_by: &MadeBy, tables: &Ta
         quoted(known),
         escaped(&name)
     );
-    if card.description.trim().is_empty() {
+    if card.description.trim().is_empty() && made_by.is_imported() {
+        text += "A dataset for cooperative perception, imported from another layout.\n";
+    } else if card.description.trim().is_empty() {
         text += "A simulated dataset for cooperative perception: several connected vehicles and road-side units drive through or watch \
                  the same traffic; every sensor of every agent is rendered and every frame is annotated.\n";
     } else {
@@ -47,10 +61,14 @@ pub fn dataset_card(settings: &StatisticsSettings, made_by: &MadeBy, tables: &Ta
             "\n**Unfinished:** {covered} of {planned} scenes are done; the numbers below are of these."
         );
     }
+    let (sensors, labels) = match made_by.is_imported() {
+        true => (IMPORTED_SENSORS.to_owned(), IMPORTED_LABELS.to_owned()),
+        false => (sensors(settings), labels(settings)),
+    };
     for (title, part) in [
         ("Size", size(tables)),
-        ("Sensors", sensors(settings)),
-        ("Labels", labels(settings)),
+        ("Sensors", sensors),
+        ("Labels", labels),
         ("Settings and versions", versions(settings, made_by)),
         ("Licence", licence_words(&licence)),
         ("How to cite", citation(settings, made_by)),
@@ -201,11 +219,17 @@ fn grid_words(agents: &str, grid: &OccupancySettings) -> String {
 
 /// By what it was made.
 fn versions(settings: &StatisticsSettings, made_by: &MadeBy) -> String {
-    let mut text = format!(
-        "Made with Convoy {}, store format {}, seed {}. Every setting stands in [dataset.json](dataset.json); the same settings, maps \
-         and code give the same bytes.\n",
-        made_by.convoy, made_by.format, settings.seed
-    );
+    let MadeBy { convoy, format, .. } = made_by;
+    let mut text = match made_by.is_imported() {
+        true => format!(
+            "Imported with Convoy {convoy}, store format {format}. Stages of the code `{IMPORTED}` hold what the dataset had.\n"
+        ),
+        false => format!(
+            "Made with Convoy {convoy}, store format {format}, seed {}. Every setting stands in [dataset.json](dataset.json); the same \
+             settings, maps and code give the same bytes.\n",
+            settings.seed
+        ),
+    };
     if !made_by.stages.is_empty() {
         text += "\n| stage | code |\n|---|---|\n";
     }
@@ -228,6 +252,9 @@ fn licence_words(licence: &str) -> String {
 fn citation(settings: &StatisticsSettings, made_by: &MadeBy) -> String {
     let card = &settings.card;
     let given = card.citation.trim();
+    if given.is_empty() && made_by.is_imported() {
+        return "As the dataset that was imported asks for; the configuration may say it here: `card.citation`.\n".to_owned();
+    }
     let entry = if given.is_empty() {
         // BibTeX has signs of its own: names of files and people do without most of them.
         let plain = |text: &str| line(text).replace(['{', '}', '\\', '%', '#', '$', '&', '~', '^'], "");

@@ -3,12 +3,17 @@
 use maud::{Markup, PreEscaped, html};
 
 use crate::figures::Figure;
+use crate::groups::Group;
 use crate::page::{column_title, folded, numbers, page};
 use crate::table::{Section, Table, Tables};
 use crate::text::grouped;
 
 /// File of the page beside the published dataset, in the report's folder.
 pub const PUBLISHED_PAGE: &str = "published.html";
+
+/// So many bytes at most does the report have for what is shown of parts of the scenes: some ten of them. Where there are more,
+/// filters leave figures and sums as they are, and the page says so.
+const GROUPS_BYTES: usize = 6_000_000;
 
 /// A scene as the report shows it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -26,9 +31,15 @@ pub struct SceneCard {
 }
 
 /// The report: one page (well-formed as XML too) without anything to load but its small pictures of scenes. A small script
-/// sorts its tables and filters its scenes; without it the page is whole. Tables and figures without data are left out.
+/// sorts its tables and filters its scenes; without it the page is whole. Tables and figures without data are left out. Where a
+/// filter leaves the scenes of a group, the page shows that one's tables and figures.
 #[must_use]
-pub fn report_html(tables: &Tables, figures: &[Figure], cards: &[SceneCard]) -> String {
+pub fn report_html(
+    tables: &Tables,
+    figures: &[Figure],
+    cards: &[SceneCard],
+    groups: impl IntoIterator<Item = Group>,
+) -> String {
     let name = &tables.dataset;
     let what = match tables.partial {
         None => "Statistics of the dataset".to_owned(),
@@ -36,16 +47,11 @@ pub fn report_html(tables: &Tables, figures: &[Figure], cards: &[SceneCard]) -> 
             format!("Statistics of {covered} of {planned} scenes of the dataset: the others are not finished")
         }
     };
-    let sections = Section::ALL.into_iter().filter(|section| *section != Section::Published);
-    let parts = sections.map(|section| {
-        let scenes = if section == Section::Scenes {
-            scene_cards(cards)
-        } else {
-            html! {}
-        };
-        (section, html! { (scenes) (section_html(section, tables, figures)) })
-    });
-    let parts: Vec<_> = parts.filter(|(_, part)| !part.0.is_empty()).collect();
+    let parts = sections_html(tables, figures);
+    // Cards stay where they are while what is below them changes.
+    let cards_of =
+        |section: Section| (section == Section::Scenes && !cards.is_empty()).then(|| scene_cards(cards));
+    let groups = if cards.is_empty() { Vec::new() } else { templates(groups) };
     let is_beside = has_section(Section::Published, tables);
     let body = html! {
         h1 { (name) }
@@ -61,11 +67,43 @@ pub fn report_html(tables: &Tables, figures: &[Figure], cards: &[SceneCard]) -> 
         @for (section, part) in &parts {
             section id=(anchor(*section)) {
                 h2 { (section.title()) }
-                (part)
+                @if let Some(cards) = cards_of(*section) { (cards) }
+                div class="part" { (part) }
             }
         }
+        @for group in &groups { (group) }
     };
     page(&format!("{name}: statistics"), &body)
+}
+
+/// The sections that have anything to say, in order.
+fn sections_html(tables: &Tables, figures: &[Figure]) -> Vec<(Section, Markup)> {
+    let sections = Section::ALL.into_iter().filter(|section| *section != Section::Published);
+    let parts = sections.map(|section| (section, section_html(section, tables, figures)));
+    parts.filter(|(_, part)| !part.0.is_empty()).collect()
+}
+
+/// What is shown instead of the whole where a filter leaves just the scenes of a group; of the first groups, as many as there is
+/// room for.
+fn templates(groups: impl IntoIterator<Item = Group>) -> Vec<Markup> {
+    let mut room = GROUPS_BYTES;
+    let made = groups.into_iter().map(|group| {
+        let scenes: Vec<String> = group.scenes.iter().map(|scene| format!("{scene:04}")).collect();
+        html! {
+            template data-scenes=(scenes.join(" ")) {
+                @for (section, part) in sections_html(&group.tables, &group.figures) {
+                    div data-section=(anchor(section)) { (part) }
+                }
+            }
+            "\n"
+        }
+    });
+    let fits = |template: &Markup| {
+        let left = room.checked_sub(template.0.len());
+        room = left.unwrap_or_default();
+        left.is_some()
+    };
+    made.take_while(fits).collect()
 }
 
 /// The page beside the published dataset; none where nothing of it was counted.
@@ -116,7 +154,6 @@ fn scene_cards(cards: &[SceneCard]) -> Markup {
     };
     let choices = [("split", values(|card| &card.split)), ("map", values(|card| &card.map))];
     html! {
-        @if !cards.is_empty() {
             div class="choices" hidden="hidden" {
                 @for (name, values) in &choices {
                     label {
@@ -144,7 +181,6 @@ fn scene_cards(cards: &[SceneCard]) -> Markup {
             div id="how" hidden="hidden" {
                 "To look at " b { "a scene" } " run " code { "convoy view STORE" } ", which also shows this report with links to every scene."
             }
-        }
     }
 }
 

@@ -53,6 +53,23 @@ impl MeasureTotals {
         }
     }
 
+    /// Adds other sums.
+    pub fn merge(&mut self, other: &Self) {
+        for (measure, classes) in &other.measures {
+            for (class, from) in classes {
+                let sum = slot(slot(&mut self.measures, measure), class);
+                for (bin, count) in &from.bins {
+                    let bin = sum.bins.entry(*bin).or_default();
+                    *bin = bin.saturating_add(*count);
+                }
+                for (agent, count) in &from.agents {
+                    let agent = slot(&mut sum.agents, agent);
+                    *agent = agent.saturating_add(*count);
+                }
+            }
+        }
+    }
+
     fn sum(&self, measure: &str, class: &str) -> Option<&Sum> {
         self.measures.get(measure)?.get(class)
     }
@@ -132,6 +149,15 @@ mod tests {
             reversed.add(std::slice::from_ref(row));
         }
         assert_eq!(reversed, counts);
+
+        // Parts that were added up apart come to the same.
+        let mut merged = MeasureTotals::default();
+        for part in rows.chunks(3) {
+            let mut totals = MeasureTotals::default();
+            totals.add(part);
+            merged.merge(&totals);
+        }
+        assert_eq!(merged, counts);
     }
 
     #[test]

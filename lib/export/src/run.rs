@@ -1,13 +1,11 @@
 //! Makes an export: what is missing of it, unit by unit, then what is common to all.
 
-use schema::IMPORTED;
-use schema::scene_info::LOG_STAGE;
 use store::hash_bytes;
 
 use crate::layout::Cost;
 use crate::unit::{UnitName, Watch};
 use crate::work::{self, Job};
-use crate::{Destination, ExportError, Layout, Omission, Source, UnitFiles};
+use crate::{Destination, ExportError, Layout, Omission, SceneSource, Source, UnitFiles};
 
 /// What an export will come to.
 #[derive(Clone, Debug)]
@@ -58,7 +56,7 @@ pub fn plan(
         return Err(ExportError::Refused(format!("there is no finished scene to export ({why})")));
     }
     let mut omissions = layout.survey(source)?;
-    omissions.extend(never_had(source)?);
+    omissions.extend(never_had(source));
     let options = format!("{}; {}; {}", layout.name(), layout.identity(), source.selection.identity());
     place.claim(&options, force)?;
     let (mut units, mut cost, mut done) = (Vec::new(), Cost::default(), 0);
@@ -77,16 +75,10 @@ pub fn plan(
 }
 
 /// What imported scenes have only zeros of.
-fn never_had(source: &Source) -> Result<Option<Omission>, ExportError> {
-    for scene in &source.scenes {
-        if scene.reader().manifest(LOG_STAGE)?.code_version == IMPORTED {
-            let what = "rings, intensities and times of points, ids and tags of those of lidars and radars (semantic lidars have theirs), cross-sections";
-            let why =
-                "scenes that were imported never had them: they are 0 where the layout has a place for them";
-            return Ok(Some(Omission::new(what, why)));
-        }
-    }
-    Ok(None)
+fn never_had(source: &Source) -> Option<Omission> {
+    let what = "rings, intensities and times of points, ids and tags of those of lidars and radars (semantic lidars have theirs), cross-sections";
+    let why = "scenes that were imported never had them: they are 0 where the layout has a place for them";
+    source.scenes.iter().any(SceneSource::is_imported).then(|| Omission::new(what, why))
 }
 
 /// Makes what a plan says, on the threads of the pool that it is called in. The files do not depend on their number.

@@ -74,7 +74,7 @@ pub(crate) fn write(
     unit: &mut Unit<'_>,
 ) -> Result<PartialCounts, ImportError> {
     let agent = work.scene.agents[position].0;
-    let file = unit.file(&keys::array(work.entry.number, arrays.kind, agent))?;
+    let file = unit.file(&keys::array(work.order.entry.number, arrays.kind, agent))?;
     let location = file.location().to_owned();
     let failed = |e: NpzError| match e {
         NpzError::Io(source) => ImportError::Store(StoreError::write(location.clone(), "write", source)),
@@ -110,7 +110,7 @@ fn read_frame(
     let (agent, records) = &work.scene.agents[position];
     let place = |e: ImportError| e.within(format!("{agent} frame {frame} {}", arrays.key));
     let said = records[frame as usize].files.get(arrays.key).map(String::as_str).unwrap_or_default();
-    let path = work.folder.find(said).map_err(place)?;
+    let path = work.order.folder.find(said).map_err(place)?;
     let made = packed(&path, arrays).and_then(|(member, cells)| {
         let member = member.renamed(&frame_member(frame)).map_err(|e| e.to_string())?;
         Ok((member, cells))

@@ -70,14 +70,14 @@ fn open<R: Row>(work: &Work<'_>, unit: &Unit<'_>) -> Result<TableWriter<R>, Impo
 }
 
 fn key<R: Row>(work: &Work<'_>) -> String {
-    keys::scene(work.entry.number, &format!("{}.parquet", R::TABLE))
+    keys::scene(work.order.entry.number, &format!("{}.parquet", R::TABLE))
 }
 
 /// What is said once of a scene.
 fn write_facts(work: &Work<'_>, unit: &mut Unit<'_>) -> Result<(), ImportError> {
-    let number = work.entry.number;
-    let wrong = |problem: String| ImportError::source(work.entry.path(), problem);
-    let info = facts::scene_info(work.entry, work.scene, Some(work.cast)).map_err(wrong)?;
+    let number = work.order.entry.number;
+    let wrong = |problem: String| ImportError::source(work.order.entry.path(), problem);
+    let info = facts::scene_info(work.order.entry, work.scene, Some(work.cast)).map_err(wrong)?;
     unit.rows::<ActorRow>(&key::<ActorRow>(work), &work.cast.actors(work.scene))?;
     unit.rows::<FrameRow>(&key::<FrameRow>(work), &facts::frame_rows(&info))?;
     // Lamps and windows are not told.
@@ -98,11 +98,11 @@ fn read_frame(work: &Work<'_>, frame: u32) -> Result<FrameLabels, ImportError> {
     let mut found = FrameLabels { boxes: Vec::new(), lanes: Vec::new() };
     for (position, (agent, records)) in work.scene.agents.iter().enumerate() {
         let at = frame as usize;
-        found.boxes.push(read_boxes(work.folder, work.scene, (position, at), work.is_processed)?);
+        found.boxes.push(read_boxes(work.order.folder, work.scene, (position, at), work.order.is_processed)?);
         let record = &records[at];
         let Some(said) = record.files.get(LANES) else { continue };
         let place = |e: ImportError| e.within(format!("{agent} frame {frame}"));
-        let (path, bytes) = work.folder.read(said, MAX_LANE_BYTES).map_err(place)?;
+        let (path, bytes) = work.order.folder.read(said, MAX_LANE_BYTES).map_err(place)?;
         let value = json::parse(&bytes).map_err(|e| e.to_string());
         let row = value.and_then(|value| lanes::row(&value, (frame, &agent.to_string()), record.xyz_m));
         found.lanes.push(row.map_err(|problem| place(ImportError::source(&path, problem)))?);
@@ -218,15 +218,17 @@ pub(crate) fn write_valid(work: &Work<'_>, unit: &mut Unit<'_>) -> Result<(), Im
 
 fn pixels(work: &Work<'_>) -> Result<Seen, ImportError> {
     let mut seen = Seen::new();
-    let Some(manifest) = work.store.manifest(Scope::Scene(work.entry.number), VisibleRow::STAGE)? else {
+    let Some(manifest) =
+        work.order.store.manifest(Scope::Scene(work.order.entry.number), VisibleRow::STAGE)?
+    else {
         return Ok(seen);
     };
     for (position, (agent, _)) in work.scene.agents.iter().enumerate() {
-        let key = keys::sensor(work.entry.number, *agent, VISIBLE_TABLE);
+        let key = keys::sensor(work.order.entry.number, *agent, VISIBLE_TABLE);
         if manifest.output(&key).is_none() {
             continue;
         }
-        for row in work.store.read_rows::<VisibleRow>(&manifest, &key)? {
+        for row in work.order.store.read_rows::<VisibleRow>(&manifest, &key)? {
             *seen.entry((position, row.frame)).or_default().entry((row.id, row.tag)).or_default() +=
                 row.pixels;
         }
@@ -238,7 +240,7 @@ fn valid_rows(work: &Work<'_>, frame: u32, pixels: &Seen) -> Result<Vec<ValidBox
     let mut rows = Vec::new();
     for (position, (agent, _)) in work.scene.agents.iter().enumerate() {
         let shown = pixels.get(&(position, frame));
-        for labelled in read_boxes(work.folder, work.scene, (position, frame as usize), true)? {
+        for labelled in read_boxes(work.order.folder, work.scene, (position, frame as usize), true)? {
             let id = work.cast.id(labelled.id);
             let of_tag = |tag: &u8| shown.and_then(|shown| shown.get(&(id, *tag))).copied().unwrap_or(0);
             let mut tags = labelled.tags.clone();

@@ -35,8 +35,8 @@ pub(crate) enum Reading {
 /// Columns that the layout does not say, of the tables of a kind of sensor: they hold zeros.
 pub(crate) fn zero_columns(kind: SensorKind) -> &'static [&'static str] {
     match kind {
-        SensorKind::Lidar => &["intensity", "ring", "cos_angle", "id", "tag"],
-        SensorKind::SemanticLidar => &["intensity", "ring"],
+        SensorKind::Lidar => &["intensity", "ring", "time_offset_s", "cos_angle", "id", "tag"],
+        SensorKind::SemanticLidar => &["intensity", "ring", "time_offset_s"],
         SensorKind::Radar => &["rcs_dbsm", "snr_db", "id", "tag"],
         SensorKind::Image(_) | SensorKind::Gnss | SensorKind::Imu => &[],
     }

@@ -3,17 +3,17 @@
 use std::collections::BTreeSet;
 
 use rayon::prelude::*;
-use schema::IMPORTED;
 use schema::scene_info::LOG_STAGE;
 use schema::table::Row;
 use schema::tables::PlanSceneRow;
+use schema::{IMPORTED, is_imported};
 use store::{Failure, Manifest, Scope, Store};
 
 use crate::error::ImportError;
 use crate::plan;
-use crate::scene_unit::{self, Order};
+use crate::scene_unit;
 use crate::survey::{SceneSurvey, Source, Surveyed};
-use crate::work::Watch;
+use crate::work::{Order, Watch};
 
 /// What is to be imported.
 #[derive(Clone, Debug, Default)]
@@ -69,7 +69,7 @@ pub fn prospect(source: &Source, store: &Store, selection: &Selection) -> Result
     let plan = store.manifest(Scope::Plan, PlanSceneRow::STAGE)?;
     let place = store.location("");
     if let Some(plan) = &plan {
-        if plan.code_version != IMPORTED {
+        if !is_imported(&plan.code_version) {
             return Err(ImportError::Refused(format!(
                 "{place}: holds a dataset that was made here, and what is imported cannot stand beside it: choose another folder"
             )));
@@ -114,7 +114,7 @@ fn is_done(store: &Store, survey: &SceneSurvey, selection: &Selection) -> Result
     let number = survey.number;
     if let Ok(Some(manifest)) = store.manifest(Scope::Scene(number), LOG_STAGE) {
         let place = store.location("");
-        if manifest.code_version != IMPORTED || manifest.config_hash != survey.digest {
+        if !is_imported(&manifest.code_version) || manifest.config_hash != survey.digest {
             return Err(ImportError::Refused(format!(
                 "{place}: has another scene {number} already: choose another folder"
             )));

@@ -8,33 +8,17 @@ use schema::scene_info::LOG_STAGE;
 use schema::settings::{BevRule, BevSettings, OccupancySettings};
 use schema::table::Row;
 use schema::tables::{CameraRow, ValidBoxRow};
-use schema::{AgentId, IMPORTED};
+use schema::{AgentId, IMPORTED, is_imported};
 use store::{Attempt, Identity, Scope, Store, StoreError, Unit, keys};
 
 use crate::arrays::{self, Arrays};
 use crate::cast::Cast;
 use crate::error::ImportError;
 use crate::folder::Folder;
-use crate::infos::{Entry, Scene};
+use crate::infos::Scene;
 use crate::names::{FILLED_VOXELS, MASKS, VOXELS};
-use crate::rig::Rigs;
-use crate::work::{Watch, Work};
+use crate::work::{Order, Work};
 use crate::{labels, sensors};
-
-/// How a scene is to be imported.
-pub(crate) struct Order<'a> {
-    pub(crate) folder: &'a Folder,
-    pub(crate) store: &'a Store,
-    pub(crate) rigs: &'a Rigs,
-    pub(crate) entry: &'a Entry,
-    /// Of the scene's part of the infos and of what they say of sensors.
-    pub(crate) digest: &'a str,
-    pub(crate) bev_cell_m: f64,
-    pub(crate) is_processed: bool,
-    /// Again, even where it is done.
-    pub(crate) force: bool,
-    pub(crate) watch: &'a dyn Watch,
-}
 
 /// The stages of a scene that an import does.
 pub(crate) fn stages(is_processed: bool) -> Vec<&'static str> {
@@ -51,7 +35,7 @@ pub(crate) fn is_done(store: &Store, scene: u32, stage: &str, digest: &str) -> R
         Ok(Some(manifest)) => manifest,
         Err(e) => return Err(e.into()),
     };
-    let is_same = manifest.code_version == IMPORTED && manifest.config_hash == digest;
+    let is_same = is_imported(&manifest.code_version) && manifest.config_hash == digest;
     Ok(is_same && store.outputs_present(&manifest)?)
 }
 
@@ -61,17 +45,7 @@ pub(crate) fn is_done(store: &Store, scene: u32, stage: &str, digest: &str) -> R
 /// As what is wrong with it, or with the store.
 pub(crate) fn import(order: &Order<'_>, scene: &Scene) -> Result<(), ImportError> {
     let cast = Cast::read(order.folder, scene, order.is_processed)?;
-    let work = Work {
-        folder: order.folder,
-        store: order.store,
-        rigs: order.rigs,
-        entry: order.entry,
-        scene,
-        cast: &cast,
-        is_processed: order.is_processed,
-        bev_cell_m: order.bev_cell_m,
-        watch: order.watch,
-    };
+    let work = Work { order, scene, cast: &cast };
     stage(order, LOG_STAGE, |attempt| {
         unit(attempt, "log", |unit| labels::write_log(&work, unit))?;
         Ok(())
@@ -154,7 +128,7 @@ fn by_agent(
     for (position, (agent, _)) in work.scene.agents.iter().enumerate() {
         unit(attempt, &agent.to_string(), |unit| {
             if let Some(counts) = make(position, unit)? {
-                let key = keys::partial_stats(work.entry.number, &format!("{stage}.{agent}"));
+                let key = keys::partial_stats(work.order.entry.number, &format!("{stage}.{agent}"));
                 unit.rows(&key, &counts.rows())?;
             }
             Ok(())
@@ -172,18 +146,18 @@ fn arrays_of<'k>(
 ) -> Result<Option<Arrays<'k>>, ImportError> {
     let (agent, records) = &work.scene.agents[position];
     let Some(said) = records[0].files.get(key) else { return Ok(None) };
-    if key == FILLED_VOXELS && !has_filled(work.folder, records, agent)? {
+    if key == FILLED_VOXELS && !has_filled(work.order.folder, records, agent)? {
         return Ok(None);
     }
     let place = |e: ImportError| e.within(format!("{agent} frame 0 {key}"));
     let (shape, comment) = if key == MASKS {
-        let path = work.folder.find(said).map_err(place)?;
+        let path = work.order.folder.find(said).map_err(place)?;
         let shape =
             arrays::mask_shape(&path).map_err(|problem| place(ImportError::source(&path, problem)))?;
-        let comment = bev_settings(shape[1] as u32, work.bev_cell_m).describe();
+        let comment = bev_settings(shape[1] as u32, work.order.bev_cell_m).describe();
         (shape, comment)
     } else {
-        let grid: &OccupancySettings = &work.rigs.rig(agent.kind).occupancy;
+        let grid: &OccupancySettings = &work.order.rigs.rig(agent.kind).occupancy;
         (grid.shape().to_vec(), grid.describe())
     };
     // Settings of ours always can be written.

@@ -9,7 +9,7 @@ use schema::measures::sensors::{IMAGES, LIDAR_POINTS, RADAR_POINTS, SENSOR_BYTES
 use schema::tables::{
     CameraRow, FlowRow, GnssRow, ImuRow, LidarRow, RadarRow, SemanticLidarRow, VISIBLE_TABLE, VisibleRow,
 };
-use schema::{AgentId, ImageKind, SensorKind};
+use schema::{AgentId, ImageKind, SensorKind, ZERO_COLUMNS};
 use store::{Finished, StoreError, TableOptions, TableWriter, Unit, keys};
 
 use crate::error::ImportError;
@@ -17,9 +17,6 @@ use crate::names::sensor_of;
 use crate::pictures;
 use crate::readings::{self, Reading, zero_columns};
 use crate::work::Work;
-
-/// Key of a table's metadata that names the columns which hold zeros because the layout does not say them.
-const ZERO_COLUMNS: &str = "zero_columns";
 
 /// Frames that are read at once: those of six cameras with flow take 80 MB each.
 const BATCH: usize = 4;
@@ -84,8 +81,8 @@ pub(crate) fn write(
         unit.add(shard);
     }
     if has_instances {
-        let mut table =
-            unit.table(&keys::sensor(work.entry.number, *agent, VISIBLE_TABLE), TableOptions::default())?;
+        let mut table = unit
+            .table(&keys::sensor(work.order.entry.number, *agent, VISIBLE_TABLE), TableOptions::default())?;
         table.push(&visible)?;
         let shard = table.finish()?;
         counts.add(&name, SENSOR_BYTES, VISIBLE_TABLE, 0, shard.output().bytes);
@@ -107,7 +104,7 @@ fn read_frame(
     for (name, kind) in sensors {
         let place = |e: ImportError| e.within(format!("{agent} frame {frame} {name}"));
         let said = files.get(name).map(String::as_str).unwrap_or_default();
-        let reading = readings::read(work.folder, said, *kind, frame, work.cast).map_err(place)?;
+        let reading = readings::read(work.order.folder, said, *kind, frame, work.cast).map_err(place)?;
         if let (Reading::Image(row, _), SensorKind::Image(ImageKind::Instance)) = (&reading, kind) {
             let counted = pictures::count_instances(&row.image.0, &mut pixels);
             counted.map_err(|problem| place(ImportError::source(std::path::Path::new(said), problem)))?;
@@ -125,14 +122,14 @@ fn open(
     first: &Reading,
     unit: &Unit<'_>,
 ) -> Result<Table, ImportError> {
-    let rig = work.rigs.rig(agent.kind);
+    let rig = work.order.rigs.rig(agent.kind);
     let camera = name.split_once('-').map_or(name.as_str(), |(_, camera)| camera);
     let about = match first {
         Reading::Image(_, size) => rig.camera(camera, *size),
         Reading::Flow(row) => rig.camera(camera, (row.width, row.height)),
         _ => rig.flat(name),
     };
-    let key = keys::sensor(work.entry.number, agent, name);
+    let key = keys::sensor(work.order.entry.number, agent, name);
     // Our own types and plain numbers: they always can be written.
     let mut metadata = vec![(METADATA_KEY.to_owned(), serde_json::to_string(&about).unwrap_or_default())];
     if !zero_columns(*kind).is_empty() {

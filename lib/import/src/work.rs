@@ -16,24 +16,33 @@ pub trait Watch: Sync {
     fn advance(&self, agent_frames: u64) -> bool;
 }
 
-/// A scene and all that is known of it.
-pub(crate) struct Work<'a> {
+/// How a scene is to be imported.
+pub(crate) struct Order<'a> {
     pub(crate) folder: &'a Folder,
     pub(crate) store: &'a Store,
     pub(crate) rigs: &'a Rigs,
     pub(crate) entry: &'a Entry,
-    pub(crate) scene: &'a Scene,
-    pub(crate) cast: &'a Cast,
-    pub(crate) is_processed: bool,
+    /// Of the scene's part of the infos and of what they say of sensors.
+    pub(crate) digest: &'a str,
     /// Size of a cell of the masks, m.
     pub(crate) bev_cell_m: f64,
+    pub(crate) is_processed: bool,
+    /// Again, even where it is done.
+    pub(crate) force: bool,
     pub(crate) watch: &'a dyn Watch,
+}
+
+/// A scene and all that is known of it.
+pub(crate) struct Work<'a> {
+    pub(crate) order: &'a Order<'a>,
+    pub(crate) scene: &'a Scene,
+    pub(crate) cast: &'a Cast,
 }
 
 impl Work<'_> {
     /// Tells that so many agent-frames are done.
     pub(crate) fn advance(&self, agent_frames: u64) -> Result<(), ImportError> {
-        if self.watch.advance(agent_frames) { Err(ImportError::Stopped) } else { Ok(()) }
+        if self.order.watch.advance(agent_frames) { Err(ImportError::Stopped) } else { Ok(()) }
     }
 
     /// Something is wrong with a file of an agent at a frame.

@@ -44,6 +44,35 @@ impl ColourBy {
             Self::Agent => "agent",
         }
     }
+
+    /// The column of a sensor's table that says it; none where places alone do, or whose points they are.
+    #[must_use]
+    pub fn column(self) -> Option<&'static str> {
+        match self {
+            Self::Distance | Self::Height | Self::Agent => None,
+            Self::Tag | Self::Id | Self::Intensity | Self::Velocity => Some(self.name()),
+        }
+    }
+
+    /// The one of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|by| by.name() == name)
+    }
+
+    /// What the colours tell, in words.
+    #[must_use]
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Distance => "Distance from the sensor",
+            Self::Height => "Height over the agent's ground",
+            Self::Tag => "Semantic tag",
+            Self::Id => "Object",
+            Self::Intensity => "Strength of the return",
+            Self::Velocity => "Radial velocity",
+            Self::Agent => "Whose point it is",
+        }
+    }
 }
 
 /// Points of a sensor in its frame (FLU), metres. Columns are as long as `xyz_m`, or empty where the sensor has no such.
@@ -80,7 +109,22 @@ impl Cloud {
         ColourBy::ALL.into_iter().filter(|by| self.has(*by))
     }
 
-    fn has(&self, by: ColourBy) -> bool {
+    /// Without a column that is no reading.
+    #[must_use]
+    pub fn without(mut self, by: ColourBy) -> Self {
+        match by {
+            ColourBy::Distance | ColourBy::Height | ColourBy::Agent => {}
+            ColourBy::Tag => self.tag.clear(),
+            ColourBy::Id => self.id.clear(),
+            ColourBy::Intensity => self.intensity.clear(),
+            ColourBy::Velocity => self.velocity.clear(),
+        }
+        self
+    }
+
+    /// Whether its points can be coloured by something.
+    #[must_use]
+    pub fn has(&self, by: ColourBy) -> bool {
         let n = self.xyz_m.len();
         match by {
             ColourBy::Distance | ColourBy::Height | ColourBy::Agent => true,
@@ -183,6 +227,8 @@ mod tests {
         let fault = draw_cloud(&mut canvas, &mut Vec::new(), &view, place, (ColourBy::Tag, 0.0, 0), 1);
         let text = fault.expect_err("has none").to_string();
         assert_eq!(text, "these points have no tag: colour them by distance, height, velocity, agent");
+        let bare = cloud.without(ColourBy::Velocity).without(ColourBy::Height);
+        assert_eq!(bare.colours().map(ColourBy::name).collect::<Vec<_>>(), ["distance", "height", "agent"]);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::graph::{StageSpec, UnitKind};
 
 /// Whether a manifest stands for what was imported: no configuration, code or input of ours went into it that could change.
 pub(crate) fn is_imported(manifest: &Manifest) -> bool {
-    manifest.code_version == schema::IMPORTED
+    schema::is_imported(&manifest.code_version)
 }
 
 /// Why a stage cannot be made of some scopes: they were imported, and it needs the log that is not there. What `is_kept` is not

@@ -10,6 +10,7 @@ mod labels;
 mod log;
 mod reader;
 mod sensor;
+mod unknown;
 
 pub use arrays::ArrayReader;
 pub use described::described;
@@ -22,3 +23,4 @@ pub use log::SceneLog;
 pub use reader::SceneReader;
 pub use schema::SensorKind;
 pub use sensor::{SensorFrames, agent_rows, read_calibration};
+pub use unknown::unknown_columns;

@@ -54,7 +54,7 @@ pub use format::{FORMAT_VERSION, FRAME_PERIOD_S};
 pub use hazard_kind::HazardKind;
 pub use ids::ObjectId;
 pub use images::{ImageKind, ImageSet};
-pub use imported::IMPORTED;
+pub use imported::{IMPORTED, ZERO_COLUMNS, is_imported};
 pub use joined::Joined;
 pub use lamp_kind::LampKind;
 pub use layer::Layer;

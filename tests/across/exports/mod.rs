@@ -4,28 +4,37 @@ mod kitti;
 mod mcap;
 mod nuscenes;
 mod opv2v;
+mod several;
 mod simbev2x;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use convoy_tests::{Bench, Outcome, TINY, digests, program};
 
-/// All image kinds and every sensor at both kinds of agents.
+/// All image kinds and every sensor at both kinds of agents; beams enough to thin them.
 fn store() -> Bench {
-    let config =
-        TINY.replace("min_vehicles = 1", "min_vehicles = 2").replace("max_vehicles = 1", "max_vehicles = 2");
+    let config = TINY
+        .replace("min_vehicles = 1", "min_vehicles = 2")
+        .replace("max_vehicles = 1", "max_vehicles = 2")
+        .replace("channels = 16", "channels = 32");
     let bench = Bench::new(&config);
     bench.run("convoy", &["run", "--progress", "none"]).expect_done();
     bench
 }
 
+/// `export LAYOUT` on a dataset.
+fn command(bench: &Bench, layout: &str, dest: &Path, args: &[&str]) -> Command {
+    let mut command = Command::new(program("export"));
+    command.arg(layout).arg("--store").arg(bench.store()).arg("--dest").arg(dest);
+    command.args(["--progress", "none"]).args(args);
+    command
+}
+
 /// Runs `export LAYOUT` on a dataset; the destination's path and how it ended.
 fn export(bench: &Bench, layout: &str, dest: &str, args: &[&str]) -> (PathBuf, Outcome) {
     let dest = bench.folder.path().join(dest);
-    let mut command = Command::new(program("export"));
-    command.arg(layout).arg("--store").arg(bench.store()).arg("--dest").arg(&dest);
-    let output = command.args(["--progress", "none"]).args(args).output().expect("the program starts");
+    let output = command(bench, layout, &dest, args).output().expect("the program starts");
     (dest, Outcome::of(&output))
 }
 

@@ -72,12 +72,8 @@ fn imports_are_as_what_was_exported(bench: &Bench, processed: &Path, raw: &Path)
     assert!(refused.stderr.contains("imported, without a log that bev-gt"), "{}", refused.stderr);
     on(bench, &one, "stats", &[]).expect_done();
     on(bench, &one, "check", &[]).expect_done();
-    let dest = bench.folder.path().join("imported-export");
-    let mut command = Command::new(program("export"));
-    command.arg("opv2v").arg("--store").arg(&one).arg("--dest").arg(&dest).arg("--dry-run");
-    let told = Outcome::of(&command.output().expect("the program starts"));
-    told.expect_done();
-    assert!(told.stdout.contains("scenes that were imported never had them"), "{}", told.stdout);
+    exports_of_imports_say_what_they_lack(bench, &one);
+    pictures_of_imports_say_what_they_lack(bench, &one);
     let (again, outcome) = import(bench, raw, "imported-raw", &[]);
     outcome.expect_done();
     check_in_python("exports/imported.py", &packages, &[&bench.store(), &again, Path::new("raw")]);
@@ -93,6 +89,52 @@ fn imports_are_as_what_was_exported(bench: &Bench, processed: &Path, raw: &Path)
     let scratch = bench.folder.path().join("foreign");
     std::fs::create_dir(&scratch).expect("made");
     check_in_python("exports/foreign.py", &packages, &[&program("import"), &scratch]);
+}
+
+/// What the dataset did not say is no reading: thinned clouds go by elevation, labels of points and lanes are left out.
+fn exports_of_imports_say_what_they_lack(bench: &Bench, store: &Path) {
+    let export = |layout: &str, dest: &str, args: &[&str]| {
+        let dest = bench.folder.path().join(dest);
+        let mut command = Command::new(program("export"));
+        command.arg(layout).arg("--store").arg(store).arg("--dest").arg(&dest).args(args);
+        let output = command.args(["--progress", "none"]).output().expect("the program starts");
+        (dest, Outcome::of(&output))
+    };
+    let (dest, told) = export("opv2v", "imported-opv2v", &[]);
+    told.expect_done();
+    for word in ["scenes that were imported never had them", "bev_lane on convoy/demo", "it was imported"] {
+        assert!(told.stdout.contains(word), "{word}: {}", told.stdout);
+    }
+    let bytes = |ending: &str| {
+        let names = digests(&dest).into_keys().filter(|name| name.ends_with(ending));
+        names.map(|name| dest.join(name).metadata().expect("is there").len()).sum::<u64>() as f64
+    };
+    let (all, half) = (bytes("_32.pcd"), bytes("_16.pcd"));
+    assert!(all > 0.0 && (0.35..0.65).contains(&(half / all)), "{half} of {all}");
+
+    let (_, refused) = export("nuscenes", "imported-nuscenes", &[]);
+    assert!(refused.code == 2 && refused.stderr.contains("--no-map-mask"), "{}", refused.stderr);
+    assert!(!refused.stderr.contains("spawn-planner"), "{}", refused.stderr);
+    let (dest, told) = export("nuscenes", "imported-nuscenes", &["--no-map-mask"]);
+    told.expect_done();
+    assert!(told.stdout.contains("lidarseg (nobody knows the tags"), "{}", told.stdout);
+    assert!(!digests(&dest).keys().any(|name| name.contains("lidarseg")), "neither a table nor a file");
+}
+
+/// Colours that nobody knows are refused; where nothing is chosen there are pictures.
+fn pictures_of_imports_say_what_they_lack(bench: &Bench, store: &Path) {
+    let run = |args: &[&str]| {
+        let mut command = Command::new(program("viz"));
+        let (head, rest) = args.split_at(usize::from(!args[0].starts_with('-')));
+        command.args(head).arg("--store").arg(store).args(rest);
+        Outcome::of(&command.output().expect("the program starts"))
+    };
+    let at = |name: &str| bench.folder.path().join(name).to_string_lossy().into_owned();
+    let refused = run(&["--modes", "LIDAR-FAR", "--colour", "tag", "--dest", &at("tags")]);
+    assert!(refused.code == 2 && refused.stderr.contains("nobody knows the tag"), "{}", refused.stderr);
+    run(&["--modes", "LIDAR-FAR,SEG-LIDAR-FAR", "--dest", &at("usual")]).expect_done();
+    assert!(Path::new(&at("usual")).join("vehicle_0/SEG-LIDAR-FAR").is_dir());
+    run(&["preview", "--width", "800", "--out", &at("sheet.png")]).expect_done();
 }
 
 /// Digests of the files of a store but for its name, which stands in `dataset.json` and so in the plan's manifest.

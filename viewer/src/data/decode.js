@@ -35,10 +35,10 @@ export class Decoder {
     return file
   }
 
-  /** Rows and what a sensor's table says of itself. */
+  /** Rows, columns, and what a sensor's table says of itself; `zeros` are columns that hold no readings. */
   async about(request) {
     const file = await this.open(ParquetFile, request)
-    return [{ rows: file.rows, columns: [...file.columns.keys()], sensor: file.note('sensor') }, []]
+    return [{ rows: file.rows, columns: [...file.columns.keys()], sensor: file.note('sensor'), zeros: file.note('zero_columns') ?? [] }, []]
   }
 
   /** What an archive of arrays says of itself. */

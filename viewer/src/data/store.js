@@ -14,10 +14,12 @@ export function stageOf(path) {
   return 'simulate-and-log'
 }
 
-/** What to do about a file that is not there. */
+/** What to do about a file of a scene that is not there: the stage that writes it, and how to run it; or why nothing can be done. */
 export function remedy(scene, path) {
   const stage = stageOf(path)
-  return { stage, command: `make stage STAGE=${stage} SCENES=${Number(scene)}` }
+  if (scene.store.index.excerpt) return { why: 'This excerpt has none.' }
+  if (scene.info.imported && !(stage === 'merge-tracks' && scene.has('boxes_valid.parquet'))) return { why: 'The dataset that was imported has none.' }
+  return { stage, command: `make stage STAGE=${stage} SCENES=${Number(scene.folder)}` }
 }
 
 export class StoreView {
@@ -96,12 +98,12 @@ export class Scene {
     return cameras
   }
 
-  /** What a sensor's table says of itself; asked once. */
+  /** What a sensor's table says of itself; asked once. `known` tells whether its points say something (`tag`, `intensity`). */
   async sensor(agent, sensor) {
     const path = `sensors/${agent}/${sensor}.parquet`
     if (!this.about.has(path)) {
-      const { sensor: about, rows } = await this.cache.get({ kind: 'about', ...this.file(path) })
-      this.about.set(path, { ...about, rows })
+      const { sensor: about, rows, columns, zeros } = await this.cache.get({ kind: 'about', ...this.file(path) })
+      this.about.set(path, { ...about, rows, known: column => columns.includes(column) && !zeros.includes(column) })
     }
     return this.about.get(path)
   }

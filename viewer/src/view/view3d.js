@@ -119,7 +119,7 @@ export class View3d {
   /** Everything that follows from choices and the frame, points and voxels apart. */
   update({ coloring, pointSize, layers, frame, groundZ, place, boxes, colorOf, chosen, labels }) {
     const { shared } = this.style
-    shared.coloring.value = COLORINGS.indexOf(coloring)
+    this.setColoring(coloring)
     shared.size.value = pointSize * this.renderer.getPixelRatio()
     shared.heights.value.set(groundZ - 1, groundZ + 7)
     this.grid.visible = layers.has('grid')
@@ -130,6 +130,10 @@ export class View3d {
     this.shownBoxes = boxes
     this.boxes.show(boxes, colorOf, chosen)
     this.labelList = labels
+  }
+
+  setColoring(coloring) {
+    this.style.shared.coloring.value = COLORINGS.indexOf(coloring)
   }
 
   /** The box under a place on the screen, or null. */

@@ -19,6 +19,9 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::schema::types::ColumnPath;
 
+use schema::ZERO_COLUMNS;
+use schema::calibration::METADATA_KEY;
+
 use super::error::EmbedError;
 
 /// Positions are multiples of this part of a metre.
@@ -66,13 +69,16 @@ fn open(path: &Path, columns: Columns) -> Result<Reader, EmbedError> {
 /// At every how many frames a sensor's table has a row.
 pub(super) fn every_n_frames(path: &Path) -> Result<u64, EmbedError> {
     let reader = open(path, &[])?;
-    let about = sensor_note(&reader).and_then(|n| serde_json::from_str::<serde_json::Value>(&n).ok());
+    let said = notes(&reader).into_iter().find(|note| note.key == METADATA_KEY).and_then(|note| note.value);
+    let about = said.and_then(|said| serde_json::from_str::<serde_json::Value>(&said).ok());
     Ok(about.and_then(|a| a["every_n_frames"].as_u64()).filter(|&n| n > 0).unwrap_or(1))
 }
 
-fn sensor_note(reader: &Reader) -> Option<String> {
-    let notes = reader.metadata().file_metadata().key_value_metadata()?;
-    notes.iter().find(|note| note.key == "sensor")?.value.clone()
+/// What a table says of its sensor, and of columns that are no readings.
+fn notes(reader: &Reader) -> Vec<KeyValue> {
+    let notes = reader.metadata().file_metadata().key_value_metadata();
+    let kept = |note: &&KeyValue| [METADATA_KEY, ZERO_COLUMNS].contains(&note.key.as_str());
+    notes.into_iter().flatten().filter(kept).cloned().collect()
 }
 
 /// Some rows of a table as a table.
@@ -138,7 +144,7 @@ fn cut(
         let batch = choose(batch.map_err(|e| unreadable(path, e))?).map_err(|e| unreadable(path, e))?;
         let writer = match &mut writer {
             Some(writer) => writer,
-            None => writer.insert(start(&batch.schema(), None).map_err(|e| unreadable(path, e))?),
+            None => writer.insert(start(&batch.schema(), Vec::new()).map_err(|e| unreadable(path, e))?),
         };
         writer.write(&batch).map_err(|e| unreadable(path, e))?;
     }
@@ -192,7 +198,7 @@ pub(super) fn readings(
     points: Option<Points>,
 ) -> Result<Vec<u8>, EmbedError> {
     let reader = open(path, columns)?;
-    let note = sensor_note(&reader);
+    let notes = notes(&reader);
     let total = usize::try_from(reader.metadata().file_metadata().num_rows()).unwrap_or(0);
     let row = |frame: u32| usize::try_from(u64::from(frame).div_ceil(every)).unwrap_or(usize::MAX).min(total);
     let (from, to) = (row(first), row(last));
@@ -210,7 +216,7 @@ pub(super) fn readings(
         let batch = batch.and_then(|batch| select(batch, &rows)).map_err(|e| unreadable(path, e))?;
         let writer = match &mut writer {
             Some(writer) => writer,
-            None => writer.insert(start(&batch.schema(), note.clone()).map_err(|e| unreadable(path, e))?),
+            None => writer.insert(start(&batch.schema(), notes.clone()).map_err(|e| unreadable(path, e))?),
         };
         writer.write(&batch).and_then(|()| writer.flush()).map_err(|e| unreadable(path, e))?;
     }
@@ -243,7 +249,7 @@ fn thinned(batch: &RecordBatch, points: Points) -> Result<RecordBatch, String> {
     RecordBatch::try_new(batch.schema(), columns).map_err(|e| e.to_string())
 }
 
-fn start(schema: &Arc<Schema>, note: Option<String>) -> Result<ArrowWriter<Vec<u8>>, String> {
+fn start(schema: &Arc<Schema>, notes: Vec<KeyValue>) -> Result<ArrowWriter<Vec<u8>>, String> {
     let level = ZstdLevel::try_new(ZSTD_LEVEL).map_err(|e| e.to_string())?;
     let mut properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(level))
@@ -270,8 +276,8 @@ fn start(schema: &Arc<Schema>, note: Option<String>) -> Result<ArrowWriter<Vec<u
             .set_column_dictionary_enabled(column.clone(), false)
             .set_column_encoding(column, Encoding::BYTE_STREAM_SPLIT);
     }
-    if let Some(note) = note {
-        properties = properties.set_key_value_metadata(Some(vec![KeyValue::new("sensor".to_owned(), note)]));
+    if !notes.is_empty() {
+        properties = properties.set_key_value_metadata(Some(notes));
     }
     ArrowWriter::try_new(Vec::new(), Arc::clone(schema), Some(properties.build())).map_err(|e| e.to_string())
 }
@@ -300,17 +306,20 @@ mod tests {
             ("ring", Arc::new(floats(vec![vec![0.0; 5]; 3])) as ArrayRef),
         ])
         .expect("is a table");
-        let mut writer = start(&batch.schema(), Some(r#"{"every_n_frames": 2}"#.into())).expect("starts");
+        let note = |key: &str, said: &str| KeyValue::new(key.to_owned(), said.to_owned());
+        let notes = vec![note("sensor", r#"{"every_n_frames": 2}"#), note("zero_columns", r#"["ring"]"#)];
+        let mut writer = start(&batch.schema(), notes).expect("starts");
         writer.write(&batch).expect("writes");
         std::fs::write(path, writer.into_inner().expect("ends")).expect("is written");
     }
 
-    fn read(bytes: Vec<u8>, path: &Path) -> (RecordBatch, usize, Option<String>) {
+    fn read(bytes: Vec<u8>, path: &Path) -> (RecordBatch, usize, Vec<String>) {
         std::fs::write(path, bytes).expect("is written");
         let reader = Reader::try_new(File::open(path).expect("opens")).expect("is a table");
-        let (groups, note) = (reader.metadata().num_row_groups(), sensor_note(&reader));
+        let said = notes(&reader).into_iter().filter_map(|note| note.value).collect();
+        let groups = reader.metadata().num_row_groups();
         let batches: Vec<RecordBatch> = reader.build().expect("reads").map(|b| b.expect("reads")).collect();
-        (arrow_select::concat::concat_batches(&batches[0].schema(), &batches).expect("joins"), groups, note)
+        (arrow_select::concat::concat_batches(&batches[0].schema(), &batches).expect("joins"), groups, said)
     }
 
     fn floats(batch: &RecordBatch, name: &str, row: usize) -> Vec<f32> {
@@ -326,10 +335,10 @@ mod tests {
         assert_eq!(every_n_frames(&path).expect("says"), 2);
         let columns: Columns = &["frame", "x", "intensity", "id", "y"];
         let bytes = readings(&path, columns, (2, 5), 2, Some(Points { keep_one_in: 2 })).expect("is cut");
-        let (batch, groups, note) = read(bytes, &path);
+        let (batch, groups, said) = read(bytes, &path);
         // Frames 2 and 4 are 0 and 2 of the excerpt, each in a row group of its own.
         assert_eq!((batch.num_rows(), groups), (2, 2));
-        assert_eq!(note.as_deref(), Some(r#"{"every_n_frames": 2}"#));
+        assert_eq!(said, [r#"{"every_n_frames": 2}"#, r#"["ring"]"#]);
         assert_eq!(batch.column(0).as_primitive::<UInt32Type>().values(), &[0, 2]);
         assert!(batch.column_by_name("ring").is_none());
         // Points 0, 2, 4; a thousandth is less than half of 1/128 and goes.
@@ -356,7 +365,7 @@ mod tests {
             ("agent", Arc::new(StringArray::from(vec!["a", "a", "b", "a"])) as ArrayRef),
         ])
         .expect("is a table");
-        let mut writer = start(&batch.schema(), None).expect("starts");
+        let mut writer = start(&batch.schema(), Vec::new()).expect("starts");
         writer.write(&batch).expect("writes");
         std::fs::write(&path, writer.into_inner().expect("ends")).expect("is written");
         let chosen = Rows { frames: Some((1, 3)), words: vec![("agent", vec!["a".into()])] };
@@ -379,7 +388,7 @@ mod tests {
             ("y_m", Arc::new(doubles([vec![0.0, 3.9], vec![0.0, 4.0]])) as ArrayRef),
         ])
         .expect("is a table");
-        let mut writer = start(&batch.schema(), None).expect("starts");
+        let mut writer = start(&batch.schema(), Vec::new()).expect("starts");
         writer.write(&batch).expect("writes");
         std::fs::write(&path, writer.into_inner().expect("ends")).expect("is written");
         // (3, 3.9) is 4.92 away, (4.1, 4) 5.73.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use pictures::{Canvas, decode_jpeg, decode_png};
-use store_at::{IMAGE_PX, make};
+use store_at::{IMAGE_PX, make, make_imported};
 
 fn viz(store: &Path, args: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_viz"));
@@ -179,4 +179,44 @@ fn sheets_and_films_have_what_there_is() {
     // An animation control chunk says how many frames there are.
     let at = bytes.windows(4).position(|w| w == b"acTL").expect("is animated");
     assert_eq!(bytes[at + 4..at + 8], 2_u32.to_be_bytes());
+}
+
+/// Zeros that stand for what nobody knows are not painted: who asks for them is told, and what else may be chosen.
+#[test]
+fn what_imports_do_not_know_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let store = folder.path().join("store");
+    make_imported(&store);
+    let out = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let run = |dest: &str, args: &[&str]| viz(&store, &[args, &["--dest", &out(dest)]].concat());
+    let tags = "nobody knows the tag of points of LIDAR, as the scene was imported: colour them by distance, height, agent";
+    for mode in ["LIDAR-FAR", "COOP-NEAR", "SCENE"] {
+        refused(&run("named", &["--modes", mode, "--colour", "tag"]), &["scene 3", tags]);
+    }
+    refused(
+        &run("named", &["--modes", "RADAR-FAR", "--colour", "id"]),
+        &["id of points of RAD_FRONT", "distance, height, velocity, agent"],
+    );
+    // Without a choice of pictures those are left out that cannot be coloured so; of both lidars nobody knows intensities.
+    let told = run("tags", &["--colour", "tag"]);
+    done(&told);
+    let said = String::from_utf8_lossy(&told.stderr).into_owned();
+    assert!(said.contains(tags) && said.contains("points of RAD_FRONT"), "{said}");
+    assert_eq!(said.trim().lines().count(), 2, "a warning for each sensor: {said}");
+    let drawn = files(Path::new(&out("tags")));
+    let has = |mode: &str| drawn.keys().any(|path| path.components().any(|part| part.as_os_str() == mode));
+    assert!(has("SEG-LIDAR-FAR") && has("BEV"), "{:?}", drawn.keys());
+    assert!(
+        !has("LIDAR-FAR") && !has("RADAR-FAR") && !has("COOP-FAR") && !has("SCENE"),
+        "{:?}",
+        drawn.keys()
+    );
+    refused(&run("intensities", &["--colour", "intensity"]), &["nobody knows the intensity"]);
+    // Where nothing is said, pictures show what is known.
+    done(&run("usual", &["--modes", "LIDAR-FAR,SEG-LIDAR-FAR,RADAR-FAR,SCENE,COOP-FAR"]));
+    let drawn = files(Path::new(&out("usual")));
+    assert_eq!(drawn.len(), 7, "of both agents but for SEG-LIDAR, RADAR and SCENE: {:?}", drawn.keys());
+    done(&viz(&store, &["preview", "--width", "800", "--out", &out("sheet.png")]));
+    done(&viz(&store, &["film", "--every", "1", "--width", "400", "--out", &out("film.png")]));
+    assert!(!Path::new(&out("named")).exists() && !Path::new(&out("intensities")).exists());
 }

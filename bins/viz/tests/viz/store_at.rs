@@ -14,7 +14,7 @@ use schema::tables::{
     AgentRow, BoxRow, CameraRow, FlowRow, FrameRow, LidarRow, PlanSceneRow, RadarRow, SemanticLidarRow,
     ValidBoxRow, VectorMapRow,
 };
-use schema::{AgentId, Tag};
+use schema::{AgentId, IMPORTED, Tag, ZERO_COLUMNS, is_imported};
 use store::{Attempt, Identity, Scope, Store, TableOptions, Unit, keys};
 
 pub(crate) const SCENE: u32 = 3;
@@ -24,11 +24,11 @@ pub(crate) const IMAGE_PX: [u32; 2] = [64, 36];
 /// Optical axes of a camera that looks along its agent's x axis.
 const AHEAD: [f64; 4] = [0.5, -0.5, 0.5, -0.5];
 
-fn stage(store: &Store, scope: Scope, name: &str, write: impl FnOnce(&mut Unit<'_>)) {
+fn stage(store: &Store, scope: Scope, (name, code_version): (&str, &str), write: impl FnOnce(&mut Unit<'_>)) {
     let identity = Identity {
         stage: name.into(),
         scope,
-        code_version: "test".into(),
+        code_version: code_version.into(),
         config_hash: "c".into(),
         inputs: BTreeMap::new(),
     };
@@ -41,11 +41,20 @@ fn stage(store: &Store, scope: Scope, name: &str, write: impl FnOnce(&mut Unit<'
 
 /// Makes the store.
 pub(crate) fn make(folder: &Path) {
+    make_as(folder, "test");
+}
+
+/// Makes it as an import would: without columns of points that SimBEV2X's layout does not say, and without a map.
+pub(crate) fn make_imported(folder: &Path) {
+    make_as(folder, IMPORTED);
+}
+
+fn make_as(folder: &Path, origin: &str) {
     let store = Store::open(folder).expect("is a place");
     store
         .write_json(keys::DATASET, "test", &serde_json::json!({"config": {"name": "hand"}}))
         .expect("writes");
-    stage(&store, Scope::Plan, PlanSceneRow::STAGE, |unit| {
+    stage(&store, Scope::Plan, (PlanSceneRow::STAGE, origin), |unit| {
         let scene = PlanSceneRow { scene: SCENE, split: "train".into(), ..PlanSceneRow::default() };
         unit.rows(keys::PLAN_SCENES, &[scene]).expect("writes");
         let edge = VectorMapRow {
@@ -56,11 +65,13 @@ pub(crate) fn make(folder: &Path) {
             is_edge: true,
             ..VectorMapRow::default()
         };
-        unit.rows(&keys::vector_map("straight"), &[edge]).expect("writes");
+        if !is_imported(origin) {
+            unit.rows(&keys::vector_map("straight"), &[edge]).expect("writes");
+        }
     });
-    stage(&store, Scope::Scene(SCENE), LOG_STAGE, log);
-    stage(&store, Scope::Scene(SCENE), CameraRow::STAGE, sensors);
-    stage(&store, Scope::Scene(SCENE), ValidBoxRow::STAGE, |unit| {
+    stage(&store, Scope::Scene(SCENE), (LOG_STAGE, origin), log);
+    stage(&store, Scope::Scene(SCENE), (CameraRow::STAGE, origin), |unit| sensors(unit, is_imported(origin)));
+    stage(&store, Scope::Scene(SCENE), (ValidBoxRow::STAGE, origin), |unit| {
         let seen = |b: &BoxRow| ValidBoxRow {
             frame: b.frame,
             agent: b.agent.clone(),
@@ -72,14 +83,14 @@ pub(crate) fn make(folder: &Path) {
         };
         table(unit, &boxes().iter().map(seen).collect::<Vec<_>>());
     });
-    stage(&store, Scope::Scene(SCENE), BEV_MASKS.stage, |unit| {
+    stage(&store, Scope::Scene(SCENE), (BEV_MASKS.stage, origin), |unit| {
         // Road everywhere, a car in the middle.
         let mut masks = vec![1_u8; 20 * 20];
         masks.extend((0..400).map(|i| u8::from((8..12).contains(&(i / 20)) && (9..11).contains(&(i % 20)))));
         let about = r#"{"rule":"exact","classes":["road","car"],"cells":20,"cell_m":1.0,"every_n_frames":1}"#;
         archive(unit, &BEV_MASKS, about, Scalar::Bool, &[2, 20, 20], &masks);
     });
-    stage(&store, Scope::Scene(SCENE), VOXEL_GRIDS.stage, |unit| {
+    stage(&store, Scope::Scene(SCENE), (VOXEL_GRIDS.stage, origin), |unit| {
         // A floor of 20 m by 20 m, a wall across it ahead.
         let (n, layers) = (40, 8);
         let cell = |i: usize| match (i / layers / n, i % layers) {
@@ -157,8 +168,24 @@ fn log(unit: &mut Unit<'_>) {
     table(unit, &frames.collect::<Vec<_>>());
 }
 
+/// Columns of zeros of imported points.
+fn zero_columns(name: &str) -> Option<&'static str> {
+    match name {
+        "LIDAR" => Some(r#"["intensity","ring","time_offset_s","cos_angle","id","tag"]"#),
+        "SEG-LIDAR" => Some(r#"["intensity","ring","time_offset_s"]"#),
+        "RAD_FRONT" => Some(r#"["rcs_dbsm","snr_db","id","tag"]"#),
+        _ => None,
+    }
+}
+
 /// A sensor's table.
-fn sensor<R: Row>(unit: &mut Unit<'_>, agent: AgentId, name: &str, height_m: f64, row: impl Fn(u32) -> R) {
+fn sensor<R: Row>(
+    unit: &mut Unit<'_>,
+    (agent, is_imported): (AgentId, bool),
+    name: &str,
+    height_m: f64,
+    row: impl Fn(u32) -> R,
+) {
     let is_camera = name.contains("CAM");
     let [width, height] = IMAGE_PX;
     let matrix = [[32.0, 0.0, 32.0], [0.0, 32.0, 18.0], [0.0, 0.0, 1.0]];
@@ -176,14 +203,18 @@ fn sensor<R: Row>(unit: &mut Unit<'_>, agent: AgentId, name: &str, height_m: f64
         lens: None,
     };
     let json = serde_json::to_string(&about).expect("json");
-    let options = TableOptions::frames(vec![(METADATA_KEY.into(), json)]);
+    let mut metadata = vec![(METADATA_KEY.into(), json)];
+    if let Some(columns) = zero_columns(name).filter(|_| is_imported) {
+        metadata.push((ZERO_COLUMNS.into(), columns.into()));
+    }
+    let options = TableOptions::frames(metadata);
     let mut rows = unit.table::<R>(&keys::sensor(SCENE, agent, name), options).expect("opens");
     (0..FRAMES).for_each(|frame| rows.push(&[row(frame)]).expect("writes"));
     unit.add(rows.finish().expect("finishes"));
 }
 
-fn sensors(unit: &mut Unit<'_>) {
-    let ego = AgentId::vehicle(0);
+fn sensors(unit: &mut Unit<'_>, is_imported: bool) {
+    let ego = (AgentId::vehicle(0), is_imported);
     let grey = Canvas::new(IMAGE_PX, [128; 3]).expect("fits");
     let image = |canvas: &Canvas, is_jpeg: bool| {
         let bytes = if is_jpeg { canvas.to_jpeg(95) } else { canvas.to_png() };
@@ -208,26 +239,27 @@ fn sensors(unit: &mut Unit<'_>) {
         dy: vec![0.0; pixels],
         ..FlowRow::default()
     });
-    // A point on the car's roof.
+    // A point on the car's roof. Of what is imported zeros stand where nobody knows.
+    let (tag, id, intensity) = if is_imported { (0, 0, 0.0) } else { (14, 9, 0.5) };
     let lidar = |frame| LidarRow {
         frame,
         x: vec![8.0],
         y: vec![0.0],
         z: vec![-0.3],
-        intensity: vec![0.5],
+        intensity: vec![intensity],
         ring: vec![3],
-        tag: vec![14],
-        id: vec![9],
+        tag: vec![tag],
+        id: vec![id],
         ..LidarRow::default()
     };
     sensor(unit, ego, "LIDAR", 1.8, lidar);
-    sensor(unit, AgentId::rsu(0), "LIDAR", 3.2, lidar);
+    sensor(unit, (AgentId::rsu(0), is_imported), "LIDAR", 3.2, lidar);
     sensor(unit, ego, "SEG-LIDAR", 1.8, |frame| SemanticLidarRow {
         frame,
         x: vec![8.0],
         y: vec![0.0],
         z: vec![-0.3],
-        intensity: vec![0.5],
+        intensity: vec![intensity],
         ring: vec![3],
         tag: vec![14],
         id: vec![9],
@@ -239,8 +271,8 @@ fn sensors(unit: &mut Unit<'_>) {
         altitude: vec![0.0],
         azimuth: vec![0.0],
         velocity: vec![-5.0],
-        tag: vec![14],
-        id: vec![9],
+        tag: vec![tag],
+        id: vec![id],
         ..RadarRow::default()
     });
 }

@@ -47,7 +47,7 @@ pub struct DatasetFacts {
 /// let tables = compute_tables(&facts, &[scene], &MeasureTotals::default());
 /// let overview = tables.get("overview").map(to_csv);
 /// assert_eq!(overview.as_deref(), Some("quantity,value\nscenes,1\nmaps,1\nframes,40\nrecorded_time_s,2\n"));
-/// assert!(report_html(&tables, &draw_figures(&tables), &[]).contains("<h1>demo</h1>"));
+/// assert!(report_html(&tables, &draw_figures(&tables), &[], []).contains("<h1>demo</h1>"));
 /// ```
 #[must_use]
 pub fn compute_tables(facts: &DatasetFacts, scenes: &[SceneInfo], counts: &MeasureTotals) -> Tables {

@@ -1,7 +1,7 @@
 // Sorts tables, filters scenes, and leads to the viewer. Without it the page is whole, but stands still.
 'use strict'
 const number = (text) => Number(text.replace(/[,%]/g, ''))
-for (const table of document.querySelectorAll('table')) {
+const sortable = (table) => {
   const heads = [...table.tHead.rows[0].cells]
   heads.forEach((head, column) => {
     const sort = () => {
@@ -34,6 +34,7 @@ for (const table of document.querySelectorAll('table')) {
     })
   })
 }
+document.querySelectorAll('table').forEach(sortable)
 
 const choices = document.querySelector('.choices')
 if (choices) {
@@ -44,11 +45,35 @@ if (choices) {
   const column = [...table.tHead.rows[0].cells].findIndex((head) => head.textContent === 'frames')
   const frames = (shown) => [...table.tBodies[0].rows].filter(shown)
     .reduce((sum, row) => sum + number(row.cells[column].textContent), 0).toLocaleString('en')
+  const cards = [...document.querySelectorAll('.card')]
+  // What each section shows of all scenes, and of those of each choice that the page holds.
+  const sections = [...document.querySelectorAll('section')].map((section) => {
+    const part = section.querySelector('.part')
+    return { section, part, whole: [...part.childNodes] }
+  })
+  const parts = new Map([...document.querySelectorAll('template')].map((part) => [part.dataset.scenes, part]))
+  const swap = (template) => {
+    const open = new Set([...document.querySelectorAll('details[open] > summary')].map((summary) => summary.textContent))
+    const content = template && template.content.cloneNode(true)
+    if (content) content.querySelectorAll('table').forEach(sortable)
+    for (const { section, part, whole } of sections) {
+      const found = content && content.querySelector(`[data-section="${section.id}"]`)
+      part.replaceChildren(...(content ? found ? found.childNodes : [] : whole))
+      section.classList.toggle('empty', !part.childNodes.length && !section.querySelector('.cards'))
+    }
+    for (const details of document.querySelectorAll('details')) details.open = open.has(details.firstElementChild.textContent)
+  }
+  let kept
   const filter = () => {
     const shown = (item) => selects.every((s) => !s.value || item.dataset[s.name] === s.value)
+    const some = cards.filter(shown)
+    const template = some.length < cards.length ? parts.get(some.map((card) => card.dataset.scene).join(' ')) : undefined
+    if (template !== kept) swap(template)
+    kept = template
     for (const item of document.querySelectorAll('[data-map]')) item.hidden = !shown(item)
-    const cards = [...document.querySelectorAll('.card')]
-    count.textContent = cards.filter(shown).length + ' of ' + cards.length + ' scenes, ' + frames(shown) + ' frames'
+    const whose = some.length === cards.length ? '' : template ? '; all figures and tables are of these alone'
+      : '; figures and sums are of all ' + cards.length + ' scenes'
+    count.textContent = some.length + ' of ' + cards.length + ' scenes, ' + frames(shown) + ' frames' + whose
   }
   selects.forEach((select) => select.addEventListener('change', filter))
   filter()

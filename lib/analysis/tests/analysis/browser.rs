@@ -5,7 +5,8 @@ use std::path::Path;
 use std::process::Command;
 
 use analysis::{
-    DatasetFacts, MeasureTotals, SceneCard, compute_tables, draw_figures, published_html, report_html,
+    DatasetFacts, GroupTotals, MeasureTotals, SceneCard, compute_tables, draw_figures, published_html,
+    report_html,
 };
 use schema::measures::{Bins, bev, sensors, sightings, simulation, tracks, voxels};
 use schema::scene_info::{AgentInfo, SceneInfo};
@@ -112,6 +113,25 @@ fn counts() -> MeasureTotals {
     counts
 }
 
+/// Counts of boxes alone, and few.
+fn few_counts() -> MeasureTotals {
+    let row = |measure: &str, bin: i32, count: u64| PartialRow {
+        measure: measure.into(),
+        class: "car".into(),
+        bin,
+        count,
+        ..PartialRow::default()
+    };
+    let mut counts = MeasureTotals::default();
+    counts.add(&[
+        row(tracks::FRAMES, 0, 20),
+        row(tracks::BOXES, 0, 70),
+        row(tracks::BOXES_VALID, 0, 30),
+        row(tracks::SPEED_MPS, 3, 30),
+    ]);
+    counts
+}
+
 /// A grey JPEG of 8 by 8 pixels, the least that one can be.
 fn picture() -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -138,8 +158,15 @@ fn write_pages(folder: &Path) {
     let tables = compute_tables(&facts("a demo"), &scenes, &counts());
     let figures = draw_figures(&tables);
     let cards: Vec<SceneCard> = scenes.iter().map(card).collect();
+    // Scenes to learn from have everything, the others boxes alone.
+    let mut groups = GroupTotals::default();
+    for scene in &scenes {
+        let counts = if scene.split == "train" { counts() } else { few_counts() };
+        groups.add(scene, &counts);
+    }
+    let whole = facts("a demo");
     let write = |name: &str, page: &str| std::fs::write(folder.join(name), page).expect("is written");
-    write("report.html", &report_html(&tables, &figures, &cards));
+    write("report.html", &report_html(&tables, &figures, &cards, groups.groups(&whole)));
     write("published.html", &published_html(&tables, &figures).expect("has numbers"));
     // A scene without a frame, of which nothing was counted: classes and labels are absent.
     let bare = SceneInfo { map: "Town01".into(), ..SceneInfo::default() };
@@ -155,7 +182,7 @@ fn write_pages(folder: &Path) {
         .add(&[tracks::FRAMES, tracks::BOXES, bev::BEV_CELLS, bev::BEV_GRIDS, voxels::VOXEL_CELLS].map(row));
     let tables = compute_tables(&facts("bare"), std::slice::from_ref(&bare), &nothing);
     let figures = draw_figures(&tables);
-    write("bare.html", &report_html(&tables, &figures, &[]));
+    write("bare.html", &report_html(&tables, &figures, &[], []));
 }
 
 #[test]

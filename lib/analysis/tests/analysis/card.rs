@@ -94,3 +94,22 @@ fn a_card_has_the_words_of_its_configuration() {
         card.ends_with("\n````bibtex\n@inproceedings{x, note = {```}}\n````\n") && !card.contains("@misc")
     );
 }
+
+/// The configuration at hand is not that of what was imported.
+#[test]
+fn a_card_of_imports_says_nothing_of_the_configuration() {
+    let codes = BTreeSet::from(["import".to_owned()]);
+    let made_by = MadeBy { stages: vec![("render-sensors".into(), codes)], ..made_by() };
+    let card = dataset_card(&settings(CardSettings::default()), &made_by, &tables(2));
+    for part in [
+        "imported from another layout",
+        "zero_columns",
+        "| render-sensors | `import` |",
+        "\n| frames | 80 |\n",
+    ] {
+        assert!(card.contains(part), "{part}: {card}");
+    }
+    for part in ["CAM_FRONT", "simulated", "seed", "@misc"] {
+        assert!(!card.contains(part), "{part}: {card}");
+    }
+}

@@ -74,15 +74,31 @@ async function isUsable(page, address) {
     select.dispatchEvent(new Event('change'))
     return [[...document.querySelectorAll('.card')].filter(card => !card.hidden).map(card => card.dataset.scene), document.querySelector('output').textContent]
   })()`)
+  const parts = `[...document.querySelectorAll('.part')].map(part => part.textContent).join('|')`
+  const whole = await page.evaluate(parts)
   const [cards, words] = await choose('map', 'Town02')
+  assert.ok(words.endsWith('these alone'), words)
   assert.ok(cards.length > 0 && cards.every(scene => Number(scene) % 2 === 1), `${cards}`)
   assert.ok(words.startsWith(`${cards.length} of 12 scenes`), words)
   assert.equal((await page.evaluate(column('scene'))).length, cards.length)
   const [few] = await choose('split', 'val')
   assert.deepEqual(few, ['0003', '0009'])
+  // Figures and tables are of these scenes alone: 70 boxes each, 30 of them valid, and no masks.
+  const boxes = await page.evaluate(`(() => {
+    const row = [...document.querySelectorAll('#boxes tr.total')].find(row => row.cells[0].textContent === 'total')
+    return [row.cells[1].textContent, row.cells[2].textContent]
+  })()`)
+  assert.deepEqual(boxes, ['140', '60'])
+  const drawn = `[...document.querySelectorAll('.figures svg title')].map(title => title.textContent)`
+  const figures = await page.evaluate(drawn)
+  assert.ok(figures.includes('Objects per class') && !figures.includes('BEV cells per class'), `${figures}`)
+  assert.equal(await page.evaluate(`document.querySelector('#bev').offsetHeight`), 0, 'a section without anything is not shown')
+  assert.notDeepEqual(await page.evaluate(column('scene', 'head.click()')), await page.evaluate(column('scene', 'head.click()')), 'its tables are sorted')
+  await isSound(page, `${path.basename(address, '.html')}-filtered-${await page.evaluate('innerWidth')}`)
   await choose('map', '')
   const [all] = await choose('split', '')
   assert.equal(all.length, 12)
+  assert.equal(await page.evaluate(parts), whole)
 }
 
 const types = { '.html': 'text/html', '.jpg': 'image/jpeg', '.csv': 'text/csv' }

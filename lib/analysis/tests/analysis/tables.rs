@@ -52,11 +52,11 @@ fn statistics_say_which_part_of_the_dataset_they_cover() {
     let whole = compute_tables(&facts(2), &[scene(0, 1, 0), scene(1, 1, 0)], &counts);
     assert!(
         !csv(&whole, "overview").contains("planned")
-            && report_html(&whole, &[], &[]).contains("of the dataset<")
+            && report_html(&whole, &[], &[], []).contains("of the dataset<")
     );
     let part = compute_tables(&facts(3), &[scene(0, 1, 0), scene(1, 1, 0)], &counts);
     assert!(csv(&part, "overview").starts_with("quantity,value\nscenes,2\nplanned_scenes,3\nmaps,1\n"));
-    assert!(report_html(&part, &[], &[]).contains("Statistics of 2 of 3 scenes"));
+    assert!(report_html(&part, &[], &[], []).contains("Statistics of 2 of 3 scenes"));
 }
 
 fn csv(tables: &Tables, name: &str) -> String {
@@ -260,7 +260,7 @@ fn the_report_of_nothing_is_a_page() {
     let tables = tables_of(&[], &[]);
     let figures = draw_figures(&tables);
     assert!(figures.is_empty());
-    let html = report_html(&tables, &figures, &[]);
+    let html = report_html(&tables, &figures, &[], []);
     assert!(html.contains("<span>scenes</span>"));
     assert!(!html.contains("Occupancy labels"));
     assert_eq!(published_html(&tables, &figures), None);
@@ -277,7 +277,7 @@ fn scenes_are_cards_that_say_what_to_filter_them_by() {
         picture: picture.map(str::to_owned),
     };
     let cards = [card(3, "train", Some("scenes/0003.jpg")), card(4, "val", None)];
-    let html = report_html(&tables, &[], &cards);
+    let html = report_html(&tables, &[], &cards, []);
     let page = parse(&html);
     let found: Vec<_> = page.descendants().filter(|n| n.attribute("class") == Some("card")).collect();
     let attribute =
@@ -323,7 +323,7 @@ fn our_numbers_stand_beside_the_published_ones() {
     parse(&html);
     assert!(html.contains("Valid objects in a frame") && html.contains("href=\"report.html\""));
     // The report leads there, and leaves the numbers to it.
-    let report = report_html(&tables, &figures, &[]);
+    let report = report_html(&tables, &figures, &[], []);
     assert!(report.contains("href=\"published.html\"") && !report.contains("ours by published"));
 }
 
@@ -380,7 +380,7 @@ fn bev_labels_have_places() {
         figures.iter().map(|f| f.name.as_str()).filter(|n| n.starts_with("bev_heat")).collect();
     assert_eq!(drawn, ["bev_heat_road"], "classes that no cell carries have no figure");
     // The long table stays in its file.
-    let html = report_html(&tables, &figures, &[]);
+    let html = report_html(&tables, &figures, &[], []);
     assert!(html.contains("href=\"bev_heat.csv\">2,500 rows") && !html.contains("<td>78.40</td>"));
 }
 
@@ -481,7 +481,7 @@ proptest! {
             parse(&figure.svg);
             prop_assert!(!figure.svg.contains("NaN") && !figure.svg.contains("inf\""));
         }
-        let html = report_html(&tables, &figures, &[]);
+        let html = report_html(&tables, &figures, &[], []);
         let page = parse(&html);
         // Every link within the page has its target.
         for link in page.descendants().filter_map(|node| node.attribute("href")) {

@@ -10,9 +10,3 @@ pub struct McapOptions {
     /// Write depth pictures, as metres.
     pub depth: bool,
 }
-
-impl Default for McapOptions {
-    fn default() -> Self {
-        Self { voxel_range_m: 24.0, voxel_block: 4, depth: false }
-    }
-}

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 
+use schema::is_imported;
 use schema::table::Row as _;
 use schema::tables::PlanSceneRow;
 use serde::Serialize;
@@ -17,8 +18,8 @@ use super::rig::sensor_token;
 use super::rows::{BOX_STEPS, POSE_STEPS, Row, rounded, token};
 use super::unit::{Fragment, ground};
 use super::words::{ATTRIBUTES, CATEGORIES, VISIBILITIES};
-use crate::ExportFile;
-use crate::{ExportError, Source, UnitFiles};
+use crate::source::NO_MAP;
+use crate::{ExportError, ExportFile, Source, UnitFiles};
 
 /// A table that is being written, row by row.
 struct Table {
@@ -94,13 +95,18 @@ fn mask_name(map: &str) -> String {
 pub(crate) fn elements(source: &Source, map: &str) -> Result<Vec<MapElement>, ExportError> {
     let key = keys::vector_map(map);
     let plan = source.store.manifest(Scope::Plan, PlanSceneRow::STAGE)?;
-    let plan = plan.filter(|plan| plan.output(&key).is_some()).ok_or_else(|| {
-        let path = source.store.location(&key);
-        ExportError::Refused(format!(
-            "{path}: is missing (run spawn-planner with --force, or export with --no-map-mask)"
-        ))
-    })?;
-    Ok(source.store.read_rows(&plan, &key)?)
+    match plan {
+        Some(plan) if plan.output(&key).is_some() => Ok(source.store.read_rows(&plan, &key)?),
+        Some(plan) if is_imported(&plan.code_version) => Err(ExportError::Refused(format!(
+            "{map}: {NO_MAP} (export with --no-map-mask: blank pictures stand for masks then)"
+        ))),
+        _ => {
+            let path = source.store.location(&key);
+            Err(ExportError::Refused(format!(
+                "{path}: is missing (run spawn-planner with --force, or export with --no-map-mask)"
+            )))
+        }
+    }
 }
 
 fn write_error(name: &str, source: io::Error) -> ExportError {

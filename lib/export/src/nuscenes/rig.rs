@@ -69,6 +69,22 @@ impl Rig {
     }
 }
 
+/// Whether a channel's points have labels: those of `LIDAR_TOP`, if they are wanted and their tags are known.
+///
+/// # Errors
+/// Its table cannot be read.
+pub(crate) fn is_labelled(
+    scene: &SceneSource,
+    agent: AgentId,
+    channel: &Channel,
+    options: &NuScenesOptions,
+) -> Result<bool, ExportError> {
+    if !options.lidarseg || channel.name != "LIDAR_TOP" {
+        return Ok(false);
+    }
+    Ok(!scene.unknown_columns(agent, &channel.sensor)?.contains("tag"))
+}
+
 /// Why a sensor has no place in the layout.
 fn no_place(sensor: &SensorEntry) -> Option<&'static str> {
     let bends = sensor.about.lens.is_some_and(|lens| lens != Lens::Pinhole);

@@ -13,7 +13,7 @@ use super::finish::elements;
 use super::mask::{WAY_MARGIN_M, bounds, merge, widened};
 use super::options::NuScenesOptions;
 use super::options::plain;
-use super::rig::{Rig, sample_step};
+use super::rig::{Rig, is_labelled, sample_step};
 use super::words::Modality;
 use crate::{Cost, ExportError, Omission, SceneSource, Source, UnitName};
 
@@ -90,7 +90,14 @@ fn of_scene(
         ));
     }
     for agent in scene.agents() {
-        for (sensor, why) in Rig::of(scene, *agent)?.left_out {
+        let Rig { channels, left_out } = Rig::of(scene, *agent)?;
+        for channel in channels.iter().filter(|channel| options.lidarseg && channel.name == "LIDAR_TOP") {
+            if !is_labelled(scene, *agent, channel, options)? {
+                omissions
+                    .insert(Omission::new("lidarseg", "nobody knows the tags of points of imported scenes"));
+            }
+        }
+        for (sensor, why) in left_out {
             // Of pictures in colour one camera is left out, of others the kind.
             let is_rgb = sensor.kind == SensorKind::Image(ImageKind::Rgb);
             omissions.insert(match is_rgb {
@@ -136,7 +143,7 @@ pub(crate) fn cost(
             false => samples,
         };
         let rows = u64::from(schema::rate::count(scene.info().frames, every)).max(1);
-        let is_labelled = channel.name == "LIDAR_TOP" && options.lidarseg;
+        let is_labelled = is_labelled(scene, agent, &channel, options)?;
         let each = match channel.modality {
             Modality::Camera => channel.sensor.bytes / rows,
             Modality::Lidar => {

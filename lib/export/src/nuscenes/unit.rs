@@ -11,7 +11,7 @@ use super::boxes::{Annotations, Objects, Sight, is_annotated};
 use super::clouds::{Returns, Sweep, lidar_file, radar_file, radar_velocity, sensor_from_layout};
 use super::mask::merge;
 use super::options::NuScenesOptions;
-use super::rig::{Channel, Rig, sample_step};
+use super::rig::{Channel, Rig, is_labelled, sample_step};
 use super::rows::{
     CalibratedSensor, EgoPose, LidarSeg, Log, POSE_STEPS, Row, Sample, SampleData, Scene, rounded, token,
 };
@@ -60,6 +60,8 @@ struct Source {
     channel: Channel,
     readings: Readings,
     calibration_token: String,
+    /// Whether its points have labels.
+    is_labelled: bool,
     /// Frames of its readings in the export, ascending, and how many are done.
     frames: Vec<u32>,
     done: usize,
@@ -199,7 +201,8 @@ impl Unit<'_, '_> {
             schema::rate::is_due(*frame, every) && (sweeps || self.samples.binary_search(frame).is_ok())
         };
         let frames = self.scene.frames().filter(is_wanted).collect();
-        Ok(Source { channel, readings, calibration_token, frames, done: 0 })
+        let is_labelled = is_labelled(self.scene, self.agent, &channel, self.options)?;
+        Ok(Source { channel, readings, calibration_token, is_labelled, frames, done: 0 })
     }
 
     /// Rows of the log, the scene and its samples.
@@ -295,7 +298,7 @@ impl Unit<'_, '_> {
             Readings::Lidar(rows) => match rows.at(frame)? {
                 None => None,
                 Some(sweep) => {
-                    if is_key_frame && name == "LIDAR_TOP" && self.options.lidarseg {
+                    if is_key_frame && source.is_labelled {
                         self.labels(&sweep, frame)?;
                     }
                     Some(lidar_file(&sweep))

@@ -1,5 +1,6 @@
 //! Sweeps as point clouds of files.
 
+use frames::math;
 use schema::tables::LidarRow;
 
 schema::columns! {
@@ -25,6 +26,12 @@ impl Sweep {
             // Zero has no sign here.
             ([*x, 0.0 - *y, *z], *i)
         })
+    }
+
+    /// How high over the horizon its points are seen, rad.
+    pub(super) fn elevations(&self) -> impl Iterator<Item = f64> {
+        let place = self.x.iter().zip(&self.y).zip(&self.z);
+        place.map(|((x, y), z)| math::atan2(f64::from(*z), math::hypot(f64::from(*x), f64::from(*y))))
     }
 
     /// Which of the beams to keep so that about so many are left. The lowest beam that met something counts them.

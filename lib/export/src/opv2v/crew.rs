@@ -8,6 +8,7 @@ use scene::{SensorEntry, SensorKind, sensors_of};
 use schema::settings::Lens;
 use schema::{AgentId, AgentKind, ImageKind};
 
+use super::beams::Rings;
 use super::options::{Options, Variant};
 use crate::{ExportError, Omission, SceneSource};
 
@@ -40,10 +41,18 @@ pub(super) struct Member {
     /// Its folder; negative for RSUs.
     pub(super) name: i64,
     pub(super) lidar: SensorEntry,
+    pub(super) rings: Rings,
     /// Ahead, right, left, back.
     pub(super) cameras: Option<[CameraPair; 4]>,
     /// At every how many frames pixels say what it sees; else points do.
     pub(super) pixels_every_n_frames: Option<u32>,
+}
+
+impl Member {
+    /// Whether there are thinned clouds of its lidar.
+    pub(super) fn is_thinned(&self) -> bool {
+        !matches!(self.rings, Rings::Unknown)
+    }
 }
 
 /// A camera's pictures and, if it has them, depths.
@@ -215,7 +224,25 @@ fn member(
     let all = sensors_of(scene.reader(), agent)?;
     let instance = all.iter().find(|sensor| sensor.kind == SensorKind::Image(ImageKind::Instance));
     let pixels_every_n_frames = instance.map(|sensor| sensor.about.every_n_frames.max(1));
-    Ok(Some(Member { agent, id: object_id(scene, agent)?, name, lidar, cameras, pixels_every_n_frames }))
+    let rings = match options.variant {
+        Variant::Opv2v => Rings::of(scene, agent, &lidar)?,
+        // It has no thinned clouds.
+        Variant::V2xReal => Rings::Known,
+    };
+    if matches!(rings, Rings::Unknown) {
+        let why =
+            "nobody knows the rings of imported scenes, and elevations of these points tell no beams apart";
+        omissions.insert(Omission::new(format!("thinned clouds (_32, _16) of {agent}"), why));
+    }
+    Ok(Some(Member {
+        agent,
+        id: object_id(scene, agent)?,
+        name,
+        lidar,
+        rings,
+        cameras,
+        pixels_every_n_frames,
+    }))
 }
 
 /// The four cameras of an agent, or why it has not; none where it has none at all.

@@ -27,6 +27,8 @@ pub(super) struct Fragment {
     pub(super) every_n_frames: u32,
     /// Most objects of a frame's list.
     pub(super) most_boxes: u32,
+    /// Whether there are clouds of fewer beams.
+    pub(super) is_thinned: bool,
     pub(super) camera_px: Option<[u32; 2]>,
 }
 
@@ -83,12 +85,16 @@ fn protocol(scene: u32, agents: &[Fragment]) -> Value {
 }
 
 /// Which sensor of an agent HEAL shall use: m1 its lidar, m2 its cameras, m3 32 and m4 (cameras again) in turn, so that each is
-/// there as often. Agents without cameras take turns with lidars alone.
+/// there as often. Agents without cameras take turns with lidars alone, those without thinned clouds have no m3.
 fn modalities(scenes: &Scenes) -> Value {
     let of = |(number, (scene, agent)): (usize, (u32, &Fragment))| {
         let turn = number + scene as usize;
-        let kinds: &[&str] =
-            if agent.camera_px.is_some() { &["m1", "m2", "m3", "m4"] } else { &["m1", "m3"] };
+        let kinds: &[&str] = match (agent.camera_px.is_some(), agent.is_thinned) {
+            (true, true) => &["m1", "m2", "m3", "m4"],
+            (true, false) => &["m1", "m2", "m4"],
+            (false, true) => &["m1", "m3"],
+            (false, false) => &["m1"],
+        };
         (agent.name.to_string(), Value::from(kinds[turn % kinds.len()]))
     };
     map(scenes.iter().map(|(scene, agents)| {
@@ -139,6 +145,7 @@ mod tests {
             frames: 12,
             every_n_frames: 2,
             most_boxes,
+            is_thinned: true,
             camera_px: has_cameras.then_some([640, 360]),
         }
     }
@@ -151,6 +158,11 @@ mod tests {
             "scene_0000": {"-1": "m1", "10001": "m2", "10002": "m3"},
             "scene_0003": {"-1": "m3", "10001": "m1", "10002": "m2"},
         });
+        assert_eq!(modalities(&scenes), expected);
+        let whole = |name, has_cameras| Fragment { is_thinned: false, ..agent(name, 9, has_cameras) };
+        let scenes =
+            Scenes::from([(2, vec![whole(10001, true), whole(10002, false), agent(10003, 9, false)])]);
+        let expected = serde_json::json!({"scene_0002": {"10001": "m4", "10002": "m1", "10003": "m1"}});
         assert_eq!(modalities(&scenes), expected);
     }
 

@@ -10,6 +10,7 @@
 //!
 //! V2X-Real: below `V2X-Real/`, clouds are `FFFFFF.bin`, objects have an `obj_type`, and there is nothing more.
 
+mod beams;
 mod bev;
 mod clouds;
 mod crew;
@@ -34,8 +35,12 @@ use schema::tables::{LidarRow, ValidBoxRow};
 use crate::{Cost, ExportError, Layout, Omission, SceneSource, Source, UnitFiles, UnitName};
 pub use options::{Options, Variant};
 
+use crate::source::NO_MAP;
 use bev::RoadChannel;
 use crew::{Crew, Member};
+
+/// Why lanes are left out of pictures of scenes that were made here.
+const NO_LINES: &str = "the store has no lines of it: `convoy run` writes them";
 
 /// One of the layouts, with its options.
 #[derive(Debug)]
@@ -101,6 +106,10 @@ impl Layout for Opv2v {
         let mut omissions = BTreeSet::new();
         let mut sizes: BTreeMap<[u32; 2], String> = BTreeMap::new();
         for scene in &source.scenes {
+            if variant == Variant::Opv2v && !scene.has_vector_map()? {
+                let why = if scene.is_imported() { NO_MAP } else { NO_LINES };
+                omissions.insert(Omission::new(format!("bev_lane on {}", scene.info().map), why));
+            }
             let crew = self.crew(scene)?;
             omissions.extend(crew.omissions.iter().cloned());
             if crew.every_n_frames > scene.every_n_frames() {

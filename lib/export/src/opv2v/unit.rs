@@ -10,6 +10,7 @@ use schema::tables::{AgentRow, CameraRow};
 use schema::{AgentId, AgentKind};
 use serde_json::Value;
 
+use super::beams::Rings;
 use super::bev::{Mask, RoadChannel, lane_picture, place};
 use super::clouds::Sweep;
 use super::crew::{CameraPair, Crew, Member, agent_from_camera};
@@ -50,6 +51,7 @@ pub(super) fn write(
         frames: crew.frames(scene).count() as u32,
         every_n_frames: crew.every_n_frames,
         most_boxes: most_boxes as u32,
+        is_thinned: member.is_thinned(),
         camera_px: member.cameras.as_ref().map(|cameras| cameras[0].size_px()),
     }
     .to_bytes()
@@ -66,7 +68,7 @@ pub(super) fn cost(scene: &SceneSource, member: &Member, variant: Variant) -> [f
         [width * height * (1.1 + 0.05 * depth), width * height * (40e-9 + 10e-9 * depth)]
     });
     let pictures = pictures.fold([0.0; 2], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
-    let copies = if variant == Variant::Opv2v { 1.75 } else { 1.0 };
+    let copies = if variant == Variant::Opv2v && member.is_thinned() { 1.75 } else { 1.0 };
     [copies * cloud + pictures[0] + 2e4, pictures[1] + 1e-8 * cloud + 5e-3]
 }
 
@@ -139,12 +141,16 @@ impl<'a> Unit<'a> {
         files.put(&format!("{main}.yaml"), &to_yaml(&record))?;
         files.put(&format!("{main}.json"), &to_json(&record))?;
         let wrong = |problem| content(self.scene, self.member, frame, problem);
-        let sweep = reading(&mut self.sweeps, frame, &self.member.lidar, wrong)?;
+        let mut sweep = reading(&mut self.sweeps, frame, &self.member.lidar, wrong)?;
         match self.options.variant {
             Variant::V2xReal => files.put(&format!("{main}.bin"), &sweep.to_bin())?,
             Variant::Opv2v => {
                 files.put(&format!("{main}.pcd"), &sweep.to_pcd(1))?;
-                for beams in THINNED {
+                if let Rings::Told(beams) = &self.member.rings {
+                    sweep.ring = beams.rings(&sweep);
+                }
+                let is_thinned = self.member.is_thinned();
+                for beams in THINNED.into_iter().filter(|_| is_thinned) {
                     let name = format!("OPV2V_Hetero/{place}_{beams}.pcd");
                     files.put(&name, &sweep.to_pcd(sweep.thinning(beams)))?;
                 }

@@ -1,12 +1,14 @@
 //! A finished scene.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use scene::{ArrayReader, BoxFrames, SceneError, SceneReader, SensorEntry, SensorFrames, sensors_of};
+use scene::{
+    ArrayReader, BoxFrames, SceneError, SceneReader, SensorEntry, SensorFrames, sensors_of, unknown_columns,
+};
 use schema::AgentId;
 use schema::arrays::ArrayKind;
-use schema::scene_info::SceneInfo;
+use schema::scene_info::{LOG_STAGE, SceneInfo};
 use schema::table::{Framed, Row};
 use schema::tables::{AgentRow, CameraRow, ValidBoxRow, VectorMapRow};
 use store::{Scope, Store, hash_bytes, keys};
@@ -107,9 +109,27 @@ impl SceneSource {
     /// # Errors
     /// The plan cannot be read.
     pub fn has_map(&self) -> Result<bool, ExportError> {
+        self.has_planned(&[keys::map(&self.info.map), keys::vector_map(&self.info.map)])
+    }
+
+    /// Whether the store has the lines and polygons of its map.
+    ///
+    /// # Errors
+    /// The plan cannot be read.
+    pub fn has_vector_map(&self) -> Result<bool, ExportError> {
+        self.has_planned(&[keys::vector_map(&self.info.map)])
+    }
+
+    /// Whether some files stand in the store's plan.
+    fn has_planned(&self, keys: &[String]) -> Result<bool, ExportError> {
         let plan = self.reader.store().manifest(Scope::Plan, VectorMapRow::STAGE)?;
-        let keys = [keys::map(&self.info.map), keys::vector_map(&self.info.map)];
         Ok(plan.is_some_and(|plan| keys.iter().all(|key| plan.output(key).is_some())))
+    }
+
+    /// Whether it was imported from another layout.
+    #[must_use]
+    pub fn is_imported(&self) -> bool {
+        self.reader.manifest(LOG_STAGE).is_ok_and(|log| schema::is_imported(&log.code_version))
     }
 
     /// Its reader, for tables and archives that have no function here.
@@ -164,6 +184,21 @@ impl SceneSource {
         sensors.retain(|sensor| self.selection.has_sensor(&sensor.name));
         known().insert(agent, sensors.clone());
         Ok(sensors)
+    }
+
+    /// Columns of a sensor's table that are no readings: zeros, because the dataset that was imported did not say them.
+    ///
+    /// # Errors
+    /// As [`unknown_columns`].
+    pub fn unknown_columns(
+        &self,
+        agent: AgentId,
+        sensor: &SensorEntry,
+    ) -> Result<BTreeSet<String>, ExportError> {
+        if !self.is_imported() {
+            return Ok(BTreeSet::new());
+        }
+        Ok(unknown_columns(&self.reader, agent, &sensor.name)?)
     }
 
     /// A sensor's readings.
