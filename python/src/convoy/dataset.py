@@ -1,0 +1,187 @@
+"""A store and its scenes."""
+
+from __future__ import annotations
+
+import functools
+import os
+import pathlib
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyarrow as pa
+
+from convoy.errors import StoreError
+from convoy.files import Files
+from convoy.poses import Array, pose
+
+if TYPE_CHECKING:
+    from convoy.frame import Frame
+
+
+class Dataset:
+    """A store: a folder that `make dataset` wrote. Nothing is read before it is asked for; may be pickled."""
+
+    def __init__(self, store: str | os.PathLike[str]) -> None:
+        self.path = pathlib.Path(store).absolute()
+        self._files = Files(self.path, None)
+        rows = self._files.table("plan/scenes.parquet", ["scene", "split", "map", "frames"]).to_pylist()
+        self._plan = {row["scene"]: row for row in rows}
+        self._scenes: dict[int, Scene] = {}
+        self._maps: dict[str, pa.Table] = {}
+
+    def __repr__(self) -> str:
+        return f"Dataset({str(self.path)!r})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Dataset, (str(self.path),))
+
+    @functools.cached_property
+    def config(self) -> dict[str, Any]:
+        """The whole resolved configuration."""
+        config: dict[str, Any] = self._files.json("dataset.json")["config"]
+        return config
+
+    @property
+    def splits(self) -> dict[str, list[int]]:
+        """Planned scenes by split."""
+        splits: dict[str, list[int]] = {}
+        for number, row in sorted(self._plan.items()):
+            splits.setdefault(row["split"], []).append(number)
+        return splits
+
+    def scenes(self, split: str | None = None, stages: Sequence[str] = ("simulate-and-log",)) -> list[Scene]:
+        """The scenes for which all these stages are finished, in order; of one split, or of all."""
+        if split is not None and split not in self.splits:
+            raise StoreError(
+                f"there is no split {split}: it has {', '.join(self.splits)}",
+                do="choose one of these",
+                file=str(self.path),
+            )
+        numbers = [number for number, row in sorted(self._plan.items()) if split in (None, row["split"])]
+        return [scene for number in numbers if set(stages) <= (scene := self.scene(number)).stages]
+
+    def scene(self, number: int) -> Scene:
+        """A scene by its number."""
+        if number not in self._plan:
+            raise StoreError(
+                f"the plan has no such scene, it has {len(self._plan)}",
+                do="choose one of Dataset.splits",
+                scene=number,
+                file=str(self.path),
+            )
+        if number not in self._scenes:
+            self._scenes[number] = Scene(self, number)
+        return self._scenes[number]
+
+    def vector_map(self, name: str) -> pa.Table:
+        """A map as lines, polygons and a lane graph in the world; docs/schema.md has its columns."""
+        if name not in self._maps:
+            self._maps[name] = self._files.table(f"maps/{name}.vector.parquet")
+        return self._maps[name]
+
+
+class Scene:
+    """Some seconds in one place. Frame k is at k x 0.05 s."""
+
+    def __init__(self, dataset: Dataset, number: int) -> None:
+        row = dataset._plan[number]
+        self.dataset, self.number = dataset, number
+        self.split: str = row["split"]
+        self.map_name: str = row["map"]
+        self.frames: int = row["frames"]
+        """How many frames it has."""
+        self._files = Files(dataset.path, number)
+
+    def __repr__(self) -> str:
+        return f"Scene({self.number}, split={self.split!r}, map={self.map_name!r}, frames={self.frames})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Dataset.scene, (self.dataset, self.number))
+
+    @property
+    def stages(self) -> set[str]:
+        """The stages that are finished for it."""
+        return self._files.stages
+
+    @functools.cached_property
+    def info(self) -> dict[str, Any]:
+        """Facts about it: `log/scene.json`."""
+        info: dict[str, Any] = self._files.json(self.key("log/scene.json"))
+        return info
+
+    @functools.cached_property
+    def agents(self) -> tuple[str, ...]:
+        """Its agents: vehicles, then RSUs."""
+        return tuple(self._poses)
+
+    @property
+    def label_every_n_frames(self) -> int:
+        """Boxes, map records and tracks are at frames 0, n, 2 n, ..."""
+        return int(self.info.get("label_every_n_frames", 1))
+
+    def frame(self, number: int) -> Frame:
+        """A frame by its number, from 0."""
+        from convoy.frame import Frame
+
+        if not 0 <= number < self.frames:
+            raise self.fault(f"it has frames 0 to {self.frames - 1}", "choose one of these", frame=number)
+        return Frame(self, number)
+
+    def table(self, name: str, columns: Sequence[str] | None = None) -> pa.Table:
+        """A whole table by its name in docs/schema.md: `tracks`, `boxes_valid`, `log/actors`, ..."""
+        return self._files.table(self.key(f"{name}.parquet"), columns)
+
+    def tracks(self) -> pa.Table:
+        """One row per object that was in some agent's list."""
+        return self.table("tracks")
+
+    def vector_map(self) -> pa.Table:
+        """Its map: `Dataset.vector_map`."""
+        return self.dataset.vector_map(self.map_name)
+
+    def key(self, name: str) -> str:
+        """Where a file of the scene is in the store."""
+        return f"scenes/{self.number:04d}/{name}"
+
+    def fault(self, what: str, do: str, **place: Any) -> StoreError:
+        """A fault in this scene."""
+        return StoreError(what, do=do, scene=self.number, **place)
+
+    @functools.cached_property
+    def _poses(self) -> dict[str, dict[str, Array]]:
+        """Of each agent: id, world_from_agent, velocity and angular velocity by frame."""
+        names = ["frame", "agent", "id", "xyz_m", "quaternion", "velocity_mps", "angular_velocity_radps"]
+        columns = self._files.table(self.key("agents.parquet"), names).to_pydict()
+        found: dict[str, dict[str, Array]] = {}
+        for row in zip(*(columns[name] for name in names), strict=True):
+            frame, agent, number, xyz, quaternion, velocity, turning = row
+            of = found.setdefault(
+                agent,
+                {
+                    "pose": np.full((self.frames, 4, 4), np.nan),
+                    "velocity": np.full((self.frames, 3), np.nan),
+                    "turning": np.full((self.frames, 3), np.nan),
+                    "id": np.array(number),
+                },
+            )
+            if frame < self.frames:
+                of["pose"][frame] = pose(xyz, quaternion)
+                of["velocity"][frame], of["turning"][frame] = velocity, turning
+        return dict(sorted(found.items(), key=_vehicles_first))
+
+    @functools.cached_property
+    def _sensors(self) -> dict[str, tuple[str, ...]]:
+        """Tables of each agent's sensors."""
+        prefix = self.key("sensors/")
+        found: dict[str, list[str]] = {agent: [] for agent in self.agents}
+        for key in self._files.outputs:
+            if key.startswith(prefix) and key.endswith(".parquet"):
+                agent, name = key[len(prefix) : -len(".parquet")].split("/")
+                found.setdefault(agent, []).append(name)
+        return {agent: tuple(sorted(names)) for agent, names in found.items()}
+
+
+def _vehicles_first(item: tuple[str, Any]) -> tuple[bool, str, int]:
+    kind, _, number = item[0].rpartition("_")
+    return (kind == "rsu", kind, int(number) if number.isdigit() else 0)

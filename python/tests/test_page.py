@@ -1,0 +1,49 @@
+"""The manual's examples, run one after another beside a store that is called `dataset`."""
+
+import contextlib
+import io
+import os
+import re
+import tempfile
+import unittest
+from pathlib import Path
+
+from plain import STORE
+
+PAGE = Path(__file__).resolve().parents[2] / "docs/python.md"
+BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+NEEDS = {"torch": "PyTorch, for an example of docs/python.md", "PIL": "Pillow, to decode pictures"}
+
+
+def missing(code):
+    for module, why in NEEDS.items():
+        if module in code or (module == "PIL" and re.search(r"\.(image|depth|instances)\(\)", code)):
+            try:
+                __import__(module)
+            except ImportError:
+                yield why
+
+
+class Page(unittest.TestCase):
+    def test_every_example_runs(self):
+        examples, names = BLOCK.findall(PAGE.read_text()), {}
+        self.assertGreater(len(examples), 4)
+        skipped, here = set(), os.getcwd()
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "dataset").symlink_to(STORE)
+            os.chdir(folder)
+            try:
+                for code in examples:
+                    if lacks := set(missing(code)):
+                        skipped |= lacks
+                        continue
+                    with contextlib.redirect_stdout(io.StringIO()):
+                        exec(compile(code, str(PAGE), "exec"), names)  # noqa: S102
+            finally:
+                os.chdir(here)
+        if skipped:
+            self.skipTest("; ".join(sorted(skipped)))
+
+
+if __name__ == "__main__":
+    unittest.main()
