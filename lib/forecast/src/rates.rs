@@ -15,9 +15,9 @@ pub(crate) struct PixelCost {
 
 pub(crate) const fn pixel_cost(kind: ImageKind) -> PixelCost {
     let (bytes, core_s) = match kind {
-        ImageKind::Rgb => (0.13, 150e-9),
-        ImageKind::Semantic => (0.09, 15e-9),
-        ImageKind::Instance => (0.07, 5e-9),
+        ImageKind::Rgb => (0.13, 52e-9),
+        ImageKind::Semantic => (0.09, 3e-9),
+        ImageKind::Instance => (0.07, 3e-9),
         ImageKind::Depth => (0.45, 15e-9),
         ImageKind::Flow => (0.5, 15e-9),
     };
@@ -45,7 +45,7 @@ pub(crate) fn reading_costs(rig: &Rig) -> impl Iterator<Item = ReadingCost> {
     let of_rays = |output, rays: f64, bytes_ray, every_n_frames| ReadingCost {
         output,
         bytes: rays * bytes_ray,
-        core_s: rays * 0.24e-6,
+        core_s: rays * 0.17e-6,
         every_n_frames,
     };
     let lidars = rig.lidars.iter().map(move |lidar| {

@@ -28,7 +28,7 @@ fn file(name: &str) -> (String, Vec<u8>) {
 pub(crate) fn measure(rows: &mut Vec<Row>) {
     let load = |bytes: &[u8]| Map::new(read_bytes(bytes).expect("is a map"));
     let (name, bytes) = file("Town11.xodr.gz");
-    rows.push(Row { part: format!("load {name}"), seconds: best(3, || load(&bytes)), budget: 3.0 });
+    rows.push(Row { part: format!("load {name}"), taken: best(3, || load(&bytes)), budget_s: 3.0 });
     let (name, bytes) = file("Town03.xodr");
     let map = load(&bytes);
     let places = places(&map);
@@ -36,8 +36,8 @@ pub(crate) fn measure(rows: &mut Vec<Row>) {
         || places.iter().filter_map(|p| map.nearest_driving_lane(*p)).map(|h| h.distance_m).sum::<f64>();
     rows.push(Row {
         part: format!("nearest lane of {PLACES} places on {name}"),
-        seconds: best(3, nearest),
-        budget: 2.0,
+        taken: best(3, nearest),
+        budget_s: 2.0,
     });
 }
 
