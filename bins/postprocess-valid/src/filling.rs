@@ -82,7 +82,8 @@ impl FrameArrays for FilledGrids<'_> {
         counts: &mut PartialCounts,
     ) -> Result<Vec<FrameArray<'m>>, StageError> {
         let path = reader.path().to_owned();
-        let array = reader.read(frame).at(|| self.place())?;
+        let memory = std::mem::take(&mut grid.data);
+        let array = reader.read_into(frame, memory).at(|| self.place())?;
         *grid = grid_of(array).ok_or(InputError::NoGrid { path: path.clone(), frame }).at(|| self.place())?;
         filler
             .fill(grid, self.settings.voxel_m, self.settings.fill_rule)

@@ -8,6 +8,7 @@ mod sightings;
 
 use frames::{Agent, Pose, World};
 use pipeline::{At, Job, Stage, StageError};
+use rayon::prelude::*;
 use scene::{FrameRanges, SceneError, SceneLog, SceneReader};
 use schema::AgentId;
 use schema::settings::stages::{RangeRig, ValiditySettings};
@@ -58,42 +59,59 @@ fn run(job: &mut Job<'_, ValiditySettings>) -> Result<(), StageError> {
     Ok(())
 }
 
-/// One row per row of the boxes, in the same order: by frame, then agent.
+/// One row per row of the boxes, in the same order: by frame, then agent. Agents are judged side by side, each frame by frame.
 fn validate_all(
     job: &Job<'_, ValiditySettings>,
     scene: &SceneReader,
     log: &SceneLog,
     settings: &ValiditySettings,
 ) -> Result<Vec<ValidBoxRow>, StageError> {
-    let (progress, frames) = (job.progress(), log.frame_count());
-    let boxes: Vec<BoxRow> = scene.rows().at(|| job.place())?;
-    let odd = || Err(InputError::Boxes).at(|| job.place().in_file(scene.location("boxes.parquet")));
-    let Ok(ranges) = FrameRanges::new(&boxes, 0, frames) else { return odd() };
-    let mut witnesses = Vec::new();
-    for &agent in log.agent_ids() {
-        let rig = settings.rigs.of(agent);
-        witnesses.push(Witness::open(scene, agent, rig, frames).at(|| job.place().agent(agent))?);
-    }
-    let mut valid = Vec::with_capacity(boxes.len());
-    for frame in 0..frames {
-        let mut rest = &boxes[ranges.of(frame.into())];
-        for (position, witness) in witnesses.iter_mut().enumerate() {
-            let own = rest.partition_point(|b| b.agent == witness.name);
+    let (progress, frames, place) = (job.progress(), log.frame_count(), job.place());
+    let boxes: Vec<BoxRow> = scene.rows().at(|| place.clone())?;
+    let odd = || Err(InputError::Boxes).at(|| place.clone().in_file(scene.location("boxes.parquet")));
+    let Some(of_agents) = boxes_of_agents(&boxes, log) else { return odd() };
+    let judge = |(position, of_frames): (usize, Vec<&[BoxRow]>)| {
+        let agent = log.agent_ids()[position];
+        let here = || place.clone().agent(agent);
+        let mut witness = Witness::open(scene, agent, settings.rigs.of(agent), frames).at(here)?;
+        let mut judged = Vec::with_capacity(of_frames.len());
+        for (frame, boxes) in (0..frames).zip(of_frames) {
             let at = log.world_from_agent(position, frame);
-            let agent = witness.agent;
-            let place = || job.place().agent(agent).frame(frame);
-            valid.extend(witness.judge(frame, &rest[..own], &at, settings.valid_by_image).at(place)?);
-            rest = &rest[own..];
+            let valid = witness.judge(frame, boxes, &at, settings.valid_by_image);
+            judged.push(valid.at(|| here().frame(frame))?);
             progress.advance(1)?;
         }
+        Ok(judged)
+    };
+    let agents: Vec<Result<Vec<Vec<ValidBoxRow>>, StageError>> =
+        of_agents.into_par_iter().enumerate().map(judge).collect();
+    let mut agents =
+        agents.into_iter().map(|judged| Ok(judged?.into_iter())).collect::<Result<Vec<_>, StageError>>()?;
+    let in_order =
+        (0..frames).flat_map(|_| agents.iter_mut().filter_map(Iterator::next).flatten().collect::<Vec<_>>());
+    Ok(in_order.collect())
+}
+
+/// The boxes of each of the log's agents, by frame; none where they are not in the order of the log.
+fn boxes_of_agents<'b>(boxes: &'b [BoxRow], log: &SceneLog) -> Option<Vec<Vec<&'b [BoxRow]>>> {
+    let ranges = FrameRanges::new(boxes, 0, log.frame_count()).ok()?;
+    let names: Vec<String> = log.agent_ids().iter().map(ToString::to_string).collect();
+    let mut of_agents = vec![Vec::new(); names.len()];
+    let mut found = 0;
+    for frame in 0..log.frame_count() {
+        let mut rest = &boxes[ranges.of(frame.into())];
+        for (name, of_frames) in names.iter().zip(&mut of_agents) {
+            let (own, others) = rest.split_at(rest.partition_point(|b| b.agent == *name));
+            of_frames.push(own);
+            found += own.len();
+            rest = others;
+        }
     }
-    if valid.len() == boxes.len() { Ok(valid) } else { odd() }
+    (found == boxes.len()).then_some(of_agents)
 }
 
 /// What an agent's sensors saw, frame by frame.
 struct Witness {
-    agent: AgentId,
-    name: String,
     clouds: Clouds,
     /// Pixels by object and tag, by frame.
     visible: Vec<VisibleRow>,
@@ -106,7 +124,7 @@ impl Witness {
             if rig.instance { scene::agent_rows(scene, agent, VISIBLE_TABLE)? } else { Vec::new() };
         let ranges = FrameRanges::new(&visible, 0, frames).map_err(|row| InputError::Visible { row })?;
         let clouds = Clouds::open(scene, agent, rig, frames)?;
-        Ok(Self { agent, name: agent.to_string(), clouds, visible, frames: ranges })
+        Ok(Self { clouds, visible, frames: ranges })
     }
 
     /// Judges the agent's boxes of the next frame.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
+use lanes::{LANES, Lanes, Vec3s};
 
 use crate::camera::PinholeCamera;
 
@@ -52,6 +53,21 @@ impl VisibilityBuffer {
         match &self.rays {
             Some(rays) => rays[self.index(x, y)],
             None => self.camera.direction_optical(x as f32 + 0.5, y as f32 + 0.5),
+        }
+    }
+
+    /// The same of eight pixels of a row, whose columns are given.
+    #[must_use]
+    #[inline]
+    pub fn directions_optical(&self, x: &[u32; LANES], y: u32) -> Vec3s {
+        match &self.rays {
+            Some(rays) => Vec3s::from_fn(|i| rays[self.index(x[i], y)]),
+            None => {
+                let camera = &self.camera;
+                let column = Lanes::from(x.map(|x| x as f32 + 0.5));
+                let down = (y as f32 + 0.5 - camera.cy) / camera.fy;
+                Vec3s::new((column - camera.cx) / camera.fx, Lanes::splat(down), Lanes::ONE)
+            }
         }
     }
 

@@ -2,9 +2,11 @@
 //!
 //! [`Renderer`] owns prepared meshes; [`Renderer::place`] puts the instances of one frame over them and gives a
 //! [`Scene`], which answers batches of questions: what cameras see ([`Scene::look`]), of all or of some instances
-//! ([`Scene::look_at`]), and what rays hit ([`Scene::trace`], [`Scene::trace_at`]). Cameras, shadow maps, lidars and radars ask nothing else, and [`VoxelRenderer`] answers voxel
-//! grids. Answers are plain buffers of numbers, nothing that lives on one device; [`Surfaces`] recovers the exact surface
-//! point of every pixel from them, the same for all renderers. `visibility` and `voxels` fill the seam on the CPU.
+//! ([`Scene::look_at`]), how far away that is and no more ([`Scene::depths`]), and what rays hit ([`Scene::trace`],
+//! [`Scene::trace_at`]). Cameras, shadow maps, lidars and radars ask nothing else, and [`VoxelRenderer`] answers voxel
+//! grids. Answers are plain buffers of numbers, nothing that lives on one device; [`Surfaces`] recovers the exact
+//! surface point of every pixel from them, the same for all renderers. `visibility` and `voxels` fill the seam on the
+//! CPU.
 //!
 //! Every renderer keeps to this:
 //! * everything is in the snapshot's local frame (metres, `f32`), cameras in their optical frame;

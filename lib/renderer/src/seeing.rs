@@ -70,6 +70,19 @@ pub trait Scene: Send + Sync {
     /// The device failed.
     fn look_at(&self, shots: &[Alone<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError>;
 
+    /// Depths alone of what a camera sees, of all instances or as if there were nothing but some: those of
+    /// [`look`](Scene::look) and [`look_at`](Scene::look_at), bit for bit. Who asks for no more need not be told more.
+    ///
+    /// # Errors
+    /// The device failed.
+    fn depths(&self, camera: &PinholeCamera, among: Option<&[u32]>) -> Result<Vec<f32>, RenderError> {
+        let seen = match among {
+            None => self.look(&[*camera])?,
+            Some(instances) => self.look_at(&[Alone { camera: *camera, instances }])?,
+        };
+        Ok(seen.into_iter().flat_map(|seen| seen.depth_m).collect())
+    }
+
     /// The closest surface along every ray, in the batches' order. What a ray hits does not depend on its batch.
     ///
     /// # Errors

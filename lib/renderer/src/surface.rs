@@ -6,7 +6,7 @@ use glam::{DVec3, Mat3, Vec3};
 use lanes::{LANES, Lanes, Vec3s};
 use schema::geometry::{Instance, Part, Snapshot, TriMesh};
 
-use crate::buffer::{SKY, VisibilityBuffer};
+use crate::buffer::VisibilityBuffer;
 use crate::camera::PinholeCamera;
 
 /// A point on a surface.
@@ -115,16 +115,7 @@ impl<'v, 'a> Facet<'v, 'a> {
     /// The points of eight pixels, as [`Surfaces::at`] gives each: `x` are their columns, all in row `y`.
     #[inline]
     pub fn points(&self, buffer: &VisibilityBuffer, x: &[u32; LANES], y: u32) -> SurfacePoints {
-        let direction_optical = match &buffer.rays {
-            Some(rays) => Vec3s::from_fn(|i| rays[buffer.index(x[i], y)]),
-            None => {
-                let camera = &buffer.camera;
-                let column = Lanes::from(x.map(|x| x as f32 + 0.5));
-                let down = (y as f32 + 0.5 - camera.cy) / camera.fy;
-                Vec3s::new((column - camera.cx) / camera.fx, Lanes::splat(down), Lanes::ONE)
-            }
-        };
-        let direction = direction_optical.turned(&self.view.rotation);
+        let direction = buffer.directions_optical(x, y).turned(&self.view.rotation);
         let slope = direction.dot(Vec3s::splat(self.normal));
         let exact = self.offset / slope;
         // Not a number, endless and behind fail this.
@@ -207,43 +198,6 @@ impl<'a> Surfaces<'a> {
             let facet = self.facet(seen.0, seen.1);
             each(first as u32..(first + length) as u32, facet.as_ref());
             first += length;
-        }
-    }
-
-    /// Calls `each(x, point)` for every pixel of a row, in order; neighbours on one triangle share its set-up.
-    pub fn for_each_in_row(&self, y: u32, each: impl FnMut(u32, Option<&SurfacePoint<'a>>)) {
-        // Asked once a row, not once a pixel.
-        match &self.buffer.rays {
-            Some(rays) => self.for_each(y, |x| rays[self.buffer.index(x, y)], each),
-            None => {
-                let camera = self.buffer.camera;
-                self.for_each(y, |x| camera.direction_optical(x as f32 + 0.5, y as f32 + 0.5), each);
-            }
-        }
-    }
-
-    #[inline]
-    fn for_each(
-        &self,
-        y: u32,
-        direction_optical: impl Fn(u32) -> Vec3,
-        mut each: impl FnMut(u32, Option<&SurfacePoint<'a>>),
-    ) {
-        let start = self.buffer.index(0, y);
-        let end = start + self.buffer.width as usize;
-        let row = self.buffer.instance[start..end]
-            .iter()
-            .zip(&self.buffer.triangle[start..end])
-            .zip(&self.buffer.depth_m[start..end]);
-        let mut current = (SKY, SKY);
-        let mut facet = None;
-        for (x, ((&instance, &triangle), &depth_m)) in row.enumerate() {
-            if (instance, triangle) != current {
-                current = (instance, triangle);
-                facet = self.facet(instance, triangle);
-            }
-            let point = facet.as_ref().map(|f| f.point(direction_optical(x as u32), depth_m));
-            each(x as u32, point.as_ref());
         }
     }
 

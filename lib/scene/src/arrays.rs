@@ -43,7 +43,15 @@ impl ArrayReader {
     /// # Errors
     /// There is none, or it is broken.
     pub fn read(&mut self, frame: u32) -> Result<Array, SceneError> {
-        let found = self.archive.read(&frame_member(frame));
+        self.read_into(frame, Vec::new())
+    }
+
+    /// As [`ArrayReader::read`], with the memory of an array that is no longer needed.
+    ///
+    /// # Errors
+    /// As [`ArrayReader::read`].
+    pub fn read_into(&mut self, frame: u32, memory: Vec<u8>) -> Result<Array, SceneError> {
+        let found = self.archive.read_into(&frame_member(frame), memory);
         found.map_err(|e| wrong(&self.path, self.scene, self.stage, Some(frame), e))
     }
 

@@ -14,7 +14,7 @@ use crate::bvh::{Bvh, QUICK, Stack};
 use crate::meshes::Meshes;
 use crate::packet::{Boxes, Fan, HitsMut, Packet, Slabs};
 use crate::placed::Placed;
-use crate::raster::rasterize;
+use crate::raster::{depths, rasterize};
 
 /// Rays a packet: two vector registers of eight.
 const LANES: usize = 16;
@@ -64,11 +64,15 @@ impl Scene for CpuScene<'_> {
     }
 
     fn look_at(&self, shots: &[Alone<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
-        let some = |shot: &Alone<'_>| {
-            let placed = shot.instances.iter().filter_map(|&i| Some((i, self.placed.get(i as usize)?)));
-            rasterize(placed, &shot.camera)
-        };
+        let some = |shot: &Alone<'_>| rasterize(self.numbered(shot.instances), &shot.camera);
         Ok(shots.par_iter().map(some).collect())
+    }
+
+    fn depths(&self, camera: &PinholeCamera, among: Option<&[u32]>) -> Result<Vec<f32>, RenderError> {
+        Ok(match among {
+            None => depths((0..).zip(&self.placed), camera),
+            Some(some) => depths(self.numbered(some), camera),
+        })
     }
 
     fn trace(&self, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
@@ -150,6 +154,11 @@ impl<'a> CpuScene<'a> {
             .collect();
         let tree = tree_over(&numbers, &boxes);
         Self { snapshot, placed, tree, split: OnceLock::new() }
+    }
+
+    /// Some of the instances, with their numbers.
+    fn numbered<'s>(&'s self, some: &'s [u32]) -> impl Iterator<Item = (u32, &'s Option<Placed<'a>>)> {
+        some.iter().filter_map(|&i| Some((i, self.placed.get(i as usize)?)))
     }
 
     fn split(&self) -> Split {

@@ -193,16 +193,24 @@ impl<R: Read + Seek> NpzReader<R> {
     /// # Errors
     /// [`NpzError::NoMember`], [`NpzError::TooLarge`], or what is wrong with the member's bytes.
     pub fn read(&mut self, name: &str) -> Result<Array, NpzError> {
+        self.read_into(name, Vec::new())
+    }
+
+    /// As [`NpzReader::read`], with the memory of an array that is no longer needed: large ones cost as much to set aside as to read.
+    ///
+    /// # Errors
+    /// As [`NpzReader::read`].
+    pub fn read_into(&mut self, name: &str, memory: Vec<u8>) -> Result<Array, NpzError> {
         let entry = self.entry(name)?;
         let packed = self.packed_bytes(entry)?;
         let (array, rest) = match entry.method {
             CompressionMethod::STORE => {
                 let mut plain = packed.as_slice();
-                (unpack(entry, &mut plain)?, plain)
+                (unpack(entry, &mut plain, memory)?, plain)
             }
             CompressionMethod::DEFLATE => {
                 let mut plain = DeflateDecoder::new(packed.as_slice());
-                (unpack(entry, &mut plain)?, plain.into_inner())
+                (unpack(entry, &mut plain, memory)?, plain.into_inner())
             }
             other => {
                 return Err(NpzError::unsupported(name, format!("compression method {}", other.as_u16())));
@@ -279,11 +287,12 @@ fn unpack_header(entry: &Entry, plain: &mut impl Read) -> Result<Header, NpzErro
     Ok(Header { dtype, shape, len, crc })
 }
 
-/// Header and elements of a member.
-fn unpack(entry: &Entry, plain: &mut impl Read) -> Result<Array, NpzError> {
+/// Header and elements of a member, these in memory that is given.
+fn unpack(entry: &Entry, plain: &mut impl Read, memory: Vec<u8>) -> Result<Array, NpzError> {
     let name = entry.name.as_str();
     let Header { dtype, shape, len, mut crc } = unpack_header(entry, plain)?;
-    let mut bytes = vec![0; len];
+    let mut bytes = memory;
+    bytes.resize(len, 0);
     plain.read_exact(&mut bytes).map_err(|e| corrupt(name, &e))?;
     // The end-of-block code may still be unread.
     if plain.read(&mut [0]).map_err(|e| corrupt(name, &e))? != 0 {

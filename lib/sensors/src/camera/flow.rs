@@ -1,6 +1,7 @@
 //! Optical flow: where each pixel's surface was one frame ago.
 
-use glam::{Affine3A, Vec2};
+use glam::{Affine3A, Mat3};
+use lanes::{LANES, Lanes, Vec3s};
 use rayon::prelude::*;
 use renderer::Surfaces;
 use schema::ImageKind;
@@ -72,29 +73,41 @@ fn flow(snapshot: &Snapshot, sight: &Sight) -> (Vec<f32>, Vec<f32>) {
     let pixels = buffer.instance.len();
     let (mut dx, mut dy) = (vec![0.0; pixels], vec![0.0; pixels]);
     let rows = dx.par_chunks_mut(width).zip(dy.par_chunks_mut(width));
+    let turned = Mat3::from(camera.local_from_optical.matrix3);
+    let turned_before = Mat3::from(optical_before.matrix3);
     rows.enumerate().for_each(|(y, (dx, dy))| {
         let y = y as u32;
-        surfaces.for_each_in_row(y, |x, point| {
-            let was = match point {
-                Some(p) if stands(p.instance) => return,
-                None if camera_stands => return,
-                Some(p) => before[p.instance as usize].transform_point3(p.position_object),
-                None => {
-                    let direction = buffer.direction_optical(x, y);
-                    optical_before.transform_vector3(camera.local_from_optical.transform_vector3(direction))
-                }
-            };
-            let now = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-            let moved = now - view.model.project(was).0;
-            dx[x as usize] = rounded(2.0 * moved.x / camera.width as f32);
-            dy[x as usize] = rounded(-2.0 * moved.y / camera.height as f32);
+        surfaces.for_each_span(y, |span, triangle| {
+            if triangle.map_or(camera_stands, |triangle| stands(triangle.instance)) {
+                return;
+            }
+            for first in span.clone().step_by(LANES) {
+                let columns: [u32; LANES] = std::array::from_fn(|i| (first + i as u32).min(span.end - 1));
+                let was = match triangle {
+                    Some(triangle) => {
+                        let before = &before[triangle.instance as usize];
+                        let there = triangle.points(buffer, &columns, y).position_object;
+                        there.turned(&Mat3::from(before.matrix3)) + Vec3s::splat(before.translation.into())
+                    }
+                    None => buffer.directions_optical(&columns, y).turned(&turned).turned(&turned_before),
+                };
+                let [column, row] = view.model.project_all(&was);
+                let now = Lanes::from(columns.map(|x| x as f32 + 0.5));
+                let right = rounded((now - column) * 2.0 / camera.width as f32);
+                let up = rounded((y as f32 + 0.5 - row) * -2.0 / camera.height as f32);
+                let pixels = first as usize..(first as usize + LANES).min(span.end as usize);
+                let length = pixels.len();
+                dx[pixels.clone()].copy_from_slice(&right.to_array()[..length]);
+                dy[pixels].copy_from_slice(&up.to_array()[..length]);
+            }
         });
     });
     (dx, dy)
 }
 
-/// Limited and rounded; without negative zeros, which would only cost bytes.
-fn rounded(flow: f32) -> f32 {
+/// Limited and rounded, ties to even; without negative zeros, which would only cost bytes.
+#[inline]
+fn rounded(flow: Lanes) -> Lanes {
     // A product with a power of 2 is exact. Adding 0 turns -0 into 0.
-    (flow.clamp(-LIMIT, LIMIT) / STEP).round_ties_even() * STEP + 0.0
+    (flow.fast_clamp(Lanes::splat(-LIMIT), Lanes::splat(LIMIT)) / STEP).round() * STEP + 0.0
 }

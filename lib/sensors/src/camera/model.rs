@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec2, Vec3};
+use lanes::{LANES, Lanes, Vec3s};
 use rayon::prelude::*;
 use renderer::PinholeCamera;
 use schema::settings::{LensModel, Optics};
@@ -90,6 +91,19 @@ impl CameraModel {
         let ([x, y], is_shown) = bent.lens.project(point.to_array().map(f64::from));
         let Optics { fx, fy, cx, cy, .. } = self.optics;
         (Vec2::new((fx * x + cx) as f32, (fy * y + cy) as f32), is_shown)
+    }
+
+    /// Columns and rows of eight points, as [`project`](Self::project) has them.
+    #[must_use]
+    #[inline]
+    pub fn project_all(&self, points: &Vec3s) -> [Lanes; 2] {
+        if self.bent.is_some() {
+            let places: [Vec2; LANES] = std::array::from_fn(|i| self.project(points.lane(i)).0);
+            return [places.map(|p| p.x).into(), places.map(|p| p.y).into()];
+        }
+        let PinholeCamera { fx, fy, cx, cy, near_m, .. } = self.straight;
+        let z = points.z.simd_gt(near_m).select(points.z, Lanes::splat(near_m));
+        [points.x * fx / z + cx, points.y * fy / z + cy]
     }
 
     /// The direction in the optical frame in which a place of the picture looks, pixels; none where the lens shows nothing.

@@ -47,6 +47,11 @@ impl Size {
     fn whole_side(&self) -> u32 {
         self.side + self.cell
     }
+
+    /// A direction as lenses of this size tell it from others.
+    pub(super) fn rounded(&self, to_light: Vec3) -> Vec3 {
+        ((to_light * self.steps).round() / self.steps).normalize_or(Vec3::Z)
+    }
 }
 
 /// Where a lens is. All that it sees of what stands still follows from this: not from the agent that it looks for, nor the frame.
@@ -80,13 +85,6 @@ pub(super) struct Lens {
 pub(super) struct Window {
     pub(super) corner: [u32; 2],
     pub(super) side: u32,
-}
-
-impl Size {
-    /// A direction as lenses of this size tell it from others.
-    pub(super) fn rounded(&self, to_light: Vec3) -> Vec3 {
-        ((to_light * self.steps).round() / self.steps).normalize_or(Vec3::Z)
-    }
 }
 
 impl Lens {

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use lanes::{LANES, Lanes, Vec3s, floor_words};
 use rayon::prelude::*;
-use renderer::VisibilityBuffer;
+use renderer::PinholeCamera;
 
 use super::lens::{BLOCK, Lens, Window};
 
@@ -44,11 +44,16 @@ pub(super) struct Map {
 }
 
 impl Map {
-    /// The map of a window of a lens, in the local frame of an origin: what stands still as `still` has it, if there is such,
-    /// and what else the light sees.
-    pub(super) fn new(lens: &Lens, window: Window, still: Option<&Still>, seen: &VisibilityBuffer) -> Self {
+    /// The map of a window of a lens, in the local frame of its camera: what stands still as `still` has it, if there is such,
+    /// and what else the light sees through the camera.
+    pub(super) fn new(
+        lens: &Lens,
+        window: Window,
+        camera: &PinholeCamera,
+        seen_m: Vec<f32>,
+        still: Option<&Still>,
+    ) -> Self {
         let Lens { right, down, forward, texel_m, .. } = *lens;
-        let camera = &seen.camera;
         let mut map = Self {
             right,
             down,
@@ -62,7 +67,7 @@ impl Map {
             blocks: Vec::new(),
         };
         let Some(still) = still else {
-            map.depth_m.clone_from(&seen.depth_m);
+            map.depth_m = seen_m;
             map.blocks = map.sum_up();
             return map;
         };
@@ -71,7 +76,7 @@ impl Map {
         map.depth_m.reserve_exact(side * side);
         // Blocks in whose reach something moves.
         let mut touched = vec![false; per_side * per_side];
-        for (y, moving) in seen.depth_m.chunks_exact(side).enumerate() {
+        for (y, moving) in seen_m.chunks_exact(side).enumerate() {
             let start = (row + y) * still.side + column;
             let standing = &still.depth_m[start..start + side];
             map.depth_m.extend(standing.iter().zip(moving).map(|(s, m)| if m < s { *m } else { *s }));

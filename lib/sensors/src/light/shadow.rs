@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use lanes::{LANES, Lanes, Vec3s, floor_words, lerp};
 use rayon::prelude::*;
-use renderer::{Alone, RenderError, Scene};
+use renderer::{RenderError, Scene};
 
 use super::lens::{ABOVE, BLOCK, Lens, MAPS, Window};
 use super::map::{Lit, Map};
@@ -56,14 +56,11 @@ pub(crate) fn shadows_at(
         let camera = lens.camera(&origin, *window);
         // Those that are kept come first.
         let still = standing.get(i).map(Arc::as_ref);
-        let seen = match still {
-            Some(_) => scene.look_at(&[Alone { camera, instances: &moving }])?,
-            None => scene.look(&[camera])?,
-        };
-        Ok(seen.iter().map(|seen| Map::new(lens, *window, still, seen)).collect::<Vec<_>>())
+        let depth_m = scene.depths(&camera, still.map(|_| moving.as_slice()))?;
+        Ok(Map::new(lens, *window, &camera, depth_m, still))
     };
-    let maps: Result<Vec<Vec<Map>>, RenderError> = lenses.par_iter().enumerate().map(map).collect();
-    let mut maps: Vec<Map> = maps?.into_iter().flatten().collect();
+    let maps: Result<Vec<Map>, RenderError> = lenses.par_iter().enumerate().map(map).collect();
+    let mut maps = maps?;
     let above = maps.remove(0);
     let to_light = lenses.get(1).map_or(Vec3::Z, |((lens, _), _)| -lens.forward);
     Ok((Shadows { to_light, maps }, Overhead { map: above }))

@@ -120,8 +120,8 @@ impl<'a> StillMaps<'a> {
     fn make(&self, lens: &Lens) -> Result<Still, RenderError> {
         let snapshot = self.world.around(lens.centre_m.to_array(), ASIDE_M);
         let camera = lens.camera(&snapshot.origin, lens.whole());
-        let seen = self.renderer.place(&snapshot)?.look(&[camera])?.remove(0);
-        Ok(Map::new(lens, lens.whole(), None, &seen).into_still())
+        let depth_m = self.renderer.place(&snapshot)?.depths(&camera, None)?;
+        Ok(Map::new(lens, lens.whole(), &camera, depth_m, None).into_still())
     }
 
     fn kept(&self) -> MutexGuard<'_, Kept> {

@@ -50,9 +50,12 @@ fn surfaces_of_one_camera(bencher: Bencher) {
         let surfaces = Surfaces::new(&buffer, &town);
         let mut sum = Vec3::ZERO;
         for y in 0..buffer.height {
-            surfaces.for_each_in_row(y, |_, point| {
-                if let Some(point) = point {
-                    sum += point.position_object + point.normal_local;
+            surfaces.for_each_span(y, |span, triangle| {
+                let Some(triangle) = triangle else { return };
+                for first in span.step_by(8) {
+                    let columns = std::array::from_fn(|i| (first + i as u32).min(buffer.width - 1));
+                    sum +=
+                        triangle.points(&buffer, &columns, y).position_object.lane(0) + triangle.normal_local;
                 }
             });
         }

@@ -22,24 +22,44 @@ pub(crate) fn rasterize<'p, 'a: 'p>(
     camera: &PinholeCamera,
 ) -> VisibilityBuffer {
     let mut buffer = VisibilityBuffer::empty(camera);
-    let width = camera.width as usize;
-    if width == 0 || camera.height == 0 {
-        return buffer;
-    }
+    let Some(band) = band(camera) else { return buffer };
     let view = View::new(placed, camera);
-    let band = width * TILE_HEIGHT;
     let instances = buffer.instance.par_chunks_mut(band);
     let triangles = buffer.triangle.par_chunks_mut(band);
     let depths = buffer.depth_m.par_chunks_mut(band);
     instances.zip(triangles).zip(depths).enumerate().for_each(|(row, ((instance, triangle), depth_m))| {
-        let columns = width.div_ceil(TILE_WIDTH);
-        let tiles: Vec<Option<Tile>> =
-            (0..columns).into_par_iter().map(|column| Tile::draw(&view, column, row)).collect();
-        for (column, tile) in tiles.iter().enumerate() {
-            if let Some(tile) = tile {
-                tile.copy_to(width, column * TILE_WIDTH, instance, triangle, depth_m);
-            }
+        for (column, tile) in tiles::<true>(&view, row) {
+            tile.copy_depths(camera, column, depth_m);
+            tile.copy_numbers(camera, column, [instance, triangle]);
         }
     });
     buffer
+}
+
+/// Depths alone of what [`rasterize`] sees.
+pub(crate) fn depths<'p, 'a: 'p>(
+    placed: impl Iterator<Item = (u32, &'p Option<Placed<'a>>)>,
+    camera: &PinholeCamera,
+) -> Vec<f32> {
+    let mut depth_m = vec![f32::INFINITY; camera.width as usize * camera.height as usize];
+    let Some(band) = band(camera) else { return depth_m };
+    let view = View::new(placed, camera);
+    depth_m.par_chunks_mut(band).enumerate().for_each(|(row, depth_m)| {
+        for (column, tile) in tiles::<false>(&view, row) {
+            tile.copy_depths(camera, column, depth_m);
+        }
+    });
+    depth_m
+}
+
+/// Pixels of a row of tiles; none where the picture has none.
+fn band(camera: &PinholeCamera) -> Option<usize> {
+    (camera.width > 0 && camera.height > 0).then_some(camera.width as usize * TILE_HEIGHT)
+}
+
+/// Draws a row of tiles: those that anything may be in, with their first columns.
+fn tiles<const NUMBERED: bool>(view: &View<'_>, row: usize) -> Vec<(usize, Tile<NUMBERED>)> {
+    let columns = (view.camera.width as usize).div_ceil(TILE_WIDTH);
+    let tile = |column: usize| Some((column * TILE_WIDTH, Tile::draw(view, column, row)?));
+    (0..columns).into_par_iter().filter_map(tile).collect()
 }

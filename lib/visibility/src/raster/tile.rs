@@ -1,6 +1,8 @@
 //! One tile of the picture: walking the trees and drawing triangles.
 #![allow(clippy::needless_range_loop)] // One index runs through many lane arrays.
 
+use std::ops::Range;
+
 use glam::{DVec3, Vec3};
 use renderer::{PinholeCamera, SKY};
 
@@ -21,8 +23,9 @@ const DEPTH_SLACK: f32 = 1.0 + 1e-5;
 /// After drawing over this many pixels, it pays to look up the farthest depth again.
 const STALE_PX: usize = 1024;
 
-/// A tile's pixels.
-pub(super) struct Tile {
+/// A tile's pixels: with the numbers of what they see, or depths alone.
+pub(super) struct Tile<const NUMBERED: bool> {
+    /// Of depths alone, those of the sky are a hair less than that of the far end.
     inverse_depth: Vec<f32>,
     instance: Vec<u32>,
     triangle: Vec<u32>,
@@ -146,7 +149,7 @@ struct Covering {
     triangle: u32,
 }
 
-impl Tile {
+impl<const NUMBERED: bool> Tile<NUMBERED> {
     /// Draws one tile; `None` when nothing can be in it.
     pub(super) fn draw(view: &View<'_>, column: usize, row: usize) -> Option<Self> {
         view.tile(column, row).next()?;
@@ -165,41 +168,67 @@ impl Tile {
 
     fn empty(camera: &PinholeCamera, column: usize, row: usize) -> Self {
         let pixels = TILE_WIDTH * TILE_HEIGHT;
-        let mut inverse_depth = vec![1.0 / camera.far_m; pixels];
+        let mut inverse_depth = vec![Self::sky(camera); pixels];
         // Pixels beyond the picture count as drawn.
         let columns = (camera.width as usize - column * TILE_WIDTH).min(TILE_WIDTH);
         let rows = (camera.height as usize - row * TILE_HEIGHT).min(TILE_HEIGHT);
         for (y, line) in inverse_depth.chunks_mut(TILE_WIDTH).enumerate() {
             line[if y < rows { columns } else { 0 }..].fill(f32::INFINITY);
         }
+        let numbers = if NUMBERED { vec![SKY; pixels] } else { Vec::new() };
         Self {
             inverse_depth,
-            instance: vec![SKY; pixels],
-            triangle: vec![SKY; pixels],
+            instance: numbers.clone(),
+            triangle: numbers,
             farthest_m: camera.far_m,
             stale: 0,
         }
     }
 
-    /// Copies the tile's pixels into a band of the picture that starts at the tile's first row.
-    pub(super) fn copy_to(
+    /// Inverse depth where nothing is seen. What is exactly at the far end is nearer: by its numbers, or by a hair.
+    fn sky(camera: &PinholeCamera) -> f32 {
+        let farthest = 1.0 / camera.far_m;
+        if NUMBERED { farthest } else { farthest.next_down() }
+    }
+
+    /// Copies the tile's depths into a band of the picture that starts at the tile's first row, row after row.
+    pub(super) fn copy_depths(&self, camera: &PinholeCamera, column: usize, depth_m: &mut [f32]) {
+        let sky = Self::sky(camera);
+        for (row, to) in self.rows(camera.width as usize, column, depth_m) {
+            let depths = self.inverse_depth[row.clone()].iter().enumerate();
+            for (to, (x, &inverse)) in to.iter_mut().zip(depths) {
+                let seen = if NUMBERED { self.instance[row.start + x] != SKY } else { inverse > sky };
+                *to = if seen { 1.0 / inverse } else { f32::INFINITY };
+            }
+        }
+    }
+
+    /// The same of the numbers.
+    pub(super) fn copy_numbers(
+        &self,
+        camera: &PinholeCamera,
+        column: usize,
+        [instance, triangle]: [&mut [u32]; 2],
+    ) {
+        for (numbers, band) in [(&self.instance, instance), (&self.triangle, triangle)] {
+            for (row, to) in self.rows(camera.width as usize, column, band) {
+                to.copy_from_slice(&numbers[row]);
+            }
+        }
+    }
+
+    /// The tile's pixels row by row, with where they are in a band of the picture.
+    fn rows<'b, T>(
         &self,
         width: usize,
         column: usize,
-        instance: &mut [u32],
-        triangle: &mut [u32],
-        depth_m: &mut [f32],
-    ) {
+        band: &'b mut [T],
+    ) -> impl Iterator<Item = (Range<usize>, &'b mut [T])> + use<'b, T, NUMBERED> {
         let columns = (width - column).min(TILE_WIDTH);
-        for y in 0..instance.len() / width {
-            let (from, to) = (y * TILE_WIDTH, y * width + column);
-            instance[to..to + columns].copy_from_slice(&self.instance[from..from + columns]);
-            triangle[to..to + columns].copy_from_slice(&self.triangle[from..from + columns]);
-            for x in 0..columns {
-                let seen = self.instance[from + x] != SKY;
-                depth_m[to + x] = if seen { 1.0 / self.inverse_depth[from + x] } else { f32::INFINITY };
-            }
-        }
+        let rows = band.chunks_exact_mut(width).enumerate();
+        rows.map(move |(y, row)| {
+            (y * TILE_WIDTH..y * TILE_WIDTH + columns, &mut row[column..column + columns])
+        })
     }
 
     /// Looks up the farthest depth again when at least this many pixels were drawn since.
@@ -365,14 +394,20 @@ impl Tile {
                 if any == 0 {
                     continue;
                 }
-                let instances = &mut self.instance[index..index + LANES];
-                let triangles = &mut self.triangle[index..index + LANES];
-                let key = (covering.instance, covering.triangle);
-                for i in 0..LANES {
-                    if closer[i] != 0 && (value[i] > drawn[i] || key < (instances[i], triangles[i])) {
-                        drawn[i] = value[i];
-                        instances[i] = covering.instance;
-                        triangles[i] = covering.triangle;
+                if NUMBERED {
+                    let instances = &mut self.instance[index..index + LANES];
+                    let triangles = &mut self.triangle[index..index + LANES];
+                    let key = (covering.instance, covering.triangle);
+                    for i in 0..LANES {
+                        if closer[i] != 0 && (value[i] > drawn[i] || key < (instances[i], triangles[i])) {
+                            drawn[i] = value[i];
+                            instances[i] = covering.instance;
+                            triangles[i] = covering.triangle;
+                        }
+                    }
+                } else {
+                    for i in 0..LANES {
+                        drawn[i] = if closer[i] != 0 { value[i] } else { drawn[i] };
                     }
                 }
                 self.stale += LANES;

@@ -284,12 +284,11 @@ fn surface_points_lie_on_their_triangles() {
         let eye = Vec3::from(camera.local_from_optical.translation);
         let mut seen = 0;
         for y in 0..90 {
-            surfaces.for_each_in_row(y, |x, point| {
+            for x in 0..160 {
                 let i = buffer.index(x, y);
-                assert_eq!(point.copied(), surfaces.at(x, y));
-                let Some(point) = point else {
+                let Some(point) = surfaces.at(x, y) else {
                     assert_eq!(buffer.instance[i], SKY);
-                    return;
+                    continue;
                 };
                 seen += 1;
                 let placed = &world.instances[point.instance as usize];
@@ -312,6 +311,18 @@ fn surface_points_lie_on_their_triangles() {
                 assert!(point.normal_local.dot(eye - point.position_local) >= 0.0);
                 let normal = placed.local_from_object.transform_vector3((b - a).cross(c - a).normalize());
                 assert!(normal.dot(point.normal_local).abs() > 0.9999);
+            }
+            // Eight at a time they are the same.
+            surfaces.for_each_span(y, |span, triangle| {
+                for x in span {
+                    let point = surfaces.at(x, y).map(|p| (p.position_object, p.position_local, p.depth_m));
+                    let points =
+                        triangle.map(|t| t.points(&buffer, &[x.saturating_sub(3), 0, x, x, 1, 2, 3, 4], y));
+                    let third = points.map(|p| {
+                        (p.position_object.lane(2), p.position_local.lane(2), p.depth_m.as_array()[2])
+                    });
+                    assert_eq!(third, point, "{x} {y}");
+                }
             });
         }
         assert!(seen > 5000);

@@ -46,6 +46,7 @@ fn both_see_the_same_ids_depths_and_surfaces() {
                 for (a, b) in ours.depth_m.iter().zip(&theirs.depth_m) {
                     assert!(a == b || (a / b - 1.0).abs() < 1e-4, "{a} {b}");
                 }
+                assert_eq!(cpu.depths(&ours.camera, None).unwrap(), ours.depth_m);
                 // Surface points come from ids alone, where planes are not seen edge-on.
                 let (a, b) = (Surfaces::new(ours, &world), Surfaces::new(theirs, &world));
                 assert_eq!(a.at(20, 13), b.at(20, 13));
@@ -57,6 +58,7 @@ fn both_see_the_same_ids_depths_and_surfaces() {
             for (ours, theirs) in cpu.look_at(&shots).unwrap().iter().zip(&brute.look_at(&shots).unwrap()) {
                 assert_eq!((&ours.instance, &ours.triangle), (&theirs.instance, &theirs.triangle));
                 assert!(ours.instance.iter().all(|&i| i == SKY || i % 3 == 0));
+                assert_eq!(cpu.depths(&ours.camera, Some(&some)).unwrap(), ours.depth_m);
                 alone += ours.instance.iter().filter(|&&i| i != SKY).count();
             }
         });
