@@ -48,7 +48,7 @@ class Truth:
     """(C, H, W) bool."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Keyframe:
     """A moment of a scene."""
 
@@ -112,11 +112,12 @@ class Keyframes(Dataset[Keyframe]):
         )
 
 
-def truth(frame: convoy.Frame, ego: str, settings: Settings) -> Truth:
-    """What the ego has to find: objects that it or anybody in its communication range has seen, whatever the mode."""
+def truth(frame: convoy.Frame, ego: str, settings: Settings, itself: bool = False) -> Truth:
+    """What the ego has to find: objects that it or anybody in its communication range has seen, whatever the mode. The ego `itself` is
+    none of them, but SimBEV2X's rule counts it where others have seen it."""
     agent = frame.agent(ego)
     boxes = agent.boxes()
-    boxes = boxes[boxes.id != agent.id]
+    boxes = boxes if itself else boxes[boxes.id != agent.id]
     seen = frame.cooperative(ego, "x2x", settings.comm_range_m, settings.elevation_m).seen_by(boxes.id)
     number = np.array([settings.classes.index(c) if c in settings.classes else -1 for c in (*convoy.CLASSES, "")])
     labels = number[boxes.label]
