@@ -21,6 +21,9 @@ COLOUR ?=
 PREDICTIONS ?=
 SPLIT  ?=
 OUT    ?=
+BENCHMARK ?= python/baseline/benchmark.toml
+DEVICE ?= cpu
+WORKERS ?=
 PYTHON ?= $(or $(CONVOY_PYTHON),python3)
 CARGO ?= cargo
 BIN    = target/release
@@ -34,7 +37,7 @@ SCENE_ARG   = $(if $(SCENE),--scene $(SCENE))
 AGENT_ARG   = $(if $(AGENT),--agent $(AGENT))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate export import devkit check-devkit town towns town-pictures check-towns traffic-report build test soak lint bench bench-kernels docs help
+.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report build test soak lint bench bench-kernels docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
@@ -45,6 +48,7 @@ help:
 	@echo "make export FORMAT=kitti|mcap|nuscenes|opv2v|v2x-real|simbev2x DEST=folder [STORE=dataset] [SCENES=] [SPLIT=] [ARGS=]    (docs/exports.md; ARGS=--dry-run first)"
 	@echo "make import SRC=folder [STORE=dataset] [SCENES=0,3-5] [ARGS=--dry-run]       (a dataset of SimBEV2X as a store: docs/import.md)"
 	@echo "make evaluate PREDICTIONS=file.parquet [STORE=dataset] [SCENES=] [SPLIT=] [EVERY=10] [OUT=scores.parquet] (docs/evaluation.md)"
+	@echo "make benchmark [DEST=benchmark] [DEVICE=cpu|cuda] [JOBS=n]  (data, cooperative models, scores, docs/benchmark.md: docs/python.md)"
 	@echo "make check-devkit [STORE=dataset] [SCENES=0,1] [DEST=pictures]    (nuscenes-devkit on an export of it)"
 	@echo "make view [STORE=dataset] [PORT=n]  (plays the scenes of a store in the browser)"
 	@echo "make town NAME=convoy/demo [SEED=7] [DEST=folder]       (a road network of our own, with its picture)"
@@ -95,6 +99,13 @@ evaluate: build
 	@test -n "$(PREDICTIONS)" || { echo "say of what: make evaluate PREDICTIONS=file.parquet [STORE=dataset]"; exit 2; }
 	$(BIN)/evaluate --predictions $(PREDICTIONS) --store $(STORE) $(SCENES_ARG) $(if $(SPLIT),--split $(SPLIT)) $(EVERY_ARG) \
 		$(THREADS_ARG) $(if $(OUT),--out $(OUT)) $(ARGS)
+
+# Makes data, trains models without and with cooperation, scores them and writes docs/benchmark.md. Started again, it goes on. The
+# Python that runs it needs PyTorch: make benchmark [PYTHON=python3] [BENCHMARK=python/baseline/benchmark.toml] [STORE=benchmark-store]
+benchmark: build
+	PYTHONPATH=python/src:python/baseline/src $(PYTHON) -m convoy_baseline.benchmark --plan $(BENCHMARK) \
+		--store $(if $(filter file,$(origin STORE)),benchmark-store,$(STORE)) --out $(or $(DEST),benchmark) --page docs/benchmark.md \
+		--program $(BIN)/convoy --device $(DEVICE) $(THREADS_ARG) $(if $(WORKERS),--workers $(WORKERS))
 
 # A finished store in a layout of other people's loaders: make export FORMAT=kitti DEST=folder [SCENES=0,3-5] [SPLIT=train] [ARGS=--dry-run]
 export: build

@@ -10,7 +10,11 @@ from pathlib import Path
 
 from plain import STORE
 
+import convoy
+
 PAGE = Path(__file__).resolve().parents[2] / "docs/python.md"
+PREDICTIONS = PAGE.with_name("evaluation.md")
+"""Its example writes what an example of the page scores."""
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 NEEDS = {"torch": "PyTorch, for an example of docs/python.md", "PIL": "Pillow, to decode pictures"}
 
@@ -22,6 +26,11 @@ def missing(code):
                 __import__(module)
             except ImportError:
                 yield why
+    if "convoy.evaluate" in code:
+        try:
+            convoy.evaluation.found()
+        except convoy.ProgramError:
+            yield "the program convoy, for an example of docs/python.md"
 
 
 class Page(unittest.TestCase):
@@ -33,6 +42,7 @@ class Page(unittest.TestCase):
             Path(folder, "dataset").symlink_to(STORE)
             os.chdir(folder)
             try:
+                exec(BLOCK.findall(PREDICTIONS.read_text())[0], {})  # noqa: S102
                 for code in examples:
                     if lacks := set(missing(code)):
                         skipped |= lacks

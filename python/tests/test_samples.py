@@ -1,5 +1,6 @@
 """Samples and their batches, beside the tables; with PyTorch where it is installed."""
 
+import importlib
 import pickle
 import tempfile
 import unittest
@@ -124,7 +125,7 @@ class Torch(unittest.TestCase):
             import torch
         except ImportError:
             with self.assertRaisesRegex(ImportError, "pip install"):
-                import convoy.torch
+                importlib.import_module("convoy.torch")
             self.skipTest("PyTorch, for convoy.torch")
         from torch.utils.data import DataLoader
 

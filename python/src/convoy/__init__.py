@@ -17,6 +17,7 @@ from convoy.boxes import CLASSES, DIFFICULTIES, Boxes
 from convoy.cooperation import MODES, Cooperative
 from convoy.dataset import Dataset, Scene
 from convoy.errors import StoreError
+from convoy.evaluation import Evaluation, ProgramError, evaluate
 from convoy.frame import Agent, Bev, Camera, Frame, Occupancy
 from convoy.poses import Sensor, invert, pose, rotation, transform
 from convoy.samples import DetectionSamples, SegmentationSamples, collate
@@ -32,13 +33,16 @@ __all__ = [
     "Cooperative",
     "Dataset",
     "DetectionSamples",
+    "Evaluation",
     "Frame",
     "Occupancy",
+    "ProgramError",
     "Scene",
     "SegmentationSamples",
     "Sensor",
     "StoreError",
     "collate",
+    "evaluate",
     "invert",
     "pose",
     "rotation",

@@ -1,0 +1,143 @@
+"""Keyframes of a store: pictures of all agents, what each vehicle as an ego has to find, and who is heard by whom."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import convoy
+import numpy as np
+from convoy.samples import flat
+from torch.utils.data import Dataset
+
+from convoy_baseline.grid import Array, Grid
+from convoy_baseline.raster import rasterise
+from convoy_baseline.settings import Settings
+
+STAGES = ("simulate-and-log", "render-sensors", "bev-gt", "postprocess-valid")
+Key = tuple[int, int]
+"""Scene, frame."""
+
+
+@dataclass(frozen=True)
+class View:
+    """What an agent saw at a moment."""
+
+    agent: str
+    raster: Array
+    """(3, H, W) u8: `rasterise`."""
+    world_from_agent: Array
+
+    @property
+    def is_rsu(self) -> bool:
+        """Whether a road-side unit saw it."""
+        return self.agent.startswith("rsu")
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What an ego has to find."""
+
+    boxes: Array
+    """(N, 9) f32 in its frame."""
+    labels: Array
+    """(N,) i64, of the model's classes."""
+    difficulty: Array
+    seen_by_ego: Array
+    masks: Array
+    """(C, H, W) bool."""
+
+
+@dataclass(frozen=True, eq=False)
+class Keyframe:
+    """A moment of a scene."""
+
+    scene: int
+    number: int
+    views: tuple[View, ...]
+    """Vehicles, then RSUs."""
+    egos: tuple[int, ...]
+    """Which of the views are those of vehicles."""
+    truths: tuple[Truth, ...]
+    """One for each ego."""
+
+
+class Keyframes(Dataset[Keyframe]):
+    """All keyframes of a split. Whoever reads without workers keeps what was read once: 50 kB of each agent and 230 kB more of each ego
+    at 128 x 128 cells."""
+
+    def __init__(self, dataset: convoy.Dataset, split: str, settings: Settings, keep: bool = True) -> None:
+        self.dataset, self.settings, self.keep = dataset, settings, keep
+        self.keys: list[Key] = []
+        for scene in dataset.scenes(split, STAGES):
+            step = math.lcm(settings.every, scene.label_every_n_frames)
+            self.keys += [(scene.number, frame) for frame in range(0, scene.frames, step)]
+        if not self.keys:
+            raise convoy.StoreError(
+                f"there is no keyframe: split {split}, stages {', '.join(STAGES)}",
+                do="`make status` says which scenes are finished",
+                file=str(dataset.path),
+            )
+        self._kept: dict[int, Keyframe] = {}
+
+    def __len__(self) -> int:
+        return len(self.keys)
+
+    def __getitem__(self, number: int) -> Keyframe:
+        if number not in self._kept:
+            keyframe = self._read(*self.keys[number])
+            if not self.keep:
+                return keyframe
+            self._kept[number] = keyframe
+        return self._kept[number]
+
+    def classes(self) -> tuple[str, ...]:
+        """Names of the masks."""
+        scene, frame = self.keys[0]
+        moment = self.dataset.scene(scene).frame(frame)
+        return moment.agent(moment.agents[0]).bev().classes
+
+    def views(self, scene: int, number: int) -> tuple[View, ...]:
+        """What all agents saw at any frame that has sweeps."""
+        frame = self.dataset.scene(scene).frame(number)
+        agents = [frame.agent(name) for name in frame.agents]
+        return tuple(View(agent.name, rasterise(agent.points(), self.settings.grid), agent.pose) for agent in agents)
+
+    def _read(self, scene: int, number: int) -> Keyframe:
+        views = self.views(scene, number)
+        frame = self.dataset.scene(scene).frame(number)
+        egos = tuple(i for i, view in enumerate(views) if not view.is_rsu)
+        return Keyframe(
+            scene, number, views, egos, tuple(truth(frame, views[ego].agent, self.settings) for ego in egos)
+        )
+
+
+def truth(frame: convoy.Frame, ego: str, settings: Settings, itself: bool = False) -> Truth:
+    """What the ego has to find: objects that it or anybody in its communication range has seen, whatever the mode. The ego `itself` is
+    none of them, but SimBEV2X's rule counts it where others have seen it."""
+    agent = frame.agent(ego)
+    boxes = agent.boxes()
+    boxes = boxes if itself else boxes[boxes.id != agent.id]
+    seen = frame.cooperative(ego, "x2x", settings.comm_range_m, settings.elevation_m).seen_by(boxes.id)
+    number = np.array([settings.classes.index(c) if c in settings.classes else -1 for c in (*convoy.CLASSES, "")])
+    labels = number[boxes.label]
+    kept = seen.any(axis=0) & (labels >= 0)
+    local = boxes[kept].transformed(convoy.invert(agent.pose))
+    bev = agent.bev()
+    masks = coarsened(bev.masks, bev.cell_m, settings.grid)
+    return Truth(flat(local), labels[kept], local.difficulty, seen[0, kept], masks)
+
+
+def coarsened(masks: Array, cell_m: float, grid: Grid) -> Array:
+    """Masks (C, h, w) of the store in the model's cells: true where more than half of a cell is. Cells must be a whole number of the
+    store's, and the store's grid at least as large."""
+    ratio = round(grid.cell_m / cell_m)
+    margin = masks.shape[1] - grid.cells * ratio
+    if abs(ratio * cell_m - grid.cell_m) > 1e-9 or ratio < 1 or margin < 0 or margin % 2:
+        raise ValueError(
+            f"masks of {masks.shape[1]} cells of {cell_m} m do not become {grid.cells} cells of {grid.cell_m} m: choose other ones"
+        )
+    inner = masks[:, margin // 2 : margin // 2 + grid.cells * ratio, margin // 2 : margin // 2 + grid.cells * ratio]
+    parts = inner.reshape(len(masks), grid.cells, ratio, grid.cells, ratio)
+    more: Array = parts.mean(axis=(2, 4), dtype=np.float32) > 0.5 if ratio > 1 else inner
+    return more

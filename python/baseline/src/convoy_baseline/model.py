@@ -1,0 +1,100 @@
+"""The model: an encoder for each view, fusion in the ego's grid, heads for boxes and masks. Dense operations alone."""
+
+from __future__ import annotations
+
+import torch
+from torch import nn
+from torch.nn import functional
+
+from convoy_baseline.batch import Wiring
+from convoy_baseline.fusion import AxialFusion, MaxFusion
+from convoy_baseline.raster import CHANNELS, unpack
+from convoy_baseline.settings import Settings
+from convoy_baseline.targets import NUMBERS
+from convoy_baseline.warp import warp
+
+RARE = -4.0
+"""First guess of heat maps and masks as a logit: nearly nothing is anywhere."""
+
+
+class Model(nn.Module):
+    """Of views, links and poses to heat maps, numbers and masks."""
+
+    def __init__(self, settings: Settings, masks: int) -> None:
+        super().__init__()
+        self.half_m = settings.grid.half_m
+        channels = 2 * settings.width
+        self.encoder = Encoder(CHANNELS, settings.width)
+        self.fusion = (
+            AxialFusion(channels, settings.heads, settings.window) if settings.fusion == "axial" else MaxFusion()
+        )
+        self.decoder = nn.Sequential(block(channels, channels), block(channels, channels))
+        self.heat = head(channels, len(settings.classes), RARE)
+        self.numbers = head(channels, NUMBERS, 0.0)
+        self.finer = block(channels, settings.width)
+        self.masks = nn.Conv2d(settings.width, masks, 1)
+        nn.init.constant_(bias_of(self.masks), RARE)
+
+    def features(self, rasters: torch.Tensor) -> torch.Tensor:
+        """(V, C, h, w) of rasters (V, 3, H, W), each in its own frame."""
+        found: torch.Tensor = self.encoder(unpack(rasters))
+        return found
+
+    def fused(self, features: torch.Tensor, wiring: Wiring) -> torch.Tensor:
+        """(E, C, h, w): what each ego knows, of its own view and of those that it hears."""
+        own = features[wiring.ego_view]
+        if not len(wiring.link_view):
+            together: torch.Tensor = self.fusion([one[None] for one in own])
+            return together
+        moved = warp(features[wiring.link_view], wiring.ego_from_view, self.half_m)
+        together = self.fusion([torch.cat([own[e, None], moved[wiring.link_ego == e]]) for e in range(len(own))])
+        return together
+
+    def heads(self, fused: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+        """Logits of heat maps (E, K, h, w), numbers (E, NUMBERS, h, w), logits of masks (E, C, H, W)."""
+        known = self.decoder(fused)
+        finer = functional.interpolate(known, scale_factor=2.0, mode="bilinear", align_corners=False)
+        return self.heat(known), self.numbers(known), self.masks(self.finer(finer))
+
+    def forward(self, rasters: torch.Tensor, wiring: Wiring) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+        """`heads` of all egos."""
+        return self.heads(self.fused(self.features(rasters), wiring))
+
+
+class Encoder(nn.Module):
+    """Three scales, joined at half the resolution; features are not negative, so that nothing is zero."""
+
+    def __init__(self, channels: int, width: int) -> None:
+        super().__init__()
+        self.at_full = nn.Sequential(block(channels, width), block(width, width))
+        self.at_half = nn.Sequential(block(width, 2 * width, stride=2), block(2 * width, 2 * width))
+        self.at_quarter = nn.Sequential(block(2 * width, 4 * width, stride=2), block(4 * width, 4 * width))
+        self.up = nn.Conv2d(4 * width, 2 * width, 1)
+        self.join = block(2 * width, 2 * width)
+
+    def forward(self, pictures: torch.Tensor) -> torch.Tensor:
+        """(V, 2 width, H / 2, W / 2)."""
+        half = self.at_half(self.at_full(pictures))
+        coarse = functional.interpolate(self.up(self.at_quarter(half)), scale_factor=2.0, mode="nearest")
+        joined: torch.Tensor = self.join(half + coarse)
+        return joined
+
+
+def block(channels: int, out: int, stride: int = 1) -> nn.Sequential:
+    """A 3 x 3 convolution, normalised, without what is negative."""
+    return nn.Sequential(
+        nn.Conv2d(channels, out, 3, stride=stride, padding=1, bias=False), nn.BatchNorm2d(out), nn.ReLU()
+    )
+
+
+def head(channels: int, out: int, guess: float) -> nn.Sequential:
+    """Numbers of each cell."""
+    last = nn.Conv2d(channels, out, 1)
+    nn.init.constant_(bias_of(last), guess)
+    return nn.Sequential(block(channels, channels), last)
+
+
+def bias_of(layer: nn.Conv2d) -> torch.Tensor:
+    """The bias of a layer that has one."""
+    assert layer.bias is not None
+    return layer.bias

@@ -1,0 +1,266 @@
+"""Training and predicting on a small store: resumed runs, what predictions are, and scores beside those of the rule written out."""
+
+import os
+import pathlib
+import tempfile
+import unittest
+from dataclasses import replace
+
+import convoy
+import numpy as np
+import pyarrow.parquet as pq
+import torch
+
+from convoy_baseline.batch import ego_from, heard, wired
+from convoy_baseline.checkpoint import load, model_of
+from convoy_baseline.conditions import Condition, links_under
+from convoy_baseline.examples import example
+from convoy_baseline.frames import Keyframes
+from convoy_baseline.loss import loss
+from convoy_baseline.model import Model
+from convoy_baseline.predict import Found, Writer, predict
+from convoy_baseline.score import THRESHOLDS_M, Tally
+from convoy_baseline.settings import Settings, parse, read
+from convoy_baseline.train import order, rate_at, train
+
+STORE = os.environ.get("CONVOY_STORE")
+SMALL = Settings(cells=64, cell_m=1.6, width=4, steps=6, comm_range_m=1000, elevation_m=100, classes=("car", "truck"))
+CPU = torch.device("cpu")
+
+
+class Runs(unittest.TestCase):
+    def test_settings_are_read_and_their_faults_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "a.toml")
+            path.write_text('[model]\ncells = 64\nclasses = ["bus"]\n')
+            self.assertEqual(read(path), Settings(cells=64, classes=("bus",)))
+        for wrong in ({"cell": 3}, {"classes": ["tram"]}, {"fusion": "mean"}, {"cells": 65}, {"drop_out": 1.0}):
+            with self.assertRaisesRegex(ValueError, "a.toml: .*expected"):
+                parse(wrong, "a.toml")
+
+    def test_every_epoch_has_every_keyframe_once_and_begins_anywhere(self):
+        whole = list(order(7, 2, 5, 0, 12))
+        for epoch in (whole[:4], whole[4:8], whole[8:]):
+            self.assertEqual(sorted(k for step in epoch for k in step), list(range(7)))
+        self.assertNotEqual(whole[:4], whole[4:8])
+        self.assertEqual(list(order(7, 2, 5, 3, 12)), whole[3:])
+        rates = [rate_at(step, Settings(steps=100, rate=1.0)) for step in range(100)]
+        self.assertEqual((rates[0], max(rates), rates.index(max(rates))), (0.0, 1.0, 5))
+
+
+@unittest.skipUnless(STORE, "a store, for training")
+class Store(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.dataset = convoy.Dataset(STORE)
+        cls.keyframes = Keyframes(cls.dataset, "train", SMALL)
+
+    def test_a_run_that_was_broken_off_ends_with_the_same_weights(self):
+        with tempfile.TemporaryDirectory() as folder:
+            paths = [pathlib.Path(folder, name) for name in ("whole", "broken", "other")]
+            train(self.dataset, SMALL, paths[0], mode="x2x", seed=3, say=False)
+            for stop in (2, 3, None):
+                run = train(self.dataset, SMALL, paths[1], mode="x2x", seed=3, stop_after=stop, say=False)
+            self.assertTrue(run.done)
+            train(self.dataset, SMALL, paths[2], mode="x2x", seed=4, say=False)
+            whole, broken, other = (load(path, CPU)[1] for path in paths)
+            for name, weights in whole["model"].items():
+                self.assertTrue(torch.equal(weights, broken["model"][name]), name)
+            self.assertFalse(torch.equal(whole["model"]["heat.1.weight"], other["model"]["heat.1.weight"]))
+            with self.assertRaisesRegex(ValueError, "another run"):
+                train(self.dataset, SMALL, paths[0], mode="none", seed=3, say=False)
+            paths[1].write_bytes(paths[1].read_bytes()[:1000])
+            with self.assertRaisesRegex(ValueError, "no checkpoint"):
+                train(self.dataset, SMALL, paths[1], mode="x2x", seed=3, say=False)
+
+    def test_either_fusion_learns_a_moment_by_heart(self):
+        for fusion in ("max", "axial"):
+            torch.manual_seed(1)
+            settings = replace(SMALL, fusion=fusion, drop_out=0.0)
+            model = Model(settings, len(self.keyframes.classes())).train()
+            optimiser = torch.optim.AdamW(model.parameters(), lr=5e-3)
+            rasters, wiring, targets = example([self.keyframes[0]], "x2x", settings, np.random.default_rng(0))
+            losses = []
+            for _ in range(40):
+                wrong = loss(*model(rasters, wiring), targets, settings)["all"]
+                optimiser.zero_grad()
+                wrong.backward()
+                optimiser.step()
+                losses.append(wrong.item())
+            self.assertLess(losses[-1], 0.6 * losses[0], fusion)
+
+    def test_who_is_heard_is_who_the_package_says(self):
+        keyframe = self.keyframes[1]
+        frame = self.dataset.scene(keyframe.scene).frame(keyframe.number)
+        for mode in convoy.MODES:
+            for ego in keyframe.egos:
+                for reach in ((1000, 100), (30, 100), (1000, 0.01)):
+                    theirs = frame.cooperative(keyframe.views[ego].agent, mode, *reach)
+                    ours = heard(keyframe.views[ego], keyframe.views, mode, *reach)
+                    names = [keyframe.views[i].agent for i in ours]
+                    self.assertEqual(sorted(names), sorted(partner.name for partner in theirs.partners))
+                    for partner in theirs.partners:
+                        view = keyframe.views[[v.agent for v in keyframe.views].index(partner.name)]
+                        exact = theirs.ego_from(partner)
+                        self.assertLess(abs(ego_from(keyframe.views[ego], view) - exact).max(), 1e-9)
+
+    def test_conditions_leave_out_misplace_and_delay(self):
+        keyframe = self.keyframes[1]
+        views = keyframe.views
+
+        def links(**options):
+            return links_under(Condition("", "x2x", **options), keyframe, views, 0, SMALL, 7)
+
+        exact = links()
+        self.assertEqual(len(exact), 4)
+        shares = [{(link.ego, link.view) for link in links(penetration=p)} for p in (0.0, 0.4, 0.7, 1.0)]
+        self.assertEqual((len(shares[0]), len(shares[3])), (0, 4))
+        self.assertTrue(shares[0] <= shares[1] <= shares[2] <= shares[3])
+        for plain, noisy, more in zip(exact, links(noise_m=0.1), links(noise_m=0.3), strict=True):
+            once, thrice = (link.ego_from_view - plain.ego_from_view for link in (noisy, more))
+            self.assertGreater(abs(once[:2, 3]).max(), 0.001)
+            self.assertLess(abs(3 * once - thrice).max(), 1e-9)
+        for plain, wrong in zip(exact, links(wrong_poses=True), strict=True):
+            self.assertLess(abs(plain.ego_from_view @ wrong.ego_from_view - np.eye(4)).max(), 1e-9)
+
+    def test_an_ego_alone_finds_the_same_in_every_mode_and_partners_change_that(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "model.pt")
+            train(self.dataset, SMALL, path, mode="x2x", say=False)
+            run, model = model_of(path, CPU)
+            found = {}
+            conditions = [
+                Condition("none", "none"),
+                Condition("x2x", "x2x"),
+                Condition("empty", "x2x", penetration=0.0),
+                Condition("late", "x2x", delay_frames=10),
+            ]
+
+            def take(one):
+                found[one.condition.name, one.keyframe.number, one.ego] = one
+
+            predict(model, run.settings, self.keyframes, conditions, take, CPU)
+            self.assertEqual(len(found), 3 * 4 + 2, "nothing is late at frame 0")
+            for (name, number, ego), one in found.items():
+                alone = found["none", number, ego]
+                self.assertEqual(np.array_equal(one.masks, alone.masks), name in ("none", "empty"))
+                self.assertEqual(one.partners, 0 if name in ("none", "empty") else 2)
+            # The same by hand for one of them.
+            keyframe = self.keyframes[1]
+            rasters = torch.from_numpy(np.stack([view.raster for view in keyframe.views]))
+            links = links_under(conditions[1], keyframe, keyframe.views, 0, run.settings, 0)
+            with torch.no_grad():
+                masks = model(rasters, wired(keyframe.egos, links))[2].sigmoid()
+            self.assertLess(abs(masks[1].numpy() - found["x2x", keyframe.number, 1].masks).max(), 1e-5)
+
+
+@unittest.skipUnless(STORE, "a store, for scores")
+class Scores(unittest.TestCase):
+    """Made-up finds, near the truth and not, on a store's targets."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.keyframes = Keyframes(convoy.Dataset(STORE), "train", SMALL)
+        draw = np.random.default_rng(9)
+        cls.finds = []
+        for i in range(len(cls.keyframes)):
+            keyframe = cls.keyframes[i]
+            for ego, truth in enumerate(keyframe.truths):
+                again = draw.integers(0, len(truth.boxes), 60)
+                boxes = truth.boxes[again].astype(np.float64)
+                boxes[:, :3] += draw.normal(size=(60, 3)) * draw.choice([0.1, 0.6, 3], (60, 1))
+                scores = np.round(draw.random(60), 2)  # Some are equal.
+                by_score = np.argsort(-scores, kind="stable")
+                cls.finds.append(
+                    Found(Condition("x2x", "x2x"), keyframe, ego, 2, boxes[by_score], truth.labels[again][by_score],
+                          scores[by_score].astype(np.float32), np.random.default_rng(i).random(truth.masks.shape))
+                )  # fmt: skip
+
+    def test_perfect_finds_score_one_and_none_nought(self):
+        for perfect in (True, False):
+            tally = Tally(SMALL.classes, None)
+            for found in self.finds:
+                truth = found.keyframe.truths[found.ego]
+                count = len(truth.boxes) if perfect else 0
+                labels, scores = truth.labels[:count], np.ones(count)
+                tally.take(
+                    replace(found, boxes=truth.boxes[:count], labels=labels, scores=scores, masks=truth.masks), False
+                )
+            for subset in ("all", "hard", "seen by the ego", "beyond 40 m", "partner in range"):
+                if tally.target_count(subset):
+                    self.assertEqual(tally.mean_precision(subset), 1.0 if perfect else 0.0, subset)
+            self.assertIsNone(tally.mean_precision("no partner in range"))
+            self.assertEqual(tally.overlap(0), 1.0)
+
+    def test_precision_of_parts_is_what_the_rule_says(self):
+        grid = SMALL.grid
+        for inside in (None, grid):
+            tally = Tally(SMALL.classes, inside)
+            for found in self.finds:
+                tally.take(found, False)
+            for subset in ("all", "easy", "medium", "hard", "seen by the ego", "seen by partners only"):
+                for threshold in THRESHOLDS_M:
+                    self.check(tally, inside, subset, threshold)
+
+    def check(self, tally, inside, subset, threshold):
+        for label in range(len(SMALL.classes)):
+            rows, wanted = [], 0
+            for number, found in enumerate(self.finds):
+                truth = found.keyframe.truths[found.ego]
+                targets = [
+                    t
+                    for t in range(len(truth.boxes))
+                    if truth.labels[t] == label and (inside is None or max(abs(truth.boxes[t, :2])) < inside.half_m)
+                ]
+
+                def belongs(t, truth=truth):
+                    levels = {"easy": 0, "medium": 1, "hard": 2}
+                    if subset in levels:
+                        return truth.difficulty[t] == levels[subset]
+                    return subset == "all" or truth.seen_by_ego[t] == (subset == "seen by the ego")
+
+                wanted += sum(belongs(t) for t in targets)
+                mine = [i for i in range(60) if found.labels[i] == label][: 100 if label == 0 else 20]
+                for rank, i in enumerate(mine):
+                    apart = [np.linalg.norm(found.boxes[i, :3] - truth.boxes[t, :3].astype(float)) for t in targets]
+                    verdict = False
+                    if apart and min(apart) <= threshold:
+                        hit = targets.pop(int(np.argmin(apart)))
+                        verdict = True if belongs(hit) else None
+                    rows.append((-found.scores[i], number, rank, verdict))
+            rows = [row for row in sorted(rows, key=lambda row: row[:3]) if row[3] is not None]
+            right, area, last = 0, 0.0, (0.0, 1.0)
+            for count, row in enumerate(rows, 1):
+                right += row[3]
+                if right / count >= 0.1:
+                    here = (right / wanted if wanted else 0, right / count)
+                    area += (here[0] - last[0]) * (here[1] + last[1]) / 2
+                    last = here
+            value = tally.average_precision(label, threshold, subset)
+            self.assertEqual(value is None, wanted == 0)
+            if wanted:
+                self.assertAlmostEqual(value, area, places=9, msg=f"{subset} {threshold}")
+
+    def test_rows_stand_in_the_world(self):
+        writer = Writer(SMALL.classes)
+        for found in self.finds:
+            writer.take(found)
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "predictions.parquet")
+            writer.write(path)
+            rows = pq.read_table(path).to_pylist()
+        self.assertEqual(len(rows), 60 * len(self.finds))
+        for place in (0, 61, 130):
+            found, row = self.finds[place // 60], rows[place]
+            box, view = found.boxes[place % 60], found.keyframe.views[found.keyframe.egos[found.ego]]
+            self.assertEqual((row["frame"], row["agent"], row["mode"]), (found.keyframe.number, view.agent, "x2x"))
+            self.assertEqual(row["class"], SMALL.classes[found.labels[place % 60]])
+            back = np.linalg.inv(view.world_from_agent) @ [*row["center_m"], 1]
+            self.assertLess(abs(back[:3] - box[:3]).max(), 1e-6)
+            heading = np.linalg.inv(view.world_from_agent)[:3, :3] @ convoy.rotation(row["quaternion"])[:, 0]
+            self.assertGreater(heading @ [np.cos(box[6]), np.sin(box[6]), 0], 0.99)
+            self.assertLess(abs(np.subtract(row["size_m"], box[3:6])).max(), 1e-6)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,94 @@
+"""Scores of predictions, by Convoy's own program."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import pyarrow.parquet as pq
+
+
+class ProgramError(RuntimeError):
+    """The program is not there, or ended with an error; the message has what it said."""
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What `convoy evaluate` found."""
+
+    rows: list[dict[str, Any]]
+    """One a number: metrics, mode, class, level, measure, threshold_m, value (docs/evaluation.md)."""
+    program: str
+    """By which program."""
+    version: str
+
+    def value(
+        self, measure: str, *, metrics: str = "simbev2x", mode: str = "-", threshold_m: float | None = None,
+        level: str = "all", of_class: str = "all",
+    ) -> float | None:  # fmt: skip
+        """One of the numbers; None where nothing can be said, as of a class without targets."""
+        wanted = {"metrics": metrics, "mode": mode, "class": of_class, "level": level, "measure": measure}
+        for row in self.rows:
+            if row["threshold_m"] == threshold_m and all(row[name] == value for name, value in wanted.items()):
+                found: float | None = row["value"]
+                return found
+        raise KeyError(f"there is no {wanted | {'threshold_m': threshold_m}}")
+
+
+def evaluate(
+    predictions: str | os.PathLike[str],
+    store: str | os.PathLike[str],
+    *,
+    split: str | None = None,
+    every: int | None = None,
+    metrics: Sequence[str] = (),
+    program: str | os.PathLike[str] | None = None,
+    options: Sequence[str] = (),
+) -> Evaluation:
+    """Scores a Parquet file of predictions against a store with `convoy evaluate`.
+
+    The program is `program`, or what the variable CONVOY_PROGRAM names, or `convoy` on the path, or target/release/convoy here;
+    `options` are further ones of its command line. Raises `ProgramError`.
+    """
+    convoy = found(program)
+    with tempfile.TemporaryDirectory() as folder:
+        out = pathlib.Path(folder, "scores.parquet")
+        command = [convoy, "evaluate", "--predictions", str(predictions), "--store", str(store), "--out", str(out)]
+        command += ["--split", split] if split is not None else []
+        command += ["--every", str(every)] if every is not None else []
+        command += ["--metrics", ",".join(metrics)] if metrics else []
+        run(command + list(options))
+        rows = pq.read_table(out).to_pylist()
+    return Evaluation(rows, convoy, run([convoy, "--version"]).strip())
+
+
+def found(program: str | os.PathLike[str] | None = None) -> str:
+    """Where the program `convoy` is."""
+    named = program or os.environ.get("CONVOY_PROGRAM")
+    built = pathlib.Path("target/release/convoy").absolute()
+    where = shutil.which(named or "convoy") or (str(built) if built.exists() and not named else None)
+    if where is None:
+        raise ProgramError(
+            f"there is no program {named}"
+            if named
+            else "there is no program convoy on the path or in target/release: "
+            "`make build` makes it, the variable CONVOY_PROGRAM may name it"
+        )
+    return where
+
+
+def run(command: Sequence[str]) -> str:
+    """What a command says on its standard output."""
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError as fault:
+        raise ProgramError(f"{command[0]} does not start: {fault}") from fault
+    if done.returncode:
+        raise ProgramError(f"{' '.join(command)} ended with {done.returncode}: {done.stderr.strip()}")
+    return done.stdout
