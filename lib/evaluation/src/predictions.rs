@@ -117,6 +117,12 @@ impl PredictionFile {
         let name = path.display().to_string();
         let fault = |problem: String| EvaluationError::Predictions { path: name.clone(), problem };
         let file = File::open(path).map_err(|e| fault(format!("cannot be read: {e}")))?;
+        Self::of(file, name)
+    }
+
+    /// Looks likewise into a file that is open; `name` is what messages call it.
+    pub(crate) fn of(file: File, name: String) -> Result<Self, EvaluationError> {
+        let fault = |problem: String| EvaluationError::Predictions { path: name.clone(), problem };
         // What pyarrow, polars and others add to say of which of their own types a column is: all are read as one.
         let options = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
         let about = ArrowReaderMetadata::load(&file, options)
