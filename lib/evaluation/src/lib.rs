@@ -11,6 +11,7 @@ mod mode;
 mod nuscenes;
 mod opv2v;
 mod overlap;
+mod positioned;
 mod predictions;
 mod protocol;
 mod results;

@@ -97,7 +97,7 @@ fn average_precision(is_right: impl Iterator<Item = bool>, targets: u64) -> f64 
         envelope = envelope.max(*precision);
         envelope
     });
-    area.sum::<f64>() / targets as f64
+    area.fold(0.0, |sum, precision| sum + precision) / targets as f64
 }
 
 /// Average precision at each of [`THRESHOLDS_IOU`].
@@ -122,6 +122,7 @@ mod tests {
         // Precisions 1, 2/3, 3/4: the second is lifted.
         assert!((ap(&[1, 0, 1, 1], 4) - (1.0 + 0.75 + 0.75) / 4.0).abs() < 1e-12);
         assert_eq!((ap(&[0, 0], 3), ap(&[], 3)), (0.0, 0.0));
+        assert!(ap(&[], 3).is_sign_positive(), "an empty sum is -0");
         assert!(ap(&[0], 0).is_nan());
     }
 }

@@ -53,9 +53,10 @@ fn results(columns: &[(&'static str, ArrayRef)], version: &Path) -> Value {
         }
         let at = |name: &str, length: usize| list(column(name), row, length);
         let (center, size) = (at("center_m", 3), at("size_m", 3));
+        let translation = [0, 1, 2].map(|axis: usize| center[axis] + shift[axis]);
         samples.entry(token.to_owned()).or_default().push(json!({
             "sample_token": token,
-            "translation": [0, 1, 2].map(|axis: usize| center[axis] + shift[axis]),
+            "translation": translation,
             "size": [size[1], size[0], size[2]],
             "rotation": at("quaternion", 4),
             "velocity": at("velocity_mps", 3)[..2],
