@@ -47,7 +47,7 @@ help:
 	@echo "make check [STORE=dataset] [SCENES=3,7-9] [EVERY=10]    (labels against each other; EVERY: some frames only)"
 	@echo "make export FORMAT=kitti|mcap|nuscenes|opv2v|v2x-real|simbev2x DEST=folder [STORE=dataset] [SCENES=] [SPLIT=] [ARGS=]    (docs/exports.md; ARGS=--dry-run first)"
 	@echo "make import SRC=folder [STORE=dataset] [SCENES=0,3-5] [ARGS=--dry-run]       (a dataset of SimBEV2X as a store: docs/import.md)"
-	@echo "make evaluate PREDICTIONS=file.parquet [STORE=dataset] [SCENES=] [SPLIT=] [EVERY=10] [OUT=scores.parquet] (docs/evaluation.md)"
+	@echo "make evaluate PREDICTIONS=file.parquet [MASKS=folder] [STORE=dataset] [SCENES=] [SPLIT=] [EVERY=10] [OUT=scores.parquet] (docs/evaluation.md)"
 	@echo "make benchmark [DEST=benchmark] [DEVICE=cpu|cuda] [JOBS=n]  (data, cooperative models, scores, docs/benchmark.md: docs/python.md)"
 	@echo "make check-devkit [STORE=dataset] [SCENES=0,1] [DEST=pictures]    (nuscenes-devkit on an export of it)"
 	@echo "make view [STORE=dataset] [PORT=n]  (plays the scenes of a store in the browser)"
@@ -94,10 +94,11 @@ check: build
 view: build
 	$(BIN)/convoy view $(STORE) $(if $(PORT),--port $(PORT))
 
-# Predicted boxes scored against a store: make evaluate PREDICTIONS=file.parquet [SPLIT=test] [EVERY=10] [OUT=scores.parquet]
+# Predicted boxes and BEV masks scored against a store: make evaluate PREDICTIONS=file.parquet [MASKS=folder] [SPLIT=test] [EVERY=10]
+# [OUT=scores.parquet]
 evaluate: build
-	@test -n "$(PREDICTIONS)" || { echo "say of what: make evaluate PREDICTIONS=file.parquet [STORE=dataset]"; exit 2; }
-	$(BIN)/evaluate --predictions $(PREDICTIONS) --store $(STORE) $(SCENES_ARG) $(if $(SPLIT),--split $(SPLIT)) $(EVERY_ARG) \
+	@test -n "$(PREDICTIONS)$(MASKS)" || { echo "say of what: make evaluate PREDICTIONS=file.parquet [MASKS=folder] [STORE=dataset]"; exit 2; }
+	$(BIN)/evaluate $(if $(PREDICTIONS),--predictions $(PREDICTIONS)) $(if $(MASKS),--bev-masks $(MASKS)) --store $(STORE) $(SCENES_ARG) $(if $(SPLIT),--split $(SPLIT)) $(EVERY_ARG) \
 		$(THREADS_ARG) $(if $(OUT),--out $(OUT)) $(ARGS)
 
 # Makes data, trains models without and with cooperation, scores them and writes docs/benchmark.md. Started again, it goes on. The

@@ -6,30 +6,14 @@ use pipeline::{EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE};
 use store::StoreError;
 
 /// Predictions cannot be scored.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub(crate) enum EvaluateError {
     /// The predictions, or what they are held against, are not as they should be.
-    Evaluation(EvaluationError),
+    #[error(transparent)]
+    Evaluation(#[from] EvaluationError),
     /// The store has not what is wanted of it.
-    Source(ExportError),
-}
-
-impl std::fmt::Display for EvaluateError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Evaluation(fault) => fault.fmt(f),
-            Self::Source(fault) => fault.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for EvaluateError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Evaluation(fault) => fault.source(),
-            Self::Source(fault) => fault.source(),
-        }
-    }
+    #[error(transparent)]
+    Source(#[from] ExportError),
 }
 
 impl EvaluateError {
@@ -46,18 +30,6 @@ impl EvaluateError {
             }
             _ => EXIT_SOME_FAILED,
         }
-    }
-}
-
-impl From<EvaluationError> for EvaluateError {
-    fn from(fault: EvaluationError) -> Self {
-        Self::Evaluation(fault)
-    }
-}
-
-impl From<ExportError> for EvaluateError {
-    fn from(fault: ExportError) -> Self {
-        Self::Source(fault)
     }
 }
 

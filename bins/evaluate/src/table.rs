@@ -2,7 +2,10 @@
 
 use std::fmt::Write;
 
-use evaluation::{Evaluation, ModeScores, NuScenesScores, SimBev2xScores};
+use evaluation::{
+    Evaluation, Level, MASK_THRESHOLDS, MaskEvaluation, MaskMode, Mode, ModeScores, NuScenesScores,
+    Opv2vScores, Ring, SimBev2xScores, THRESHOLDS_IOU,
+};
 
 /// Where a class has no value, or no class has.
 const NONE: &str = "-";
@@ -15,8 +18,8 @@ fn error(value: f64) -> String {
     if value.is_nan() { NONE.into() } else { format!("{value:.3}") }
 }
 
-/// All scores: a table by class for each mode and family of metrics.
-pub(crate) fn table(result: &Evaluation) -> String {
+/// All scores of boxes: a table by class for each mode and family of metrics.
+pub(crate) fn of_boxes(result: &Evaluation) -> String {
     let mut text = format!("{} samples, {} predictions", result.samples, result.predictions);
     if result.left_out > 0 {
         put(&mut text, format!(", {} left out: of other frames or agents", result.left_out));
@@ -28,6 +31,9 @@ pub(crate) fn table(result: &Evaluation) -> String {
         if let Some(nuscenes) = &scores.nuscenes {
             put(&mut text, of_nuscenes(nuscenes, scores));
         }
+        if let Some(opv2v) = &scores.opv2v {
+            put(&mut text, of_opv2v(opv2v, scores));
+        }
     }
     text
 }
@@ -37,17 +43,30 @@ fn put(text: &mut String, more: impl AsRef<str>) {
 }
 
 fn heading(name: &str, scores: &ModeScores) -> String {
-    let mode = scores.mode.name();
-    let mode = if mode == NONE { String::new() } else { format!(", cooperation {mode}") };
-    format!("\n\n{name}{mode}, {} samples with predictions", scores.samples)
+    format!("\n\n{name}{}, {} samples with predictions", cooperation(scores.mode), scores.samples)
+}
+
+fn cooperation(mode: Mode) -> String {
+    let mode = mode.name();
+    if mode == NONE { String::new() } else { format!(", cooperation {mode}") }
 }
 
 fn line(text: &mut String, first: &str, cells: &[String]) {
     // Writing to a string cannot fail.
     let _ = write!(text, "\n{first:<22}");
     for cell in cells {
-        let _ = write!(text, "{cell:>9}");
+        let _ = write!(text, "{cell:>10}");
     }
+}
+
+/// Of all levels first those of difficulty, then those of distance and of who saw.
+const DIFFICULTIES: [Level; 4] = [Level::All, Level::Easy, Level::Medium, Level::Hard];
+const PLACES: [Level; 5] = [Level::Near, Level::Middle, Level::Far, Level::Ego, Level::Partners];
+
+/// The mean of those that are numbers.
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let values: Vec<f64> = values.filter(|v| !v.is_nan()).collect();
+    if values.is_empty() { f64::NAN } else { values.iter().sum::<f64>() / values.len() as f64 }
 }
 
 fn of_simbev2x(scores: &SimBev2xScores, of: &ModeScores) -> String {
@@ -55,21 +74,78 @@ fn of_simbev2x(scores: &SimBev2xScores, of: &ModeScores) -> String {
     let names = ["targets", "AP", "easy", "medium", "hard", "ATE m", "AOE rad", "ASE", "AVE m/s"];
     line(&mut text, "class", &names.map(String::from));
     for class in &scores.classes {
-        let mean = |of: &[[f64; 4]; 4], i: usize| {
-            let values: Vec<f64> = of.iter().map(|row| row[i]).filter(|v| !v.is_nan()).collect();
-            if values.is_empty() { f64::NAN } else { values.iter().sum::<f64>() / values.len() as f64 }
-        };
         let mut cells = vec![class.targets[0].to_string()];
-        cells.extend((0..4).map(|level| percent(mean(&class.ap, level))));
-        cells.extend((0..4).map(|i| error(mean(&class.errors, i))));
+        cells.extend(DIFFICULTIES.map(|l| percent(mean(class.ap.iter().map(|ap| ap[l as usize])))));
+        cells.extend((0..4).map(|i| error(mean(class.errors.iter().map(|errors| errors[i])))));
         line(&mut text, class.name, &cells);
     }
     let targets: u64 = scores.classes.iter().map(|class| class.targets[0]).sum();
+    let all = scores.mean_ap();
     let mut cells = vec![targets.to_string()];
-    cells.extend(scores.mean_ap().map(percent));
+    cells.extend(DIFFICULTIES.map(|level| percent(all[level as usize])));
     cells.extend(scores.mean_errors().map(error));
     line(&mut text, "mean", &cells);
     line(&mut text, "SDS", &[String::new(), percent(scores.sds())]);
+
+    // Of each level AP, and how many targets it has.
+    text.push_str("\n\nAP by distance, and by whose lidars have points of the target: the ego's, or those of partners alone");
+    let of = |level: Level| [level.name().to_owned(), "targets".to_owned()];
+    line(&mut text, "class", &PLACES.map(of).concat());
+    for class in &scores.classes {
+        let of = |level: Level| {
+            let ap = mean(class.ap.iter().map(|ap| ap[level as usize]));
+            [percent(ap), class.targets[level as usize].to_string()]
+        };
+        line(&mut text, class.name, &PLACES.map(of).concat());
+    }
+    let of = |level: Level| {
+        let targets: u64 = scores.classes.iter().map(|class| class.targets[level as usize]).sum();
+        [percent(all[level as usize]), targets.to_string()]
+    };
+    line(&mut text, "mean", &PLACES.map(of).concat());
+    text
+}
+
+fn of_opv2v(scores: &Opv2vScores, of: &ModeScores) -> String {
+    let mut text = heading("OPV2V", of);
+    let mut names = vec!["targets".to_owned()];
+    names.extend(THRESHOLDS_IOU.map(|iou| format!("AP@{iou}")));
+    line(&mut text, "vehicle", &names);
+    for (name, ap) in [("sorted globally", scores.sorted), ("frame after frame", scores.by_frame)] {
+        let mut cells = vec![scores.targets.to_string()];
+        cells.extend(ap.map(percent));
+        line(&mut text, name, &cells);
+    }
+    text
+}
+
+/// All scores of masks: a table by class for each mode.
+pub(crate) fn of_masks(result: &MaskEvaluation) -> String {
+    let mut text = String::new();
+    for (i, MaskMode { mode, scores }) in result.modes.iter().enumerate() {
+        let gap = if i == 0 { "" } else { "\n\n" };
+        put(&mut text, format!("{gap}BEV masks{}, {} frames", cooperation(*mode), scores.frames));
+        let mut names: Vec<String> = ["cells", "IoU", "0.7", "0.9"].map(String::from).to_vec();
+        names.extend(Ring::ALL.map(|ring| ring.name().to_owned()));
+        names.extend(["best", "at"].map(String::from));
+        line(&mut text, "class", &names);
+        let at = |threshold: f64| MASK_THRESHOLDS.iter().position(|t| *t == threshold).unwrap_or_default();
+        let cells = |iou: &[[f64; MASK_THRESHOLDS.len()]; 4]| {
+            let all = [0.5, 0.7, 0.9].map(|threshold| percent(iou[0][at(threshold)]));
+            let rings = [1, 2, 3].map(|ring: usize| percent(iou[ring][at(0.5)]));
+            [all, rings].concat()
+        };
+        for class in &scores.classes {
+            let mut row = vec![class.cells[0].to_string()];
+            row.extend(cells(&class.iou));
+            let (iou, threshold) = class.best();
+            row.extend([percent(iou), format!("{threshold}")]);
+            line(&mut text, class.name, &row);
+        }
+        let mut row = vec![String::new()];
+        row.extend(cells(&scores.mean_iou()));
+        line(&mut text, "mean", &row);
+    }
     text
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Parser, ValueEnum};
 use pipeline::SceneList;
 
-/// Scores predicted boxes against a finished store by SimBEV2X's and nuScenes' metrics.
+/// Scores predicted boxes and BEV masks against a finished store by SimBEV2X's, nuScenes' and OPV2V's metrics.
 #[derive(Debug, Parser)]
 #[command(
     name = "evaluate",
@@ -14,9 +14,15 @@ use pipeline::SceneList;
                   result cannot be written."
 )]
 pub struct Evaluate {
-    /// The predictions: one Parquet file (docs/schema.md says which columns).
-    #[arg(long, value_name = "FILE")]
-    pub predictions: PathBuf,
+    /// Predicted boxes: one Parquet file (docs/schema.md says which columns), or nuScenes' results as .json.
+    #[arg(long, value_name = "FILE", required_unless_present = "bev_masks")]
+    pub predictions: Option<PathBuf>,
+    /// The export to nuScenes that the results in .json are of: its folder.
+    #[arg(long, value_name = "DIR")]
+    pub nuscenes: Option<PathBuf>,
+    /// Predicted BEV masks: a folder of SCENE/AGENT.npz (docs/evaluation.md).
+    #[arg(long, value_name = "DIR")]
+    pub bev_masks: Option<PathBuf>,
     /// The store: a folder, by its path or as file:///FOLDER.
     #[arg(long, value_name = "DIR")]
     pub store: PathBuf,
@@ -29,10 +35,10 @@ pub struct Evaluate {
     /// Egos, such as vehicle_0,rsu_*.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "vehicle_*")]
     pub agents: Vec<String>,
-    /// Frames 0, n, 2 n, ... are evaluated (default: all that have boxes).
+    /// Frames 0, n, 2 n, ... are evaluated (default: all that have boxes, or masks).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub every: Option<u32>,
-    /// The metrics (default: all).
+    /// The metrics of boxes (default: all).
     #[arg(long, value_name = "NAMES", value_enum, value_delimiter = ',')]
     pub metrics: Vec<Metrics>,
     /// By whom a box must be seen to count.
@@ -55,10 +61,12 @@ pub struct Evaluate {
 /// Families of metrics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Metrics {
-    /// mAP by difficulty, ATE, AOE, ASE, AVE, SDS
+    /// mAP by difficulty, distance and who saw, ATE, AOE, ASE, AVE, SDS
     Simbev2x,
     /// mAP, ATE, ASE, AOE, AVE, AAE, NDS
     Nuscenes,
+    /// AP of vehicles by overlap from above, with and without global sorting
+    Opv2v,
 }
 
 /// By whom a box must be seen to count.

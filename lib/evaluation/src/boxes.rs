@@ -70,6 +70,18 @@ pub(crate) fn yaw_of(quaternion: [f64; 4]) -> Option<f64> {
     Some(math::atan2(forward_y, forward_x))
 }
 
+/// Whose lidars have points of a box.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sighting {
+    /// Nobody's of those that count.
+    #[default]
+    Nobody,
+    /// The ego's, whoever else's.
+    Ego,
+    /// Those of partners alone.
+    Partners,
+}
+
 /// A box that is to be found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
@@ -77,8 +89,12 @@ pub struct Target {
     pub class: usize,
     /// The box.
     pub solid: Solid,
+    /// How far its middle is from the ego in the plane, m.
+    pub distance_m: f64,
     /// How hard it is to find.
     pub difficulty: Difficulty,
+    /// Whose lidars it has points of.
+    pub sighting: Sighting,
     /// Its attribute, where it has one (nuScenes).
     pub attribute: Option<u8>,
 }
@@ -92,6 +108,8 @@ pub struct Prediction {
     pub score: f64,
     /// The box.
     pub solid: Solid,
+    /// How far its middle is from the ego in the plane, m.
+    pub distance_m: f64,
     /// Its attribute, where one is said (nuScenes).
     pub attribute: Option<u8>,
 }

@@ -35,6 +35,20 @@ pub enum EvaluationError {
         /// What is wrong.
         problem: String,
     },
+    /// BEV masks of the store are not as they should be.
+    #[error(
+        "scene {scene}, frame {frame}, {agent}: {problem} (run bev-gt for this scene again with --force)"
+    )]
+    Masks {
+        /// The scene.
+        scene: u32,
+        /// The frame.
+        frame: u32,
+        /// The agent.
+        agent: String,
+        /// What is wrong.
+        problem: String,
+    },
     /// What is asked for cannot be had.
     #[error("{0}")]
     Refused(String),

@@ -17,6 +17,7 @@ use schema::{AgentId, DetectionClass};
 use crate::EvaluationError;
 use crate::boxes::{Solid, yaw_of};
 use crate::mode::Mode;
+use crate::positioned::Positioned;
 use crate::values::{Kind, floats, integers, lists};
 
 /// A column of predictions, for `docs/schema.md`.
@@ -99,7 +100,7 @@ pub struct PredictionRow {
 #[derive(Debug)]
 pub struct PredictionFile {
     path: String,
-    file: File,
+    file: Positioned,
     about: ArrowReaderMetadata,
     /// First row of each row group, and the end.
     groups: Vec<usize>,
@@ -117,7 +118,14 @@ impl PredictionFile {
         let name = path.display().to_string();
         let fault = |problem: String| EvaluationError::Predictions { path: name.clone(), problem };
         let file = File::open(path).map_err(|e| fault(format!("cannot be read: {e}")))?;
+        Self::of(file, name)
+    }
+
+    /// Looks likewise into a file that is open; `name` is what messages call it.
+    pub(crate) fn of(file: File, name: String) -> Result<Self, EvaluationError> {
+        let fault = |problem: String| EvaluationError::Predictions { path: name.clone(), problem };
         // What pyarrow, polars and others add to say of which of their own types a column is: all are read as one.
+        let file = Positioned::new(file).map_err(|e| fault(format!("cannot be read: {e}")))?;
         let options = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
         let about = ArrowReaderMetadata::load(&file, options)
             .map_err(|e| fault(format!("is no readable Parquet file: {e}")))?;
@@ -242,17 +250,17 @@ impl PredictionFile {
             wanted.extend(inside);
         }
         let total = self.groups[self.groups.len() - 1] - skipped;
-        let file = self.file.try_clone().map_err(|e| fault(e.to_string()))?;
         let roots = self.about.parquet_schema().root_schema().get_fields();
         let own = (0..roots.len()).filter(|i| columns.contains(&roots[*i].name()));
         let mask = ProjectionMask::roots(self.about.parquet_schema(), own);
-        let reader = ParquetRecordBatchReaderBuilder::new_with_metadata(file, self.about.clone())
-            .with_row_groups(groups)
-            .with_row_selection(RowSelection::from_consecutive_ranges(wanted.into_iter(), total))
-            .with_projection(mask)
-            .with_batch_size(1 << 14)
-            .build()
-            .map_err(|e| fault(e.to_string()))?;
+        let reader =
+            ParquetRecordBatchReaderBuilder::new_with_metadata(self.file.clone(), self.about.clone())
+                .with_row_groups(groups)
+                .with_row_selection(RowSelection::from_consecutive_ranges(wanted.into_iter(), total))
+                .with_projection(mask)
+                .with_batch_size(1 << 14)
+                .build()
+                .map_err(|e| fault(e.to_string()))?;
         reader.collect::<Result<_, _>>().map_err(|e| fault(e.to_string()))
     }
 

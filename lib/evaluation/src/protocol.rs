@@ -1,6 +1,6 @@
 //! What detection metrics share, and their names.
 
-/// Distances up to which a prediction finds a target, m: of both metrics.
+/// Distances up to which a prediction finds a target, m: of SimBEV2X and nuScenes.
 pub const THRESHOLDS_M: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 
 /// A family of metrics.
@@ -10,11 +10,13 @@ pub enum Protocol {
     SimBev2x,
     /// nuScenes: mAP, ATE, ASE, AOE, AVE, AAE, NDS.
     NuScenes,
+    /// OPV2V: AP of vehicles by overlap.
+    Opv2v,
 }
 
 impl Protocol {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::SimBev2x, Self::NuScenes];
+    pub const ALL: [Self; 3] = [Self::SimBev2x, Self::NuScenes, Self::Opv2v];
 
     /// Its name on the command line and in results.
     #[must_use]
@@ -22,6 +24,7 @@ impl Protocol {
         match self {
             Self::SimBev2x => "simbev2x",
             Self::NuScenes => "nuscenes",
+            Self::Opv2v => "opv2v",
         }
     }
 }

@@ -7,9 +7,10 @@ use scene::SceneReader;
 use schema::{AgentId, DetectionClass};
 
 use crate::EvaluationError;
-use crate::boxes::{Prediction, Target};
+use crate::boxes::{Prediction, Solid, Target};
 use crate::mode::{Mode, Seen};
 use crate::nuscenes::{NuScenesScores, NuScenesTally, nuscenes_class};
+use crate::opv2v::{Opv2vScores, Opv2vTally, is_opv2v_vehicle};
 use crate::predictions::{PredictionFile, PredictionRow};
 use crate::protocol::Protocol;
 use crate::simbev2x::{SimBev2xScores, SimBev2xTally};
@@ -41,6 +42,8 @@ pub struct ModeScores {
     pub simbev2x: Option<SimBev2xScores>,
     /// nuScenes' scores, likewise.
     pub nuscenes: Option<NuScenesScores>,
+    /// OPV2V's scores, likewise.
+    pub opv2v: Option<Opv2vScores>,
 }
 
 /// What came of it.
@@ -61,6 +64,7 @@ struct Tally {
     samples: u64,
     simbev2x: SimBev2xTally,
     nuscenes: NuScenesTally,
+    opv2v: Opv2vTally,
 }
 
 /// What a scene, or an ego of it, gives.
@@ -85,6 +89,7 @@ impl Part {
             tally.samples += later.samples;
             tally.simbev2x.append(later.simbev2x);
             tally.nuscenes.append(later.nuscenes);
+            tally.opv2v.append(later.opv2v);
         }
     }
 }
@@ -117,6 +122,7 @@ pub fn evaluate(
         samples: tally.samples,
         simbev2x: plan.protocols.contains(&Protocol::SimBev2x).then(|| tally.simbev2x.scores()),
         nuscenes: plan.protocols.contains(&Protocol::NuScenes).then(|| tally.nuscenes.scores()),
+        opv2v: plan.protocols.contains(&Protocol::Opv2v).then(|| tally.opv2v.scores()),
     });
     let modes = scores.collect();
     let Part { samples, predictions, left_out, .. } = whole;
@@ -201,22 +207,24 @@ fn add_sample(
     };
     let boxes = labels.of(frame, ego, plan.seen);
     part.samples += 1;
-    let is_near = |center_m: &[f64; 3], range_m: f64| {
-        let away = [0, 1].map(|axis| center_m[axis] - xyz_m[axis]);
-        (away[0] * away[0] + away[1] * away[1]).sqrt() < range_m
+    let distance_m = |solid: &Solid| {
+        let away = [0, 1].map(|axis| solid.center_m[axis] - xyz_m[axis]);
+        (away[0] * away[0] + away[1] * away[1]).sqrt()
     };
     let target = |class: usize, label: &Label| Target {
         class,
         solid: label.solid,
+        distance_m: distance_m(&label.solid),
         difficulty: label.difficulty,
+        sighting: label.sighting,
         attribute: None,
     };
     let canonical = |class: DetectionClass| DetectionClass::ALL.into_iter().position(|c| c == class);
-    let simbev2x: Vec<Target> = boxes
-        .iter()
-        .filter(|label| label.is_seen)
-        .filter_map(|label| canonical(label.class).map(|class| target(class, label)))
-        .collect();
+    let seen = || boxes.iter().filter(|label| label.is_seen);
+    let simbev2x: Vec<Target> =
+        seen().filter_map(|label| canonical(label.class).map(|class| target(class, label))).collect();
+    let vehicles = seen().filter(|label| label.id != own && is_opv2v_vehicle(label.class));
+    let opv2v: Vec<Target> = vehicles.map(|label| target(0, label)).collect();
     let has_points = |label: &&Label| plan.seen == Seen::Nobody || label.points > 0;
     let nuscenes: Vec<Target> = boxes
         .iter()
@@ -224,7 +232,7 @@ fn add_sample(
         .filter(has_points)
         .filter_map(|label| {
             let (class, range_m) = nuscenes_class(label.class)?;
-            is_near(&label.solid.center_m, range_m).then(|| target(class, label))
+            Some(target(class, label)).filter(|target| target.distance_m < range_m)
         })
         .collect();
     for (mode, tally) in modes.iter().zip(&mut part.modes) {
@@ -235,6 +243,7 @@ fn add_sample(
             class,
             score: row.score,
             solid: row.solid,
+            distance_m: distance_m(&row.solid),
             attribute: None,
         };
         if plan.protocols.contains(&Protocol::SimBev2x) {
@@ -254,10 +263,15 @@ fn add_sample(
                 )));
             }
             let found: Vec<Prediction> = known()
-                .filter(|((_, range_m), row)| is_near(&row.solid.center_m, *range_m))
-                .map(|((class, _), row)| prediction(class, row))
+                .map(|((class, range_m), row)| (range_m, prediction(class, row)))
+                .filter(|(range_m, prediction)| prediction.distance_m < *range_m)
+                .map(|(_, prediction)| prediction)
                 .collect();
             tally.nuscenes.add(&nuscenes, &found);
+        }
+        if plan.protocols.contains(&Protocol::Opv2v) {
+            let vehicles = found.iter().filter(|row| is_opv2v_vehicle(row.class));
+            tally.opv2v.add(&opv2v, &vehicles.map(|row| prediction(0, row)).collect::<Vec<_>>());
         }
     }
     Ok(())

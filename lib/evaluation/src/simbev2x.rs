@@ -1,16 +1,15 @@
-//! SimBEV2X's detection metrics: mAP by difficulty, four errors, SDS.
+//! SimBEV2X's detection metrics: mAP by difficulty, four errors, SDS; and mAP by distance and by who saw the target.
 
 use rayon::prelude::*;
-use schema::{DetectionClass, Difficulty};
+use schema::DetectionClass;
 
 use crate::boxes::{Prediction, Target};
+use crate::level::{Counts, LEVELS, Level};
 use crate::matching::{Distances, by_score};
 use crate::protocol::{THRESHOLDS_M, mean_of_numbers};
 
 /// Names of the errors.
 pub(crate) const ERRORS: [&str; 4] = ["ATE", "AOE", "ASE", "AVE"];
-/// Names of the levels: all targets, then those of each difficulty.
-pub(crate) const LEVELS: [&str; 4] = ["all", "easy", "medium", "hard"];
 /// What falls below this precision is left out of a curve.
 const MIN_PRECISION: f64 = 0.1;
 
@@ -25,26 +24,18 @@ fn cap(class: usize) -> usize {
     }
 }
 
-/// Number of a difficulty among [`LEVELS`].
-fn level(difficulty: Difficulty) -> u8 {
-    match difficulty {
-        Difficulty::Easy => 1,
-        Difficulty::Medium => 2,
-        Difficulty::Hard => 3,
-    }
-}
-
-/// A prediction with what it found: for each threshold the level of the target, 0 for none.
+/// A prediction with what it found.
 #[derive(Clone, Copy, Debug)]
 struct Hit {
     score: f64,
-    found: [u8; 4],
+    /// By threshold.
+    counts: [Counts; 4],
 }
 
 #[derive(Clone, Debug, Default)]
 struct ClassTally {
     /// By level.
-    targets: [u64; 4],
+    targets: [u64; LEVELS],
     hits: Vec<Hit>,
     /// By threshold: pairs, and sums of their errors.
     pairs: [u64; 4],
@@ -80,8 +71,10 @@ impl SimBev2xTally {
     pub fn append(&mut self, later: Self) {
         for (class, later) in self.classes.iter_mut().zip(later.classes) {
             class.hits.extend(later.hits);
-            for i in 0..4 {
-                class.targets[i] += later.targets[i];
+            for (sum, part) in class.targets.iter_mut().zip(later.targets) {
+                *sum += part;
+            }
+            for i in 0..THRESHOLDS_M.len() {
                 class.pairs[i] += later.pairs[i];
                 for (sum, part) in class.errors[i].iter_mut().zip(later.errors[i]) {
                     *sum += part;
@@ -102,18 +95,17 @@ impl SimBev2xTally {
 
 impl ClassTally {
     fn add(&mut self, targets: &[&Target], surest: &[&Prediction]) {
-        self.targets[0] += targets.len() as u64;
         for target in targets {
-            self.targets[usize::from(level(target.difficulty))] += 1;
+            Level::of(target).for_each(|level| self.targets[level as usize] += 1);
         }
         let distances = Distances::new(surest, targets, |p, t| t.solid.distance_m(&p.solid));
         let first = self.hits.len();
-        self.hits.extend(surest.iter().map(|p| Hit { score: p.score, found: [0; 4] }));
+        self.hits.extend(surest.iter().map(|p| Hit { score: p.score, counts: [Counts::wrong(p); 4] }));
         for (at, threshold_m) in THRESHOLDS_M.into_iter().enumerate() {
             let found = distances.assign(surest.len(), |away| away <= threshold_m);
             for (position, target) in found.into_iter().enumerate() {
                 let Some(target) = target.map(|target| targets[target]) else { continue };
-                self.hits[first + position].found[at] = level(target.difficulty);
+                self.hits[first + position].counts[at] = Counts::right(target);
                 self.pairs[at] += 1;
                 for (sum, error) in self.errors[at].iter_mut().zip(errors(target, surest[position])) {
                     *sum += error;
@@ -128,9 +120,9 @@ impl ClassTally {
         order.par_sort_unstable_by(|a, b| by_score(hit(*a).score, hit(*b).score).then(a.cmp(b)));
         let surest: Vec<Hit> = order.into_iter().map(hit).collect();
         let ap = [0, 1, 2, 3].map(|at| {
-            [0, 1, 2, 3].map(|level: u8| {
-                let found = surest.iter().map(|hit| hit.found[at]);
-                average_precision(found, level, self.targets[usize::from(level)])
+            Level::ALL.map(|level| {
+                let counts = surest.iter().filter_map(|hit| hit.counts[at].at(level));
+                average_precision(counts, self.targets[level as usize])
             })
         });
         let mean = |at: usize, error: usize| match self.pairs[at] {
@@ -155,19 +147,15 @@ fn errors(target: &Target, prediction: &Prediction) -> [f64; 4] {
 }
 
 /// The area below precision over recall, from (0, 1) on and without points of low precision; NaN without targets. Whoever
-/// found a target of another level is neither right nor wrong.
-fn average_precision(found: impl Iterator<Item = u8>, level: u8, targets: u64) -> f64 {
+/// found a target of another level is neither right nor wrong, and not among them.
+fn average_precision(is_right: impl Iterator<Item = bool>, targets: u64) -> f64 {
     if targets == 0 {
         return f64::NAN;
     }
     let (mut right, mut wrong) = (0_u64, 0_u64);
     let (mut recall, mut precision, mut area) = (0.0, 1.0, 0.0);
-    for target in found {
-        match target {
-            0 => wrong += 1,
-            _ if level == 0 || target == level => right += 1,
-            _ => {}
-        }
+    for is_right in is_right {
+        *(if is_right { &mut right } else { &mut wrong }) += 1_u64;
         let point = if right == 0 { 0.0 } else { right as f64 / (right + wrong) as f64 };
         if point >= MIN_PRECISION {
             let next = right as f64 / targets as f64;
@@ -183,10 +171,10 @@ fn average_precision(found: impl Iterator<Item = u8>, level: u8, targets: u64) -
 pub struct SimBev2xClass {
     /// Its name.
     pub name: &'static str,
-    /// How many targets there were: all, easy, medium, hard.
-    pub targets: [u64; 4],
-    /// Average precision at each of [`THRESHOLDS_M`], for all, easy, medium and hard targets; NaN where there are none.
-    pub ap: [[f64; 4]; 4],
+    /// How many targets there were at each of [`Level::ALL`].
+    pub targets: [u64; LEVELS],
+    /// Average precision at each of [`THRESHOLDS_M`], for the targets of each level; NaN where there are none.
+    pub ap: [[f64; LEVELS]; 4],
     /// ATE (m), AOE (rad), ASE, AVE (m/s) at each of [`THRESHOLDS_M`]; NaN where nothing was found.
     pub errors: [[f64; 4]; 4],
 }
@@ -199,11 +187,12 @@ pub struct SimBev2xScores {
 }
 
 impl SimBev2xScores {
-    /// Mean average precision of all, easy, medium and hard targets, over classes that have some; NaN where none has.
+    /// Mean average precision of the targets of each level, over classes that have some; NaN where none has.
     #[must_use]
-    pub fn mean_ap(&self) -> [f64; 4] {
-        [0, 1, 2, 3].map(|level| {
-            mean_of_numbers(self.classes.iter().flat_map(|class| class.ap.iter().map(move |ap| ap[level])))
+    pub fn mean_ap(&self) -> [f64; LEVELS] {
+        Level::ALL.map(|level| {
+            let of_class = |class: &SimBev2xClass| class.ap.map(|ap| ap[level as usize]);
+            mean_of_numbers(self.classes.iter().flat_map(of_class))
         })
     }
 

@@ -10,7 +10,7 @@ use schema::{AgentId, DetectionClass, Difficulty};
 use store::{RowGroups, keys};
 
 use crate::EvaluationError;
-use crate::boxes::Solid;
+use crate::boxes::{Sighting, Solid};
 use crate::mode::Seen;
 
 schema::columns! {
@@ -44,6 +44,8 @@ pub(crate) struct Label {
     pub(crate) is_seen: bool,
     /// Points of lidars and radars of those who count.
     pub(crate) points: u64,
+    /// Whose lidars have points of it.
+    pub(crate) sighting: Sighting,
 }
 
 /// The lists of all agents of a scene at some frames.
@@ -139,6 +141,9 @@ impl SceneLabels {
                         let Some(mine) = by_id.get(&label.id).map(|i| &mut own[*i]) else { continue };
                         mine.is_seen |= label.is_seen;
                         mine.points += label.points;
+                        if mine.sighting == Sighting::Nobody && label.sighting == Sighting::Ego {
+                            mine.sighting = Sighting::Partners;
+                        }
                     }
                 }
             }
@@ -166,5 +171,6 @@ fn label(placed: &Placed, sight: &Sight) -> Option<Label> {
         difficulty: levels.into_iter().find(|level| level.name() == sight.difficulty)?,
         is_seen: sight.valid_flag,
         points: u64::from(sight.num_lidar_pts) + u64::from(sight.num_radar_pts),
+        sighting: if sight.num_lidar_pts > 0 { Sighting::Ego } else { Sighting::Nobody },
     })
 }

@@ -39,8 +39,8 @@ fn number(value: f64) -> Option<f64> {
 fn as_json(measures: &[Measure]) -> Vec<u8> {
     let row = |m: &Measure| {
         let row = json!({
-            "metrics": m.protocol.name(), "mode": m.mode.name(), "class": m.class, "level": m.level,
-            "measure": m.name, "threshold_m": m.threshold_m, "value": number(m.value),
+            "metrics": m.metrics, "mode": m.mode.name(), "class": m.class, "level": m.level,
+            "measure": m.name, "threshold": m.threshold, "value": number(m.value),
         });
         format!("{row}")
     };
@@ -56,12 +56,12 @@ fn as_parquet(measures: &[Measure]) -> Result<Vec<u8>, parquet::errors::ParquetE
         Arc::new(measures.iter().map(of).collect::<Float64Array>())
     };
     let batch = RecordBatch::try_from_iter_with_nullable([
-        ("metrics", texts(|m| m.protocol.name()), false),
+        ("metrics", texts(|m| m.metrics), false),
         ("mode", texts(|m| m.mode.name()), false),
         ("class", texts(|m| m.class), false),
         ("level", texts(|m| m.level), false),
         ("measure", texts(|m| m.name), false),
-        ("threshold_m", numbers(|m| m.threshold_m), true),
+        ("threshold", numbers(|m| m.threshold), true),
         ("value", numbers(|m| number(m.value)), true),
     ])?;
     let mut writer = ArrowWriter::try_new(Vec::new(), batch.schema(), None)?;

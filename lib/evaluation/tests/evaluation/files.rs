@@ -87,6 +87,41 @@ fn lists_of_any_kind_and_modes_are_read() {
     assert!(rows[0].solid.velocity_mps.iter().all(|v| v.is_nan()));
 }
 
+#[test]
+fn scenes_are_read_by_several_threads_at_once() {
+    const ROWS: usize = 40_000;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    // Of ten scenes, in one row group.
+    let at = |i: usize| [i as f64, (i * 7919 % ROWS) as f64, 0.5];
+    let columns: Vec<(&str, ArrayRef)> = vec![
+        ("scene", Arc::new((0..ROWS).map(|i| Some((i * 10 / ROWS) as u32)).collect::<UInt32Array>())),
+        ("frame", Arc::new(UInt32Array::from(vec![0; ROWS]))),
+        ("agent", Arc::new(StringArray::from(vec!["vehicle_0"; ROWS]))),
+        ("class", Arc::new(StringArray::from(vec!["car"; ROWS]))),
+        ("score", Arc::new(Float64Array::from(vec![0.5; ROWS]))),
+        ("center_m", lists(&(0..ROWS).map(at).collect::<Vec<_>>())),
+        ("size_m", lists(&vec![[4.0, 2.0, 1.5]; ROWS])),
+        ("quaternion", lists(&vec![[1.0, 0.0, 0.0, 0.0]; ROWS])),
+    ];
+    let path = folder.path().join("many.parquet");
+    let batch = RecordBatch::try_from_iter(columns).expect("is a table");
+    let mut writer = ArrowWriter::try_new(File::create(&path).expect("is created"), batch.schema(), None);
+    let writer = writer.as_mut().expect("is a schema");
+    writer.write(&batch).expect("is written");
+    writer.finish().expect("is closed");
+    let file = PredictionFile::open(&path).expect("is good");
+    std::thread::scope(|scope| {
+        let read = |scene: u32| {
+            let rows = file.rows(scene).expect("are good");
+            assert_eq!(rows.len(), ROWS / 10);
+            assert!(rows.iter().all(|row| row.solid.center_m == at(row.row)), "scene {scene}");
+        };
+        for _ in 0..4 {
+            scope.spawn(move || (0..10).for_each(read));
+        }
+    });
+}
+
 /// What is said of a file of predictions, wherever it is.
 fn fault(columns: Vec<(&'static str, ArrayRef)>) -> String {
     let folder = tempfile::tempdir().expect("a temporary folder");

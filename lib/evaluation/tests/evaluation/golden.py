@@ -1,12 +1,15 @@
-"""Writes golden/cases.json, golden/nuscenes.json and golden/simbev2x.json.
+"""Writes golden/cases.json, golden/nuscenes.json, golden/simbev2x.json, golden/opv2v.json and golden/masks.json.
 
     golden.py cases            random cases (numpy alone)
     golden.py nuscenes         their scores by nuscenes-devkit's own algorithms (1.2.0, numpy 1.26)
     golden.py simbev2x [FILE]  their scores by the implementation below, which is written from the definition of SimBEV2X's
                                metrics and shares nothing with the Rust one (numpy alone)
+    golden.py opv2v [FILE]     likewise by OPV2V's definition, all boxes as one class; overlaps by other means than ours
+    golden.py masks [FILE]     random BEV masks and their scores, cell by cell (numpy alone)
 
 A box is [class, x, y, z, length, width, height, yaw, vx, vy, score or level, attribute or -1]; null is NaN. Coarse numbers make ties
-of scores; there are classes without targets, without predictions, with one target, and predictions that come twice.
+of scores; there are classes without targets, without predictions, with one target, and predictions that come twice. The ego
+stands at EGO; target i of a sample has points of the ego's lidars (i % 3 = 0), of partners' alone (1), of nobody's (2).
 """
 
 import json
@@ -20,6 +23,7 @@ FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "golden")
 NUSCENES = ["car", "truck", "bus", "trailer", "construction_vehicle", "pedestrian", "motorcycle", "bicycle", "traffic_cone", "barrier"]
 ATTRIBUTES = ["vehicle.moving", "vehicle.parked", "pedestrian.moving"]
 THRESHOLDS = [0.5, 1.0, 2.0, 4.0]
+EGO = [-15.0, 5.0]
 
 
 def load(name):
@@ -139,14 +143,13 @@ def write_nuscenes():
 CAPS = [40, 60, 100, 100, 20, 20, 20, 20, 40, 20]
 
 
-def curve_area(scores, owners, level, count):
-    """owners: -1 of nothing, else the level of the target."""
+def curve_area(scores, signs, count):
+    """signs: 1 of what is right, -1 of what is wrong, 0 of what does not count."""
     if count == 0:
         return math.nan
     order = np.argsort(-np.asarray(scores, float), kind="stable")
-    owners = np.asarray(owners, int)[order]
-    right = np.cumsum((owners >= 0) if level is None else (owners == level))
-    wrong = np.cumsum(owners == -1)
+    signs = np.asarray(signs, int)[order]
+    right, wrong = np.cumsum(signs == 1), np.cumsum(signs == -1)
     total = right + wrong
     precision = np.where(total > 0, right / np.maximum(total, 1), 0.0)
     recall = right / count
@@ -154,6 +157,12 @@ def curve_area(scores, owners, level, count):
     precision = np.concatenate([[1.0], precision[keep]])
     recall = np.concatenate([[0.0], recall[keep]])
     return float(np.clip(np.sum(np.diff(recall) * (precision[1:] + precision[:-1]) * 0.5), 0.0, 1.0))
+
+
+def rings_of(boxes):
+    """0 up to 20 m from the ego, 1 up to 40 m, 2 beyond."""
+    away = np.hypot(boxes[:, 1] - EGO[0], boxes[:, 2] - EGO[1])
+    return np.digitize(away, [20.0, 40.0], right=True)
 
 
 def nan_mean(values):
@@ -169,23 +178,32 @@ def simbev2x_of(case):
     aps, errors = [], []
     for kind in range(10):
         for threshold in THRESHOLDS:
-            scores, owners, pairs, levels = [], [], [], []
+            scores, owners, pairs, groups = [], [], [], []
             for targets, guesses in zip(truth, found):
-                targets, guesses = targets[targets[:, 0] == kind], guesses[guesses[:, 0] == kind]
-                levels += targets[:, 10].astype(int).tolist()
+                of_kind = targets[:, 0] == kind
+                seen = (np.arange(len(targets)) % 3)[of_kind]
+                targets, guesses = targets[of_kind], guesses[guesses[:, 0] == kind]
+                first = len(groups)
+                groups += list(zip(targets[:, 10].astype(int), rings_of(targets), seen))
                 guesses = guesses[np.argsort(-guesses[:, 10], kind="stable")][: CAPS[kind]]
                 free = np.ones(len(targets), bool)
-                for guess in guesses:
+                for guess, ring in zip(guesses, rings_of(guesses)):
                     scores.append(guess[10])
-                    owners.append(-1)
+                    owners.append((-1, ring))
                     away = np.where(free, np.linalg.norm(targets[:, 1:4] - guess[1:4], axis=1), np.inf)
                     if len(away) and away.min() <= threshold:
                         nearest = int(away.argmin())
                         free[nearest] = False
-                        owners[-1] = int(targets[nearest, 10])
+                        owners[-1] = (first + nearest, ring)
                         pairs.append((targets[nearest], guess))
-            levels = np.array(levels, int)
-            aps.append([curve_area(scores, owners, level, len(levels) if level is None else int((levels == level).sum())) for level in (None, 0, 1, 2)])
+            area = []
+            for part, value in [(None, 0), (0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (2, 0), (2, 1)]:
+                is_in = [part is None or group[part] == value for group in groups]
+                # Who finds nothing is wrong at all levels, but of rings only in its own.
+                miss = [-1 if part != 1 or ring == value else 0 for _, ring in owners]
+                signs = [m if owner < 0 else int(is_in[owner]) for (owner, _), m in zip(owners, miss)]
+                area.append(curve_area(scores, signs, sum(is_in)))
+            aps.append(area)
             if not pairs:
                 errors.append([math.nan] * 4)
                 continue
@@ -198,8 +216,8 @@ def simbev2x_of(case):
                 np.linalg.norm(a[:, 1:4] - b[:, 1:4], axis=1).mean(), np.abs(turn).mean(), 1 - overlap.mean(),
                 np.linalg.norm(speed, axis=1).mean(),
             ])
-    aps, errors = np.array(aps).reshape(10, 4, 4), np.array(errors).reshape(10, 4, 4)
-    mean_ap = [nan_mean(aps[:, :, level]) for level in range(4)]
+    aps, errors = np.array(aps).reshape(10, 4, 9), np.array(errors).reshape(10, 4, 4)
+    mean_ap = [nan_mean(aps[:, :, level]) for level in range(9)]
     mean_errors = [nan_mean(errors[:, :, i]) for i in range(4)]
     sds = (4 * mean_ap[0] + sum(max(0.0, 1.0 - e) for e in mean_errors if not math.isnan(e))) / 8
     plain = lambda array: [[[clean(v) for v in row] for row in kind] for kind in array]
@@ -209,6 +227,113 @@ def simbev2x_of(case):
     }
 
 
+def crossing(a, b, c, d):
+    """Where segments a-b and c-d meet, if they do in one point."""
+    u, v = b - a, d - c
+    det = u[0] * v[1] - u[1] * v[0]
+    if abs(det) < 1e-12:
+        return None
+    w = c - a
+    s, t = (w[0] * v[1] - w[1] * v[0]) / det, (w[0] * u[1] - w[1] * u[0]) / det
+    return a + s * u if 0 <= s <= 1 and 0 <= t <= 1 else None
+
+
+def overlap(a, b):
+    """IoU of two boxes from above: the hull of all crossings of sides and of the corners of each within the other."""
+    def corners(box):
+        turn = np.array([[math.cos(box[7]), -math.sin(box[7])], [math.sin(box[7]), math.cos(box[7])]])
+        return np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * (box[4:6] / 2) @ turn.T + box[1:3]
+    def within(points, box):
+        turn = np.array([[math.cos(box[7]), math.sin(box[7])], [-math.sin(box[7]), math.cos(box[7])]])
+        return points[(np.abs((points - box[1:3]) @ turn.T) <= box[4:6] / 2 + 1e-12).all(axis=1)]
+    one, two = corners(a), corners(b)
+    meet = [crossing(one[i - 1], one[i], two[j - 1], two[j]) for i in range(4) for j in range(4)]
+    points = np.array([*(p for p in meet if p is not None), *within(one, b), *within(two, a)]).reshape(-1, 2)
+    both = 0.0
+    if len(points) >= 3:
+        middle = points.mean(axis=0)
+        around = points[np.argsort(np.arctan2(*(points - middle).T[::-1]))] - middle
+        both = 0.5 * abs(np.sum(around[:, 0] * np.roll(around[:, 1], -1) - around[:, 1] * np.roll(around[:, 0], -1)))
+    return both / (a[4] * a[5] + b[4] * b[5] - both)
+
+
+def opv2v_of(case):
+    """Of each threshold the AP with and without sorting all frames' predictions together."""
+    def area(flags, count):
+        right = np.cumsum(flags)
+        recall = np.concatenate([[0.0], right / count, [1.0]])
+        precision = np.concatenate([[0.0], right / np.arange(1, len(flags) + 1), [0.0]])
+        for i in range(len(precision) - 2, -1, -1):
+            precision[i] = max(precision[i], precision[i + 1])
+        return float(np.sum(np.diff(recall) * precision[1:]))
+    result = {"sorted": [], "by_frame": []}
+    for threshold in (0.3, 0.5, 0.7):
+        scores, flags, count = [], [], 0
+        for targets, guesses in zip(case["targets"], case["predictions"]):
+            left = [np.array(t[:8], float) for t in targets]
+            count += len(left)
+            for guess in sorted(guesses, key=lambda g: -g[10]):
+                shares = [overlap(np.array(guess[:8], float), t) for t in left]
+                scores.append(guess[10])
+                flags.append(bool(shares) and max(shares) >= threshold)
+                if flags[-1]:
+                    left.pop(int(np.argmax(shares)))
+        flags = np.array(flags)
+        result["sorted"].append(area(flags[np.argsort(-np.array(scores), kind="stable")], count))
+        result["by_frame"].append(area(flags, count))
+    return result
+
+
+def masks():
+    """Cases of 3 frames: labels and scores as digits (0 to 9 and A of tenths), [frame][class][row]."""
+    rng = np.random.default_rng(97)
+    cases = []
+    # Cells of labels and predictions a side, their size in metres; 96 m, a crop of 48 m, cells twice as large.
+    for labelled, labelled_m, predicted, predicted_m in [(24, 4.0, 24, 4.0), (24, 4.0, 12, 4.0), (24, 4.0, 10, 8.0)]:
+        frames = []
+        for _ in range(3):
+            truth = rng.random((3, labelled, labelled)) < np.array([0.4, 0.1, 0.0])[:, None, None]
+            score = rng.integers(0, 11, (3, predicted, predicted))
+            frames.append((truth, score))
+        # What the definition says, cell by cell of the labels.
+        hits = {}
+        confusion = np.zeros((3, 3), int)
+        for truth, score in frames:
+            for row in range(labelled):
+                for column in range(labelled):
+                    x = (row + 0.5 - labelled / 2) * labelled_m
+                    y = (column + 0.5 - labelled / 2) * labelled_m
+                    r = math.floor(x / predicted_m + predicted / 2)
+                    c = math.floor(y / predicted_m + predicted / 2)
+                    if not (0 <= r < predicted and 0 <= c < predicted):
+                        continue
+                    away = math.sqrt(x * x + y * y)
+                    ring = 1 if away <= 20 else 2 if away <= 40 else 3
+                    for kind in range(3):
+                        for t in range(9):
+                            guess = score[kind, r, c] >= t + 1
+                            for level in (0, ring):
+                                n = hits.setdefault((level, kind, t), [0, 0, 0])
+                                n[0] += bool(guess and truth[kind, row, column])
+                                n[1] += bool(guess and not truth[kind, row, column])
+                                n[2] += bool(not guess and truth[kind, row, column])
+                        for p in range(3):
+                            confusion[kind, p] += bool(truth[kind, row, column] and score[p, r, c] >= 5)
+        def iou(level, kind, t):
+            right, wrong, missed = hits.get((level, kind, t), [0, 0, 0])
+            return right / (right + wrong + missed + 1e-6)
+        ious = [[[iou(level, kind, t) for t in range(9)] for level in range(4)] for kind in range(3)]
+        cases.append({
+            "grid": [labelled, labelled_m, predicted, predicted_m],
+            "labels": [[["".join("01"[int(v)] for v in row) for row in kind] for kind in truth] for truth, _ in frames],
+            "scores": [[["".join("0123456789A"[v] for v in row) for row in kind] for kind in score] for _, score in frames],
+            "iou": ious,
+            "mean_iou": np.array(ious).mean(axis=0).tolist(),
+            "confusion": confusion.tolist(),
+        })
+    return cases
+
+
 def main():
     what = sys.argv[1]
     os.makedirs(FOLDER, exist_ok=True)
@@ -216,9 +341,10 @@ def main():
         write_cases()
     elif what == "nuscenes":
         write_nuscenes()
-    elif what == "simbev2x":
-        path = sys.argv[2] if len(sys.argv) > 2 else os.path.join(FOLDER, "simbev2x.json")
-        save(path, [simbev2x_of(case) for case in load("cases.json")])
+    else:
+        of = {"simbev2x": simbev2x_of, "opv2v": opv2v_of}
+        path = sys.argv[2] if len(sys.argv) > 2 else os.path.join(FOLDER, f"{what}.json")
+        save(path, masks() if what == "masks" else [of[what](case) for case in load("cases.json")])
 
 
 main()

@@ -1,11 +1,13 @@
-//! nuScenes' numbers against those of nuscenes-devkit's own algorithms, SimBEV2X's against an implementation in numpy that was
-//! written apart from ours: `golden.py` says how they were made.
+//! nuScenes' numbers against those of nuscenes-devkit's own algorithms, those of SimBEV2X, OPV2V and BEV masks against
+//! implementations in numpy that were written apart from ours: `golden.py` says how they were made.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use evaluation::{NuScenesTally, Prediction, SimBev2xTally, Solid, Target};
-use schema::Difficulty;
+use evaluation::{
+    Grid, MaskTally, NuScenesTally, Opv2vTally, Prediction, Sighting, SimBev2xTally, Solid, Target, passed,
+};
+use schema::{BevClass, Difficulty};
 use serde_json::Value;
 
 /// How far numbers may be apart.
@@ -50,19 +52,29 @@ fn samples(case: &Value, side: &str) -> Vec<Vec<Value>> {
 
 /// The samples of a case: targets and predictions.
 pub(crate) fn case(case: &Value) -> Vec<(Vec<Target>, Vec<Prediction>)> {
-    let target = |row: &Value| {
+    let target = |(i, row): (usize, &Value)| {
         let difficulty = [Difficulty::Easy, Difficulty::Medium, Difficulty::Hard][number(&row[10]) as usize];
-        Target { class: class(row), solid: solid(row), difficulty, attribute: attribute(row) }
+        let sighting = [Sighting::Ego, Sighting::Partners, Sighting::Nobody][i % 3];
+        let (class, solid, attribute) = (class(row), solid(row), attribute(row));
+        Target { class, solid, distance_m: distance_m(&solid), difficulty, sighting, attribute }
     };
     let prediction = |row: &Value| Prediction {
         class: class(row),
         score: number(&row[10]),
         solid: solid(row),
+        distance_m: distance_m(&solid(row)),
         attribute: attribute(row),
     };
     let (targets, predictions) = (samples(case, "targets"), samples(case, "predictions"));
     let both = targets.iter().zip(&predictions);
-    both.map(|(t, p)| (t.iter().map(target).collect(), p.iter().map(prediction).collect())).collect()
+    both.map(|(t, p)| (t.iter().enumerate().map(target).collect(), p.iter().map(prediction).collect()))
+        .collect()
+}
+
+/// From where `golden.py` has the ego.
+pub(crate) fn distance_m(solid: &Solid) -> f64 {
+    let [x, y] = [solid.center_m[0] + 15.0, solid.center_m[1] - 5.0];
+    (x * x + y * y).sqrt()
 }
 
 /// All cases.
@@ -89,18 +101,25 @@ fn check(found: impl IntoIterator<Item = f64>, expected: &Value, what: &str) -> 
     want.len()
 }
 
+/// Adds the samples of a case, the first half to one tally, the others to another that is put behind it.
+fn tallied<T: Default>(
+    samples: &[(Vec<Target>, Vec<Prediction>)],
+    add: impl Fn(&mut T, &[Target], &[Prediction]),
+    append: impl Fn(&mut T, T),
+) -> T {
+    let (mut tally, mut later) = (T::default(), T::default());
+    for (k, (targets, predictions)) in samples.iter().enumerate() {
+        add(if k < samples.len() / 2 { &mut tally } else { &mut later }, targets, predictions);
+    }
+    append(&mut tally, later);
+    tally
+}
+
 #[test]
 fn nuscenes_scores_are_those_of_its_devkit() {
     let mut numbers = 0;
     for (i, (samples, want)) in cases().into_iter().zip(read("nuscenes.json")).enumerate() {
-        // In two parts, put together.
-        let (mut tally, mut later) = (NuScenesTally::default(), NuScenesTally::default());
-        for (k, (targets, predictions)) in samples.iter().enumerate() {
-            let part = if k < samples.len() / 2 { &mut tally } else { &mut later };
-            part.add(targets, predictions);
-        }
-        tally.append(later);
-        let scores = tally.scores();
+        let scores = tallied(&samples, NuScenesTally::add, NuScenesTally::append).scores();
         let name = |what: &str| format!("case {i}, {what}");
         numbers += check(scores.classes.iter().flat_map(|c| c.ap), &want["ap"], &name("AP"));
         numbers += check(scores.classes.iter().flat_map(|c| c.errors), &want["errors"], &name("errors"));
@@ -114,13 +133,7 @@ fn nuscenes_scores_are_those_of_its_devkit() {
 fn check_simbev2x(expected: &[Value]) {
     let mut numbers = 0;
     for (i, (samples, want)) in cases().into_iter().zip(expected).enumerate() {
-        let (mut tally, mut later) = (SimBev2xTally::default(), SimBev2xTally::default());
-        for (k, (targets, predictions)) in samples.iter().enumerate() {
-            let part = if k < samples.len() / 2 { &mut tally } else { &mut later };
-            part.add(targets, predictions);
-        }
-        tally.append(later);
-        let scores = tally.scores();
+        let scores = tallied(&samples, SimBev2xTally::add, SimBev2xTally::append).scores();
         let name = |what: &str| format!("case {i}, {what}");
         numbers += check(scores.classes.iter().flat_map(|c| c.ap).flatten(), &want["ap"], &name("AP"));
         numbers +=
@@ -129,23 +142,73 @@ fn check_simbev2x(expected: &[Value]) {
         numbers += check(scores.mean_errors(), &want["mean_errors"], &name("mean errors"));
         numbers += check([scores.sds()], &want["sds"], &name("SDS"));
     }
-    assert_eq!(numbers, 8 * (160 + 160 + 4 + 4 + 1));
+    assert_eq!(numbers, 8 * (360 + 160 + 9 + 4 + 1));
+}
+
+fn check_opv2v(expected: &[Value]) {
+    let mut numbers = 0;
+    for (i, (samples, want)) in cases().into_iter().zip(expected).enumerate() {
+        let scores = tallied(&samples, Opv2vTally::add, Opv2vTally::append).scores();
+        numbers += check(scores.sorted, &want["sorted"], &format!("case {i}, sorted"));
+        numbers += check(scores.by_frame, &want["by_frame"], &format!("case {i}, by frame"));
+    }
+    assert_eq!(numbers, 8 * 6);
+}
+
+/// Digits of tenths as how many thresholds they reach, `[classes, rows, columns]`.
+fn digits(frame: &Value) -> Vec<u8> {
+    let rows =
+        frame.as_array().expect("has classes").iter().flat_map(|class| class.as_array().expect("has rows"));
+    let digits = rows.flat_map(|row| row.as_str().expect("is digits").chars());
+    digits.map(|digit| digit.to_digit(16).expect("is a digit") as u8).collect()
+}
+
+fn check_masks(expected: &[Value]) {
+    let classes = [BevClass::Road, BevClass::Car, BevClass::Rider];
+    for (i, case) in expected.iter().enumerate() {
+        let name = |what: &str| format!("case {i}, {what}");
+        let at = |k: usize| number(&case["grid"][k]);
+        let grid = Grid::new((at(0) as usize, at(1)), (at(2) as usize, at(3))).expect("lies on the other");
+        let (mut tally, mut later) = (MaskTally::new(&classes), MaskTally::new(&classes));
+        let frames = |what: &str| case[what].as_array().expect("has frames").clone();
+        for (k, (labels, scores)) in frames("labels").iter().zip(frames("scores")).enumerate() {
+            let reached = |tenths: u8| passed(f32::from(tenths) / 10.0).expect("is a score");
+            let scores: Vec<u8> = digits(&scores).into_iter().map(reached).collect();
+            let part = if k == 0 { &mut tally } else { &mut later };
+            assert!(part.add(&grid, &digits(labels), &scores));
+            assert!(
+                !part.add(&grid, &digits(labels)[1..], &scores) && !part.add(&grid, &digits(labels), &[])
+            );
+        }
+        tally.append(&later);
+        let scores = tally.scores();
+        assert_eq!(scores.frames, 3);
+        check(scores.classes.iter().flat_map(|c| c.iou).flatten(), &case["iou"], &name("IoU"));
+        check(scores.mean_iou().into_iter().flatten(), &case["mean_iou"], &name("mIoU"));
+        let confused = scores.confusion.iter().flatten().map(|cells| *cells as f64);
+        check(confused, &case["confusion"], &name("confusion"));
+    }
+    assert_eq!(expected.len(), 3);
 }
 
 #[test]
-fn simbev2x_scores_are_those_of_a_second_implementation() {
+fn scores_are_those_of_a_second_implementation() {
     check_simbev2x(&read("simbev2x.json"));
+    check_opv2v(&read("opv2v.json"));
+    check_masks(&read("masks.json"));
 }
 
 #[test]
 fn the_second_implementation_still_gives_them() {
     let Some(python) = testkit::python(&["numpy"]) else { return };
     let temporary = tempfile::tempdir().expect("a temporary folder");
-    let file = temporary.path().join("scores.json");
-    let script = folder().join("golden.py");
-    let status = Command::new(python).arg(script).arg("simbev2x").arg(&file).status();
-    assert!(status.expect("Python starts").success());
-    check_simbev2x(
-        &serde_json::from_slice::<Vec<Value>>(&std::fs::read(file).expect("reads")).expect("is a list"),
-    );
+    let again = |what: &str| -> Vec<Value> {
+        let file = temporary.path().join(what);
+        let status = Command::new(&python).arg(folder().join("golden.py")).arg(what).arg(&file).status();
+        assert!(status.expect("Python starts").success(), "{what}");
+        serde_json::from_slice(&std::fs::read(file).expect("reads")).expect("is a list")
+    };
+    check_simbev2x(&again("simbev2x"));
+    check_opv2v(&again("opv2v"));
+    check_masks(&again("masks"));
 }

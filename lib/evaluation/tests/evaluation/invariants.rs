@@ -1,6 +1,6 @@
 //! What must hold whatever the numbers are.
 
-use evaluation::{NuScenesTally, Prediction, SimBev2xScores, SimBev2xTally, Solid, Target};
+use evaluation::{LEVELS, NuScenesTally, Prediction, Sighting, SimBev2xScores, SimBev2xTally, Solid, Target};
 use schema::Difficulty;
 
 use crate::golden::cases;
@@ -15,14 +15,17 @@ fn targets() -> Vec<Target> {
             yaw_rad: 0.1 * i as f64,
             velocity_mps: [1.0, i as f64],
         },
+        distance_m: 10.0 * i as f64,
         difficulty: [Difficulty::Easy, Difficulty::Medium, Difficulty::Hard][i / 10 % 3],
+        sighting: [Sighting::Ego, Sighting::Partners][i / 10 % 2],
         attribute: None,
     };
     (0..90).map(target).collect()
 }
 
 fn copy(target: &Target, score: f64) -> Prediction {
-    Prediction { class: target.class, score, solid: target.solid, attribute: None }
+    let Target { class, solid, distance_m, .. } = *target;
+    Prediction { class, score, solid, distance_m, attribute: None }
 }
 
 fn simbev2x(samples: &[(Vec<Target>, Vec<Prediction>)]) -> SimBev2xScores {
@@ -41,8 +44,12 @@ fn copies_of_which_every_third_is_shifted() {
     });
     let scores = simbev2x(&[(targets.clone(), predictions.collect())]);
     for class in &scores.classes {
-        assert_eq!(class.targets, [9, 3, 3, 3]);
-        assert_eq!(class.ap[1..], [[1.0; 4]; 3], "{}", class.name);
+        assert_eq!(class.targets[..4], [9, 3, 3, 3]);
+        assert_eq!(class.targets[4..7].iter().sum::<u64>(), 9);
+        assert_eq!(class.targets[7..], [5, 4]);
+        for (ap, targets) in class.ap[1..].iter().flat_map(|ap| ap.iter().zip(class.targets)) {
+            assert!(if targets == 0 { ap.is_nan() } else { *ap == 1.0 }, "{}: {ap} of {targets}", class.name);
+        }
         assert_eq!(class.ap[0][1], 0.0, "easy ones are shifted farther than 0.5 m");
         assert_eq!(class.errors[0], [0.0; 4]);
         for errors in &class.errors[1..] {
@@ -56,12 +63,12 @@ fn perfect_twice_and_no_predictions() {
     let targets = targets();
     let once: Vec<Prediction> = targets.iter().map(|target| copy(target, 0.9)).collect();
     let perfect = simbev2x(&[(targets.clone(), once.clone())]);
-    assert_eq!((perfect.mean_ap(), perfect.mean_errors(), perfect.sds()), ([1.0; 4], [0.0; 4], 1.0));
+    assert_eq!((perfect.mean_ap(), perfect.mean_errors(), perfect.sds()), ([1.0; LEVELS], [0.0; 4], 1.0));
     // What comes a second time, less sure, changes nothing.
     let twice = [once.clone(), targets.iter().map(|target| copy(target, 0.1)).collect()].concat();
     assert_eq!(simbev2x(&[(targets.clone(), twice)]).sds(), 1.0);
     let nothing = simbev2x(&[(targets.clone(), Vec::new())]);
-    assert_eq!((nothing.mean_ap(), nothing.sds()), ([0.0; 4], 0.0));
+    assert_eq!((nothing.mean_ap(), nothing.sds()), ([0.0; LEVELS], 0.0));
     assert!(nothing.mean_errors()[0].is_nan());
     assert!(simbev2x(&[(Vec::new(), once.clone())]).sds().is_nan());
     let mut nuscenes = NuScenesTally::default();

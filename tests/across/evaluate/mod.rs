@@ -1,5 +1,8 @@
 //! `evaluate` on a tiny dataset: its own boxes as predictions, and predictions that cannot be.
 
+mod masks;
+mod results;
+
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -134,4 +137,7 @@ fn own_boxes_are_perfect_and_faults_are_named() {
     }
     let refused = evaluate(&bench, &file, &["--agents", "vehicle_7"]);
     assert!(refused.code == 2 && refused.stderr.contains("none of its rows"), "{}", refused.stderr);
+
+    masks::check(&bench);
+    results::check(&bench, &good, &file);
 }

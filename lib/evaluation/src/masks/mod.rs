@@ -1,0 +1,9 @@
+//! Predicted BEV masks against a store's: IoU by class, threshold and ring.
+
+mod folder;
+mod run;
+mod tally;
+
+pub use folder::{MaskFolder, SCORE_TYPES};
+pub use run::{MaskEvaluation, MaskMode, evaluate_masks};
+pub use tally::{Grid, MASK_THRESHOLDS, MaskClass, MaskScores, MaskTally, passed};

@@ -1,0 +1,140 @@
+//! `evaluate` on a file of nuScenes' results, for an export of the store.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use arrow_array::cast::AsArray;
+use arrow_array::types::{Float64Type, UInt32Type};
+use arrow_array::{Array, ArrayRef};
+use convoy_tests::{Bench, Outcome, program};
+use serde_json::{Value, json};
+
+fn read(path: &Path) -> Value {
+    serde_json::from_slice(&fs::read(path).expect("is written")).expect("is JSON")
+}
+
+/// Numbers of a list of so many.
+fn list(array: &ArrayRef, row: usize, length: usize) -> Vec<f64> {
+    let values = array.as_fixed_size_list().values().clone();
+    (0..length)
+        .map(|i| match values.as_primitive_opt::<Float64Type>() {
+            Some(values) => values.value(row * length + i),
+            None => {
+                f64::from(values.as_primitive::<arrow_array::types::Float32Type>().value(row * length + i))
+            }
+        })
+        .collect()
+}
+
+/// The boxes of our own file as a file of results.
+fn results(columns: &[(&'static str, ArrayRef)], version: &Path) -> Value {
+    let maps = read(&version.join("map.json"));
+    let shift: Vec<f64> =
+        serde_json::from_value(maps[0]["global_from_world_m"].clone()).expect("are numbers");
+    assert!(shift.iter().any(|v| *v != 0.0), "the export moves its world");
+    let mut tokens = BTreeMap::new();
+    for moment in read(&version.join("cooperation.json")).as_array().expect("has moments") {
+        for (agent, token) in moment["samples"].as_object().expect("has samples") {
+            tokens.insert((moment["frame"].as_u64().expect("is one"), agent.clone()), token.clone());
+        }
+    }
+    let column = |name: &str| &columns.iter().find(|(found, _)| *found == name).expect("is there").1;
+    let (frames, agents, classes) = (column("frame"), column("agent"), column("class"));
+    let mut samples: BTreeMap<String, Vec<Value>> = BTreeMap::new();
+    for row in 0..frames.len() {
+        let agent = agents.as_string::<i32>().value(row).to_owned();
+        let frame = u64::from(frames.as_primitive::<UInt32Type>().value(row));
+        let class = classes.as_string::<i32>().value(row);
+        let Some(token) = tokens.get(&(frame, agent)).and_then(Value::as_str) else { continue };
+        if class.starts_with("traffic_light") || class.starts_with("traffic_sign") {
+            continue;
+        }
+        let at = |name: &str, length: usize| list(column(name), row, length);
+        let (center, size) = (at("center_m", 3), at("size_m", 3));
+        let translation = [0, 1, 2].map(|axis: usize| center[axis] + shift[axis]);
+        samples.entry(token.to_owned()).or_default().push(json!({
+            "sample_token": token,
+            "translation": translation,
+            "size": [size[1], size[0], size[2]],
+            "rotation": at("quaternion", 4),
+            "velocity": at("velocity_mps", 3)[..2],
+            "detection_name": class,
+            "detection_score": column("score").as_primitive::<Float64Type>().value(row),
+            "attribute_name": "",
+        }));
+    }
+    json!({ "meta": { "use_lidar": true }, "results": samples })
+}
+
+pub(super) fn check(bench: &Bench, columns: &[(&'static str, ArrayRef)], parquet: &Path) {
+    let folder = bench.folder.path();
+    let export = folder.join("nuscenes");
+    let mut command = Command::new(program("export"));
+    command.args(["nuscenes", "--progress", "none", "--store"]).arg(bench.store()).arg("--dest").arg(&export);
+    Outcome::of(&command.output().expect("the program starts")).expect_done();
+    let version = export.join("v1.0-train-convoy_demo");
+    let good = results(columns, &version);
+    let write = |name: &str, text: &str| -> PathBuf {
+        fs::write(folder.join(name), text).expect("is written");
+        folder.join(name)
+    };
+    let file = write("results_nusc.json", &good.to_string());
+    let scores = |predictions: &Path, name: &str, more: &[&str]| -> Vec<Value> {
+        let out = folder.join(name);
+        let args = ["--every", "10", "--metrics", "nuscenes,opv2v", "--out", &out.display().to_string()];
+        super::evaluate(bench, predictions, &[&args[..], more].concat()).expect_done();
+        read(&out).as_array().expect("is a list").clone()
+    };
+    let from = export.display().to_string();
+    let (one, other) = (scores(&file, "a.json", &["--nuscenes", &from]), scores(parquet, "b.json", &[]));
+    assert_eq!(one.len(), other.len());
+    for (one, other) in one.iter().zip(&other) {
+        for key in ["metrics", "class", "level", "measure", "threshold"] {
+            assert_eq!(one[key], other[key]);
+        }
+        match (one["value"].as_f64(), other["value"].as_f64()) {
+            (Some(a), Some(b)) => assert!((a - b).abs() < 1e-9, "{one} {other}"),
+            (a, b) => assert_eq!(a, b, "{one}"),
+        }
+    }
+    let everything = ["--nuscenes", &from, "--seen", "nobody"];
+    let perfect = scores(&file, "c.json", &everything);
+    let has = |row: &&Value| row["measure"] == "targets" && row["value"].as_f64() > Some(0.0);
+    let classes: Vec<&Value> = perfect.iter().filter(has).map(|row| &row["class"]).collect();
+    assert!(classes.len() > 2, "{classes:?}");
+    for class in classes {
+        let ap = |row: &&Value| row["class"] == *class && row["measure"] == "AP";
+        let values: Vec<f64> = perfect.iter().filter(ap).filter_map(|row| row["value"].as_f64()).collect();
+        assert!(values.len() > 2 && values.iter().all(|ap| (ap - 1.0).abs() < 1e-9), "{class}: {values:?}");
+    }
+
+    let version = version.display().to_string();
+    let text = good.to_string();
+    let token = good["results"].as_object().and_then(|r| r.keys().next()).expect("has samples").as_str();
+    let cases = [
+        (text.replacen("\"results\"", "\"others\"", 1), "missing field `results`"),
+        (text.replace(token, "abc"), "sample `abc` is none of the export's"),
+        (
+            text.replacen("\"detection_name\":\"", "\"detection_name\":\"x", 1),
+            "box 0: `detection_name` is `x",
+        ),
+        (text.replacen("\"velocity\":[", "\"velocity\":[NaN,", 1), "NaN is no JSON"),
+        (text.replacen("\"size\":[", "\"size\":[-", 1), "`size` is [-"),
+        (text.replacen("\"rotation\":[", "\"rotation\":[1.0,", 1), "is no file of nuScenes' results: "),
+        (text[..text.len() / 2].to_owned(), "is no file of nuScenes' results: EOF"),
+        ("[".repeat(100_000), "is no file of nuScenes' results: "),
+        (format!("{{\"meta\":{}", "[".repeat(100_000)), "is no file of nuScenes' results: recursion limit"),
+    ];
+    for (text, want) in cases {
+        let bad = write("bad.json", &text);
+        let refused = super::evaluate(bench, &bad, &["--nuscenes", &version]);
+        assert!(refused.code == 2 && refused.stderr.contains(want), "{want}: {}", refused.stderr);
+        assert_eq!(refused.stderr.matches("ERROR").count(), 1, "{}", refused.stderr);
+    }
+    let alone = super::evaluate(bench, &file, &[]);
+    assert!(alone.code == 2 && alone.stderr.contains("--nuscenes FOLDER"), "{}", alone.stderr);
+    let elsewhere = super::evaluate(bench, &file, &["--nuscenes", &folder.display().to_string()]);
+    assert!(elsewhere.code == 2 && elsewhere.stderr.contains("it is no export"), "{}", elsewhere.stderr);
+}
