@@ -412,7 +412,7 @@ mod tests {
           radar readings                 3,600  150.14 MB
           voxel grids                    2,400    2.95 GB
         about 7.28 GB on disk
-        about 0.6 core-hours: 0.2 hours on 4 cores, without a GPU
+        about 0.4 core-hours: 0.1 hours on 4 cores, without a GPU
         ");
     }
 }

@@ -120,7 +120,7 @@ pub(super) fn check(bench: &Bench) {
             "a cell must be once, twice",
         ),
         (vec![side(-1.0)], "cell_m.npy: must be one float above 0"),
-        (vec![frame(Scalar::U8, [CLASSES, 900, 900], vec![0; CLASSES * 810_000])], "0000.npy: "),
+        (vec![frame(Scalar::U8, [CLASSES, 900, 900], vec![0; CLASSES * 810_000])], "0000.npy: 900 cells"),
     ];
     for (i, (members, want)) in cases.into_iter().enumerate() {
         let (refused, _) = evaluate(

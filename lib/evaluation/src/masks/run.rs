@@ -142,7 +142,9 @@ fn of_ego(
                 _ => {
                     let cell_m = archive.cell_m.unwrap_or(about.cell_m);
                     let new = Grid::new((about.cells, about.cell_m), (cells, cell_m));
-                    let new = new.map_err(|problem| archive.fault(problem))?;
+                    let new = new.map_err(|problem| {
+                        archive.fault(format!("{}: {problem}", formats::frame_member(frame)))
+                    })?;
                     &mut grid.insert((cells, new)).1
                 }
             };
