@@ -49,7 +49,7 @@ class Evaluate(unittest.TestCase):
         self.assertEqual({row["metrics"] for row in found.rows}, {"simbev2x"})
         self.assertLess(found.value("mATE", mode="x2x"), 1e-6)
         # The ego's own box is none of its targets.
-        self.assertGreater(found.value("AP", mode="x2x", of_class="pedestrian", threshold_m=0.5), 0.99)
+        self.assertGreater(found.value("AP", mode="x2x", of_class="pedestrian", threshold=0.5), 0.99)
 
     def test_faults_are_those_of_the_program(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -23,22 +23,22 @@ class Evaluation:
     """What `convoy evaluate` found."""
 
     rows: list[dict[str, Any]]
-    """One a number: metrics, mode, class, level, measure, threshold_m, value (docs/evaluation.md)."""
+    """One a number: metrics, mode, class, level, measure, threshold, value (docs/evaluation.md)."""
     program: str
     """By which program."""
     version: str
 
     def value(
-        self, measure: str, *, metrics: str = "simbev2x", mode: str = "-", threshold_m: float | None = None,
+        self, measure: str, *, metrics: str = "simbev2x", mode: str = "-", threshold: float | None = None,
         level: str = "all", of_class: str = "all",
     ) -> float | None:  # fmt: skip
         """One of the numbers; None where nothing can be said, as of a class without targets."""
         wanted = {"metrics": metrics, "mode": mode, "class": of_class, "level": level, "measure": measure}
         for row in self.rows:
-            if row["threshold_m"] == threshold_m and all(row[name] == value for name, value in wanted.items()):
+            if row["threshold"] == threshold and all(row[name] == value for name, value in wanted.items()):
                 found: float | None = row["value"]
                 return found
-        raise KeyError(f"there is no {wanted | {'threshold_m': threshold_m}}")
+        raise KeyError(f"there is no {wanted | {'threshold': threshold}}")
 
 
 def evaluate(

@@ -126,7 +126,7 @@ def agree(
             for at in THRESHOLDS_M:
                 for level in ("all", "easy", "medium", "hard"):
                     ours = tally.average_precision(k, at, level)
-                    other = theirs.value("AP", mode=mode, threshold_m=at, level=level, of_class=name)
+                    other = theirs.value("AP", mode=mode, threshold=at, level=level, of_class=name)
                     if (ours is None) != (other is None) or abs((ours or 0.0) - (other or 0.0)) > SAME:
                         raise ValueError(
                             f"{predictions}: AP of {name} at {at} m, {level}, mode {mode}: {ours} here, {other} by {theirs.program}"
