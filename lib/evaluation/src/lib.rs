@@ -1,7 +1,6 @@
 #![doc = include_str!("../README.md")]
 
 mod boxes;
-mod details;
 mod error;
 mod interpolation;
 mod level;
@@ -24,7 +23,6 @@ mod values;
 mod write;
 
 pub use boxes::{Prediction, Sighting, Solid, Target};
-pub use details::{ClassDetails, Details, Found, SampleId};
 pub use error::EvaluationError;
 pub use level::{LEVELS, Level};
 pub use masks::{

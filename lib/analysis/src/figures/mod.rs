@@ -9,7 +9,6 @@ mod histogram;
 mod matrix;
 mod pairs;
 mod scale;
-mod scores;
 mod sightings;
 mod svg;
 
@@ -25,7 +24,6 @@ use figure::{STEPS, figure};
 use histogram::Histogram;
 use matrix::Matrix;
 use scale::Scale;
-pub(crate) use scores::{found_figure, precision_figure};
 use sightings::{heat_figures, place_figures, points_figure, spread_figures};
 
 /// The same for headings in bins of 10 degrees: quarter turns.

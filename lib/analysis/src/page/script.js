@@ -80,19 +80,18 @@ if (choices) {
 }
 
 // `convoy view` shows stores below /store/; whatever else shows this page has no viewer.
-const isServed = location.pathname.startsWith('/store/')
+const isServed = location.pathname === '/store/stats/report.html'
 const quoted = (path) => /^[\w./-]+$/.test(path) ? path : `'${path.replaceAll("'", "'\\''")}'`
-const store = () => location.protocol === 'file:' && location.pathname.includes('/stats/') ? quoted(decodeURIComponent(location.pathname).split('/stats/')[0]) : 'STORE'
+const store = () => location.protocol === 'file:' ? quoted(decodeURIComponent(location.pathname).split('/stats/')[0]) : 'STORE'
 const how = document.getElementById('how')
-for (const card of document.querySelectorAll('.card, .moment')) {
-  const { scene, frame, ego } = card.dataset
+for (const card of document.querySelectorAll('.card')) {
   if (isServed) {
-    card.href = '/#scene=' + scene + (frame ? '&frame=' + frame + '&agent=' + ego : '')
+    card.href = '/#scene=' + card.dataset.scene
   } else {
     card.addEventListener('click', (event) => {
       event.preventDefault()
       how.hidden = false
-      how.querySelector('b').textContent = 'scene ' + scene + (frame ? ', frame ' + frame : '')
+      how.querySelector('b').textContent = 'scene ' + card.dataset.scene
       how.querySelector('code').textContent = 'convoy view ' + store()
     })
   }
