@@ -113,13 +113,7 @@ def agree(
     if not tallies:
         return
     theirs = convoy.evaluate(
-        predictions,
-        store,
-        split=split,
-        every=every,
-        metrics=["simbev2x"],
-        program=program or None,
-        options=["--threads", "1"],
+        predictions, store, split=split, every=every, metrics=["simbev2x"], program=program or None
     )
     for mode, tally in tallies.items():
         for k, name in enumerate(tally.classes):
