@@ -103,9 +103,10 @@ evaluate: build
 
 # Makes data, trains models without and with cooperation, scores them and writes docs/benchmark.md. Started again, it goes on. The
 # Python that runs it needs PyTorch: make benchmark [PYTHON=python3] [BENCHMARK=python/baseline/benchmark.toml] [STORE=benchmark-store]
+# [DEST=benchmark] [PAGE=docs/benchmark.md]; python/baseline/benchmark-gpu.toml is the large one.
 benchmark: build
 	PYTHONPATH=python/src:python/baseline/src $(PYTHON) -m convoy_baseline.benchmark --plan $(BENCHMARK) \
-		--store $(if $(filter file,$(origin STORE)),benchmark-store,$(STORE)) --out $(or $(DEST),benchmark) --page docs/benchmark.md \
+		--store $(if $(filter file,$(origin STORE)),benchmark-store,$(STORE)) --out $(or $(DEST),benchmark) --page $(or $(PAGE),docs/benchmark.md) \
 		--program $(BIN)/convoy --device $(DEVICE) $(THREADS_ARG) $(if $(WORKERS),--workers $(WORKERS))
 
 # A finished store in a layout of other people's loaders: make export FORMAT=kitti DEST=folder [SCENES=0,3-5] [SPLIT=train] [ARGS=--dry-run]
@@ -209,6 +210,7 @@ bench: build
 bench-kernels:
 	$(CARGO) bench --locked -p convoy-opendrive -p convoy-world -p convoy-traffic -p convoy-visibility \
 		-p convoy-sensors -p convoy-formats --benches
+	$(CARGO) bench --locked -p convoy-evaluation --bench scale
 	$(CARGO) bench --locked -p convoy-tests --bench labels
 
 docs:

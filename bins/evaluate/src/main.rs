@@ -1,6 +1,7 @@
 //! Scores predicted boxes and BEV masks against a finished store.
 
 mod error;
+mod page;
 mod table;
 
 use std::path::Path;
@@ -25,6 +26,9 @@ use error::EvaluateError;
 
 /// What must be made of a scene whose boxes are evaluated.
 const NEEDED_OF_BOXES: [&str; 2] = [AgentRow::STAGE, ValidBoxRow::STAGE];
+
+/// As many frames are named on the page.
+const WORST_FRAMES: usize = 20;
 
 fn main() -> ExitCode {
     let args = Evaluate::parse();
@@ -55,19 +59,34 @@ fn run(args: &Evaluate) -> Result<(), EvaluateError> {
         )));
     }
     let store = Store::open(&args.store)?;
+    let found = match &args.predictions {
+        Some(predictions) => Some(pool.install(|| boxes(args, &store, predictions))?),
+        None => None,
+    };
+    let painted = match &args.bev_masks {
+        Some(folder) => Some(pool.install(|| masks(args, &store, folder))?),
+        None => None,
+    };
     let mut measures = Vec::new();
-    if let Some(predictions) = &args.predictions {
-        let result = pool.install(|| boxes(args, &store, predictions))?;
-        say(&table::of_boxes(&result));
+    if let Some(result) = &found {
+        say(&table::of_boxes(result));
         measures.extend(result.measures());
     }
-    if let Some(folder) = &args.bev_masks {
-        let result = pool.install(|| masks(args, &store, folder))?;
-        say(&table::of_masks(&result));
+    if let Some(result) = &painted {
+        say(&table::of_masks(result));
         measures.extend(result.measures());
     }
     if let Some(out) = out {
         write_measures(out, &measures)?;
+    }
+    if let Some(path) = &args.report {
+        let name = Source::open(&store, &Selection::default(), &[])?.dataset()?;
+        let name = name.pointer("/config/name").and_then(|name| name.as_str()).unwrap_or("dataset");
+        let page = page::page(name, found.as_ref(), painted.as_ref());
+        std::fs::write(path, page).map_err(|e| {
+            let (path, problem) = (path.display().to_string(), e.to_string());
+            EvaluateError::from(EvaluationError::Write { path, problem })
+        })?;
     }
     Ok(())
 }
@@ -98,6 +117,7 @@ fn boxes(args: &Evaluate, store: &Store, predictions: &Path) -> Result<Evaluatio
         protocols: &protocols,
         seen,
         every_n_frames: args.every,
+        worst_frames: args.report.is_some().then_some(WORST_FRAMES),
         is_ego: &|agent| is_ego(args, agent),
     };
     Ok(evaluate(&scenes, &file, &plan)?)

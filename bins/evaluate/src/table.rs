@@ -64,7 +64,7 @@ const DIFFICULTIES: [Level; 4] = [Level::All, Level::Easy, Level::Medium, Level:
 const PLACES: [Level; 5] = [Level::Near, Level::Middle, Level::Far, Level::Ego, Level::Partners];
 
 /// The mean of those that are numbers.
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let values: Vec<f64> = values.filter(|v| !v.is_nan()).collect();
     if values.is_empty() { f64::NAN } else { values.iter().sum::<f64>() / values.len() as f64 }
 }

@@ -40,6 +40,15 @@ pub(crate) fn page(title: &str, body: &Markup) -> String {
     printable(&page.into_string())
 }
 
+/// What a click on a link to the viewer says where no viewer shows the page.
+pub(crate) fn how(what_it_shows: &str) -> Markup {
+    html! {
+        div id="how" hidden="hidden" {
+            "To look at " b { "a scene" } " run " code { "convoy view STORE" } ", which also shows " (what_it_shows) "."
+        }
+    }
+}
+
 /// A table below its heading, folded away where its numbers are many or in a figure already.
 pub(crate) fn folded(table: &Table, is_drawn: bool) -> Markup {
     let folds = table.len() > FOLD_ROWS || table.column("bin").is_some() || is_drawn;

@@ -4,7 +4,7 @@ use maud::{Markup, PreEscaped, html};
 
 use crate::figures::Figure;
 use crate::groups::Group;
-use crate::page::{column_title, folded, numbers, page};
+use crate::page::{column_title, folded, how, numbers, page};
 use crate::table::{Section, Table, Tables};
 use crate::text::grouped;
 
@@ -178,9 +178,7 @@ fn scene_cards(cards: &[SceneCard]) -> Markup {
                     "\n"
                 }
             }
-            div id="how" hidden="hidden" {
-                "To look at " b { "a scene" } " run " code { "convoy view STORE" } ", which also shows this report with links to every scene."
-            }
+            (how("this report with links to every scene"))
     }
 }
 

@@ -53,6 +53,9 @@ pub struct Evaluate {
     /// A file for all numbers, one a row: .parquet or .json.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// A file for a page with curves, what was found at which distance, and the worst frames: .html, best in the store's folder.
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
     /// Worker threads (default: all cores). The numbers do not depend on it.
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,

@@ -1,7 +1,18 @@
 //! Boxes that are held against each other.
 
 use frames::math;
-use schema::Difficulty;
+use schema::{AgentId, Difficulty};
+
+/// A frame of an ego.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct SampleId {
+    /// Number of the scene.
+    pub scene: u32,
+    /// Frame number.
+    pub frame: u32,
+    /// The ego.
+    pub ego: AgentId,
+}
 
 /// A box in the world, as far as metrics look at it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

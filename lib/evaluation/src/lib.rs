@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod boxes;
+mod details;
 mod error;
 mod interpolation;
 mod level;
@@ -22,7 +23,8 @@ mod targets;
 mod values;
 mod write;
 
-pub use boxes::{Prediction, Sighting, Solid, Target};
+pub use boxes::{Prediction, SampleId, Sighting, Solid, Target};
+pub use details::{ClassDetails, Details, Found};
 pub use error::EvaluationError;
 pub use level::{LEVELS, Level};
 pub use masks::{

@@ -12,7 +12,7 @@ use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder, RowSelection,
 };
 use parquet::basic::Compression;
-use schema::{AgentId, DetectionClass};
+use schema::{AgentId, DetectionClass, NUSCENES_ATTRIBUTES};
 
 use crate::EvaluationError;
 use crate::boxes::{Solid, yaw_of};
@@ -50,7 +50,7 @@ macro_rules! column {
 }
 
 /// The columns of predictions: one row per box that was found.
-pub const COLUMNS: [ColumnDoc; 10] = [
+pub const COLUMNS: [ColumnDoc; 11] = [
     column!("scene", Kind::Integer, "Number of the scene."),
     column!("frame", Kind::Integer, "Frame number."),
     column!("agent", Kind::Text, "The ego: for whom it was found, `vehicle_0`, `rsu_1`, ..."),
@@ -75,6 +75,12 @@ pub const COLUMNS: [ColumnDoc; 10] = [
         "Velocity in the world, m/s; null or NaN where it is not known.",
         optional
     ),
+    column!(
+        "attribute",
+        Kind::Text,
+        "nuScenes' attribute (`vehicle.moving`, `cycle.with_rider`, `pedestrian.standing`, ...); null or empty where it is not known.",
+        optional
+    ),
 ];
 
 /// A prediction as the file has it.
@@ -94,6 +100,8 @@ pub struct PredictionRow {
     pub score: f64,
     /// The box.
     pub solid: Solid,
+    /// Its attribute, where it is said: a number of [`NUSCENES_ATTRIBUTES`].
+    pub attribute: Option<u8>,
 }
 
 /// A Parquet file of predictions. Its rows are read scene by scene, so that memory holds those of a few scenes.
@@ -319,9 +327,11 @@ impl PredictionFile {
             Some(_) => Some(self.lists::<3>(batch, "velocity_mps", numbers)?),
             None => None,
         };
-        let agents = self.texts(batch, "agent", numbers, "agent", |text| text.parse().ok())?;
-        let classes = self.texts(batch, "class", numbers, "detection class", DetectionClass::from_name)?;
+        let agents = self.texts(batch, "agent", numbers, "agent", |text| text?.parse().ok())?;
+        let classes =
+            self.texts(batch, "class", numbers, "detection class", |text| DetectionClass::from_name(text?))?;
         let modes = self.modes_of(batch, numbers)?;
+        let attributes = self.attributes_of(batch, numbers)?;
         for (i, &row) in numbers.iter().enumerate() {
             let fault = |problem: &str| Err(self.fault(row, problem));
             if !scores[i].is_finite() {
@@ -342,17 +352,33 @@ impl PredictionFile {
             }
             let solid = Solid { center_m: centers[i], size_m: sizes[i], yaw_rad, velocity_mps: [vx, vy] };
             let (frame, agent, mode) = (frames[i], agents[i], modes[i]);
-            let (class, score) = (classes[i], scores[i]);
-            rows.push(PredictionRow { row, frame, agent, mode, class, score, solid });
+            let (class, score, attribute) = (classes[i], scores[i], attributes[i]);
+            rows.push(PredictionRow { row, frame, agent, mode, class, score, solid, attribute });
         }
         Ok(())
     }
 
     fn modes_of(&self, batch: &RecordBatch, numbers: &[usize]) -> Result<Vec<Mode>, EvaluationError> {
         match batch.column_by_name("mode") {
-            Some(_) => self.texts(batch, "mode", numbers, "mode of cooperation", Mode::from_name),
+            Some(_) => {
+                self.texts(batch, "mode", numbers, "mode of cooperation", |text| Mode::from_name(text?))
+            }
             None => Ok(vec![Mode::Unsaid; numbers.len()]),
         }
+    }
+
+    fn attributes_of(
+        &self,
+        batch: &RecordBatch,
+        numbers: &[usize],
+    ) -> Result<Vec<Option<u8>>, EvaluationError> {
+        if batch.column_by_name("attribute").is_none() {
+            return Ok(vec![None; numbers.len()]);
+        }
+        self.texts(batch, "attribute", numbers, "attribute of nuScenes", |text| match text {
+            None | Some("") => Some(None),
+            Some(text) => number_of_attribute(text).map(Some),
+        })
     }
 
     /// Texts that stand for something; mostly the same one comes again and again.
@@ -362,20 +388,21 @@ impl PredictionFile {
         name: &str,
         numbers: &[usize],
         what: &str,
-        read: impl Fn(&str) -> Option<T>,
+        read: impl Fn(Option<&str>) -> Option<T>,
     ) -> Result<Vec<T>, EvaluationError> {
         let texts = self.column(batch, name)?;
         let texts = texts.as_string_opt::<i32>().ok_or_else(|| self.other_type(name))?;
-        let mut last: Option<(&str, T)> = None;
+        let mut last: Option<(Option<&str>, T)> = None;
         let mut values = Vec::with_capacity(texts.len());
         for (i, text) in texts.iter().enumerate() {
-            let Some(text) = text else {
-                return Err(self.fault(numbers[i], &format!("`{name}` is null, expected a {what}")));
-            };
             let value = match last {
                 Some((known, value)) if known == text => value,
                 _ => read(text).ok_or_else(|| {
-                    self.fault(numbers[i], &format!("`{name}` is `{text}`, which is no {what}"))
+                    let problem = match text {
+                        Some(text) => format!("`{name}` is `{text}`, which is no {what}"),
+                        None => format!("`{name}` is null, expected a {what}"),
+                    };
+                    self.fault(numbers[i], &problem)
                 })?,
             };
             last = Some((text, value));
@@ -383,4 +410,9 @@ impl PredictionFile {
         }
         Ok(values)
     }
+}
+
+/// Its number among [`NUSCENES_ATTRIBUTES`].
+pub(crate) fn number_of_attribute(name: &str) -> Option<u8> {
+    NUSCENES_ATTRIBUTES.iter().position(|(known, _)| *known == name).map(|i| i as u8)
 }

@@ -16,7 +16,7 @@ use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, SeqAccess, Visito
 use serde::{Deserialize, Deserializer};
 
 use crate::EvaluationError;
-use crate::predictions::PredictionFile;
+use crate::predictions::{PredictionFile, number_of_attribute};
 
 /// So many rows are in memory at a time.
 const BATCH_ROWS: usize = 1 << 14;
@@ -280,6 +280,8 @@ struct FoundBox {
     velocity: [Option<f64>; 2],
     detection_name: String,
     detection_score: f64,
+    #[serde(default)]
+    attribute_name: String,
 }
 
 impl FoundBox {
@@ -287,6 +289,9 @@ impl FoundBox {
     fn fault(&self) -> Option<String> {
         if !self.size.iter().all(|side| *side > 0.0) {
             return Some(format!("`size` is {:?}, expected lengths above 0", self.size));
+        }
+        if !self.attribute_name.is_empty() && number_of_attribute(&self.attribute_name).is_none() {
+            return Some(format!("`attribute_name` is `{}`, which is no attribute", self.attribute_name));
         }
         let norm: f64 = self.rotation.iter().map(|part| part * part).sum();
         (norm < 1e-12).then(|| format!("`rotation` is {:?}, which is no rotation", self.rotation))
@@ -311,6 +316,7 @@ struct Columns {
     sizes: Vec<f64>,
     turns: Vec<f64>,
     velocities: Vec<f64>,
+    attributes: Vec<String>,
 }
 
 impl Rows {
@@ -339,6 +345,7 @@ impl Rows {
         to.turns.extend(found.rotation);
         let [vx, vy] = found.velocity.map(|v| v.unwrap_or(f64::NAN));
         to.velocities.extend([vx, vy, 0.0]);
+        to.attributes.push(found.attribute_name.clone());
         if to.scenes.len() == BATCH_ROWS { self.flush() } else { Ok(()) }
     }
 
@@ -371,6 +378,7 @@ impl Columns {
             ("size_m", lists(&mut self.sizes, 3)?),
             ("quaternion", lists(&mut self.turns, 4)?),
             ("velocity_mps", lists(&mut self.velocities, 3)?),
+            ("attribute", Arc::new(StringArray::from(std::mem::take(&mut self.attributes)))),
         ])?)
     }
 }

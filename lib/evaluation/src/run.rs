@@ -7,7 +7,8 @@ use scene::SceneReader;
 use schema::{AgentId, DetectionClass};
 
 use crate::EvaluationError;
-use crate::boxes::{Prediction, Solid, Target};
+use crate::boxes::{Prediction, SampleId, Solid, Target};
+use crate::details::Details;
 use crate::mode::{Mode, Seen};
 use crate::nuscenes::{NuScenesScores, NuScenesTally, nuscenes_class};
 use crate::opv2v::{Opv2vScores, Opv2vTally, is_opv2v_vehicle};
@@ -27,6 +28,8 @@ pub struct Plan<'a> {
     pub seen: Seen,
     /// Samples are frames 0, n, 2 n, ...; none: all that have boxes.
     pub every_n_frames: Option<u32>,
+    /// How many of the worst frames are told, with curves and what was found at which distance; none: nothing of all this.
+    pub worst_frames: Option<usize>,
     /// Which agents are egos.
     pub is_ego: &'a (dyn Fn(AgentId) -> bool + Sync),
 }
@@ -40,6 +43,8 @@ pub struct ModeScores {
     pub samples: u64,
     /// SimBEV2X's scores, if they were asked for.
     pub simbev2x: Option<SimBev2xScores>,
+    /// What pages show of SimBEV2X's metrics, if they and it were asked for.
+    pub details: Option<Details>,
     /// nuScenes' scores, likewise.
     pub nuscenes: Option<NuScenesScores>,
     /// OPV2V's scores, likewise.
@@ -121,6 +126,10 @@ pub fn evaluate(
         mode,
         samples: tally.samples,
         simbev2x: plan.protocols.contains(&Protocol::SimBev2x).then(|| tally.simbev2x.scores()),
+        details: plan
+            .worst_frames
+            .filter(|_| plan.protocols.contains(&Protocol::SimBev2x))
+            .map(|frames| tally.simbev2x.details(frames)),
         nuscenes: plan.protocols.contains(&Protocol::NuScenes).then(|| tally.nuscenes.scores()),
         opv2v: plan.protocols.contains(&Protocol::Opv2v).then(|| tally.opv2v.scores()),
     });
@@ -217,7 +226,7 @@ fn add_sample(
         distance_m: distance_m(&label.solid),
         difficulty: label.difficulty,
         sighting: label.sighting,
-        attribute: None,
+        attribute: label.attribute,
     };
     let canonical = |class: DetectionClass| DetectionClass::ALL.into_iter().position(|c| c == class);
     let seen = || boxes.iter().filter(|label| label.is_seen);
@@ -244,13 +253,16 @@ fn add_sample(
             score: row.score,
             solid: row.solid,
             distance_m: distance_m(&row.solid),
-            attribute: None,
+            attribute: row.attribute,
         };
         if plan.protocols.contains(&Protocol::SimBev2x) {
             let found: Vec<Prediction> = found
                 .iter()
                 .filter_map(|row| canonical(row.class).map(|class| prediction(class, row)))
                 .collect();
+            if plan.worst_frames.is_some() {
+                tally.simbev2x.begin(SampleId { scene, frame, ego });
+            }
             tally.simbev2x.add(&simbev2x, &found);
         }
         if plan.protocols.contains(&Protocol::NuScenes) {

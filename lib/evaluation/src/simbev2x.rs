@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use schema::DetectionClass;
 
-use crate::boxes::{Prediction, Target};
+use crate::boxes::{Prediction, SampleId, Target};
 use crate::level::{Counts, LEVELS, Level};
 use crate::matching::{Distances, by_score};
 use crate::protocol::{THRESHOLDS_M, mean_of_numbers};
@@ -26,17 +26,17 @@ fn cap(class: usize) -> usize {
 
 /// A prediction with what it found.
 #[derive(Clone, Copy, Debug)]
-struct Hit {
-    score: f64,
+pub(crate) struct Hit {
+    pub(crate) score: f64,
     /// By threshold.
-    counts: [Counts; 4],
+    pub(crate) counts: [Counts; 4],
 }
 
 #[derive(Clone, Debug, Default)]
-struct ClassTally {
+pub(crate) struct ClassTally {
     /// By level.
-    targets: [u64; LEVELS],
-    hits: Vec<Hit>,
+    pub(crate) targets: [u64; LEVELS],
+    pub(crate) hits: Vec<Hit>,
     /// By threshold: pairs, and sums of their errors.
     pairs: [u64; 4],
     errors: [[f64; 4]; 4],
@@ -45,16 +45,40 @@ struct ClassTally {
 /// What was found and what not, sample by sample.
 #[derive(Clone, Debug)]
 pub struct SimBev2xTally {
-    classes: Vec<ClassTally>,
+    pub(crate) classes: Vec<ClassTally>,
+    /// Where samples begin, as far as that was said.
+    pub(crate) marks: Vec<Mark>,
+}
+
+/// Where a sample begins.
+#[derive(Clone, Debug)]
+pub(crate) struct Mark {
+    pub(crate) sample: SampleId,
+    /// How many predictions and targets of each class stand before it.
+    pub(crate) classes: [[u64; 2]; DetectionClass::ALL.len()],
 }
 
 impl Default for SimBev2xTally {
     fn default() -> Self {
-        Self { classes: vec![ClassTally::default(); DetectionClass::ALL.len()] }
+        Self { classes: vec![ClassTally::default(); DetectionClass::ALL.len()], marks: Vec::new() }
     }
 }
 
 impl SimBev2xTally {
+    /// Says which sample is added next.
+    pub fn begin(&mut self, sample: SampleId) {
+        self.marks.push(Mark { sample, classes: self.counts() });
+    }
+
+    /// How many predictions and targets of each class there are.
+    fn counts(&self) -> [[u64; 2]; DetectionClass::ALL.len()] {
+        let mut counts = [[0; 2]; DetectionClass::ALL.len()];
+        for (count, tally) in counts.iter_mut().zip(&self.classes) {
+            *count = [tally.hits.len() as u64, tally.targets[Level::All as usize]];
+        }
+        counts
+    }
+
     /// Adds a sample's targets and predictions, whose classes are numbers of [`DetectionClass::ALL`]. Of equal scores the earlier
     /// counts as the surer, within a sample and among samples. Velocities that are not known count as none.
     pub fn add(&mut self, targets: &[Target], predictions: &[Prediction]) {
@@ -69,6 +93,13 @@ impl SimBev2xTally {
 
     /// Adds what another has of later samples.
     pub fn append(&mut self, later: Self) {
+        let before = self.counts();
+        self.marks.extend(later.marks.into_iter().map(|mut mark| {
+            for (own, before) in mark.classes.iter_mut().zip(before) {
+                *own = [own[0] + before[0], own[1] + before[1]];
+            }
+            mark
+        }));
         for (class, later) in self.classes.iter_mut().zip(later.classes) {
             class.hits.extend(later.hits);
             for (sum, part) in class.targets.iter_mut().zip(later.targets) {

@@ -5,13 +5,14 @@ use std::ops::Range;
 
 use scene::SceneReader;
 use schema::table::Row;
-use schema::tables::{AgentRow, BoxRow, ValidBoxRow};
-use schema::{AgentId, DetectionClass, Difficulty};
+use schema::tables::{ActorRow, AgentRow, BoxRow, ValidBoxRow};
+use schema::{ActorKind, AgentId, Attributes, DetectionClass, Difficulty, nuscenes_attribute};
 use store::{RowGroups, keys};
 
 use crate::EvaluationError;
 use crate::boxes::{Sighting, Solid};
 use crate::mode::Seen;
+use crate::predictions::number_of_attribute;
 
 schema::columns! {
     /// Where agents are.
@@ -19,10 +20,15 @@ schema::columns! {
 }
 
 schema::columns! {
+    /// What objects are.
+    Thing of ActorRow { id: u16, kind: ActorKind }
+}
+
+schema::columns! {
     /// Boxes.
     Placed of BoxRow {
         frame: u32, agent: String, id: u16, class: String, center_m: [f64; 3], size_m: [f64; 3], rpy_rad: [f64; 3],
-        velocity_mps: [f32; 3],
+        velocity_mps: [f32; 3], semantic_tags: Vec<u8>, attributes: Attributes,
     }
 }
 
@@ -46,6 +52,8 @@ pub(crate) struct Label {
     pub(crate) points: u64,
     /// Whose lidars have points of it.
     pub(crate) sighting: Sighting,
+    /// nuScenes' attribute: a number of [`schema::NUSCENES_ATTRIBUTES`].
+    pub(crate) attribute: Option<u8>,
 }
 
 /// The lists of all agents of a scene at some frames.
@@ -86,6 +94,11 @@ impl SceneLabels {
                 poses.entry(frame).or_default().insert(named(frame, &agent)?, (id, xyz_m));
             }
         }
+        let mut kinds = BTreeMap::new();
+        for thing in rows::<Thing>(scene)? {
+            let Thing { id, kind } = thing?;
+            kinds.insert(id, kind);
+        }
         let (mut labels, mut lists) = (Vec::new(), BTreeMap::<(u32, AgentId), Range<usize>>::new());
         let mut sights = rows::<Sight>(scene)?;
         let mut whose: Option<(String, AgentId)> = None;
@@ -109,7 +122,8 @@ impl SceneLabels {
                 return Err(fault("the boxes of a frame and agent do not stand together"));
             }
             range.end += 1;
-            labels.push(label(&placed, &sight).ok_or_else(|| {
+            let kind = kinds.get(id).copied().unwrap_or_default();
+            labels.push(label(&placed, &sight, kind).ok_or_else(|| {
                 fault(&format!("class `{}` or difficulty `{}` is none", placed.class, sight.difficulty))
             })?);
         }
@@ -156,12 +170,15 @@ fn fault(scene: u32, frame: u32, agent: &str, problem: String) -> EvaluationErro
     EvaluationError::Labels { scene, frame, agent: agent.to_owned(), problem }
 }
 
-fn label(placed: &Placed, sight: &Sight) -> Option<Label> {
+fn label(placed: &Placed, sight: &Sight, kind: ActorKind) -> Option<Label> {
+    let class = DetectionClass::from_name(&placed.class)?;
     let levels = [Difficulty::Easy, Difficulty::Medium, Difficulty::Hard];
-    let [vx, vy, _] = placed.velocity_mps.map(f64::from);
+    let [vx, vy, vz] = placed.velocity_mps.map(f64::from);
+    let speed_mps = (vx * vx + vy * vy + vz * vz).sqrt();
+    let attribute = nuscenes_attribute(class, kind, &placed.semantic_tags, &placed.attributes, speed_mps);
     Some(Label {
         id: placed.id,
-        class: DetectionClass::from_name(&placed.class)?,
+        class,
         solid: Solid {
             center_m: placed.center_m,
             size_m: placed.size_m,
@@ -172,5 +189,6 @@ fn label(placed: &Placed, sight: &Sight) -> Option<Label> {
         is_seen: sight.valid_flag,
         points: u64::from(sight.num_lidar_pts) + u64::from(sight.num_radar_pts),
         sighting: if sight.num_lidar_pts > 0 { Sighting::Ego } else { Sighting::Nobody },
+        attribute: attribute.and_then(number_of_attribute),
     })
 }

@@ -68,6 +68,42 @@ fn results(columns: &[(&'static str, ArrayRef)], version: &Path) -> Value {
     json!({ "meta": { "use_lidar": true }, "results": samples })
 }
 
+/// The same boxes with the attributes that the export says of them.
+fn with_attributes(good: &Value, version: &Path) -> Value {
+    let names: BTreeMap<String, Value> = read(&version.join("attribute.json"))
+        .as_array()
+        .expect("is a table")
+        .iter()
+        .map(|row| (row["token"].as_str().expect("has a token").to_owned(), row["name"].clone()))
+        .collect();
+    let mut said: BTreeMap<(String, String), Value> = BTreeMap::new();
+    for row in read(&version.join("sample_annotation.json")).as_array().expect("is a table") {
+        if let Some(token) = row["attribute_tokens"][0].as_str() {
+            let sample = row["sample_token"].as_str().expect("has a sample").to_owned();
+            said.insert((sample, row["translation"].to_string()), names[token].clone());
+        }
+    }
+    let mut result = good.clone();
+    let mut told = 0;
+    for (sample, boxes) in result["results"].as_object_mut().expect("has samples") {
+        for found in boxes.as_array_mut().expect("has boxes") {
+            if let Some(name) = said.get(&(sample.clone(), found["translation"].to_string())) {
+                found["attribute_name"] = name.clone();
+                told += 1;
+            }
+        }
+    }
+    assert!(told > 20, "{told} boxes have an attribute");
+    result
+}
+
+/// Errors of attributes, by class.
+fn attribute_errors(rows: &[Value]) -> BTreeMap<String, f64> {
+    let of = |row: &&Value| row["metrics"] == "nuscenes" && row["measure"] == "AAE" && row["class"] != "all";
+    let value = |row: &Value| Some((row["class"].as_str()?.to_owned(), row["value"].as_f64()?));
+    rows.iter().filter(of).filter_map(value).collect()
+}
+
 pub(super) fn check(bench: &Bench, columns: &[(&'static str, ArrayRef)], parquet: &Path) {
     let folder = bench.folder.path();
     let export = folder.join("nuscenes");
@@ -99,6 +135,13 @@ pub(super) fn check(bench: &Bench, columns: &[(&'static str, ArrayRef)], parquet
             (a, b) => assert_eq!(a, b, "{one}"),
         }
     }
+    // Only what an agent has points of is annotated.
+    let of_ego = ["--nuscenes", &from, "--seen", "ego"];
+    let told = write("told_nusc.json", &with_attributes(&good, &version).to_string());
+    let (told, untold) = (scores(&told, "d.json", &of_ego), scores(&file, "e.json", &of_ego));
+    let (told, untold) = (attribute_errors(&told), attribute_errors(&untold));
+    assert!(untold.len() > 1 && untold.values().all(|error| *error == 1.0), "{untold:?}");
+    assert!(told.keys().eq(untold.keys()) && told.values().all(|error| *error < 0.1), "{told:?}");
     let everything = ["--nuscenes", &from, "--seen", "nobody"];
     let perfect = scores(&file, "c.json", &everything);
     let has = |row: &&Value| row["measure"] == "targets" && row["value"].as_f64() > Some(0.0);
@@ -124,6 +167,10 @@ pub(super) fn check(bench: &Bench, columns: &[(&'static str, ArrayRef)], parquet
         (
             text.replacen("\"detection_name\":\"", "\"detection_name\":\"x", 1),
             "box 0: `detection_name` is `x",
+        ),
+        (
+            text.replacen("\"attribute_name\":\"", "\"attribute_name\":\"flying", 1),
+            "box 0: `attribute_name` is `flying`",
         ),
         (text.replacen("\"velocity\":[", "\"velocity\":[NaN,", 1), "NaN is no JSON"),
         (text.replacen("\"size\":[", "\"size\":[-", 1), "`size` is [-"),

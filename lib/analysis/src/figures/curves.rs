@@ -1,10 +1,9 @@
-//! Curves over distance, one a class, on a logarithmic axis.
+//! Curves on common axes, one a class, say.
 
 use super::scale::Scale;
 use super::svg::{Anchor, Svg, text_width};
 use crate::text::short;
 
-const WIDTH: f64 = 720.0;
 const HEIGHT: f64 = 340.0;
 const TOP: f64 = 28.0;
 const BOTTOM: f64 = 42.0;
@@ -24,25 +23,28 @@ pub(super) struct Curves<'a> {
     pub(super) title: &'a str,
     pub(super) x_label: &'a str,
     pub(super) y_label: &'a str,
+    /// The end of the axis, and in how many steps it is reached.
     pub(super) x_max: f64,
+    pub(super) x_steps: u32,
+    pub(super) scale: Scale,
+    pub(super) width: f64,
     pub(super) curves: Vec<Curve>,
 }
 
 impl Curves<'_> {
     pub(super) fn draw(&self) -> String {
-        let mut svg = Svg::new(WIDTH, HEIGHT, self.title);
-        let ys = || self.curves.iter().flat_map(|c| &c.points).map(|p| p[1]);
-        let scale = Scale::log(1.0, ys().fold(1.0, f64::max));
+        let Self { scale, width, .. } = self;
+        let mut svg = Svg::new(*width, HEIGHT, self.title);
         let names = self.curves.iter().map(|c| text_width(&c.label, FONT)).fold(0.0, f64::max);
-        let (left, right) = (52.0, WIDTH - names - 32.0);
+        let (left, right) = (52.0, width - names - 32.0);
         let base = HEIGHT - BOTTOM;
         let x = |value: f64| left + (right - left) * value / self.x_max;
         let y = |value: f64| base - (base - TOP) * scale.position(value);
         for &tick in &scale.ticks {
-            svg.line([left, y(tick)], [right, y(tick)], tick == 1.0);
+            svg.line([left, y(tick)], [right, y(tick)], scale.ticks.first() == Some(&tick));
             svg.text([left - 5.0, y(tick) + 4.0], Anchor::End, 10.0, &short(tick));
         }
-        for tick in (0..=6).map(|i| f64::from(i) * self.x_max / 6.0) {
+        for tick in (0..=self.x_steps).map(|i| f64::from(i) * self.x_max / f64::from(self.x_steps)) {
             svg.line([x(tick), base], [x(tick), base + 3.0], true);
             svg.text([x(tick), base + 15.0], Anchor::Middle, 10.0, &short(tick));
         }

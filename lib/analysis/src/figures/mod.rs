@@ -9,6 +9,7 @@ mod histogram;
 mod matrix;
 mod pairs;
 mod scale;
+mod scores;
 mod sightings;
 mod svg;
 
@@ -24,6 +25,8 @@ use figure::{STEPS, figure};
 use histogram::Histogram;
 use matrix::Matrix;
 use scale::Scale;
+pub use scores::{FoundBar, PrecisionCurves};
+pub(crate) use scores::{found_figure, precision_figure};
 use sightings::{heat_figures, place_figures, points_figure, spread_figures};
 
 /// The same for headings in bins of 10 degrees: quarter turns.

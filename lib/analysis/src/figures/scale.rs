@@ -26,6 +26,11 @@ impl Scale {
         Self { log: false, ticks: (0..=n).map(|i| f64::from(i) * step).collect() }
     }
 
+    /// From 0 to 1: shares.
+    pub(super) fn unit() -> Self {
+        Self { log: false, ticks: (0..=5).map(|i| f64::from(i) / 5.0).collect() }
+    }
+
     /// Decades that hold `min` (above their start where it can be, so that its bar is seen) and `max`. Both are
     /// at least 1.
     pub(super) fn log(min: f64, max: f64) -> Self {

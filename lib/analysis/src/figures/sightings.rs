@@ -6,6 +6,7 @@ use schema::measures::sightings::{LEVELS, LEVELS_PER_DECADE, PLACE_M, PLACES, PO
 use super::curves::{Curve, Curves};
 use super::density::{Axis, Density};
 use super::figure::{Figure, figure};
+use super::scale::Scale;
 use crate::table::Table;
 use crate::text::words;
 
@@ -32,12 +33,16 @@ pub(super) fn points_figure(table: &Table) -> Figure {
         rgb: DetectionClass::from_name(class).map_or([128; 3], DetectionClass::rgb),
         points: of(class),
     });
+    let curves: Vec<Curve> = curves.filter(|curve| !curve.points.is_empty()).collect();
     let curves = Curves {
         title: &table.title,
         x_label: "distance from the agent, m",
         y_label: "points, median (logarithmic)",
         x_max: POINTS_STEP_M * f64::from(POINTS_STEPS),
-        curves: curves.filter(|curve| !curve.points.is_empty()).collect(),
+        x_steps: 6,
+        scale: Scale::log(1.0, curves.iter().flat_map(|c| &c.points).map(|p| p[1]).fold(1.0, f64::max)),
+        width: 720.0,
+        curves,
     };
     figure(table, &table.title, curves.draw())
 }

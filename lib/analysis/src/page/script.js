@@ -80,18 +80,19 @@ if (choices) {
 }
 
 // `convoy view` shows stores below /store/; whatever else shows this page has no viewer.
-const isServed = location.pathname === '/store/stats/report.html'
+const isServed = location.pathname.startsWith('/store/')
 const quoted = (path) => /^[\w./-]+$/.test(path) ? path : `'${path.replaceAll("'", "'\\''")}'`
-const store = () => location.protocol === 'file:' ? quoted(decodeURIComponent(location.pathname).split('/stats/')[0]) : 'STORE'
+const store = () => location.protocol === 'file:' && location.pathname.includes('/stats/') ? quoted(decodeURIComponent(location.pathname).split('/stats/')[0]) : 'STORE'
 const how = document.getElementById('how')
-for (const card of document.querySelectorAll('.card')) {
+for (const card of document.querySelectorAll('.card, .moment')) {
+  const { scene, frame, ego } = card.dataset
   if (isServed) {
-    card.href = '/#scene=' + card.dataset.scene
+    card.href = '/#scene=' + scene + (frame ? '&frame=' + frame + '&agent=' + ego : '')
   } else {
     card.addEventListener('click', (event) => {
       event.preventDefault()
       how.hidden = false
-      how.querySelector('b').textContent = 'scene ' + card.dataset.scene
+      how.querySelector('b').textContent = 'scene ' + scene + (frame ? ', frame ' + frame : '')
       how.querySelector('code').textContent = 'convoy view ' + store()
     })
   }

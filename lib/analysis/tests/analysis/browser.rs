@@ -5,8 +5,9 @@ use std::path::Path;
 use std::process::Command;
 
 use analysis::{
-    DatasetFacts, GroupTotals, MeasureTotals, SceneCard, compute_tables, draw_figures, published_html,
-    report_html,
+    DatasetFacts, FoundBar, GroupTotals, MeasureTotals, Moment, PrecisionCurves, SceneCard, ScorePart,
+    Section, Table, TableColumn, Values, compute_tables, draw_figures, published_html, report_html,
+    scores_html,
 };
 use schema::measures::{Bins, bev, sensors, sightings, simulation, tracks, voxels};
 use schema::scene_info::{AgentInfo, SceneInfo};
@@ -168,6 +169,7 @@ fn write_pages(folder: &Path) {
     let write = |name: &str, page: &str| std::fs::write(folder.join(name), page).expect("is written");
     write("report.html", &report_html(&tables, &figures, &cards, groups.groups(&whole)));
     write("published.html", &published_html(&tables, &figures).expect("has numbers"));
+    write("scores.html", &scores_html("a demo", "10,000 samples, 300,000 predicted boxes.", &scores()));
     // A scene without a frame, of which nothing was counted: classes and labels are absent.
     let bare = SceneInfo { map: "Town01".into(), ..SceneInfo::default() };
     let row = |measure: &str| PartialRow {
@@ -183,6 +185,61 @@ fn write_pages(folder: &Path) {
     let tables = compute_tables(&facts("bare"), std::slice::from_ref(&bare), &nothing);
     let figures = draw_figures(&tables);
     write("bare.html", &report_html(&tables, &figures, &[], []));
+}
+
+/// Scores of all classes, of two models.
+fn scores() -> Vec<ScorePart> {
+    let curve = |k: usize, at: usize| {
+        let recall = |i: u32| f64::from(i) * 0.008 * (1.0 - 0.05 * k as f64);
+        let points = (0..=100).map(|i| [recall(i), 1.0 - recall(i) * recall(i) * (1.1 - 0.2 * at as f64)]);
+        (["0.5 m", "1 m", "2 m", "4 m"][at].to_owned(), points.collect())
+    };
+    let classes = || DetectionClass::ALL.into_iter().enumerate();
+    let bar = |(k, class): (usize, DetectionClass)| {
+        ["0-20 m", "20-40 m", "over 40 m"].map(|ring| FoundBar {
+            label: format!("{}, {ring}", class.name().replace('_', " ")),
+            targets: 10_u64.pow(6 - k as u32 / 2),
+            found: 10_u64.pow(6 - k as u32 / 2) / (k as u64 + 1),
+            wrong: 1234 * k as u64,
+        })
+    };
+    let numbers = |scale: f64| Values::F64 {
+        values: classes().map(|(k, _)| (k % 4 < 3).then_some(scale * k as f64)).collect(),
+        decimals: 1,
+    };
+    let names = classes().map(|(_, class)| class.name().to_owned()).collect();
+    let mut columns = vec![TableColumn { name: "class".into(), values: Values::Str(names) }];
+    let levels =
+        ["AP", "easy", "medium", "hard", "0-20 m", "20-40 m", "over 40 m", "ego", "partners", "ATE_m"];
+    columns.extend(levels.map(|name| TableColumn { name: name.into(), values: numbers(9.9) }));
+    let table = Table {
+        name: "scores".into(),
+        section: Section::Boxes,
+        title: "SimBEV2X".into(),
+        note: "SDS 12.3".into(),
+        columns,
+    };
+    let part = |title: &str| ScorePart {
+        title: title.into(),
+        tables: vec![table.clone()],
+        curves: classes()
+            .map(|(k, class)| PrecisionCurves {
+                title: class.name().replace('_', " "),
+                curves: (0..4).map(|at| curve(k, at)).collect(),
+            })
+            .collect(),
+        found_note: "Found up to 2 m.".into(),
+        found: classes().flat_map(bar).collect(),
+        worst: (0..20)
+            .map(|i| Moment {
+                scene: 7,
+                frame: 40 + i,
+                ego: "vehicle_0".into(),
+                found_missed_wrong: [u64::from(i), 1000, 20],
+            })
+            .collect(),
+    };
+    vec![part("Boxes, cooperation none"), part("Boxes, cooperation x2x")]
 }
 
 #[test]

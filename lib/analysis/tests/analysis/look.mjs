@@ -124,7 +124,7 @@ try {
     const page = await browser.page({ width, height: 900, isPhone })
     for (const value of ['light', 'dark']) {
       await page.send('Emulation.setEmulatedMedia', { features: [{ name: 'prefers-color-scheme', value }] })
-      for (const name of ['report', 'published', 'bare']) {
+      for (const name of ['report', 'published', 'bare', 'scores']) {
         await page.open(`${file}/${name}.html`)
         const [paper] = (await page.evaluate('getComputedStyle(document.body).backgroundColor')).match(/\d+/)
         assert.equal(Number(paper) < 128, value === 'dark')
@@ -138,6 +138,11 @@ try {
     await isUsable(page, `${served}/report.html`)
     assert.equal(await page.evaluate(`document.querySelector('.card[data-scene="0003"]').getAttribute('href')`), '/#scene=0003')
     await isSound(page, 'served')
+    await page.open(`${served}/scores.html`)
+    assert.equal(await page.evaluate(`document.querySelector('.moment').getAttribute('href')`), '/#scene=0007&frame=40&agent=vehicle_0')
+    await page.open(`${file}/scores.html`)
+    const told = await page.evaluate(`document.querySelector('.moment').click(), document.getElementById('how').innerText`)
+    assert.ok(told.includes('scene 0007, frame 40'), told)
     await page.close()
   }
 } finally {

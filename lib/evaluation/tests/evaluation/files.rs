@@ -88,6 +88,25 @@ fn lists_of_any_kind_and_modes_are_read() {
 }
 
 #[test]
+fn attributes_may_be_unknown_but_not_unheard_of() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let attributes = |values: Vec<Option<&str>>| {
+        let mut columns = good();
+        columns.push(("attribute", Arc::new(StringArray::from(values))));
+        columns
+    };
+    let known = attributes(vec![Some("vehicle.stopped"), None, Some("")]);
+    let path = write(folder.path(), known, Compression::UNCOMPRESSED);
+    let file = PredictionFile::open(&path).expect("is good");
+    let of = |scene| file.rows(scene).expect("are good").into_iter().map(|row| row.attribute);
+    assert!(of(4).chain(of(2)).eq([Some(1), None, None]));
+    let other = attributes(vec![Some("vehicle.flying"), None, None]);
+    let path = write(folder.path(), other, Compression::UNCOMPRESSED);
+    let fault = PredictionFile::open(&path).expect("opens").rows(4).expect_err("is refused").to_string();
+    assert!(fault.contains("row 0: `attribute` is `vehicle.flying`, which is no attribute"), "{fault}");
+}
+
+#[test]
 fn scenes_are_read_by_several_threads_at_once() {
     const ROWS: usize = 40_000;
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -147,7 +166,7 @@ fn each_fault_is_one_clear_error() {
     assert_eq!(
         without("score"),
         "has no column `score` (predictions have scene, frame, agent, mode, class, score, center_m, size_m, quaternion, \
-         velocity_mps)"
+         velocity_mps, attribute)"
     );
     let texts = |values: [&'static str; 3]| Arc::new(StringArray::from(values.to_vec())) as ArrayRef;
     let scores = |values: [f64; 3]| Arc::new(Float64Array::from(values.to_vec())) as ArrayRef;

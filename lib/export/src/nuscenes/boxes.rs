@@ -6,12 +6,12 @@ use frames::{Object, Pose, World};
 use scene::LabelledBox;
 use schema::table::Row as _;
 use schema::tables::{ActorRow, AgentRow, BOXES_2D_TABLE, Box2dRow, CameraRow, VISIBLE_TABLE};
-use schema::{ActorKind, AgentId, Attributes, DetectionClass};
+use schema::{ActorKind, AgentId, Attributes, DetectionClass, nuscenes_attribute};
 use store::keys;
 
 use super::options::NuScenesOptions;
 use super::rows::{Annotation, BOX_STEPS, Instance, POSE_STEPS, Row, rounded, token};
-use super::words::{attribute, category, category_index, index_of_tag, is_told_by_object, visibility};
+use super::words::{category, category_index, index_of_tag, is_told_by_object, visibility};
 use crate::{ExportError, SceneSource};
 
 schema::columns! {
@@ -134,7 +134,7 @@ impl Annotations {
         let kind = objects.kinds.get(&raw.id).copied().unwrap_or_default();
         let [vx, vy, vz] = raw.velocity_mps.map(f64::from);
         let speed_mps = (vx * vx + vy * vy + vz * vz).sqrt();
-        let attribute = attribute(class, kind, &raw.semantic_tags, &raw.attributes, speed_mps);
+        let attribute = nuscenes_attribute(class, kind, &raw.semantic_tags, &raw.attributes, speed_mps);
         let [length, width, height] = raw.size_m;
         let pose = Pose::<World, Object>::from_xyz_rpy(raw.center_m, raw.rpy_rad);
         let (_, rows) = self.instances.entry(raw.id).or_insert_with(|| (category, Vec::new()));

@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 
-use schema::is_imported;
 use schema::table::Row as _;
 use schema::tables::PlanSceneRow;
+use schema::{NUSCENES_ATTRIBUTES, is_imported};
 use serde::Serialize;
 use serde_json::json;
 use store::{Scope, keys};
@@ -17,7 +17,7 @@ use super::parts::unpack;
 use super::rig::sensor_token;
 use super::rows::{BOX_STEPS, POSE_STEPS, Row, rounded, token};
 use super::unit::{Fragment, ground};
-use super::words::{ATTRIBUTES, CATEGORIES, VISIBILITIES};
+use super::words::{CATEGORIES, VISIBILITIES};
 use crate::source::NO_MAP;
 use crate::{ExportError, ExportFile, Source, UnitFiles};
 
@@ -132,7 +132,7 @@ fn constants(version: &str, files: &mut UnitFiles<'_>) -> Result<(), ExportError
         json!({ "token": category_token(name), "name": name, "description": description, "index": index })
     });
     table(files, version, "category", categories)?;
-    let attributes = ATTRIBUTES.iter().map(|(name, description)| {
+    let attributes = NUSCENES_ATTRIBUTES.iter().map(|(name, description)| {
         json!({ "token": attribute_token(name), "name": name, "description": description })
     });
     table(files, version, "attribute", attributes)?;

@@ -1,7 +1,7 @@
-//! The layout's words: categories, attributes, levels of visibility, channels.
+//! The layout's words: categories, levels of visibility, channels.
 
 use scene::{SensorEntry, SensorKind};
-use schema::{ActorKind, Attribute, Attributes, DetectionClass, ImageKind, Tag};
+use schema::{Attribute, Attributes, DetectionClass, ImageKind, Tag};
 
 /// Categories in the order of their lidarseg indices, with what each is. Devkits know colours for just these.
 pub(crate) const CATEGORIES: [(&str, &str); 32] = [
@@ -39,18 +39,6 @@ pub(crate) const CATEGORIES: [(&str, &str); 32] = [
     ("vehicle.ego", "The agent itself."),
 ];
 
-/// Attributes of annotations, with what each says.
-pub(crate) const ATTRIBUTES: [(&str, &str); 8] = [
-    ("vehicle.moving", "The vehicle moves."),
-    ("vehicle.stopped", "The vehicle stands and will go on."),
-    ("vehicle.parked", "The vehicle stands for the whole scene."),
-    ("cycle.with_rider", "Somebody rides it."),
-    ("cycle.without_rider", "Nobody rides it."),
-    ("pedestrian.sitting_lying_down", "Not in this dataset."),
-    ("pedestrian.standing", "The person stands."),
-    ("pedestrian.moving", "The person moves."),
-];
-
 /// Levels of visibility: token, level, what it says.
 pub(crate) const VISIBILITIES: [(&str, &str, &str); 4] = [
     ("1", "v0-40", "The cameras show 0 to 40 % of what is in their pictures of the object."),
@@ -58,9 +46,6 @@ pub(crate) const VISIBILITIES: [(&str, &str, &str); 4] = [
     ("3", "v60-80", "They show 60 to 80 % of it."),
     ("4", "v80-100", "They show 80 to 100 % of it."),
 ];
-
-/// Slower than this is standing, m/s.
-const STANDING_MPS: f64 = 0.2;
 
 /// The category of an annotated object.
 pub(crate) fn category(class: DetectionClass, facts: &Attributes) -> &'static str {
@@ -87,31 +72,6 @@ pub(crate) fn category(class: DetectionClass, facts: &Attributes) -> &'static st
 /// The lidarseg index of a category.
 pub(crate) fn category_index(name: &str) -> u8 {
     CATEGORIES.iter().position(|(category, _)| *category == name).unwrap_or_default() as u8
-}
-
-/// The attribute of an object of a kind with tags that moves at a speed; cones, barriers, lights and signs have none.
-pub(crate) fn attribute(
-    class: DetectionClass,
-    kind: ActorKind,
-    tags: &[u8],
-    facts: &Attributes,
-    speed_mps: f64,
-) -> Option<&'static str> {
-    use DetectionClass::{Bicycle, Bus, Car, Motorcycle, Pedestrian, Truck};
-    let moves = speed_mps > STANDING_MPS;
-    match class {
-        Car | Truck | Bus if moves => Some("vehicle.moving"),
-        // What an accident left stands to the end.
-        Car | Truck | Bus if kind == ActorKind::Parked || facts.get(&Attribute::Hazard).is_some() => {
-            Some("vehicle.parked")
-        }
-        Car | Truck | Bus => Some("vehicle.stopped"),
-        Motorcycle | Bicycle if tags.contains(&(Tag::Rider as u8)) => Some("cycle.with_rider"),
-        Motorcycle | Bicycle => Some("cycle.without_rider"),
-        Pedestrian if moves => Some("pedestrian.moving"),
-        Pedestrian => Some("pedestrian.standing"),
-        _ => None,
-    }
 }
 
 /// The level of visibility of a share.
@@ -251,22 +211,6 @@ mod tests {
         assert_eq!(person(&facts(Attribute::SpecialType, "worker")), "human.pedestrian.construction_worker");
         assert_eq!(person(&facts(Attribute::UseWheelchair, "true")), "human.pedestrian.wheelchair");
         assert_eq!(category(DetectionClass::TrafficSign, &Attributes::new()), "static.other");
-    }
-
-    #[test]
-    fn attributes_follow_speed_kind_and_rider() {
-        let none = Attributes::new();
-        let hazard = Attributes::new().with(Attribute::Hazard, 0);
-        use DetectionClass::{Bicycle, Car, Pedestrian, TrafficCone};
-        let vehicle = |kind, facts, speed| attribute(Car, kind, &[14], facts, speed);
-        assert_eq!(vehicle(ActorKind::Vehicle, &none, 3.0), Some("vehicle.moving"));
-        assert_eq!(vehicle(ActorKind::Vehicle, &none, 0.1), Some("vehicle.stopped"));
-        assert_eq!(vehicle(ActorKind::Parked, &none, 0.0), Some("vehicle.parked"));
-        assert_eq!(vehicle(ActorKind::Vehicle, &hazard, 0.0), Some("vehicle.parked"));
-        let cycle = |tags: &[u8]| attribute(Bicycle, ActorKind::Vehicle, tags, &none, 0.0);
-        assert_eq!([cycle(&[13, 19]), cycle(&[19])], [Some("cycle.with_rider"), Some("cycle.without_rider")]);
-        assert_eq!(attribute(Pedestrian, ActorKind::Walker, &[12], &none, 0.0), Some("pedestrian.standing"));
-        assert_eq!(attribute(TrafficCone, ActorKind::Prop, &[30], &none, 0.0), None);
     }
 
     #[test]
