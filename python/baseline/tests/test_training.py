@@ -12,10 +12,12 @@ import pyarrow.parquet as pq
 import torch
 
 from convoy_baseline.batch import ego_from, heard, wired
+from convoy_baseline.benchmark.plan import read as plan_of
 from convoy_baseline.checkpoint import load, model_of
 from convoy_baseline.conditions import Condition, links_under
 from convoy_baseline.examples import example
 from convoy_baseline.frames import Keyframes
+from convoy_baseline.inputs import gathered
 from convoy_baseline.loss import loss
 from convoy_baseline.model import Model
 from convoy_baseline.predict import Found, Writer, predict
@@ -34,9 +36,30 @@ class Runs(unittest.TestCase):
             path = pathlib.Path(folder, "a.toml")
             path.write_text('[model]\ncells = 64\nclasses = ["bus"]\n')
             self.assertEqual(read(path), Settings(cells=64, classes=("bus",)))
-        for wrong in ({"cell": 3}, {"classes": ["tram"]}, {"fusion": "mean"}, {"cells": 65}, {"drop_out": 1.0}):
+        for wrong in (
+            {"cell": 3},
+            {"classes": ["tram"]},
+            {"fusion": "mean"},
+            {"cells": 65},
+            {"drop_out": 1.0},
+            {"sensors": ["radar"]},
+            {"sensors": []},
+            {"picture_width": 100},
+            {"depth_m": [5.0, 2.0]},
+        ):
             with self.assertRaisesRegex(ValueError, "a.toml: .*expected"):
                 parse(wrong, "a.toml")
+
+    def test_plans_hold_each_model_against_one_of_its_own_sensors(self):
+        folder = pathlib.Path(__file__).resolve().parents[1]
+        for name, models in (("benchmark.toml", 2), ("benchmark-gpu.toml", 9)):
+            plan = plan_of(folder / name)
+            self.assertTrue(plan.config.is_file(), plan.config)
+            self.assertEqual(len(plan.entries), models)
+            for entry, rival in plan.pairs:
+                self.assertEqual((entry.mode, rival.mode), ("x2x", "none"))
+                self.assertEqual(entry.settings.sensors, rival.settings.sensors)
+                self.assertEqual(entry.settings.steps, rival.settings.steps)
 
     def test_every_epoch_has_every_keyframe_once_and_begins_anywhere(self):
         whole = list(order(7, 2, 5, 0, 12))
@@ -73,21 +96,29 @@ class Store(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "no checkpoint"):
                 train(self.dataset, SMALL, paths[1], mode="x2x", seed=3, say=False)
 
-    def test_either_fusion_learns_a_moment_by_heart(self):
-        for fusion in ("max", "axial"):
+    def test_any_fusion_of_any_sensors_learns_a_moment_by_heart(self):
+        small = {"picture_height": 64, "picture_width": 112, "depth_bins": 14}
+        kinds = [
+            replace(SMALL, fusion="max"),
+            replace(SMALL, fusion="axial"),
+            replace(SMALL, sensors=("camera",), **small),
+            replace(SMALL, sensors=("lidar", "camera"), **small),
+        ]
+        for settings in kinds:
             torch.manual_seed(1)
-            settings = replace(SMALL, fusion=fusion, drop_out=0.0)
-            model = Model(settings, len(self.keyframes.classes())).train()
+            settings = replace(settings, drop_out=0.0)
+            keyframes = Keyframes(self.dataset, "train", settings)
+            model = Model(settings, len(keyframes.classes())).train()
             optimiser = torch.optim.AdamW(model.parameters(), lr=5e-3)
-            rasters, wiring, targets = example([self.keyframes[0]], "x2x", settings, np.random.default_rng(0))
+            inputs, wiring, targets = example([keyframes[0]], "x2x", settings, np.random.default_rng(0))
             losses = []
             for _ in range(40):
-                wrong = loss(*model(rasters, wiring), targets, settings)["all"]
+                wrong = loss(*model(inputs, wiring), targets, settings)["all"]
                 optimiser.zero_grad()
                 wrong.backward()
                 optimiser.step()
                 losses.append(wrong.item())
-            self.assertLess(losses[-1], 0.6 * losses[0], fusion)
+            self.assertLess(losses[-1], 0.6 * losses[0], f"{settings.fusion} {settings.sensors}")
 
     def test_who_is_heard_is_who_the_package_says(self):
         keyframe = self.keyframes[1]
@@ -147,10 +178,9 @@ class Store(unittest.TestCase):
                 self.assertEqual(one.partners, 0 if name in ("none", "empty") else 2)
             # The same by hand for one of them.
             keyframe = self.keyframes[1]
-            rasters = torch.from_numpy(np.stack([view.raster for view in keyframe.views]))
             links = links_under(conditions[1], keyframe, keyframe.views, 0, run.settings, 0)
             with torch.no_grad():
-                masks = model(rasters, wired(keyframe.egos, links))[2].sigmoid()
+                masks = model(gathered(keyframe.views), wired(keyframe.egos, links))[2].sigmoid()
             self.assertLess(abs(masks[1].numpy() - found["x2x", keyframe.number, 1].masks).max(), 1e-5)
 
 
@@ -205,7 +235,8 @@ class Scores(unittest.TestCase):
     def check(self, tally, inside, subset, threshold):
         for label in range(len(SMALL.classes)):
             rows, wanted = [], 0
-            for number, found in enumerate(self.finds):
+            for found in self.finds:
+                number = found.keyframe.scene, found.ego, found.keyframe.number
                 truth = found.keyframe.truths[found.ego]
                 targets = [
                     t

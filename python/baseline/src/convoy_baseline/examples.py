@@ -9,8 +9,9 @@ import numpy as np
 import torch
 
 from convoy_baseline.batch import Link, Wiring, links_of, wired
-from convoy_baseline.frames import Keyframe, Truth
+from convoy_baseline.frames import Keyframe, Truth, View
 from convoy_baseline.grid import Array
+from convoy_baseline.inputs import Inputs, gathered
 from convoy_baseline.settings import Settings
 from convoy_baseline.targets import encode
 
@@ -40,13 +41,13 @@ class Targets:
 
 def example(
     keyframes: Sequence[Keyframe], mode: str, settings: Settings, draw: np.random.Generator, spoil: Spoil | None = None
-) -> tuple[torch.Tensor, Wiring, Targets]:
-    """A batch: views (V, 3, H, W) and all egos of some keyframes; everything random about it is of `draw`.
+) -> tuple[Inputs, Wiring, Targets]:
+    """A batch: what is seen, and all egos of some keyframes; everything random about it is of `draw`.
 
     Each view is turned by a number of quarter turns of its own (poses with it, so that warps stay right) and each keyframe mirrored
     or not; each link is there with the chance that `drop_out` leaves.
     """
-    rasters: list[Array] = []
+    views: list[View] = []
     egos: list[int] = []
     links: list[Link] = []
     truths: list[Truth] = []
@@ -57,13 +58,13 @@ def example(
         for link in links_of(keyframe, mode, settings.comm_range_m, settings.elevation_m):
             if draw.random() >= settings.drop_out:
                 pose = moves[keyframe.egos[link.ego]] @ link.ego_from_view @ moves[link.view].T
-                links.append(Link(len(egos) + link.ego, len(rasters) + link.view, pose))
+                links.append(Link(len(egos) + link.ego, len(views) + link.view, pose))
         for ego, truth in zip(keyframe.egos, keyframe.truths, strict=True):
             truth = truth if spoil is None else spoil(truth, draw)
             truths.append(moved(truth, int(turns[ego]), mirrored))
-        egos += [len(rasters) + ego for ego in keyframe.egos]
-        rasters += [turned(view.raster, int(turn), mirrored) for view, turn in zip(keyframe.views, turns, strict=True)]
-    return torch.from_numpy(np.stack(rasters)), wired(egos, links), targets_of(truths, settings)
+        egos += [len(views) + ego for ego in keyframe.egos]
+        views += [moved_view(view, int(turn), mirrored) for view, turn in zip(keyframe.views, turns, strict=True)]
+    return gathered(views), wired(egos, links), targets_of(truths, settings)
 
 
 def targets_of(truths: Sequence[Truth], settings: Settings) -> Targets:
@@ -90,6 +91,13 @@ def motion(turn: int, mirrored: bool) -> Array:
 def turned(picture: Array, turn: int, mirrored: bool) -> Array:
     """A picture (..., H, W) of ground that is moved by `motion`."""
     return np.ascontiguousarray(np.rot90(picture[..., ::-1] if mirrored else picture, turn, axes=(-2, -1)))
+
+
+def moved_view(view: View, turn: int, mirrored: bool) -> View:
+    """What an agent saw, moved by `motion`: pictures stay as they are, but their cameras are moved."""
+    move = motion(turn, mirrored)
+    pictures = tuple(replace(one, agent_from_optical=move @ one.agent_from_optical) for one in view.pictures)
+    return replace(view, raster=turned(view.raster, turn, mirrored), pictures=pictures)
 
 
 def moved(truth: Truth, turn: int, mirrored: bool) -> Truth:

@@ -11,8 +11,9 @@ from convoy.samples import flat
 from torch.utils.data import Dataset
 
 from convoy_baseline.grid import Array, Grid
+from convoy_baseline.pictures import Picture, pictures
 from convoy_baseline.raster import rasterise
-from convoy_baseline.settings import Settings
+from convoy_baseline.settings import SENSORS, Settings
 
 STAGES = ("simulate-and-log", "render-sensors", "bev-gt", "postprocess-valid")
 Key = tuple[int, int]
@@ -27,6 +28,8 @@ class View:
     raster: Array
     """(3, H, W) u8: `rasterise`."""
     world_from_agent: Array
+    pictures: tuple[Picture, ...] = ()
+    """Of its cameras, if the model looks through them."""
 
     @property
     def is_rsu(self) -> bool:
@@ -64,7 +67,7 @@ class Keyframe:
 
 class Keyframes(Dataset[Keyframe]):
     """All keyframes of a split. Whoever reads without workers keeps what was read once: 50 kB of each agent and 230 kB more of each ego
-    at 128 x 128 cells."""
+    at 128 x 128 cells, 86 kB of each picture of 128 x 224 pixels."""
 
     def __init__(self, dataset: convoy.Dataset, split: str, settings: Settings, keep: bool = True) -> None:
         self.dataset, self.settings, self.keep = dataset, settings, keep
@@ -100,8 +103,14 @@ class Keyframes(Dataset[Keyframe]):
     def views(self, scene: int, number: int) -> tuple[View, ...]:
         """What all agents saw at any frame that has sweeps."""
         frame = self.dataset.scene(scene).frame(number)
-        agents = [frame.agent(name) for name in frame.agents]
-        return tuple(View(agent.name, rasterise(agent.points(), self.settings.grid), agent.pose) for agent in agents)
+        return tuple(self._view(frame.agent(name)) for name in frame.agents)
+
+    def _view(self, agent: convoy.Agent) -> View:
+        settings = self.settings
+        has_lidar, has_camera = (sensor in settings.sensors for sensor in SENSORS)
+        points = agent.points() if has_lidar else np.zeros((0, 4), np.float32)
+        seen = pictures(agent, settings.picture_height, settings.picture_width) if has_camera else ()
+        return View(agent.name, rasterise(points, settings.grid), agent.pose, seen)
 
     def _read(self, scene: int, number: int) -> Keyframe:
         views = self.views(scene, number)

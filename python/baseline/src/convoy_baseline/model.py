@@ -8,6 +8,9 @@ from torch.nn import functional
 
 from convoy_baseline.batch import Wiring
 from convoy_baseline.fusion import AxialFusion, MaxFusion
+from convoy_baseline.inputs import Inputs
+from convoy_baseline.layers import bias_of, block, head
+from convoy_baseline.lift import Lift
 from convoy_baseline.raster import CHANNELS, unpack
 from convoy_baseline.settings import Settings
 from convoy_baseline.targets import NUMBERS
@@ -24,7 +27,13 @@ class Model(nn.Module):
         super().__init__()
         self.half_m = settings.grid.half_m
         channels = 2 * settings.width
-        self.encoder = Encoder(CHANNELS, settings.width)
+        self.encoder = Encoder(CHANNELS, settings.width) if "lidar" in settings.sensors else None
+        self.lift = (
+            Lift(settings.feature_grid, settings.depth_m, settings.depth_bins, settings.width, channels)
+            if "camera" in settings.sensors
+            else None
+        )
+        self.join = block(2 * channels, channels) if len(settings.sensors) > 1 else None
         self.fusion = (
             AxialFusion(channels, settings.heads, settings.window) if settings.fusion == "axial" else MaxFusion()
         )
@@ -35,9 +44,11 @@ class Model(nn.Module):
         self.masks = nn.Conv2d(settings.width, masks, 1)
         nn.init.constant_(bias_of(self.masks), RARE)
 
-    def features(self, rasters: torch.Tensor) -> torch.Tensor:
-        """(V, C, h, w) of rasters (V, 3, H, W), each in its own frame."""
-        found: torch.Tensor = self.encoder(unpack(rasters))
+    def features(self, inputs: Inputs) -> torch.Tensor:
+        """(V, C, h, w) of what V views saw, each in its own frame; not negative, so that nothing is zero."""
+        parts = [] if self.encoder is None else [self.encoder(unpack(inputs.rasters))]
+        parts += [] if self.lift is None else [self.lift(inputs)]
+        found: torch.Tensor = parts[0] if self.join is None else self.join(torch.cat(parts, dim=1))
         return found
 
     def fused(self, features: torch.Tensor, wiring: Wiring) -> torch.Tensor:
@@ -56,13 +67,13 @@ class Model(nn.Module):
         finer = functional.interpolate(known, scale_factor=2.0, mode="bilinear", align_corners=False)
         return self.heat(known), self.numbers(known), self.masks(self.finer(finer))
 
-    def forward(self, rasters: torch.Tensor, wiring: Wiring) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+    def forward(self, inputs: Inputs, wiring: Wiring) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
         """`heads` of all egos."""
-        return self.heads(self.fused(self.features(rasters), wiring))
+        return self.heads(self.fused(self.features(inputs), wiring))
 
 
 class Encoder(nn.Module):
-    """Three scales, joined at half the resolution; features are not negative, so that nothing is zero."""
+    """Three scales, joined at half the resolution."""
 
     def __init__(self, channels: int, width: int) -> None:
         super().__init__()
@@ -78,23 +89,3 @@ class Encoder(nn.Module):
         coarse = functional.interpolate(self.up(self.at_quarter(half)), scale_factor=2.0, mode="nearest")
         joined: torch.Tensor = self.join(half + coarse)
         return joined
-
-
-def block(channels: int, out: int, stride: int = 1) -> nn.Sequential:
-    """A 3 x 3 convolution, normalised, without what is negative."""
-    return nn.Sequential(
-        nn.Conv2d(channels, out, 3, stride=stride, padding=1, bias=False), nn.BatchNorm2d(out), nn.ReLU()
-    )
-
-
-def head(channels: int, out: int, guess: float) -> nn.Sequential:
-    """Numbers of each cell."""
-    last = nn.Conv2d(channels, out, 1)
-    nn.init.constant_(bias_of(last), guess)
-    return nn.Sequential(block(channels, channels), last)
-
-
-def bias_of(layer: nn.Conv2d) -> torch.Tensor:
-    """The bias of a layer that has one."""
-    assert layer.bias is not None
-    return layer.bias

@@ -23,6 +23,7 @@ from convoy_baseline.checkpoint import Run, model_of
 from convoy_baseline.conditions import Condition, links_under
 from convoy_baseline.frames import Keyframe, Keyframes
 from convoy_baseline.grid import Array
+from convoy_baseline.inputs import gathered
 from convoy_baseline.model import Model
 from convoy_baseline.settings import Settings
 from convoy_baseline.targets import decode
@@ -70,7 +71,7 @@ def predict(
                     earlier = keyframes.views(keyframe.scene, keyframe.number - delay)
                     heard[delay] = len(views), earlier
                     views += earlier
-            features = model.features(torch.from_numpy(np.stack([view.raster for view in views])).to(device))
+            features = model.features(gathered(views).to(device))
             for condition in conditions:
                 if condition.delay_frames in heard:
                     first, earlier = heard[condition.delay_frames]

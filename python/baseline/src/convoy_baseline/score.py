@@ -34,6 +34,7 @@ class Tally:
         self.targets: dict[int, list[Array]] = {k: [] for k in range(len(classes))}
         self.cells: Array | None = None
         self.partners: list[int] = []
+        self.samples: list[tuple[int, int, int]] = []
 
     def take(self, found: Found, alone: bool) -> None:
         """What an ego found; `alone` is it if nobody at all is in its range."""
@@ -41,6 +42,7 @@ class Tally:
             return
         truth = found.keyframe.truths[found.ego]
         self.partners.append(found.partners)
+        self.samples.append((found.keyframe.scene, found.ego, found.keyframe.number))
         self._masks(found.masks >= 0.5, truth.masks)
         for k, name in enumerate(self.classes):
             chosen = np.flatnonzero(truth.labels == k)
@@ -74,7 +76,9 @@ class Tally:
         wanted = int(part(np.concatenate(self.targets[label]), subset).sum()) if self.targets[label] else 0
         if not wanted:
             return None
-        rows = np.concatenate(self.predicted[label, threshold_m])
+        # Of equal scores the earlier counts as the surer, and `evaluate` goes through a scene ego by ego.
+        of_sample = self.predicted[label, threshold_m]
+        rows = np.concatenate([of_sample[i] for i in sorted(range(len(of_sample)), key=self.samples.__getitem__)])
         hit = rows[:, 1] > 0
         right = hit & part(rows[:, 4:], subset)
         # A prediction has a place, but neither difficulty nor seers.

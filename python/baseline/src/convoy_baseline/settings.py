@@ -13,6 +13,7 @@ from convoy import CLASSES, MODES
 from convoy_baseline.grid import Grid
 
 FUSIONS = ("max", "axial")
+SENSORS = ("lidar", "camera")
 
 
 @dataclass(frozen=True)
@@ -22,8 +23,16 @@ class Settings:
     cells: int = 128
     """Rows and columns of the ground that is looked at; a multiple of 4, and of 2 x `window` with axial attention."""
     cell_m: float = 0.8
+    sensors: tuple[str, ...] = ("lidar",)
+    """By which agents see: lidars, cameras, or both."""
     width: int = 16
     """Channels of the first scale."""
+    picture_height: int = 128
+    picture_width: int = 224
+    """To so many pixels pictures are made small; multiples of 8."""
+    depth_m: tuple[float, float] = (2.0, 58.0)
+    depth_bins: int = 28
+    """Between which depths what cameras see is lifted, and in how many steps."""
     fusion: str = "max"
     window: int = 8
     """Of axial attention, in cells of features."""
@@ -50,6 +59,12 @@ class Settings:
             raise ValueError(f"no classes: {', '.join(sorted(unknown))}; expected some of {', '.join(CLASSES)}")
         if self.fusion not in FUSIONS:
             raise ValueError(f"fusion {self.fusion!r}: expected one of {', '.join(FUSIONS)}")
+        if not self.sensors or set(self.sensors) - set(SENSORS) or len(set(self.sensors)) < len(self.sensors):
+            raise ValueError(f"sensors {self.sensors}: expected one of {', '.join(SENSORS)}, or both")
+        if self.picture_height % 8 or self.picture_width % 8 or min(self.picture_height, self.picture_width) < 8:
+            raise ValueError("picture_height, picture_width: expected multiples of 8")
+        if len(self.depth_m) != 2 or not 0 < self.depth_m[0] < self.depth_m[1] or self.depth_bins < 1:
+            raise ValueError("expected depth_m of two ascending depths above 0; depth_bins from 1")
         block = 2 * self.window if self.fusion == "axial" else 4
         if self.cells % block or self.cells < 4:
             raise ValueError(f"cells {self.cells}: expected a multiple of {block}")

@@ -73,6 +73,8 @@ def train(
         model.load_state_dict(state["model"])
         optimiser.load_state_dict(state["optimiser"])
         run = kept
+        if run.done:
+            return run
     last = settings.steps if stop_after is None else min(run.step + stop_after, settings.steps)
     loader: DataLoader[Keyframe] = DataLoader(
         keyframes,
@@ -85,11 +87,11 @@ def train(
     before = run.seconds
     for batch in loader:
         draw = np.random.default_rng([seed, 2, run.step])
-        rasters, wiring, targets = example(batch, mode, settings, draw, SPOILS.get(spoil))
+        inputs, wiring, targets = example(batch, mode, settings, draw, SPOILS.get(spoil))
         for group in optimiser.param_groups:
             group["lr"] = rate_at(run.step, settings)
         with torch.autocast(on.type, torch.bfloat16, enabled=on.type == "cuda"):
-            said = model(rasters.to(on), wiring.to(on))
+            said = model(inputs.to(on), wiring.to(on))
         heat, numbers, masks = (part.float() for part in said)
         parts = loss(heat, numbers, masks, targets.to(on), settings)
         optimiser.zero_grad()

@@ -56,7 +56,7 @@ def page(plan: Plan, trained: Sequence[Trained], spoilt: Sequence[tuple[str, Tra
         "## Modes",
         _modes(plan, of),
         "## Gain of cooperation",
-        "Mode x2x less the model that never heard of partners, seed by seed, and less the same model without partners, in points.",
+        "Mode x2x less a model that never heard of partners, seed by seed, and less the same model without partners, in points.",
         _gains(plan, of),
         "## Masks",
         (
@@ -87,11 +87,10 @@ def page(plan: Plan, trained: Sequence[Trained], spoilt: Sequence[tuple[str, Tra
 def verdicts(plan: Plan, of: dict[str, list[Trained]]) -> list[str]:
     """What is expected of cooperation, and whether it is so."""
     found = []
-    alone = of[plan.entries[0].name]
-    for entry in plan.entries[1:]:
-        together = of[entry.name]
+    for entry, rival in plan.pairs:
+        together, alone = of[entry.name], of[rival.name]
 
-        def gain(subset: str, together: list[Trained] = together) -> list[float]:
+        def gain(subset: str, together: list[Trained] = together, alone: list[Trained] = alone) -> list[float]:
             values = [difference(t, a, subset) for t, a in zip(together, alone, strict=True)]
             return [value for value in values if value is not None]
 
@@ -147,15 +146,15 @@ def _modes(plan: Plan, of: dict[str, list[Trained]]) -> str:
 
 def _gains(plan: Plan, of: dict[str, list[Trained]]) -> str:
     rows = []
-    for entry in plan.entries[1:]:
-        for words, rivals, condition in (
-            (f"over `{plan.entries[0].name}`", of[plan.entries[0].name], "none"),
-            ("over itself without partners", of[entry.name], "none"),
+    for entry, rival in plan.pairs:
+        for words, rivals in (
+            (f"over `{rival.name}`", of[rival.name]),
+            ("over itself without partners", of[entry.name]),
         ):
             pairs = list(zip(of[entry.name], rivals, strict=True))
             cells = []
             for subset in SUBSETS:
-                both = [(t.get("x2x", subset=subset), a.get(condition, subset=subset)) for t, a in pairs]
+                both = [(t.get("x2x", subset=subset), a.get("none", subset=subset)) for t, a in pairs]
                 cells.append(
                     _text([100 * (here - there) for here, there in both if here is not None and there is not None])
                 )
@@ -221,7 +220,7 @@ def _about(trained: Sequence[Trained]) -> str:
     entry, settings = trained[0].entry, trained[0].run.settings
     seconds = statistics.mean(one.run.seconds for one in trained)
     return (
-        f"`{entry.name}`: learnt in mode {entry.mode}, {settings.fusion} fusion, {settings.cells} x {settings.cells} cells of "
+        f"`{entry.name}`: {' and '.join(settings.sensors)}, learnt in mode {entry.mode}, {settings.fusion} fusion, {settings.cells} x {settings.cells} cells of "
         f"{settings.cell_m} m, width {settings.width}, {settings.steps} steps of {settings.frames_a_step} keyframes with all vehicles as "
         f"egos, partners left out with a chance of {settings.drop_out}: {seconds:.0f} s a seed."
     )

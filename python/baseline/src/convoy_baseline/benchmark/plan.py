@@ -33,7 +33,7 @@ class Plan:
     test_split: str
     seeds: tuple[int, ...]
     entries: tuple[Entry, ...]
-    """The first is the one without cooperation."""
+    """Those that work together stand behind the one without cooperation that they are held against."""
     spoilt_steps: int
     """Steps of each model of the test of labels; none with 0."""
     spoilt: tuple[str, ...]
@@ -42,6 +42,15 @@ class Plan:
     def latest_frames(self) -> int:
         """The longest delay."""
         return max(condition.delay_frames for entry in self.entries for condition in entry.conditions)
+
+    @property
+    def pairs(self) -> list[tuple[Entry, Entry]]:
+        """Each model that learnt to work together, and the last one before it that did not."""
+        return [
+            (entry, next(alone for alone in reversed(self.entries[:i]) if alone.mode == "none"))
+            for i, entry in enumerate(self.entries)
+            if entry.mode != "none"
+        ]
 
 
 KEYS = {
