@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from convoy.frame import Agent, Frame
-from convoy.poses import Array, invert, transform
+from convoy.poses import Array, invert
 
 MODES = ("none", "x2v", "x2i", "x2x")
 """No partners, vehicles, RSUs, both."""
@@ -40,12 +40,10 @@ class Cooperative:
 
     def points(self, name: str = "LIDAR", columns: tuple[str, ...] = ("intensity",)) -> list[Array]:
         """Sweeps of `agents`, all moved into the ego's frame: (P, 3 + columns) f32 each."""
-        sweeps = []
-        for agent, ego_from_agent in zip(self.agents, self.ego_from_agent, strict=True):
-            points = agent.points(name, columns)
-            points[:, :3] = transform(ego_from_agent, points[:, :3].astype(np.float64))
-            sweeps.append(points)
-        return sweeps
+        return [
+            agent._points(name, columns, ego_from_agent)
+            for agent, ego_from_agent in zip(self.agents, self.ego_from_agent, strict=True)
+        ]
 
     def seen_by(self, ids: Array) -> Array:
         """(A, N) bool: which of the objects each of `agents` has seen, by its own list."""

@@ -226,11 +226,16 @@ class Agent:
 
     def points(self, name: str = "LIDAR", columns: tuple[str, ...] = ("intensity",)) -> Array:
         """(P, 3 + columns) f32: a sweep in the agent's frame, with further columns as they are."""
+        return self._points(name, columns, np.eye(4))
+
+    def _points(self, name: str, columns: tuple[str, ...], frame_from_agent: Array) -> Array:
+        """The same in another frame."""
         table = self._row(name, ["x", "y", "z", *columns])
         if missing := {"x", "y", "z", *columns} - set(table.column_names):
             raise self.fault(f"has no column {', '.join(sorted(missing))}", "see Agent.lidar().dtype", name)
         points = np.stack([_list(table, column).astype(np.float32) for column in ("x", "y", "z", *columns)], axis=1)
-        points[:, :3] = transform(self.sensor(name).agent_from_sensor, points[:, :3].astype(np.float64))
+        frame_from_sensor = frame_from_agent @ self.sensor(name).agent_from_sensor
+        points[:, :3] = transform(frame_from_sensor, points[:, :3].astype(np.float64))
         return points
 
     def radar(self, name: str = "RAD_FRONT") -> Array:
@@ -413,8 +418,14 @@ def _stack(table: pa.Table, column: str, width: int) -> Array:
     return rows
 
 
+@functools.cache
+def _value_set(names: tuple[str, ...]) -> pa.Array:
+    """Made once: `pa.array` looks for pandas each time."""
+    return pa.array(names)
+
+
 def _index_of(table: pa.Table, column: str, names: tuple[str, ...]) -> Array:
-    found: Array = pc.fill_null(pc.index_in(table[column], value_set=pa.array(names)), -1).to_numpy().astype(np.int64)
+    found: Array = pc.fill_null(pc.index_in(table[column], value_set=_value_set(names)), -1).to_numpy().astype(np.int64)
     return found
 
 
