@@ -61,7 +61,7 @@ pub(crate) fn building(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> 
         _ => return None,
     }
     b.fit(Vec3::new(-half.x, -half.y, 0.0), Vec3::new(half.x, half.y, size.z));
-    Some(b.finish())
+    Some(b.finish_flat())
 }
 
 /// A house with a gable roof.

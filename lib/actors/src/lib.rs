@@ -20,6 +20,7 @@ mod nature;
 mod pieces;
 mod props;
 mod sign;
+mod smooth;
 mod solids;
 mod street;
 mod two_wheeler;

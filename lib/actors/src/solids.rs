@@ -6,6 +6,11 @@ use frames::math::f32::sin_cos;
 use glam::Vec3;
 use schema::geometry::{Part, TriMesh};
 
+use crate::smooth::smooth;
+
+/// Cosine of the sharpest bend that is round and no edge: round bars of six sides are round.
+const CREASE_COS: f32 = 0.49;
+
 /// A mesh in the making. Solids added to it are closed and face outward.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MeshBuilder {
@@ -21,7 +26,14 @@ impl MeshBuilder {
         self.mesh.triangles.is_empty()
     }
 
-    pub(crate) fn finish(self) -> TriMesh {
+    /// The mesh, round where its triangles turn by less than [`CREASE_COS`].
+    pub(crate) fn finish(mut self) -> TriMesh {
+        smooth(&mut self.mesh, CREASE_COS);
+        self.mesh
+    }
+
+    /// The mesh, flat in every triangle.
+    pub(crate) fn finish_flat(self) -> TriMesh {
         self.mesh
     }
 

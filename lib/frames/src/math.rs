@@ -4,7 +4,9 @@
 //! these are libm's portable ones. `sqrt`, `abs`, `floor`, `mul_add` are exact by IEEE 754 and need no
 //! replacement.
 
-pub use libm::{acos, asin, atan, atan2, cbrt, ceil, cos, exp, hypot, log as ln, log2, log10, pow, sin, tan};
+pub use libm::{
+    acos, asin, atan, atan2, cbrt, ceil, cos, erf, exp, hypot, log as ln, log2, log10, pow, sin, tan,
+};
 
 /// Sine and cosine together.
 #[must_use]

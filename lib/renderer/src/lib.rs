@@ -31,6 +31,7 @@
 //! assert_eq!(Hits::none(3).get(2), None);
 //! ```
 
+mod bend;
 mod buffer;
 mod camera;
 mod error;
@@ -40,6 +41,7 @@ mod seeing;
 mod surface;
 mod voxels;
 
+pub use bend::Bend;
 pub use buffer::{SKY, VisibilityBuffer};
 pub use camera::PinholeCamera;
 pub use error::RenderError;

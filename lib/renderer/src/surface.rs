@@ -6,6 +6,7 @@ use glam::{DVec3, Mat3, Vec3};
 use lanes::{LANES, Lanes, Vec3s};
 use schema::geometry::{Instance, Part, Snapshot, TriMesh};
 
+use crate::bend::Bend;
 use crate::buffer::VisibilityBuffer;
 use crate::camera::PinholeCamera;
 
@@ -110,6 +111,15 @@ impl<'v, 'a> Facet<'v, 'a> {
             offset,
             normal_local: (view.to_local * facing).normalize_or_zero(),
         })
+    }
+
+    /// How light bends over it; `None` where it is flat.
+    #[must_use]
+    pub fn bend(&self) -> Option<Bend> {
+        let mesh = self.view.mesh;
+        let normals = mesh.bent(self.triangle as usize)?;
+        let side = if self.offset > 0.0 { -1.0 } else { 1.0 };
+        Bend::new(mesh.corners(self.triangle as usize), normals, &self.view.to_local, side)
     }
 
     /// The points of eight pixels, as [`Surfaces::at`] gives each: `x` are their columns, all in row `y`.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use frames::{Aabb, LocalOrigin};
 use glam::{Affine3A, Vec3};
 
-use crate::{Layer, ObjectId, Tag};
+use crate::{Layer, Normal, ObjectId, Tag};
 
 /// What a part of a mesh is made of; shading decides from it how the part looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +70,8 @@ pub struct TriMesh {
     pub triangle_part: Vec<u8>,
     /// The parts, at most 256.
     pub parts: Vec<Part>,
+    /// Normals for light at the corners of each triangle ; empty where all are flat.
+    pub corner_normals: Vec<[Normal; 3]>,
 }
 
 impl TriMesh {
@@ -114,6 +116,14 @@ impl TriMesh {
         // Not by `map`, which may stay a call: this is asked millions of times a frame.
         let [a, b, c] = self.triangles[triangle];
         [self.positions[a as usize], self.positions[b as usize], self.positions[c as usize]]
+    }
+
+    /// The normals at the corners of a triangle, if it is not flat.
+    #[must_use]
+    #[inline]
+    pub fn bent(&self, triangle: usize) -> Option<[Vec3; 3]> {
+        let [a, b, c] = *self.corner_normals.get(triangle)?;
+        (a != b || b != c).then(|| [a, b, c].map(Normal::get))
     }
 
     /// The part of a triangle.

@@ -31,6 +31,7 @@
 //!     triangles: vec![[0, 1, 2], [0, 2, 3]],
 //!     triangle_part: vec![0, 0],
 //!     parts: vec![Part { tag: Tag::Road, surface: Surface::Asphalt, rgb: [0.1; 3] }],
+//!     ..TriMesh::default()
 //! });
 //! let snapshot = Snapshot {
 //!     origin: LocalOrigin::near([0.0; 3]),

@@ -20,7 +20,7 @@ pub fn visit_sensors<V: SensorVisitor>(
     carrier: &Carrier,
     visitor: &mut V,
 ) -> Result<(), V::Error> {
-    visit_images(rig, visitor)?;
+    visit_images(rig, carrier, visitor)?;
     for lidar in &rig.lidars {
         if lidar.semantic {
             visit_lidar::<SemanticLidarRow, V>(lidar, carrier, visitor)?;

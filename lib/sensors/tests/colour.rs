@@ -61,6 +61,32 @@ fn half_the_opening_is_half_the_light() {
 }
 
 #[test]
+fn corners_lose_the_share_that_was_asked_for() {
+    let street = street(false);
+    let (width, height) = (200u32, 112u32);
+    let with = |vignetting: f64| {
+        let settings = CameraSettings { vignetting, ..CameraSettings::default() };
+        let view = set_view([0.0, -5.2, 0.0], [0.0; 3], optics(width, height), &settings);
+        picture(&street, &view, &Weather::default())
+    };
+    let (clear, dark) = (with(0.0), with(0.6));
+    // Means over rings, of what is neither black nor white in either.
+    let (mut sums, corner) = ([(0.0, 0.0); 5], (100.0_f64 * 100.0 + 56.0 * 56.0).sqrt());
+    for (i, (a, b)) in clear.rgb.iter().zip(&dark.rgb).enumerate() {
+        let (x, y) = ((i as u32 / 3) % width, i as u32 / 3 / width);
+        let away = (f64::from(x) + 0.5 - 100.0, f64::from(y) + 0.5 - 56.0);
+        let share = (away.0 * away.0 + away.1 * away.1) / (corner * corner);
+        if (60..=210).contains(a) && (60..=210).contains(b) {
+            let sum = &mut sums[(share * 5.0) as usize];
+            *sum = (sum.0 + film(*b) / film(*a) - (1.0 - 0.6 * share), sum.1 + 1.0);
+        }
+    }
+    for (ring, (off, count)) in sums.into_iter().enumerate() {
+        assert!(count > 300.0 && (off / count).abs() < 0.02, "ring {ring}: {} of {count}", off / count);
+    }
+}
+
+#[test]
 fn night_is_darker_than_noon() {
     let street = street(false);
     let brightness = |sun_altitude_deg: f64| {

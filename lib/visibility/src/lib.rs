@@ -20,6 +20,7 @@
 //!     triangles: vec![[0, 1, 2], [0, 2, 3]],
 //!     triangle_part: vec![0, 0],
 //!     parts: vec![Part { tag: Tag::Wall, surface: Surface::Plain, rgb: [0.5; 3] }],
+//!     ..TriMesh::default()
 //! });
 //! let mut cpu = CpuRenderer::default();
 //! cpu.prepare(&[Arc::clone(&wall)])?;

@@ -98,6 +98,14 @@ fn lens(s: &Section<'_>) -> Lens {
 pub(crate) fn camera(s: &Section<'_>, d: &CameraSettings) -> CameraSettings {
     CameraSettings {
         f_stop: s.number("f_stop", d.f_stop, 0.5, 64.0, "aperture of the RGB images"),
+        vignetting: s.number(
+            "vignetting",
+            d.vignetting,
+            0.0,
+            0.9,
+            "share of the light that RGB images lose in their corners",
+        ),
+        noise: s.number("noise", d.noise, 0.0, 10.0, "noise of RGB images, times that of a usual chip"),
         jpeg_quality: s.integer(
             "jpeg_quality",
             d.jpeg_quality.into(),

@@ -11,6 +11,10 @@ use crate::ImageSet;
 pub struct CameraSettings {
     /// Aperture of the RGB images (1.8).
     pub f_stop: f64,
+    /// Share of the light that RGB images lose in their corners (0.2).
+    pub vignetting: f64,
+    /// Noise of RGB images, times that of a usual chip (1).
+    pub noise: f64,
     /// JPEG quality of the RGB images, 1 to 100 (80).
     pub jpeg_quality: u8,
     /// Write the boxes of objects in the pictures (false).
@@ -28,6 +32,8 @@ impl Default for CameraSettings {
     fn default() -> Self {
         Self {
             f_stop: 1.8,
+            vignetting: 0.2,
+            noise: 1.0,
             jpeg_quality: 80,
             boxes_2d: false,
             flow_half: false,

@@ -178,6 +178,8 @@ impl SurfaceRow {
             triangles: triangles.to_vec(),
             triangle_part: self.triangle_part.clone(),
             parts: (0..parts).map(part).collect::<Option<_>>()?,
+            // The ground is flat in its triangles.
+            corner_normals: Vec::new(),
         };
         Some(SurfaceMesh { layer: self.layer, origin_m: self.origin_m, mesh })
     }

@@ -127,6 +127,7 @@ mod tests {
             width,
             height,
             rgb: (0..width * height).flat_map(|i| [f(i % width, i / width); 3]).collect(),
+            electrons: 1,
         };
         let mut flat = paint(&|x, _| 100 + (x / 4) as u8);
         let before = flat.clone();

@@ -11,6 +11,16 @@ const SHIFT: u32 = 23 - 8;
 #[derive(Clone, Debug)]
 pub(super) struct Film(Vec<u8>);
 
+/// The code of a film value, 0 to 1.
+fn coded(v: f32) -> f32 {
+    let linear = (v * (2.51 * v + 0.03) / (v * (2.43 * v + 0.59) + 0.14)).min(1.0);
+    if linear <= 0.003_130_8 {
+        12.92 * linear
+    } else {
+        1.055 * frames::math::f32::pow(linear, 1.0 / 2.4) - 0.055
+    }
+}
+
 impl Film {
     /// A filmic curve (Narkowicz, "ACES filmic tone mapping curve", 2015) and the sRGB code.
     pub(super) fn new() -> Self {
@@ -18,15 +28,30 @@ impl Film {
         let code = |i: u32| {
             let half = 1 << (SHIFT - 1);
             let v = if i == 0 { 0.0 } else { f32::from_bits(LEAST.to_bits() + (i << SHIFT) + half) };
-            let linear = (v * (2.51 * v + 0.03) / (v * (2.43 * v + 0.59) + 0.14)).min(1.0);
-            let coded = if linear <= 0.003_130_8 {
-                12.92 * linear
-            } else {
-                1.055 * frames::math::f32::pow(linear, 1.0 / 2.4) - 0.055
-            };
-            (coded * 255.0 + 0.5) as u8
+            (coded(v) * 255.0 + 0.5) as u8
         };
         Self((0..entries).map(code).collect())
+    }
+
+    /// The film value of each code, and how many codes lie in a film value there.
+    pub(super) fn slopes() -> Vec<(f64, f64)> {
+        let film = |code: f64| {
+            let (mut low, mut high) = (0.0_f64, f64::from(MOST));
+            for _ in 0..40 {
+                let middle = 0.5 * (low + high);
+                let is_below = 255.0 * f64::from(coded(middle as f32)) < code;
+                *(if is_below { &mut low } else { &mut high }) = middle;
+            }
+            0.5 * (low + high)
+        };
+        (0..=255)
+            .map(|code| {
+                let code = f64::from(code);
+                // White has no upper neighbour.
+                let (below, above) = ((code - 0.5).max(0.0), (code + 0.5).min(254.5));
+                (film(code.min(254.5)), (above - below).max(0.5) / (film(above) - film(below)).max(1e-6))
+            })
+            .collect()
     }
 
     /// Develops the first of eight pixels, as many as there is room for.

@@ -50,6 +50,11 @@ impl<I: Image> Images<I> {
         };
         Self { camera, table, kind: PhantomData }
     }
+
+    /// What its camera saw, if it looked.
+    pub(super) fn sight<'s>(&self, at: &'s Observation<'_>) -> Option<&'s Sight> {
+        at.sights.get(self.camera)
+    }
 }
 
 impl<I: Image> Sensor for Images<I> {
@@ -60,7 +65,7 @@ impl<I: Image> Sensor for Images<I> {
     }
 
     fn sense(&self, at: &Observation<'_>) -> Result<Vec<I::Row>, SensorError> {
-        let Some(sight) = at.sights.get(self.camera) else { return Ok(Vec::new()) };
+        let Some(sight) = self.sight(at) else { return Ok(Vec::new()) };
         Ok(vec![I::of(at.scene.snapshot(), sight, at.frame)?])
     }
 

@@ -12,19 +12,22 @@ mod labels;
 mod looking;
 mod model;
 mod mounted;
+mod noise;
 pub(crate) mod picture;
 mod rain;
 mod shade;
 pub(crate) mod sight;
 pub(crate) mod view;
+mod vignette;
 mod visible;
 
 use schema::ImageKind;
-use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
+use schema::images::{Depth, Flow, Instance, Semantic};
 use schema::settings::Rig;
 
-use crate::sensor::SensorVisitor;
+use crate::sensor::{Carrier, SensorVisitor};
 pub(crate) use boxes_2d::Boxes2d;
+use colour::ColourImages;
 pub use depth::decode_depth_m;
 use flow::HalfFlow;
 pub use image::Image;
@@ -42,10 +45,15 @@ pub(crate) use visible::VisibleObjects;
 /// that is missing here does not compile.
 macro_rules! visit_kinds {
     ($($kind:ident),+ $(,)?) => {
-        pub(crate) fn visit_images<V: SensorVisitor>(rig: &Rig, visitor: &mut V) -> Result<(), V::Error> {
+        pub(crate) fn visit_images<V: SensorVisitor>(
+            rig: &Rig,
+            carrier: &Carrier,
+            visitor: &mut V,
+        ) -> Result<(), V::Error> {
             for camera in 0..rig.cameras.len() {
                 for kind in rig.camera.images.iter() {
                     match kind {
+                        ImageKind::Rgb => visitor.visit(ColourImages::new(rig, camera, carrier))?,
                         // The one kind that is kept in two ways.
                         ImageKind::Flow if rig.camera.flow_half => {
                             visitor.visit(Images::<HalfFlow>::new(rig, camera))?;
@@ -59,4 +67,4 @@ macro_rules! visit_kinds {
     };
 }
 
-visit_kinds!(Rgb, Semantic, Instance, Depth, Flow);
+visit_kinds!(Semantic, Instance, Depth, Flow);

@@ -9,4 +9,6 @@ pub struct Picture {
     pub height: u32,
     /// Red, green, blue of each pixel.
     pub rgb: Vec<u8>,
+    /// How many electrons a pixel of film value 1 has gathered: the fewer, the noisier.
+    pub electrons: u32,
 }

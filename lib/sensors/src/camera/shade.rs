@@ -3,14 +3,15 @@
 use glam::Vec3;
 use lanes::{LANES, Lanes, STEPS, Vec3s, exp_neg};
 use rayon::prelude::*;
-use renderer::{Facet as Triangle, SurfacePoints, Surfaces, VisibilityBuffer};
-use schema::geometry::{Snapshot, Surface};
+use renderer::{Bend, Facet as Triangle, SurfacePoints, Surfaces, VisibilityBuffer};
+use schema::geometry::Snapshot;
 
 use super::antialias::smooth_edges;
 use super::film::Film;
 use super::picture::Picture;
 use super::rain::draw_rain;
 use super::view::CameraView;
+use super::vignette::Vignette;
 use crate::light::{Lighting, Lit};
 use crate::look::{Facet, Gloss, Noise, Points, look};
 
@@ -37,6 +38,7 @@ impl Picture {
             per_focal: 1.0 / buffer.camera.fx,
             camera: Vec3::from(buffer.camera.local_from_optical.translation),
             film: Film::new(),
+            vignette: Vignette::new(buffer.width, buffer.height, view.settings.vignetting as f32),
             hazy: !lighting.fog.is_clear(),
             veil: lighting.fog.rgb * exposure,
             ambient: ambient.map(|a| a * (exposure / std::f32::consts::PI)),
@@ -54,7 +56,8 @@ impl Picture {
                 }
             });
         });
-        let mut picture = Self { width: buffer.width, height: buffer.height, rgb };
+        let electrons = lighting.sky.electrons();
+        let mut picture = Self { width: buffer.width, height: buffer.height, rgb, electrons };
         smooth_edges(&mut picture);
         if lighting.rain > 0.0 {
             draw_rain(&mut picture, (&view.model, buffer), lighting.rain, lighting.around.world_from_local_m);
@@ -82,14 +85,25 @@ impl Span<'_> {
 /// What is the same for a triangle.
 struct Run<'a> {
     facet: Facet<'a>,
-    /// Normal for the light: that of the triangle, bent upwards for leaves, which stand every way.
+    /// Normal for lamps: that of the triangle, bent upwards for leaves, which stand every way.
     normal: Vec3,
+    /// How the normal runs where the triangle stands for a curved surface.
+    bend: Option<Bend>,
     /// From which side shadows are looked up, times the distance in texels.
     outward: Vec3,
-    /// Cosine between normal and light, 0 when turned away.
-    facing: f32,
-    /// Light of the sky on this normal, as film value of a white surface.
-    ambient: Vec3,
+    /// Whether any of it is turned to the sun.
+    is_lit: bool,
+    /// The light on its plane.
+    turned: Turned,
+}
+
+/// Light on surfaces by the way they are turned, as film value of a white surface.
+#[derive(Clone, Copy)]
+struct Turned {
+    /// Cosine between normal and sun, 0 when turned away.
+    facing: Lanes,
+    /// Light of the whole sky.
+    ambient: Vec3s,
 }
 
 /// What decides the light at eight places, before the surface's colour; all but the sun's share is smooth enough to be
@@ -117,6 +131,14 @@ struct Knots {
 /// Shade from above may differ by this at the ends of an even stretch.
 const ALIKE: f32 = 0.06;
 
+/// How far leaves' normals are bent upwards.
+const LEAF_LEAN: f32 = 0.6;
+
+/// A leaf's normal for the light.
+fn leaning(normal: Vec3) -> Vec3 {
+    (normal + Vec3::Z * LEAF_LEAN).normalize_or(normal)
+}
+
 struct Shader<'a> {
     snapshot: &'a Snapshot,
     buffer: &'a VisibilityBuffer,
@@ -128,6 +150,7 @@ struct Shader<'a> {
     per_focal: f32,
     camera: Vec3,
     film: Film,
+    vignette: Vignette,
     hazy: bool,
     /// Film value of fog.
     veil: Vec3,
@@ -139,7 +162,7 @@ struct Shader<'a> {
 
 impl Shader<'_> {
     /// Paints what shows the sky.
-    fn paint_sky(&self, span: Span<'_>) {
+    fn paint_sky(&self, mut span: Span<'_>) {
         let camera = &self.buffer.camera;
         let turn = glam::Mat3::from(camera.local_from_optical.matrix3);
         for from in (0..span.pixels.len()).step_by(LANES) {
@@ -152,13 +175,13 @@ impl Shader<'_> {
                 let passes = self.lighting.fog.passes_sky(self.camera.z, direction.z);
                 seen = Vec3s::splat(self.veil).lerp(seen, passes.fast_min(Lanes::ONE));
             }
-            self.film.develop(&seen, &mut span.pixels[from..]);
+            self.develop(seen, &mut span, from);
         }
     }
 
     /// Paints what shows a triangle. Of long spans the light is worked out at every eighth pixel, and between these only what
     /// is not even.
-    fn paint(&self, span: Span<'_>, triangle: &Triangle<'_, '_>) {
+    fn paint(&self, mut span: Span<'_>, triangle: &Triangle<'_, '_>) {
         let run = self.begin(triangle);
         let points =
             |span: &Span<'_>, from, apart| triangle.points(self.buffer, &span.columns(from, apart), span.y);
@@ -166,7 +189,7 @@ impl Shader<'_> {
         if length <= LANES {
             let here = points(&span, 0, 1);
             let light = self.light(&run, &here).light;
-            self.film.develop(&self.surface(&run, &here, &light), span.pixels);
+            self.develop(self.surface(&run, &here, &light), &mut span, 0);
             return;
         }
         for stretch in (0..length).step_by(LANES * (LANES - 1)) {
@@ -178,9 +201,16 @@ impl Shader<'_> {
                 }
                 let here = points(&span, from, 1);
                 let light = self.between(&run, &knots, knot, (length - 1 - from).min(LANES), &here);
-                self.film.develop(&self.surface(&run, &here, &light), &mut span.pixels[from..]);
+                self.develop(self.surface(&run, &here, &light), &mut span, from);
             }
         }
+    }
+
+    /// Puts eight pixels of a span on film, behind the lens.
+    #[inline]
+    fn develop(&self, value: Vec3s, span: &mut Span<'_>, from: usize) {
+        let passes = self.vignette.passes(&span.columns(from, 1), span.y);
+        self.film.develop(&(value * passes), &mut span.pixels[from..]);
     }
 
     /// The light at some places.
@@ -213,7 +243,7 @@ impl Shader<'_> {
 
     #[inline]
     fn sun(&self, run: &Run<'_>, positions: &Vec3s) -> Lit {
-        if run.facing > 0.0 { self.lighting.shadows.lit(positions, run.outward) } else { Lit::none() }
+        if run.is_lit { self.lighting.shadows.lit(positions, run.outward) } else { Lit::none() }
     }
 
     /// The light at eight pixels between two neighbouring knots that are so many pixels apart.
@@ -267,9 +297,12 @@ impl Shader<'_> {
             footprint_m: here.depth_m * light.footprint_at_1_m,
         };
         let look = look(self.noise, around, &run.facet, &points);
-        let received = Vec3s::splat(self.key * run.facing) * light.sunlit
-            + Vec3s::splat(run.ambient) * light.open
-            + light.lamps;
+        let bent = run.bend.as_ref().map(|bend| bend.normals(here.position_object));
+        let Turned { facing, ambient } = match &bent {
+            Some(normals) => self.turned(run.facet.is_leaf(), normals),
+            None => run.turned,
+        };
+        let received = Vec3s::splat(self.key) * (facing * light.sunlit) + ambient * light.open + light.lamps;
         let mut out = look.albedo * received;
         if let Some(emission) = look.emission {
             out += emission;
@@ -277,7 +310,8 @@ impl Shader<'_> {
         if let Some(gloss) = &look.gloss {
             let toward = Vec3s::splat(self.camera) - here.position_local;
             let toward = toward * (1.0 / toward.length_squared().sqrt().fast_max(Lanes::splat(1e-6)));
-            out = self.gloss(out, gloss, run.facet.normal_local, toward, light);
+            let normals = bent.unwrap_or(Vec3s::splat(run.facet.normal_local));
+            out = self.gloss(out, gloss, normals, toward, light);
         }
         Vec3s::splat(self.veil).lerp(out, light.passes)
     }
@@ -285,24 +319,39 @@ impl Shader<'_> {
     fn begin<'p>(&self, triangle: &Triangle<'_, 'p>) -> Run<'p> {
         let instance = &self.snapshot.instances[triangle.instance as usize];
         let n = triangle.normal_local;
-        let [a, x, y, z] = self.ambient;
-        let ambient = (a + x * n.x + y * n.y + z * n.z).max(Vec3::ZERO);
         let to_key = self.lighting.sky.key_direction;
         let facet = Facet::new(instance, triangle.part, n);
-        if triangle.part.surface == Surface::Foliage {
-            // Leaves let light through, and those turned away are looked at on their lit side.
-            let normal = (n + Vec3::Z * 0.6).normalize_or(n);
-            let side = normal.dot(to_key);
-            let facing = 0.55 * side.max(0.0) + 0.2 + 0.15 * (side * 0.5 + 0.5);
-            return Run { facet, normal, outward: to_key * 4.0, facing, ambient: ambient * 0.8 };
+        let bend = triangle.bend();
+        let turned = self.turned(facet.is_leaf(), &Vec3s::splat(n));
+        if facet.is_leaf() {
+            return Run { facet, normal: leaning(n), bend, outward: to_key * 4.0, is_lit: true, turned };
         }
-        Run { facet, normal: n, outward: n, facing: n.dot(to_key).max(0.0), ambient }
+        let corners = bend.as_ref().map_or([n; 3], Bend::corner_normals);
+        let is_lit = corners.iter().any(|normal| normal.dot(to_key) > 0.0);
+        Run { facet, normal: n, bend, outward: n, is_lit, turned }
+    }
+
+    /// The light on surfaces that are turned as their normals say. Leaves let light through, and those turned away are looked at on
+    /// their lit side.
+    #[inline]
+    fn turned(&self, is_leaf: bool, normals: &Vec3s) -> Turned {
+        let [a, x, y, z] = self.ambient;
+        let ambient =
+            |i: usize| (normals.x * x[i] + normals.y * y[i] + normals.z * z[i] + a[i]).fast_max(Lanes::ZERO);
+        let ambient = Vec3s::new(ambient(0), ambient(1), ambient(2));
+        let to_key = Vec3s::splat(self.lighting.sky.key_direction);
+        if !is_leaf {
+            return Turned { facing: normals.dot(to_key).fast_max(Lanes::ZERO), ambient };
+        }
+        let upward = *normals + Vec3s::splat(Vec3::Z * LEAF_LEAN);
+        let side = (upward * (1.0 / upward.length_squared().sqrt())).dot(to_key);
+        let facing = side.fast_max(Lanes::ZERO) * 0.55 + (side * 0.5 + 0.5) * 0.15 + 0.2;
+        Turned { facing, ambient: ambient * Lanes::splat(0.8) }
     }
 
     /// Adds what a glossy surface mirrors: the sky, and a highlight of the sun.
     #[inline]
-    fn gloss(&self, out: Vec3s, gloss: &Gloss, normal: Vec3, toward: Vec3s, light: &Light) -> Vec3s {
-        let n = Vec3s::splat(normal);
+    fn gloss(&self, out: Vec3s, gloss: &Gloss, n: Vec3s, toward: Vec3s, light: &Light) -> Vec3s {
         let cos = toward.dot(n);
         // Schlick's form of Fresnel's reflectance; rough surfaces gain less at grazing angles.
         let grazing = 1.0 - cos.fast_clamp(Lanes::ZERO, Lanes::ONE);

@@ -197,6 +197,7 @@ mod tests {
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             triangle_part: vec![0, 0],
             parts: vec![Part { tag: Tag::Road, surface: Surface::Plain, rgb: [0.5; 3] }],
+            ..TriMesh::default()
         })
     }
 

@@ -23,6 +23,12 @@ const MOON_UP: f32 = 0.6;
 /// Glow of the night sky and of towns behind the horizon, kcd/m2.
 const NIGHT: Vec3 = Vec3::new(0.000_05, 0.000_075, 0.000_14);
 const TOWN: Vec3 = Vec3::new(0.000_35, 0.000_28, 0.000_22);
+/// Electrons in a full pixel, as chips of 3 micrometres have.
+const FULL_WELL: f32 = 9000.0;
+/// Above this exposure, that of a dull day, pixels are not full any more.
+const FULL_WELL_EXPOSURE: f32 = 0.5;
+/// As few electrons are white by night.
+const LEAST_ELECTRONS: f32 = 1200.0;
 /// What street lighting gives at night, for the exposure, kilolux.
 const STREET_KLX: f32 = 0.007;
 /// Share of direct light that comes back from lit surroundings.
@@ -166,6 +172,11 @@ impl Sky {
     pub(crate) fn exposure(&self, f_stop: f64) -> f32 {
         let opening = 1.8 / f_stop.clamp(0.5, 64.0);
         self.exposure * (opening * opening) as f32
+    }
+
+    /// Electrons that a pixel of film value 1 gathers: all that it has room for by day; in little light, what a long exposure gives.
+    pub(crate) fn electrons(&self) -> u32 {
+        (FULL_WELL * FULL_WELL_EXPOSURE / self.exposure).clamp(LEAST_ELECTRONS, FULL_WELL) as u32
     }
 
     /// Whether the sun or moon is strong enough beside the sky for its shadows to be seen.

@@ -88,6 +88,11 @@ impl<'a> Facet<'a> {
             normal_object: object_from_local * normal_local,
         }
     }
+
+    /// Whether it stands for leaves.
+    pub(crate) fn is_leaf(&self) -> bool {
+        self.part.surface == Surface::Foliage
+    }
 }
 
 /// The look of eight points.

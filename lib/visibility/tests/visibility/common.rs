@@ -39,7 +39,13 @@ pub(crate) fn pose(stream: &mut Stream, size: f32) -> Affine3A {
 
 pub(crate) fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Arc<TriMesh> {
     let part = Part { tag: Tag::Building, surface: Surface::Plain, rgb: [0.5; 3] };
-    Arc::new(TriMesh { triangle_part: vec![0; triangles.len()], positions, triangles, parts: vec![part] })
+    Arc::new(TriMesh {
+        triangle_part: vec![0; triangles.len()],
+        positions,
+        triangles,
+        parts: vec![part],
+        ..TriMesh::default()
+    })
 }
 
 /// Unconnected triangles.
