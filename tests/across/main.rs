@@ -19,6 +19,7 @@ mod plain;
 mod python;
 mod replay;
 mod rigs;
+mod seen;
 mod shell;
 mod towns;
 mod view;

@@ -13,6 +13,7 @@
 //! assert_eq!(map.lane_width(lane, 50.0), Some(3.5));
 //! ```
 
+mod agreement;
 mod brute;
 mod maps;
 mod meshes;
@@ -20,6 +21,7 @@ mod need;
 mod roads;
 mod town;
 
+pub use agreement::{Agreement, PixelRays, look};
 pub use brute::BruteRenderer;
 pub use maps::{map_files, maps_folder, real_map, real_maps};
 pub use meshes::{MeshBuilder, block, instance, plane, snapshot};

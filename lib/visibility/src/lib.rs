@@ -57,6 +57,7 @@
 mod bvh;
 mod cpu;
 mod meshes;
+mod outline;
 mod packet;
 mod placed;
 mod raster;

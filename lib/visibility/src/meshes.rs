@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use frames::Aabb;
-use glam::Vec3;
 use rayon::prelude::*;
 use schema::geometry::TriMesh;
 
@@ -55,15 +54,6 @@ impl MeshData {
         }
         let aabb = boxes.iter().fold(Aabb::EMPTY, |all, b| all.union(*b));
         Self { bvh, blocks, aabb }
-    }
-
-    /// The corners of the triangle in a slot.
-    #[inline]
-    pub(crate) fn corners(&self, slot: u32) -> [Vec3; 3] {
-        let lane = slot as usize % BLOCK;
-        // By reference: a block is much larger than a triangle.
-        let [a, b, c] = &self.blocks[slot as usize / BLOCK].0;
-        [a, b, c].map(|[x, y, z]| Vec3::new(x[lane], y[lane], z[lane]))
     }
 }
 

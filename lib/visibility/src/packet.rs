@@ -4,10 +4,12 @@
 //! are written plainly over fixed arrays; the compiler turns them into vector instructions.
 #![allow(clippy::needless_range_loop)] // One index runs through many lane arrays.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use renderer::{RayBatch, SKY};
 
 use crate::bvh::{Node, Stack};
+use crate::meshes::{BLOCK, MeshData};
+use crate::outline::{Outlines, inside, near_reciprocal};
 use crate::placed::Placed;
 
 /// Boxes are entered when a lane misses them by less than this: relative rounding of the slab distances.
@@ -155,27 +157,32 @@ pub(crate) struct HitsMut<'a> {
     pub(crate) v: &'a mut [f32],
 }
 
-/// A triangle as seen from one origin, before any direction is known.
-struct SeenTriangle {
-    /// Normals of the planes through the origin and an edge, opposite to corner 0, 1, 2. Corners come in as sum
-    /// and difference, which makes an edge's normal the exact negative of its neighbour's (Davidovic et al.,
-    /// "3D rasterization", 2012; Embree's robust mode): a ray can't slip between two triangles.
-    edge: [Vec3; 3],
-    normal: Vec3,
-    /// Distance of the triangle's plane from the origin, times the normal's length.
-    offset: f32,
+/// Triangles that are set up at once.
+const SETUP: usize = 4;
+
+/// [`Outlines`] for directions in single precision.
+struct SeenTriangles {
+    edges: [[[f32; SETUP]; 3]; 3],
+    normal: [[f32; SETUP]; 3],
+    offset: [f32; SETUP],
 }
 
-impl SeenTriangle {
+impl SeenTriangles {
+    /// Of a block's lanes, from one on.
     #[inline]
-    fn new([a, b, c]: [Vec3; 3], origin: Vec3) -> Self {
-        let (a, b, c) = (a - origin, b - origin, c - origin);
-        let normal = (b - a).cross(c - a);
-        Self {
-            edge: [(c - b).cross(c + b), (a - c).cross(a + c), (b - a).cross(b + a)],
-            normal,
-            offset: a.dot(normal),
-        }
+    fn new(mesh: &MeshData, block: usize, first: usize, origin: DVec3) -> Self {
+        let corners = mesh.blocks[block].0.each_ref().map(|corner| {
+            let mut from_origin = [[0.0; SETUP]; 3];
+            for axis in 0..3 {
+                for i in 0..SETUP {
+                    from_origin[axis][i] = f64::from(corner[axis][first + i]) - origin[axis];
+                }
+            }
+            from_origin
+        });
+        let Outlines { edges, normal, offset } = Outlines::new(&corners);
+        let single = |numbers: [f64; SETUP]| numbers.map(|number| number as f32);
+        Self { edges: edges.map(|edge| edge.map(single)), normal: normal.map(single), offset: single(offset) }
     }
 }
 
@@ -296,7 +303,9 @@ impl<const N: usize> Packet<N> {
     /// Tests the triangles of one instance.
     pub(crate) fn visit<B: Boxes<N>>(&mut self, instance: u32, placed: &Placed<'_>) {
         let mesh = placed.mesh;
-        let origin = placed.rotation.transpose() * (self.origin - placed.translation);
+        // In double precision: the difference of two places far from the local origin loses nothing.
+        let object_from_local = placed.rotation.as_dmat3().transpose();
+        let origin = object_from_local * (self.origin.as_dvec3() - placed.translation.as_dvec3());
         let lanes = {
             let mut lanes = [[0.0; N]; 3];
             let [dx, dy, dz] = &self.directions.0;
@@ -311,7 +320,7 @@ impl<const N: usize> Packet<N> {
             Lanes(lanes)
         };
         let reach = mesh.aabb.min.abs().max(mesh.aabb.max.abs()).max_element();
-        let boxes = B::new(&lanes, origin, reach);
+        let boxes = B::new(&lanes, origin.as_vec3(), reach);
         let nodes = &mesh.bvh.nodes;
         let mut stack = Stack::new((0u32, 0.0f32));
         stack.push((0, boxes.entry(self, &nodes[0])));
@@ -324,27 +333,36 @@ impl<const N: usize> Packet<N> {
                 self.push_children(&boxes, nodes, node.child, &mut stack);
                 continue;
             }
-            for slot in node.first..node.first + node.count {
-                let seen = SeenTriangle::new(mesh.corners(slot), origin);
-                self.meet(&lanes, &seen, instance, mesh.bvh.order[slot as usize]);
+            let (mut slot, end) = (node.first as usize, (node.first + node.count) as usize);
+            while slot < end {
+                let (block, lane) = (slot / BLOCK, slot % BLOCK);
+                let first = lane.min(BLOCK - SETUP);
+                let seen = SeenTriangles::new(mesh, block, first, origin);
+                for i in lane - first..SETUP.min(end - block * BLOCK - first) {
+                    self.meet(&lanes, &seen, i, instance, mesh.bvh.order[slot]);
+                    slot += 1;
+                }
             }
         }
     }
 
     /// Keeps the triangle in the lanes that hit it closest.
     #[inline(always)]
-    fn meet(&mut self, lanes: &Lanes<N>, seen: &SeenTriangle, instance: u32, triangle: u32) {
+    fn meet(&mut self, lanes: &Lanes<N>, seen: &SeenTriangles, which: usize, instance: u32, triangle: u32) {
+        let offset = seen.offset[which];
+        if offset == 0.0 {
+            return; // Seen edge-on.
+        }
+        let vector = |axes: &[[f32; SETUP]; 3]| Vec3::from_array(axes.map(|axis| axis[which]));
+        let (edges, normal) = (seen.edges.each_ref().map(vector), vector(&seen.normal));
         let [dx, dy, dz] = &lanes.0;
-        let mut inside = [0u32; N];
+        let products = |i: usize| edges.map(|edge| dot(edge, dx[i], dy[i], dz[i]));
+        let mut through = [0u32; N];
         let mut any = 0;
         for i in 0..N {
-            let e0 = dot(seen.edge[0], dx[i], dy[i], dz[i]);
-            let e1 = dot(seen.edge[1], dx[i], dy[i], dz[i]);
-            let e2 = dot(seen.edge[2], dx[i], dy[i], dz[i]);
-            // Inside when all three agree, whichever side is seen; on an edge belongs to both neighbours.
-            let (low, high) = (min(min(e0, e1), e2), max(max(e0, e1), e2));
-            inside[i] = u32::from((low >= 0.0) | (high <= 0.0));
-            any |= inside[i];
+            // A ray through an edge may hit both neighbours, so that none slips through.
+            through[i] = u32::from(inside(products(i), [0.0; 3]));
+            any |= through[i];
         }
         if any == 0 {
             return;
@@ -353,9 +371,9 @@ impl<const N: usize> Packet<N> {
         let mut t = [0.0; N];
         any = 0;
         for i in 0..N {
-            t[i] = seen.offset / dot(seen.normal, dx[i], dy[i], dz[i]);
+            t[i] = offset * near_reciprocal(dot(normal, dx[i], dy[i], dz[i]));
             // Distances that are not numbers compare false.
-            closer[i] = inside[i] & u32::from((t[i] >= self.t_min[i]) & (t[i] <= self.t[i]));
+            closer[i] = through[i] & u32::from((t[i] >= self.t_min[i]) & (t[i] <= self.t[i]));
             any |= closer[i];
         }
         if any == 0 {
@@ -366,9 +384,7 @@ impl<const N: usize> Packet<N> {
             let smaller = (instance < self.instance[i])
                 | ((instance == self.instance[i]) & (triangle < self.triangle[i]));
             let keep = (closer[i] != 0) & ((t[i] < self.t[i]) | smaller);
-            let e0 = dot(seen.edge[0], dx[i], dy[i], dz[i]);
-            let e1 = dot(seen.edge[1], dx[i], dy[i], dz[i]);
-            let e2 = dot(seen.edge[2], dx[i], dy[i], dz[i]);
+            let [e0, e1, e2] = products(i);
             let sum = e0 + e1 + e2;
             // A ray through a corner within rounding can have three zero edges; any weights do.
             let scale = if sum == 0.0 { 0.0 } else { 1.0 / sum };

@@ -61,6 +61,11 @@ impl Lamps {
         }
         let mut lamps = burning(snapshot, centre);
         lamps.truncate(usize::from(u16::MAX));
+        Self::by_cells(lamps, centre)
+    }
+
+    /// Tells which lamps light which cell around a place.
+    fn by_cells(lamps: Vec<Lamp>, centre: Vec3) -> Self {
         let corner = centre - Vec3::new(AREA_M, AREA_M, 0.0);
         let mut starts = vec![0u32];
         let mut entries = Vec::new();
@@ -261,6 +266,46 @@ mod tests {
         }
         assert_eq!(at(&lamps, Vec3::ZERO, -Vec3::Z), Vec3::ZERO);
         assert_eq!(at(&lamps, Vec3::new(40.0, 0.0, 0.0), Vec3::Z), Vec3::ZERO);
+    }
+
+    #[test]
+    fn cells_leave_no_lamp_out() {
+        // As many as a cell keeps, all about the area and near its rim.
+        let mut stream = random::Stream::new(3, 0, "lamps", 0);
+        let centre = Vec3::new(11.0, -7.0, 0.5);
+        for round in 0..20 {
+            let mut uniform = |low: f64, high: f64| stream.uniform(low, high) as f32;
+            let beams = [Beam::Street, Beam::Head, Beam::Glow];
+            let lamps: Vec<Lamp> = (0..PER_CELL)
+                .map(|i| Lamp {
+                    position: centre
+                        + Vec3::new(uniform(-110.0, 110.0), uniform(-110.0, 110.0), uniform(0.5, 9.0)),
+                    direction: Vec3::new(uniform(-1.0, 1.0), uniform(-1.0, 1.0), -0.3).normalize(),
+                    beam: beams[(i + round) % 3],
+                    rgb: Vec3::new(uniform(0.1, 9.0), uniform(0.1, 9.0), uniform(0.1, 9.0)),
+                    radius_m: uniform(5.0, 60.0),
+                })
+                .collect();
+            let by_cells = Lamps::by_cells(lamps.clone(), centre);
+            let mut lit = 0;
+            for _ in 0..500 {
+                let places = Vec3s::from_fn(|_| {
+                    centre + Vec3::new(uniform(-96.0, 96.0), uniform(-96.0, 96.0), uniform(-1.0, 12.0))
+                });
+                let normal =
+                    Vec3::new(uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0)).normalize();
+                let mut every = Vec3s::default();
+                lamps.iter().for_each(|lamp| lamp.add_to(&mut every, &places, normal));
+                let ours = by_cells.illuminance(&places, normal);
+                for lane in 0..lanes::LANES {
+                    let (a, b) = (ours.lane(lane), every.lane(lane));
+                    // Other orders of adding round otherwise.
+                    assert!((a - b).abs().max_element() <= 1e-5 * b.max_element(), "{a} {b}");
+                    lit += usize::from(b != Vec3::ZERO);
+                }
+            }
+            assert!(lit > 100, "{lit}");
+        }
     }
 
     #[test]

@@ -9,6 +9,7 @@ use renderer::{PinholeCamera, SKY};
 use super::view::{Seen, TILE_HEIGHT, TILE_WIDTH, View};
 use crate::bvh::{Node, Stack};
 use crate::meshes::BLOCK;
+use crate::outline::{Outlines, Vectors, inside, reciprocal, reciprocal_f64};
 
 /// Pixels drawn at once.
 const LANES: usize = 8;
@@ -45,6 +46,7 @@ struct Lens {
     focal: [f32; 2],
     axis: [f32; 2],
     near_m: f32,
+    inverse_near: f32,
 }
 
 /// Half spaces, eight at once: a box wholly outside one of them can't be seen.
@@ -138,7 +140,7 @@ impl Linear {
 
 /// A triangle that covers pixels of the tile.
 struct Covering {
-    corners: [DVec3; 3],
+    corners: [Vectors<1>; 3],
     /// First and last column, first and last row.
     bounds: [usize; 4],
     /// Inverse depth of the corners: smallest, largest.
@@ -187,7 +189,7 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
 
     /// Inverse depth where nothing is seen. What is exactly at the far end is nearer: by its numbers, or by a hair.
     fn sky(camera: &PinholeCamera) -> f32 {
-        let farthest = 1.0 / camera.far_m;
+        let farthest = reciprocal(camera.far_m);
         if NUMBERED { farthest } else { farthest.next_down() }
     }
 
@@ -195,11 +197,25 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
     pub(super) fn copy_depths(&self, camera: &PinholeCamera, column: usize, depth_m: &mut [f32]) {
         let sky = Self::sky(camera);
         for (row, to) in self.rows(camera.width as usize, column, depth_m) {
-            let depths = self.inverse_depth[row.clone()].iter().enumerate();
-            for (to, (x, &inverse)) in to.iter_mut().zip(depths) {
-                let seen = if NUMBERED { self.instance[row.start + x] != SKY } else { inverse > sky };
-                *to = if seen { 1.0 / inverse } else { f32::INFINITY };
+            // All of a tile's row, whatever of it is in the picture: the compiler turns that into vector instructions.
+            let row = row.start..row.start + TILE_WIDTH;
+            let inverse = &self.inverse_depth[row.clone()];
+            let mut line = [0.0; TILE_WIDTH];
+            for x in 0..TILE_WIDTH {
+                // Divided: no id hangs on it, and to round to the nearest has one answer everywhere.
+                line[x] = 1.0 / inverse[x];
             }
+            if NUMBERED {
+                let instances = &self.instance[row];
+                for x in 0..TILE_WIDTH {
+                    line[x] = if instances[x] == SKY { f32::INFINITY } else { line[x] };
+                }
+            } else {
+                for x in 0..TILE_WIDTH {
+                    line[x] = if inverse[x] > sky { line[x] } else { f32::INFINITY };
+                }
+            }
+            to.copy_from_slice(&line[..to.len()]);
         }
     }
 
@@ -301,7 +317,8 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
         let high = |a: f32, b: f32| if a > b { a } else { b };
         let mut nearest = [0.0; BLOCK];
         let mut farthest = [0.0; BLOCK];
-        // Columns and rows, first and last pixel centre within the projected box.
+        // Columns and rows, first and last pixel centre within the projected box. Divided, which may round otherwise elsewhere: far
+        // less than the margin, so that what is seen does not hang on it.
         let mut from = [[0.0f32; BLOCK]; 2];
         let mut to = [[0.0f32; BLOCK]; 2];
         let mut wanted = [0u32; BLOCK];
@@ -311,9 +328,11 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
             nearest[i] = low(low(z[0], z[1]), z[2]);
             farthest[i] = high(high(z[0], z[1]), z[2]);
             let all_in_front = nearest[i] >= lens.near_m;
+            let per_depth = z.map(|z| 1.0 / z);
             for axis in 0..2 {
-                let p: [f32; 3] =
-                    std::array::from_fn(|k| lens.focal[axis] / z[k] * place[k][axis][i] + lens.axis[axis]);
+                let p: [f32; 3] = std::array::from_fn(|k| {
+                    lens.focal[axis] * per_depth[k] * place[k][axis][i] + lens.axis[axis]
+                });
                 let start = high(low(low(p[0], p[1]), p[2]) - MARGIN_PX, 0.0).ceil();
                 let stop = low(high(high(p[0], p[1]), p[2]) + MARGIN_PX, last[axis]).floor();
                 from[axis][i] = if all_in_front { start } else { 0.0 };
@@ -326,6 +345,14 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
                     & (nearest[i] <= self.farthest_m * DEPTH_SLACK),
             );
         }
+        if wanted.iter().all(|&wanted| wanted == 0) {
+            return;
+        }
+        let (mut least, mut greatest) = ([0.0f32; BLOCK], [0.0f32; BLOCK]);
+        for i in 0..BLOCK {
+            least[i] = reciprocal(farthest[i]);
+            greatest[i] = reciprocal(nearest[i]);
+        }
         for i in 0..BLOCK {
             let slot = block * BLOCK + i;
             if wanted[i] == 0 || slot < first || slot >= end {
@@ -335,13 +362,10 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
             self.cover(
                 lens,
                 &Covering {
-                    corners: place.map(|[x, y, z]| DVec3::new(x[i].into(), y[i].into(), z[i].into())),
+                    corners: place.map(|corner| corner.map(|axis| [axis[i].into()])),
                     bounds: [from[0][i] as usize, to[0][i] as usize, from[1][i] as usize, to[1][i] as usize],
-                    inverse_range: [
-                        1.0 / farthest[i],
-                        if in_front { 1.0 / nearest[i] } else { f32::INFINITY },
-                    ],
-                    inverse_limit: if in_front { f32::INFINITY } else { 1.0 / lens.near_m },
+                    inverse_range: [least[i], if in_front { greatest[i] } else { f32::INFINITY }],
+                    inverse_limit: if in_front { f32::INFINITY } else { lens.inverse_near },
                     instance: seen.number,
                     triangle: seen.mesh.bvh.order[slot],
                 },
@@ -351,19 +375,13 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
 
     /// Draws one triangle.
     fn cover(&mut self, lens: &Lens, covering: &Covering) {
-        // Products of single-precision numbers are exact in double precision, so each component of these
-        // normals is rounded once, and neighbours get exactly opposite normals for their common edge.
-        let [a, b, c] = covering.corners;
-        let edges = [b.cross(c), c.cross(a), a.cross(b)];
-        let normal = (b - a).cross(c - a);
-        let volume = a.dot(normal);
-        if volume == 0.0 {
+        let outline = Outlines::new(&covering.corners);
+        if outline.offset == [0.0] {
             return; // Seen edge-on.
         }
-        let side = volume.signum();
-        let edges = edges.map(|edge| Linear::along_rays(lens, edge * side));
+        let edges = outline.edges.map(|edge| Linear::along_rays(lens, vector(edge)));
         let thresholds = edges.map(|edge| edge.threshold());
-        let inverse = Linear::along_rays(lens, normal / volume);
+        let inverse = Linear::along_rays(lens, vector(outline.normal) * reciprocal_f64(outline.offset[0]));
         let [x_first, x_last, y_first, y_last] = covering.bounds;
         let x_first = x_first - x_first % LANES;
         for y in y_first..=y_last {
@@ -380,10 +398,8 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
                 for i in 0..LANES {
                     let column = start + LANE[i];
                     let w = inverse.per_column * column + inverse_row;
-                    let inside = (edges[0].per_column * column + rows[0] >= thresholds[0])
-                        & (edges[1].per_column * column + rows[1] >= thresholds[1])
-                        & (edges[2].per_column * column + rows[2] >= thresholds[2])
-                        & (w <= covering.inverse_limit);
+                    let products = std::array::from_fn(|k| edges[k].per_column * column + rows[k]);
+                    let inside = inside(products, thresholds) & (w <= covering.inverse_limit);
                     // Within the corners' depths whatever the rounding of a steep plane.
                     let w = if w < covering.inverse_range[0] { covering.inverse_range[0] } else { w };
                     let w = if w > covering.inverse_range[1] { covering.inverse_range[1] } else { w };
@@ -416,6 +432,10 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
     }
 }
 
+fn vector([[x], [y], [z]]: Vectors<1>) -> DVec3 {
+    DVec3::new(x, y, z)
+}
+
 impl Lens {
     fn new(camera: &PinholeCamera, column: usize, row: usize) -> Self {
         let first = [
@@ -428,6 +448,7 @@ impl Lens {
             focal: [camera.fx, camera.fy],
             axis: first.map(|f| -f as f32),
             near_m: camera.near_m,
+            inverse_near: reciprocal(camera.near_m),
         }
     }
 }

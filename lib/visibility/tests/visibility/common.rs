@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use glam::{Affine3A, Mat3, Quat, Vec3};
+use glam::{Affine3A, Quat, Vec3};
 use random::Stream;
 use renderer::{Hit, Hits, PinholeCamera, RayBatch, Renderer, Scene, VisibilityBuffer};
 use schema::Tag;
 use schema::geometry::{Part, Snapshot, Surface, TriMesh};
-pub(crate) use testkit::{instance, snapshot};
+pub(crate) use testkit::{instance, look, snapshot};
 use visibility::CpuRenderer;
 
 pub(crate) fn stream(topic: &str, number: u64) -> Stream {
@@ -110,15 +110,6 @@ pub(crate) fn world(number: u64) -> Snapshot {
         instances.push(instance(1 + i % 3, 2 + i as u16, pose(&mut s, 30.0)));
     }
     snapshot(meshes, instances)
-}
-
-/// A camera at a place that looks along a direction.
-pub(crate) fn look(from: Vec3, along: Vec3, width: u32, height: u32, fov_rad: f32) -> PinholeCamera {
-    let forward = along.normalize();
-    let right = forward.cross(Vec3::Z).normalize();
-    let rotation = Mat3::from_cols(right, forward.cross(right), forward);
-    let pose = Affine3A { matrix3: rotation.into(), translation: from.into() };
-    PinholeCamera::centred(pose, width, height, fov_rad)
 }
 
 /// A ray by itself.
