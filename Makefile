@@ -37,7 +37,7 @@ SCENE_ARG   = $(if $(SCENE),--scene $(SCENE))
 AGENT_ARG   = $(if $(AGENT),--agent $(AGENT))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report build test soak lint bench bench-kernels docs help
+.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test soak lint bench bench-kernels docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
@@ -54,6 +54,7 @@ help:
 	@echo "make town NAME=convoy/demo [SEED=7] [DEST=folder]       (a road network of our own, with its picture)"
 	@echo "make towns DEST=folder                                  (all of them)"
 	@echo "make scene-video SCENE=0 [STORE=dataset] [OUT=film.png] (a scene's log from above, animated)"
+	@echo "make gallery [DEST=gallery]                             (pictures of all people, standing, walking, running, riding)"
 	@echo "make preview [STORE=dataset] [SCENE=0] [FRAME=40] [AGENT=vehicle_0] [OUT=preview.jpg] (a contact sheet)"
 	@echo "make viz [STORE=dataset] [SCENE=0] [FRAMES=0,10-20] [EVERY=n] [AGENT=rsu_*] [MODES='RGB-*,LIDAR3D*'] [COLOUR=height] [DEST=pictures]"
 	@echo "make film [STORE=dataset] [SCENE=0] [AGENT=vehicle_0] [EVERY=2] [OUT=film.png]     (and .mp4 with an ffmpeg)"
@@ -162,6 +163,11 @@ film: build
 towns: build
 	@test -n "$(DEST)" || { echo "say where: make towns DEST=folder"; exit 2; }
 	$(BIN)/convoy towns --dest $(DEST)
+
+# Everybody on a turntable, and strips of a walk and a run, as cameras see them: make gallery [DEST=gallery]
+gallery:
+	@mkdir -p $(or $(DEST),gallery)
+	$(CARGO) run --release --locked -p convoy-sensors --example people -- $(or $(DEST),gallery)
 
 # The pictures of docs/towns, small enough to be kept there, and the page that shows them.
 town-pictures: build

@@ -18,7 +18,7 @@ pub(crate) struct Actor {
     pub(crate) model: String,
     pub(crate) role: String,
     pub(crate) tags: Vec<u8>,
-    /// Length, width, height, m.
+    /// Length, width, height, m; of walkers while they stand.
     pub(crate) size_m: V3,
     pub(crate) fixed: bool,
     /// Where it is at frame 0.
@@ -32,6 +32,8 @@ pub(crate) struct State {
     pub(crate) world_from_object: Motion,
     pub(crate) velocity_mps: V3,
     pub(crate) turning_radps: V3,
+    /// Length, width and height about a walker's pose, m; zeros of everything else.
+    pub(crate) size_m: V3,
     /// Whether a door stands open.
     pub(crate) open_door: bool,
 }
@@ -200,7 +202,7 @@ impl Scene {
             let (frames, ids, poses) = (rows.ints("frame")?, rows.ints("id")?, poses(&rows)?);
             let (velocities, turning) =
                 (rows.vectors("velocity_mps")?, rows.vectors("angular_velocity_radps")?);
-            let doors = rows.vectors::<4>("door_rad")?;
+            let (doors, sizes) = (rows.vectors::<4>("door_rad")?, rows.vectors("size_m")?);
             for k in 0..rows.len() {
                 let id = u16::try_from(ids[k]).unwrap_or(0);
                 let known = self.actors.get(&id).is_some_and(|actor| !actor.fixed);
@@ -209,6 +211,7 @@ impl Scene {
                     world_from_object: poses[k],
                     velocity_mps: velocities[k],
                     turning_radps: turning[k],
+                    size_m: sizes[k],
                     open_door: doors[k].iter().any(|&door| door > 0.0),
                 };
                 let place = usize::try_from(frames[k] + 1).ok().and_then(|at| self.states.get_mut(at));

@@ -1,9 +1,12 @@
 //! The merging stage: one list of unique objects per frame, tracks over the scene.
 
+use std::collections::BTreeMap;
+
 use pipeline::{At, Job, Stage, StageError};
 use scene::SceneReader;
 use schema::settings::TrackSettings;
-use schema::tables::{BoxRow, ValidBoxRow};
+use schema::tables::{ActorRow, BoxRow, ValidBoxRow};
+use schema::{ActorKind, ObjectId};
 use store::keys;
 
 /// The stage.
@@ -14,16 +17,22 @@ fn run(job: &mut Job<'_, TrackSettings>) -> Result<(), StageError> {
     let scene = SceneReader::new(job.store(), number, job.inputs());
     let boxes: Vec<BoxRow> = scene.rows().at(|| place.clone())?;
     let valid: Vec<ValidBoxRow> = scene.rows().at(|| place.clone())?;
+    let actors: Vec<ActorRow> = scene.rows().at(|| place.clone())?;
     let info = scene.info().at(|| place.clone())?;
+    // Boxes of walkers follow their poses.
+    let walkers = actors.iter().filter(|actor| actor.kind == ActorKind::Walker);
+    let standing_m: BTreeMap<ObjectId, [f64; 3]> =
+        walkers.map(|actor| (actor.id, [actor.length_m, actor.width_m, actor.height_m])).collect();
 
-    let merged = tracks::merge(&boxes, &valid, info.label_every_n_frames).at(|| place.clone())?;
+    let mut merged = tracks::merge(&boxes, &valid, info.label_every_n_frames).at(|| place.clone())?;
     let counts = tracks::count(&merged.frames, info.frames, info.label_every_n_frames);
+    let mut windows = if settings.windows { tracks::windows(&merged.frames, &settings) } else { Vec::new() };
+    tracks::stand(&mut merged.tracks, &mut windows, &standing_m);
     if let Some(mut unit) = job.unit("tracks")? {
         unit.rows(&keys::scene(number, "tracks.parquet"), &merged.tracks)?;
         unit.rows(&keys::scene(number, "tracks_frames.parquet"), &merged.frames)?;
         unit.rows(&keys::scene(number, "tracks_agents.parquet"), &merged.sightings)?;
         if settings.windows {
-            let windows = tracks::windows(&merged.frames, &settings);
             unit.rows(&keys::scene(number, "tracks_windows.parquet"), &windows)?;
         }
         unit.rows(&keys::partial_stats(number, Stage::<TrackSettings>::NAME), &counts.rows())?;

@@ -101,9 +101,11 @@ fn observe<'a>(
     signal_state: Option<SignalState>,
 ) -> ObservedObject<'a> {
     let fixed = || Pose::<World, _>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
+    let standing = [actor.length_m, actor.width_m, actor.height_m];
     match states.get(&actor.id) {
         Some(state) => ObservedObject {
             actor,
+            size_m: if state.size_m == [0.0; 3] { standing } else { state.size_m.map(f64::from) },
             world_from_object: Pose::from_xyz_wxyz(state.xyz_m, state.quaternion),
             velocity_mps: state.velocity_mps,
             angular_velocity_radps: state.angular_velocity_radps,
@@ -112,6 +114,7 @@ fn observe<'a>(
         },
         None => ObservedObject {
             actor,
+            size_m: standing,
             world_from_object: fixed(),
             velocity_mps: [0.0; 3],
             angular_velocity_radps: [0.0; 3],

@@ -1,6 +1,7 @@
 //! The simulation stage: from a scene's plan to its log, the raw boxes and the HD-map records.
 
 mod error;
+mod gait;
 mod ground;
 mod info;
 mod labels;
@@ -21,6 +22,7 @@ use tilestore::TileStore;
 use traffic::{SceneInput, SimulationLog};
 
 use crate::error::LogError;
+use crate::gait::Bodies;
 use crate::labels::Labels;
 use crate::plan::ScenePlan;
 use crate::world::{Nearby, SceneTiles, failed};
@@ -29,7 +31,7 @@ use crate::world::{Nearby, SceneTiles, failed};
 pub const STAGE: Stage<SimulationSettings> = Stage::new(run);
 
 /// Looks that moving actors of one model share among them (clothes, skin, hair): each is a mesh of its own.
-const VARIANTS: u32 = 64;
+const VARIANTS: u32 = people::LOOKS;
 
 fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     let ScenePlan { scene: plan, agents, hazards } = ScenePlan::read(job)?;
@@ -60,6 +62,7 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     }
     let mut log = simulated?;
     say_what_lacks(&plan, &log);
+    let mut bodies = Bodies::default();
     for actor in &mut log.actors {
         let mut draw = Stream::new(plan.seed, scene.into(), "simulate/variant", actor.id.into());
         actor.variant = draw.next_u32() % VARIANTS;
@@ -67,8 +70,10 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
             && let Some(model) = schema::models::find(&actor.model)
         {
             actor.attributes.say(Attribute::Gender, model.gender(actor.variant));
+            bodies.add(actor, model, plan.seed, scene);
         }
     }
+    bodies.walk(&mut log.states);
     let mut world = SceneTiles::of(&tiles, &log, settings.reach_m, &place)?;
     log.signals = world.signals(&log.signals);
     let lamps = lamps::draw(&mut world.actors, &plan, &settings.lights);

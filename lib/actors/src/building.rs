@@ -4,7 +4,7 @@ use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Part, Surface, TriMesh};
 
-use crate::solids::MeshBuilder;
+use solids::MeshBuilder;
 
 const TAG: Tag = Tag::Building;
 

@@ -8,8 +8,8 @@ use schema::models::{BaseType, Model};
 use schema::{Tag, lights};
 
 use crate::pieces::{ActorMesh, Joint, Piece};
-use crate::solids::{Fit, MeshBuilder, chain_at};
 use crate::wheel;
+use solids::{Fit, MeshBuilder, chain_at};
 
 /// The outline of a car seen from its left side. Lengths are shares of the whole length counted from the nose, heights
 /// shares of the whole height.
@@ -240,7 +240,7 @@ pub(crate) fn vehicle(model: &Model, size: Vec3) -> ActorMesh {
     let mut pieces = vec![Piece { mesh: Arc::new(b.finish()), joint: Joint::Fixed }];
     pieces.extend(wheel::wheels(tag, &axles, radius, 0.125 * size.y, 0.5 * size.y - 0.02));
     pieces.extend(doors(model, &hull, &looks, &fit));
-    ActorMesh { pieces }
+    ActorMesh::of(pieces)
 }
 
 /// What the skin of a car is made of.

@@ -4,7 +4,7 @@ use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Part, Surface, TriMesh};
 
-use crate::solids::MeshBuilder;
+use solids::MeshBuilder;
 
 const ORANGE: Part = Part::new(Tag::TrafficCone, Surface::Plain, [0.85, 0.18, 0.02]);
 const WHITE: Part = Part::new(Tag::TrafficCone, Surface::Plain, [0.85; 3]);

@@ -8,8 +8,8 @@ use schema::models::Model;
 use schema::{Tag, lights};
 
 use crate::pieces::{ActorMesh, Joint, Piece};
-use crate::solids::MeshBuilder;
 use crate::wheel;
+use solids::MeshBuilder;
 
 /// A box from the rear `x0` to the front `x1` with a band of windows between the heights `glass`, closed, its edges bevelled.
 struct Shell {
@@ -181,7 +181,7 @@ pub(crate) fn truck(model: &Model, size: Vec3) -> ActorMesh {
     b.fit(Vec3::new(-half_l, -half_w, 0.33), Vec3::new(half_l, half_w, height));
     let mut pieces = vec![Piece { mesh: Arc::new(b.finish()), joint: Joint::Fixed }];
     pieces.extend(wheel::wheels(tag, &axles, radius, 0.34, half_w - 0.03));
-    ActorMesh { pieces }
+    ActorMesh::of(pieces)
 }
 
 /// The beams and axles of a truck, and the tank in its middle.
@@ -338,5 +338,5 @@ pub(crate) fn bus(model: &Model, size: Vec3) -> ActorMesh {
     b.fit(Vec3::new(-half_l, -half_w, 0.28), Vec3::new(half_l, half_w, height));
     let mut pieces = vec![Piece { mesh: Arc::new(b.finish()), joint: Joint::Fixed }];
     pieces.extend(wheel::wheels(tag, &axles, radius, 0.32, half_w - 0.03));
-    ActorMesh { pieces }
+    ActorMesh::of(pieces)
 }

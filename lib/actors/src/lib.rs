@@ -12,19 +12,19 @@
 //! assert_eq!((car.pieces.len(), shown), (13, 5));
 //! ```
 
+mod bodies;
 mod building;
 mod car;
 mod cones;
 mod heavy;
 mod nature;
 mod pieces;
+mod posture;
 mod props;
+mod rig;
 mod sign;
-mod smooth;
-mod solids;
 mod street;
 mod two_wheeler;
-mod walker;
 mod warning;
 mod wheel;
 mod wheelchair;
@@ -33,21 +33,25 @@ mod works;
 use std::sync::Arc;
 
 use glam::Vec3;
+use people::Walker;
 use schema::geometry::TriMesh;
 use schema::models::{self, BaseType};
 
-pub use pieces::{ActorMesh, Joint, Piece, Posture};
+pub use pieces::{ActorMesh, Joint, Piece};
+pub use posture::Posture;
+pub use rig::{Pedals, Pusher, Rider, Rig};
 
 /// The mesh of an actor.
 ///
 /// `model` is a name of [`schema::models::MODELS`], of a parked two-wheeler, or of the scenery (`building.*`, `tree.*`, `light.signal`, ...);
-/// `size_m` is length, width, height; `variant` tells apart objects of the same model. The mesh stands on z = 0 inside the
+/// `size_m` is length, width, height; `variant` tells apart objects of the same model. Walkers are as high as that says, and as
+/// long and wide as such people are ([`people::Walker::size_m`]). The mesh stands on z = 0 inside the
 /// box of that size, centred in x and y; poles of lights and signs reach below z = 0. `None`: no such model.
 #[must_use]
 pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMesh> {
     let size = Vec3::new(size_m[0] as f32, size_m[1] as f32, size_m[2] as f32);
     let fixed =
-        |mesh: TriMesh| Some(ActorMesh { pieces: vec![Piece { mesh: Arc::new(mesh), joint: Joint::Fixed }] });
+        |mesh: TriMesh| Some(ActorMesh::of(vec![Piece { mesh: Arc::new(mesh), joint: Joint::Fixed }]));
     if let Some((parked, ridden)) = models::find_parked(model) {
         return Some(two_wheeler::parked(parked, ridden, size));
     }
@@ -61,7 +65,7 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
             BaseType::Pedestrian if known.wheel_radius_m > 0.0 => {
                 Some(wheelchair::wheelchair(known, size, variant))
             }
-            BaseType::Pedestrian => Some(walker::walker(known, size, variant)),
+            BaseType::Pedestrian => Some(bodies::walker(Walker::of_height(known, variant, size.z))),
             BaseType::Cone => fixed(cones::cone(known.name, size)),
             BaseType::Barrier => fixed(cones::barrier(known.name, size)),
         };

@@ -5,7 +5,7 @@ use random::{Stream, unit_f32};
 use schema::Tag;
 use schema::geometry::{Part, Surface, TriMesh};
 
-use crate::solids::{MeshBuilder, circle};
+use solids::{MeshBuilder, circle};
 
 const BARK: [f32; 3] = [0.13, 0.09, 0.06];
 

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
-use frames::math::f32::{sin, sin_cos};
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
+use people::Bone;
 use schema::geometry::TriMesh;
-use schema::tables::StateRow;
+
+use crate::posture::{Posture, about_y, about_z};
+use crate::rig::Rig;
 
 /// How a piece of an actor moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,12 +23,23 @@ pub enum Joint {
         /// Whether its outer face looks right: the mesh is turned by half a turn about z.
         right: bool,
     },
-    /// A limb that swings about an axis along y.
-    Limb {
-        /// Hinge, object frame, metres.
+    /// A bone of the rig.
+    Bone(Bone),
+    /// A bicycle's crank: turns about y by a share of the wheels' rotation.
+    Crank {
+        /// Axle, object frame, metres.
         at: Vec3,
-        /// Largest angle from the vertical, radians; negative swings the other way first.
-        swing_rad: f32,
+        /// Turns of the crank for one of the wheels.
+        gear: f32,
+    },
+    /// A pedal: goes round with the crank and stays level.
+    Pedal {
+        /// Axle of the crank, object frame, metres.
+        at: Vec3,
+        /// From there to the pedal while the crank stands at 0, metres.
+        arm: Vec3,
+        /// Turns of the crank for one of the wheels.
+        gear: f32,
     },
     /// A door's leaf: turns outward about its front edge; there only while the door stands open.
     Door {
@@ -40,23 +53,6 @@ pub enum Joint {
         /// Number of the door.
         door: usize,
     },
-}
-
-/// How an actor's joints are turned.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Posture {
-    /// Steering angle of the front wheels, radians, positive left.
-    pub steer_rad: f32,
-    /// Rotation of the wheels; of walkers the gait phase, radians.
-    pub phase_rad: f32,
-    /// How far the doors stand open, radians.
-    pub door_rad: [f32; 4],
-}
-
-impl From<&StateRow> for Posture {
-    fn from(state: &StateRow) -> Self {
-        Self { steer_rad: state.steer_rad, phase_rad: state.phase_rad, door_rad: state.door_rad }
-    }
 }
 
 /// One piece of an actor.
@@ -73,6 +69,21 @@ pub struct Piece {
 pub struct ActorMesh {
     /// The pieces, the body first.
     pub pieces: Vec<Piece>,
+    /// Where its bones are in a posture, if it has bones.
+    pub rig: Option<Arc<Rig>>,
+}
+
+impl ActorMesh {
+    /// An actor whose pieces need no bones.
+    pub(crate) fn of(pieces: Vec<Piece>) -> Self {
+        Self { pieces, rig: None }
+    }
+
+    /// A posture with the bones that follow from it.
+    #[must_use]
+    pub fn posed(&self, posture: Posture) -> Posture {
+        self.rig.as_ref().map_or(posture, |rig| rig.posed(posture))
+    }
 }
 
 impl Joint {
@@ -90,9 +101,13 @@ impl Joint {
                     if right { Mat3A::from_diagonal(Vec3::new(-1.0, -1.0, 1.0)) } else { Mat3A::IDENTITY };
                 Affine3A { matrix3: about_z(steer) * turn * about_y(spin), translation: Vec3A::from(at) }
             }
-            Self::Limb { at, swing_rad } => {
-                let angle = swing_rad * sin(posture.phase_rad);
-                Affine3A { matrix3: about_y(-angle), translation: Vec3A::from(at) }
+            Self::Bone(bone) => posture.bones.as_ref()?.object_from_bone(bone),
+            Self::Crank { at, gear } => {
+                Affine3A { matrix3: about_y(gear * posture.phase_rad), translation: Vec3A::from(at) }
+            }
+            Self::Pedal { at, arm, gear } => {
+                let arm = about_y(gear * posture.phase_rad) * Vec3A::from(arm);
+                Affine3A::from_translation(at + Vec3::from(arm))
             }
             Self::Door { at, door } => {
                 // From the hinge the leaf reaches back: outward is clockwise on the left, counter-clockwise on the right.
@@ -114,18 +129,11 @@ impl Joint {
     #[must_use]
     pub fn at(&self) -> Vec3 {
         match *self {
-            Self::Wheel { at, .. } | Self::Limb { at, .. } | Self::Door { at, .. } => at,
-            Self::Fixed | Self::Doorway { .. } => Vec3::ZERO,
+            Self::Wheel { at, .. }
+            | Self::Door { at, .. }
+            | Self::Crank { at, .. }
+            | Self::Pedal { at, .. } => at,
+            Self::Fixed | Self::Bone(_) | Self::Doorway { .. } => Vec3::ZERO,
         }
     }
-}
-
-fn about_y(angle: f32) -> Mat3A {
-    let (s, c) = sin_cos(angle);
-    Mat3A::from_cols(Vec3A::new(c, 0.0, -s), Vec3A::Y, Vec3A::new(s, 0.0, c))
-}
-
-fn about_z(angle: f32) -> Mat3A {
-    let (s, c) = sin_cos(angle);
-    Mat3A::from_cols(Vec3A::new(c, s, 0.0), Vec3A::new(-s, c, 0.0), Vec3A::Z)
 }

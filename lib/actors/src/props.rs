@@ -4,7 +4,7 @@ use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Part, Surface, TriMesh};
 
-use crate::solids::MeshBuilder;
+use solids::MeshBuilder;
 
 /// Street furniture by name.
 pub(crate) fn prop(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> {

@@ -4,7 +4,7 @@ use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Part, Surface, TriMesh};
 
-use crate::solids::{MeshBuilder, circle};
+use solids::{MeshBuilder, circle};
 
 /// A polygon on the board, from -1 to 1: y to the left of the way it looks (to the right of who reads it), z upward.
 type Shape = &'static [[f32; 2]];

@@ -8,8 +8,8 @@ use schema::footprint::LightMount;
 use schema::geometry::{Part, Surface, TriMesh};
 use schema::{Tag, lights};
 
-use crate::solids::MeshBuilder;
 use crate::{sign, warning};
+use solids::MeshBuilder;
 
 const STEEL: Part = Part::new(Tag::Pole, Surface::Metal, [0.22, 0.23, 0.24]);
 

@@ -2,10 +2,11 @@ use std::collections::BTreeMap;
 
 use frames::Aabb;
 use glam::Vec3;
+use people::{Bone, LOOKS, Walker};
 use scenery::{BUILDINGS, BuildingKind, PLATES, TREES};
 use schema::footprint::LightMount;
 use schema::geometry::{Surface, TriMesh};
-use schema::models::{BaseType, MODELS, PARKED_TWO_WHEELERS};
+use schema::models::{BaseType, MODELS, Model, PARKED_TWO_WHEELERS};
 use schema::{Tag, lights, works};
 
 use super::*;
@@ -14,7 +15,12 @@ use super::*;
 fn everything() -> Vec<(String, [f64; 3], u32)> {
     let mut all: Vec<(String, [f64; 3], u32)> = Vec::new();
     for model in MODELS {
-        all.extend([0, 3, 17, 32].map(|variant| (model.name.to_owned(), model.size_m, variant)));
+        let size_m = |variant| if walks(model) { standing_m(model, variant) } else { model.size_m };
+        all.extend([0, 3, 17, 32].map(|variant| (model.name.to_owned(), size_m(variant), variant)));
+    }
+    // Every look of those who walk.
+    for model in MODELS.iter().filter(|model| walks(model)) {
+        all.extend((0..LOOKS).map(|look| (model.name.to_owned(), standing_m(model, look), look)));
     }
     all.extend(PARKED_TWO_WHEELERS.iter().map(|model| (model.name.to_owned(), model.size_m, 0)));
     for BuildingKind { model, width_m, depth_m, storeys } in BUILDINGS {
@@ -46,6 +52,14 @@ fn everything() -> Vec<(String, [f64; 3], u32)> {
     all
 }
 
+fn walks(model: &Model) -> bool {
+    model.base == BaseType::Pedestrian && model.wheel_radius_m == 0.0
+}
+
+fn standing_m(model: &Model, look: u32) -> [f64; 3] {
+    Walker::new(model, look).size_m().to_array().map(f64::from)
+}
+
 fn made(name: &str, size: [f64; 3], variant: u32) -> ActorMesh {
     actor_mesh(name, size, variant).unwrap_or_else(|| panic!("no mesh for {name}"))
 }
@@ -53,8 +67,8 @@ fn made(name: &str, size: [f64; 3], variant: u32) -> ActorMesh {
 /// Where a mesh's vertices are in the object frame at some pose of its joints.
 fn bounds(actor: &ActorMesh, phase_rad: f32, keep: impl Fn(Tag) -> bool) -> Aabb {
     let mut found = Aabb::EMPTY;
+    let posture = actor.posed(Posture { phase_rad, ..Posture::default() });
     for piece in &actor.pieces {
-        let posture = Posture { phase_rad, ..Posture::default() };
         let Some(pose) = piece.joint.object_from_piece(&posture) else { continue };
         for i in 0..piece.mesh.triangles.len() {
             if keep(piece.mesh.part(i).tag) {
@@ -107,28 +121,29 @@ fn meshes_stay_inside_their_boxes() {
         let half = Vec3::new(0.5 * size[0] as f32, 0.5 * size[1] as f32, 0.0);
         // Poles of lights and signs are not part of the box.
         let boxed = |tag: Tag| tag != Tag::Pole || name == "pole.lamp";
-        for phase in [0.0, 0.9, 2.2] {
+        for phase in [0.0, 0.9, 2.2, 4.4, 11.0] {
             let b = bounds(&actor, phase, boxed);
-            // Swinging feet dip by millimetres.
             let slack = 0.012;
             let inside = b.min.cmpge(-half - slack).all()
                 && b.max.cmple(half + Vec3::Z * size[2] as f32 + slack).all();
             assert!(inside, "{name} {size:?} variant {variant}: {b:?}");
             if phase == 0.0 {
-                assert!(b.min.z > -1e-4 && b.max.z < size[2] as f32 + 1e-4, "{name}: {b:?}");
+                assert!(b.min.z > -1e-3 && b.max.z < size[2] as f32 + 1e-4, "{name}: {b:?}");
             }
         }
     }
 }
 
 #[test]
-fn vehicles_fill_their_boxes() {
+fn vehicles_and_people_fill_their_boxes() {
     for model in MODELS
         .iter()
-        .filter(|m| matches!(m.base, BaseType::Car | BaseType::Van | BaseType::Truck | BaseType::Bus))
+        .filter(|m| m.wheelbase_m > 0.0 || m.base == BaseType::Pedestrian)
+        .chain(PARKED_TWO_WHEELERS)
     {
-        let b = bounds(&made(model.name, model.size_m, 0), 0.0, |_| true);
-        let [l, w, h] = model.size_m.map(|v| v as f32);
+        let size_m = if walks(model) { standing_m(model, 5) } else { model.size_m };
+        let b = bounds(&made(model.name, size_m, 5), 0.0, |_| true);
+        let [l, w, h] = size_m.map(|v| v as f32);
         for (got, want) in [
             (b.min.x, -0.5 * l),
             (b.max.x, 0.5 * l),
@@ -146,10 +161,12 @@ fn vehicles_fill_their_boxes() {
 fn sizes_in_triangles_are_moderate() {
     for (name, size, variant) in everything() {
         // Doors are there only while they stand open.
-        let seen = |p: &&Piece| p.joint.object_from_piece(&Posture::default()).is_some();
-        let pieces = made(&name, size, variant).pieces;
-        let count: usize = pieces.iter().filter(seen).map(|p| p.mesh.triangles.len()).sum();
-        assert!((12..=1500).contains(&count), "{name}: {count}");
+        let actor = made(&name, size, variant);
+        let posture = actor.posed(Posture::default());
+        let seen = |p: &&Piece| p.joint.object_from_piece(&posture).is_some();
+        let count: usize = actor.pieces.iter().filter(seen).map(|p| p.mesh.triangles.len()).sum();
+        let most = if actor.rig.is_some() { 5500 } else { 1500 };
+        assert!((12..=most).contains(&count), "{name}: {count}");
     }
 }
 
@@ -200,6 +217,41 @@ fn wheels_roll_forward_and_steer_left() {
         assert!(rolled.x > rest.x + 0.03, "the top of a rolling wheel moves forward");
         let ahead = turned(0.2, 0.0).transform_vector3(Vec3::X);
         assert!(ahead.x.abs() > 0.97 && (ahead.y * ahead.x) > 0.1, "{ahead}");
+    }
+}
+
+#[test]
+fn feet_stay_on_the_pedals_and_hands_on_the_rims() {
+    for name in ["bicycle.city", "bicycle.road", "walker.wheelchair"] {
+        let actor = made(name, schema::models::find(name).expect("a model").size_m, 3);
+        let rig = actor.rig.clone().expect("somebody rides");
+        for step in 0..24 {
+            let phase_rad = 0.5 * step as f32;
+            let posture = actor.posed(Posture { phase_rad, ..Posture::default() });
+            let bones = posture.bones.expect("posed");
+            match &*rig {
+                Rig::Rides(rider) => {
+                    let steps = actor.pieces.iter().filter(|p| matches!(p.joint, Joint::Pedal { .. }));
+                    for (pedal, foot) in steps.zip([Bone::FootLeft, Bone::FootRight]) {
+                        let pedal = pedal.joint.object_from_piece(&posture).expect("is there").translation;
+                        let ball = Vec3::new(rider.figure.ball, 0.0, -rider.figure.ankle);
+                        let ball = bones.object_from_bone(foot).transform_point3(ball);
+                        let off = (ball - Vec3::from(pedal)).length();
+                        assert!(off < 0.03, "{name} at {phase_rad}: {off}");
+                    }
+                }
+                Rig::Pushes(pusher) => {
+                    // Never inside the rim; while it pushes, at it.
+                    let figure = &pusher.figure;
+                    let palm = Vec3::NEG_Z * (figure.forearm + 0.45 * figure.hand);
+                    let hand = bones.object_from_bone(Bone::ForearmLeft).transform_point3(palm);
+                    let off = (hand - pusher.axle) * Vec3::new(1.0, 0.0, 1.0);
+                    let off = off.length() - pusher.rim_m;
+                    assert!((-0.01..0.08).contains(&off), "{name} at {phase_rad}: {off}");
+                }
+                Rig::Walks(_) => unreachable!("they sit"),
+            }
+        }
     }
 }
 

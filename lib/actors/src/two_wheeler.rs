@@ -3,56 +3,70 @@
 use std::sync::Arc;
 
 use glam::Vec3;
+use people::{Figure, Look, Seat};
 use schema::geometry::{Part, Surface};
-use schema::models::{BaseType, Model};
+use schema::models::{self, BaseType, Model};
 use schema::{Tag, lights};
+use solids::MeshBuilder;
 
+use crate::bodies::{body, fitted};
 use crate::pieces::{ActorMesh, Joint, Piece};
-use crate::solids::MeshBuilder;
-use crate::walker::{SKIN, TOPS, TROUSERS};
+use crate::rig::{PEDAL_M, Pedals, Rider, Rig};
 use crate::wheel;
 
 /// A two-wheeler with its rider: one object, two tags.
 pub(crate) fn two_wheeler(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
-    machine(model, size, size.z, Some(variant))
+    let name = format!("{}.parked", model.name);
+    let alone = models::find_parked(&name).map_or(0.65, |(parked, _)| parked.size_m[2] / model.size_m[2]);
+    let (mut pieces, rides) = machine(model, size, size.z * alone as f32, size.z);
+    let bicycle = model.base == BaseType::Bicycle;
+    let figure = Figure::new(Look::new(model, variant).riding(!bicycle), 1.72);
+    let mut rider = Rider { figure, seat: rides.seat, pedals: rides.pedals };
+    rider.figure = fitted(figure, |_| rides.seat, size.z);
+    pieces.extend(body(&rider.figure, Tag::Rider));
+    ActorMesh { pieces, rig: Some(Arc::new(Rig::Rides(rider))) }
 }
 
 /// One that nobody sits on. `ridden` is the same with its rider, by whose height its parts are where they are.
 pub(crate) fn parked(model: &Model, ridden: &Model, size: Vec3) -> ActorMesh {
-    machine(ridden, size, size.z * (ridden.size_m[2] / model.size_m[2]) as f32, None)
+    let ridden_m = size.z * (ridden.size_m[2] / model.size_m[2]) as f32;
+    ActorMesh::of(machine(ridden, size, size.z, ridden_m).0)
 }
 
-/// A two-wheeler in a box; parts are at shares of the height that it has with a rider. `rider_variant` is that of who rides.
-fn machine(model: &Model, size: Vec3, ridden_m: f32, rider_variant: Option<u32>) -> ActorMesh {
+/// How somebody sits on a machine.
+struct Rides {
+    seat: Seat,
+    pedals: Option<Pedals>,
+}
+
+/// Gear of a bicycle: turns of its crank for one of its wheels.
+const GEAR: f32 = 0.42;
+/// Length of a crank, metres.
+const CRANK_M: f32 = 0.165;
+/// Distance of a pedal's middle from the frame's plane, metres.
+const PEDAL_ASIDE_M: f32 = 0.115;
+
+/// A two-wheeler as high as it is alone; its parts are at shares of the height that it has with a rider.
+fn machine(model: &Model, size: Vec3, high_m: f32, ridden_m: f32) -> (Vec<Piece>, Rides) {
     let bicycle = model.base == BaseType::Bicycle;
     let tag = if bicycle { Tag::Bicycle } else { Tag::Motorcycle };
     let (radius, wheelbase) = (model.wheel_radius_m as f32, model.wheelbase_m as f32);
     let (half_l, half_w) = (0.5 * size.x, 0.5 * size.y);
-    // The wheels end where the box does, as far as the wheelbase lets them.
+    // The front wheel ends where the box does; a motorcycle's mudguard reaches farther back than the rear one.
     let slack = (size.x - wheelbase - 2.0 * radius).max(0.0);
-    let front = half_l - radius - 0.5 * slack;
+    let front = half_l - radius - if bicycle { 0.5 * slack } else { 0.0 };
     let rear = front - wheelbase;
     let mut b = MeshBuilder::new();
-    let seat = if bicycle { 0.53 * ridden_m } else { 0.50 * ridden_m };
-    let grip = Vec3::new(
-        front - if bicycle { 0.14 } else { 0.24 },
-        0.82 * half_w,
-        if bicycle { 0.56 } else { 0.62 } * ridden_m,
-    );
+    let seat = seat_m(model) * ridden_m / model.size_m[2] as f32;
+    // The highest part of a machine is its fairing or the grips.
+    let grip_z = high_m - if model.name == "motorcycle.sport" { 0.12 } else { 0.02 };
+    let grip = Vec3::new(front - if bicycle { 0.14 } else { 0.24 }, half_w - 0.02, grip_z);
     if bicycle {
         bicycle_frame(&mut b, tag, [front, rear], radius, seat, grip);
     } else {
         motorcycle_frame(&mut b, tag, model, [front, rear], radius, seat, grip);
     }
-    let hip = Vec3::new(rear + if bicycle { 0.28 } else { 0.33 } * wheelbase, 0.0, seat + 0.05);
-    let foot = if bicycle {
-        Vec3::new(rear + 0.42 * wheelbase, 0.10, radius - 0.10)
-    } else {
-        Vec3::new(rear + 0.48 * wheelbase, 0.17, 0.62 * radius)
-    };
-    if let Some(variant) = rider_variant {
-        rider(&mut b, size, hip, grip, foot, !bicycle, variant);
-    }
+    let hip = Vec3::new(rear + if bicycle { 0.28 } else { 0.30 } * wheelbase, 0.0, seat + 0.10);
     // Lamps mark the ends of the box.
     let lamp = |bits: u32, rgb: [f32; 3]| Part::new(tag, Surface::Lamp(bits), rgb);
     let head_z = if bicycle { grip.z - 0.12 } else { grip.z - 0.10 };
@@ -71,11 +85,10 @@ fn machine(model: &Model, size: Vec3, ridden_m: f32, rider_variant: Option<u32>)
     if !bicycle {
         blinkers_and_guards(&mut b, tag, half_l, [front, rear], radius, [tail_x, tail_z, head_z, seat]);
     }
-    let bounds_low = b_low(bicycle, radius);
-    let bounds = Vec3::new(-half_l, -half_w, bounds_low);
     // Bicycles end with their wheels, motorcycles with lamps and guards; both fill the box in width and height.
     let (x0, x1) = if bicycle { (rear - 0.3 * radius, front + 0.06) } else { (-half_l, front + 0.2) };
-    b.fit(Vec3::new(x0, bounds.y, bounds.z), Vec3::new(x1.min(half_l), half_w, size.z));
+    let low = if bicycle { radius - 0.052 } else { 0.45 * radius };
+    let fit = b.fit(Vec3::new(x0, -half_w, low), Vec3::new(x1.min(half_l), half_w, high_m));
     let mut pieces = vec![Piece { mesh: Arc::new(b.finish()), joint: Joint::Fixed }];
     let (width, spokes) = if bicycle { (0.035, 8) } else { (0.12, 6) };
     let mesh = Arc::new(wheel::spoked(tag, radius, width, spokes));
@@ -83,7 +96,73 @@ fn machine(model: &Model, size: Vec3, ridden_m: f32, rider_variant: Option<u32>)
         let joint = Joint::Wheel { at: Vec3::new(x, 0.0, radius), steered, right: false };
         pieces.push(Piece { mesh: Arc::clone(&mesh), joint });
     }
-    ActorMesh { pieces }
+    let crank = fit.apply(crank([front, rear], radius));
+    let pedals = bicycle.then_some(Pedals { crank, arm_m: CRANK_M, aside_m: PEDAL_ASIDE_M, gear: GEAR });
+    pieces.extend(pedals.iter().flat_map(|pedals| cranks(tag, pedals)));
+    let peg = fit.apply(Vec3::new(rear + 0.48 * wheelbase, 0.17, 0.52 * radius));
+    (pieces, Rides { seat: seat_on(model, fit.apply(hip), fit.apply(grip), peg), pedals })
+}
+
+/// Height of the saddle, metres.
+fn seat_m(model: &Model) -> f32 {
+    match model.name {
+        "motorcycle.cruiser" => 0.71,
+        "motorcycle.sport" => 0.80,
+        "motorcycle.scooter" => 0.76,
+        _ => 0.93,
+    }
+}
+
+/// How somebody sits there: hips on the saddle, hands at the grips, feet on the pegs.
+fn seat_on(model: &Model, hips: Vec3, grip: Vec3, peg: Vec3) -> Seat {
+    let lean_rad = match model.name {
+        "bicycle.road" => 0.72,
+        "bicycle.city" => 0.24,
+        "motorcycle.sport" => 0.52,
+        "motorcycle.cruiser" => 0.10,
+        _ => 0.06,
+    };
+    let mirror = Vec3::new(1.0, -1.0, 1.0);
+    let hand = Vec3::new(grip.x - 0.05, grip.y - 0.05, grip.z + 0.025);
+    let scooter = model.name == "motorcycle.scooter";
+    let ball = if scooter { peg + Vec3::new(0.16, -0.04, 0.10) } else { peg + Vec3::new(0.04, 0.0, 0.02) };
+    Seat {
+        hips,
+        lean_rad,
+        hands: [hand, hand * mirror],
+        balls: [ball, ball * mirror],
+        heels_rad: if model.base == BaseType::Bicycle { 0.18 } else { 0.05 },
+        knees: Vec3::new(1.0, if scooter { 0.05 } else { 0.16 }, 0.6),
+        elbows: Vec3::new(-0.7, 0.35, -0.8),
+    }
+}
+
+/// Where a bicycle's crank turns.
+fn crank([front, rear]: [f32; 2], radius: f32) -> Vec3 {
+    Vec3::new(rear + 0.42 * (front - rear), 0.0, radius - 0.03)
+}
+
+/// The crank with its chain wheel, and the pedals on it.
+fn cranks(tag: Tag, pedals: &Pedals) -> [Piece; 3] {
+    let metal = Part::new(tag, Surface::Metal, [0.3; 3]);
+    let dark = Part::new(tag, Surface::Rubber, [0.04; 3]);
+    let Pedals { crank: at, gear, .. } = *pedals;
+    let mut b = MeshBuilder::new();
+    b.bar(metal, Vec3::Y * -0.045, Vec3::Y * -0.040, [0.09; 2], 14);
+    b.bar(metal, Vec3::Y * -0.06, Vec3::Y * 0.06, [0.018; 2], 8);
+    for side in [1.0, -1.0] {
+        let root = Vec3::Y * side * 0.06;
+        b.bar(metal, root, root + pedals.arm(side) * Vec3::new(1.0, 0.0, 1.0), [0.014, 0.010], 6);
+    }
+    let mut step = MeshBuilder::new();
+    step.cuboid(dark, Vec3::new(-0.045, -0.045, -PEDAL_M), Vec3::new(0.045, 0.045, PEDAL_M));
+    let step = Arc::new(step.finish());
+    let pedal = |side: f32| Joint::Pedal { at, arm: pedals.arm(side), gear };
+    [
+        Piece { mesh: Arc::new(b.finish()), joint: Joint::Crank { at, gear } },
+        Piece { mesh: Arc::clone(&step), joint: pedal(1.0) },
+        Piece { mesh: step, joint: pedal(-1.0) },
+    ]
 }
 
 /// What a motorcycle has at its ends besides: blinkers and mudguards.
@@ -117,17 +196,12 @@ fn blinkers_and_guards(
     );
 }
 
-/// Lowest point of the body without its wheels.
-fn b_low(bicycle: bool, radius: f32) -> f32 {
-    if bicycle { radius - 0.2 } else { 0.45 * radius }
-}
-
 fn bicycle_frame(b: &mut MeshBuilder, tag: Tag, [front, rear]: [f32; 2], radius: f32, seat: f32, grip: Vec3) {
     let paint = Part::new(tag, Surface::Paint, [0.5; 3]);
     let metal = Part::new(tag, Surface::Metal, [0.3; 3]);
     let dark = Part::new(tag, Surface::Rubber, [0.04; 3]);
     let wheelbase = front - rear;
-    let crank = Vec3::new(rear + 0.42 * wheelbase, 0.0, radius - 0.03);
+    let crank = crank([front, rear], radius);
     let saddle = Vec3::new(rear + 0.24 * wheelbase, 0.0, seat);
     let head = Vec3::new(grip.x - 0.06, 0.0, grip.z - 0.16);
     let fork = Vec3::new(front, 0.0, radius);
@@ -148,7 +222,6 @@ fn bicycle_frame(b: &mut MeshBuilder, tag: Tag, [front, rear]: [f32; 2], radius:
         b.bar(dark, bar_middle, Vec3::new(grip.x - 0.05, y, grip.z), [0.014, 0.018], 5);
     }
     b.tapered(dark, saddle + Vec3::new(-0.13, -0.08, -0.03), saddle + Vec3::new(0.14, 0.08, 0.03), 1.0, 0.8);
-    b.bar(metal, crank - Vec3::Y * 0.1, crank + Vec3::Y * 0.1, [0.09, 0.09], 8);
 }
 
 fn motorcycle_frame(
@@ -259,52 +332,4 @@ fn engine_and_tank(
         [0.04, 0.055],
         6,
     );
-}
-
-/// A seated person: the hip on the saddle, hands at the grips, feet on the pedals or pegs.
-fn rider(
-    b: &mut MeshBuilder,
-    size: Vec3,
-    hip: Vec3,
-    grip: Vec3,
-    foot: Vec3,
-    helmet_closed: bool,
-    variant: u32,
-) {
-    let cloth = |rgb: [f32; 3]| Part::new(Tag::Rider, Surface::Cloth, rgb);
-    let (jacket, trousers) =
-        (cloth(TOPS[variant as usize % TOPS.len()]), cloth(TROUSERS[variant as usize / 3 % TROUSERS.len()]));
-    let skin = cloth(SKIN[variant as usize / 7 % SKIN.len()]);
-    let head_r = 0.125;
-    let neck = Vec3::new(hip.x + 0.55 * (grip.x - hip.x) - 0.02, 0.0, size.z - 2.0 * head_r - 0.02);
-    let chest = hip.lerp(neck, 0.75);
-    b.bar(jacket, hip, chest, [0.15, 0.17], 8);
-    b.bar(jacket, chest, neck, [0.17, 0.07], 8);
-    let helmet: Part = Part::new(Tag::Rider, Surface::Plain, TOPS[(variant as usize + 3) % TOPS.len()]);
-    b.bar(skin, neck - Vec3::Z * 0.03, neck + Vec3::Z * 0.08, [0.05; 2], 6);
-    b.ellipsoid(
-        if helmet_closed { helmet } else { skin },
-        neck + Vec3::Z * (head_r + 0.01),
-        Vec3::new(head_r, 0.105, head_r),
-        6,
-        8,
-    );
-    if !helmet_closed {
-        b.ellipsoid(helmet, neck + Vec3::Z * (head_r + 0.06), Vec3::new(head_r + 0.01, 0.115, 0.085), 4, 8);
-    }
-    for side in [1.0, -1.0] {
-        let mirror = Vec3::new(1.0, side, 1.0);
-        let shoulder = chest.lerp(neck, 0.4) + Vec3::Y * side * 0.17;
-        let hand = grip * mirror;
-        let elbow = shoulder.lerp(hand, 0.5) + Vec3::new(-0.03, side * 0.05, -0.08);
-        b.bar(jacket, shoulder, elbow, [0.06, 0.05], 6);
-        b.bar(jacket, elbow, hand, [0.048, 0.038], 6);
-        let hip_side = hip + Vec3::new(0.0, side * 0.1, 0.0);
-        let sole = foot * mirror;
-        let knee = hip_side.lerp(sole, 0.48) + Vec3::new(0.22, side * 0.05, 0.10);
-        b.bar(trousers, hip_side, knee, [0.095, 0.065], 6);
-        b.bar(trousers, knee, sole, [0.062, 0.045], 6);
-        let shoe = Part::new(Tag::Rider, Surface::Rubber, [0.05; 3]);
-        b.cuboid(shoe, sole + Vec3::new(-0.09, -0.045, -0.05), sole + Vec3::new(0.16, 0.045, 0.03));
-    }
 }

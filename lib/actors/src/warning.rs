@@ -4,7 +4,7 @@ use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Part, Surface, TriMesh};
 
-use crate::solids::{MeshBuilder, circle};
+use solids::{MeshBuilder, circle};
 
 const fn face(rgb: [f32; 3]) -> Part {
     Part::new(Tag::TrafficSign, Surface::Plain, rgb)

@@ -7,7 +7,7 @@ use schema::Tag;
 use schema::geometry::{Part, Surface, TriMesh};
 
 use crate::pieces::{Joint, Piece};
-use crate::solids::{MeshBuilder, circle};
+use solids::{MeshBuilder, circle};
 
 /// A car's wheel: closed, `width` wide about y = 0. 12 sides and a spoke pattern, so that its turning shows.
 pub(crate) fn disc(tag: Tag, radius: f32, width: f32) -> TriMesh {

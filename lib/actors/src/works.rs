@@ -4,7 +4,7 @@ use glam::Vec3;
 use schema::geometry::{Part, Surface, TriMesh};
 use schema::{Tag, lights};
 
-use crate::solids::MeshBuilder;
+use solids::MeshBuilder;
 
 const fn of(surface: Surface, rgb: [f32; 3]) -> Part {
     Part::new(Tag::Static, surface, rgb)

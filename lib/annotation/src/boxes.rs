@@ -30,6 +30,8 @@ pub struct Observer {
 pub struct ObservedObject<'a> {
     /// What it is.
     pub actor: &'a ActorRow,
+    /// Length, width and height of its box now, metres: of walkers that of their pose.
+    pub size_m: [f64; 3],
     /// Where it is: the origin is the centre of its footprint on the ground (of a traffic light: of the housing's
     /// bottom face).
     pub world_from_object: Pose<World, Object>,
@@ -103,7 +105,7 @@ impl<'a> Annotated<'a> {
         let actor = object.actor;
         let tags = named(&actor.semantic_tags);
         let class = DetectionClass::from_tags(&tags)?;
-        let mut half = 0.5 * Vector3::new(actor.length_m, actor.width_m, actor.height_m);
+        let mut half = 0.5 * Vector3::from(object.size_m);
         if class == DetectionClass::TrafficLight {
             if half.z <= LIGHT_MIN_HALF_HEIGHT_M {
                 return None;
@@ -197,6 +199,7 @@ mod tests {
     fn at(actor: &ActorRow, xyz_m: [f64; 3]) -> ObservedObject<'_> {
         ObservedObject {
             actor,
+            size_m: [actor.length_m, actor.width_m, actor.height_m],
             world_from_object: Pose::from_xyz_rpy(xyz_m, [0.0; 3]),
             velocity_mps: [1.0, 0.0, 0.0],
             angular_velocity_radps: [0.0; 3],
@@ -211,6 +214,14 @@ mod tests {
             id,
             world_from_agent: Pose::from_xyz_rpy([0.0; 3], [0.0, 0.0, yaw]),
         }
+    }
+
+    #[test]
+    fn boxes_of_walkers_are_those_of_their_poses() {
+        let a = actor(5, &[Tag::Pedestrian]);
+        let strides = ObservedObject { size_m: [1.2, 0.6, 1.4], ..at(&a, [3.0, 0.0, 0.5]) };
+        let row = collect(0, &[observer(0, 1, 0.0)], &[strides], 200.0).remove(0);
+        assert_eq!((row.size_m, row.center_m), ([1.2, 0.6, 1.4], [3.0, 0.0, 1.2]));
     }
 
     #[test]

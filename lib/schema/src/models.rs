@@ -97,7 +97,10 @@ impl Model {
     pub fn gender(&self, variant: u32) -> &'static str {
         match self.name {
             "walker.woman" => "female",
-            "walker.child" if variant % 2 == 1 => "female",
+            "walker.child" | "walker.teen" | "walker.elder" | "walker.wheelchair" if variant % 2 == 1 => {
+                "female"
+            }
+            "walker.police" | "walker.worker" if variant % 4 == 3 => "female",
             _ => "male",
         }
     }
@@ -111,7 +114,7 @@ impl Model {
         match self.base {
             BaseType::Pedestrian => {
                 let age = match self.name {
-                    "walker.child" => "child",
+                    "walker.child" | "walker.teen" => "child",
                     "walker.elder" => "elderly",
                     _ => "adult",
                 };
@@ -179,11 +182,11 @@ pub const MODELS: &[Model] = {
         model("truck.pickup", Truck, [5.68, 2.02, 1.90], 3.80, 0.42, "electric"),
         model("truck.fire", Truck, [8.60, 2.50, 3.30], 4.70, 0.50, "emergency"),
         model("bus.city", Bus, [12.00, 2.55, 3.10], 5.90, 0.48, ""),
-        model("motorcycle.cruiser", Motorcycle, [2.35, 0.80, 1.55], 1.63, 0.33, ""),
-        model("motorcycle.sport", Motorcycle, [2.08, 0.74, 1.50], 1.40, 0.31, ""),
-        model("motorcycle.scooter", Motorcycle, [1.85, 0.72, 1.60], 1.29, 0.23, "electric"),
-        model("bicycle.city", Bicycle, [1.82, 0.62, 1.80], 1.08, 0.35, ""),
-        model("bicycle.road", Bicycle, [1.70, 0.48, 1.72], 1.00, 0.34, ""),
+        model("motorcycle.cruiser", Motorcycle, [2.35, 0.80, 1.68], 1.63, 0.33, ""),
+        model("motorcycle.sport", Motorcycle, [2.08, 0.74, 1.66], 1.40, 0.31, ""),
+        model("motorcycle.scooter", Motorcycle, [1.85, 0.72, 1.73], 1.29, 0.23, "electric"),
+        model("bicycle.city", Bicycle, [1.80, 0.62, 1.88], 1.08, 0.35, ""),
+        model("bicycle.road", Bicycle, [1.70, 0.60, 1.76], 1.00, 0.34, ""),
         model("walker.man", Pedestrian, [0.40, 0.58, 1.78], 0.0, 0.0, ""),
         model("walker.woman", Pedestrian, [0.36, 0.52, 1.65], 0.0, 0.0, ""),
         model("walker.tall", Pedestrian, [0.42, 0.60, 1.90], 0.0, 0.0, ""),
@@ -201,6 +204,7 @@ pub const MODELS: &[Model] = {
         model("barrier.street", Barrier, [1.20, 0.45, 1.00], 0.0, 0.0, ""),
         model("barrier.concrete", Barrier, [2.00, 0.58, 0.82], 0.0, 0.0, ""),
         model("barrier.wooden", Barrier, [1.50, 0.60, 1.05], 0.0, 0.0, ""),
+        model("walker.teen", Pedestrian, [0.38, 0.52, 1.60], 0.0, 0.0, ""),
         model("walker.wheelchair", Pedestrian, [1.10, 0.66, 1.32], 0.0, 0.31, "wheelchair"),
     ]
 };
@@ -212,8 +216,8 @@ pub const PARKED_TWO_WHEELERS: &[Model] = {
         model("motorcycle.cruiser.parked", Motorcycle, [2.35, 0.80, 1.12], 1.63, 0.33, ""),
         model("motorcycle.sport.parked", Motorcycle, [2.08, 0.74, 1.14], 1.40, 0.31, ""),
         model("motorcycle.scooter.parked", Motorcycle, [1.85, 0.72, 1.16], 1.29, 0.23, "electric"),
-        model("bicycle.city.parked", Bicycle, [1.82, 0.62, 1.06], 1.08, 0.35, ""),
-        model("bicycle.road.parked", Bicycle, [1.70, 0.48, 1.02], 1.00, 0.34, ""),
+        model("bicycle.city.parked", Bicycle, [1.80, 0.62, 1.06], 1.08, 0.35, ""),
+        model("bicycle.road.parked", Bicycle, [1.70, 0.60, 1.02], 1.00, 0.34, ""),
     ]
 };
 

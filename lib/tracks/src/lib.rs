@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 use schema::difficulty::difficulty_of;
-use schema::tables::{BoxRow, SightingRow, TrackFrameRow, TrackRow, ValidBoxRow};
+use schema::tables::{BoxRow, SightingRow, TrackFrameRow, TrackRow, ValidBoxRow, WindowRow};
 use schema::{AgentId, ObjectId};
 
 mod count;
@@ -98,6 +98,17 @@ pub fn merge(boxes: &[BoxRow], valid: &[ValidBoxRow], every_n_frames: u32) -> Re
     }
     let tracks = tracks.into_values().map(|track| track.row).collect();
     Ok(Merged { frames, tracks, sightings: sightings.rows() })
+}
+
+/// Gives tracks and windows of those whose box follows their pose the size that they have while they stand.
+pub fn stand(tracks: &mut [TrackRow], windows: &mut [WindowRow], standing_m: &BTreeMap<ObjectId, [f64; 3]>) {
+    let tracks = tracks.iter_mut().map(|row| (row.id, &mut row.size_m));
+    let windows = windows.iter_mut().map(|row| (row.id, &mut row.size_m));
+    for (id, size_m) in tracks.chain(windows) {
+        if let Some(standing_m) = standing_m.get(&id) {
+            *size_m = *standing_m;
+        }
+    }
 }
 
 /// One object at one frame, from the records of the agents that list it, in order.
@@ -338,5 +349,14 @@ mod tests {
                 prop_assert_eq!(row.valid_flag, !row.seen_by.is_empty());
             }
         }
+    }
+
+    #[test]
+    fn tracks_keep_the_size_of_who_stands() {
+        let mut tracks = [4, 7].map(|id| TrackRow { id, size_m: [1.0; 3], ..TrackRow::default() });
+        let mut windows = [7].map(|id| WindowRow { id, size_m: [2.0; 3], ..WindowRow::default() });
+        stand(&mut tracks, &mut windows, &BTreeMap::from([(7, [0.4, 0.5, 1.7])]));
+        assert_eq!(tracks.map(|row| row.size_m), [[1.0; 3], [0.4, 0.5, 1.7]]);
+        assert_eq!(windows[0].size_m, [0.4, 0.5, 1.7]);
     }
 }

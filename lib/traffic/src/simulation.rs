@@ -532,7 +532,7 @@ impl<'a> Simulation<'a> {
                 world_from_object: walker.world_from_object(),
                 world_from_object_before: self.before[self.vehicles.len() + i],
                 steer_rad: 0.0,
-                phase_rad: walker.gait_phase_rad(),
+                phase_rad: walker.wheel_angle_rad(),
                 lights: 0,
                 door_rad: [0.0; 4],
                 dormant: walker.is_asleep(),

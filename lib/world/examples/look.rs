@@ -110,8 +110,16 @@ fn sheet(models: &[(String, [f64; 3], u32)], columns: usize, pitch: f32) -> Snap
     for (k, (model, size, variant)) in models.iter().enumerate() {
         let at = Vec3::new((k / columns) as f32 * -pitch, (k % columns) as f32 * pitch, 0.0);
         let turn = Affine3A::from_rotation_z(-0.6);
-        let posture = Posture { steer_rad: 0.25, phase_rad: 1.2, door_rad: [1.1, 0.0, 1.1, 0.0] };
-        for piece in actor_mesh(model, *size, *variant).unwrap().pieces {
+        let posture = Posture {
+            steer_rad: 0.25,
+            phase_rad: 1.2,
+            gait_mps: 1.3,
+            door_rad: [1.1, 0.0, 1.1, 0.0],
+            ..Posture::default()
+        };
+        let made = actor_mesh(model, *size, *variant).unwrap();
+        let posture = made.posed(posture);
+        for piece in made.pieces {
             let Some(joint) = piece.joint.object_from_piece(&posture) else { continue };
             let pose = Affine3A::from_translation(at) * turn * joint;
             instances.push(Instance {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use actors::{Joint, Posture, actor_mesh};
+use actors::{Joint, Posture, Rig, actor_mesh};
 use frames::math::f32::pow;
 use frames::{LocalOrigin, Object, Pose, World};
 use glam::{Affine3A, Mat3A, Quat, Vec3A};
@@ -68,11 +68,21 @@ impl Sphere {
 #[derive(Clone, Debug)]
 struct Pieces {
     pieces: Arc<[(u32, Joint)]>,
+    rig: Option<Arc<Rig>>,
     reach_m: f64,
+}
+
+impl Pieces {
+    fn posed(&self, posture: Posture) -> Posture {
+        self.rig.as_ref().map_or(posture, |rig| rig.posed(posture))
+    }
 }
 
 /// The lights that work sites are lit with.
 const WORK_LIGHT: &str = "prop.construction_light";
+
+/// Bounding radius of somebody with limbs, as a share of the sum of length, width and height.
+const RIGGED_REACH: f64 = 1.0;
 
 /// What a model's meshes depend on: name, bits of the size, variant.
 type ModelKey = (String, [u64; 3], u32);
@@ -117,7 +127,8 @@ impl Library {
             return Some(known.clone());
         }
         let made = actor_mesh(model, size, variant)?;
-        let mut reach = 0.0f64;
+        // A bone is nowhere farther than the box and a stride let it be.
+        let mut reach = if made.rig.is_some() { RIGGED_REACH * size.iter().sum::<f64>() } else { 0.0 };
         let mut shared: Vec<(Arc<TriMesh>, u32)> = Vec::new();
         let mut pieces = Vec::with_capacity(made.pieces.len());
         for piece in made.pieces {
@@ -134,7 +145,7 @@ impl Library {
             });
             pieces.push((index, piece.joint));
         }
-        let entry = Pieces { pieces: pieces.into(), reach_m: reach };
+        let entry = Pieces { pieces: pieces.into(), rig: made.rig, reach_m: reach };
         self.models.insert(key, entry.clone());
         Some(entry)
     }
@@ -162,7 +173,7 @@ impl SceneWorld {
             let model = library.pieces(actor).ok_or_else(unknown)?;
             let paint = linear_rgb(&actor.color);
             if actor.fixed {
-                world.add_fixed(actor, &model.pieces, paint, &library);
+                world.add_fixed(actor, &model, paint, &library);
             } else {
                 world.movers.insert(actor.id, Mover { model, paint });
             }
@@ -193,7 +204,7 @@ impl SceneWorld {
         }
     }
 
-    fn add_fixed(&mut self, actor: &ActorRow, pieces: &[(u32, Joint)], paint: [f32; 3], library: &Library) {
+    fn add_fixed(&mut self, actor: &ActorRow, model: &Pieces, paint: [f32; 3], library: &Library) {
         let lights = match actor.kind {
             ActorKind::TrafficLight => StaticLights::Signal,
             ActorKind::Building => StaticLights::Building,
@@ -210,8 +221,9 @@ impl SceneWorld {
         };
         let pose = Pose::<World, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
         let rotation = rotation(&pose);
-        for (mesh, joint) in pieces {
-            let Some(joint) = joint.object_from_piece(&Posture::default()) else { continue };
+        let posture = model.posed(Posture::default());
+        for (mesh, joint) in model.pieces.iter() {
+            let Some(joint) = joint.object_from_piece(&posture) else { continue };
             let offset = rotation * joint.translation;
             let origin_m = [0, 1, 2].map(|k| actor.xyz_m[k] + f64::from(offset[k]));
             let fixed = Fixed {
@@ -294,7 +306,8 @@ impl SceneWorld {
             let before = before.filter(|s| usable(s)).unwrap_or(state);
             let now = local_from_state(&origin, state);
             let then = local_from_state(&origin, before);
-            let (posture, posture_before) = (Posture::from(state), Posture::from(before));
+            let [posture, posture_before] =
+                [state, before].map(|state| mover.model.posed(Posture::from(state)));
             let lamps = flashing(state, moment.frame.time_s);
             for (mesh, joint) in mover.model.pieces.iter() {
                 let Some(piece_now) = joint.object_from_piece(&posture) else { continue };
@@ -390,6 +403,7 @@ fn usable(state: &StateRow) -> bool {
         && (0.5..2.0).contains(&norm)
         && state.steer_rad.is_finite()
         && state.phase_rad.is_finite()
+        && state.gait_mps.is_finite()
         && state.door_rad.iter().all(|angle| angle.is_finite())
 }
 

@@ -8,7 +8,7 @@ use crate::config::Config;
 use crate::files::{Batch, Table, Unreadable};
 use crate::ledger::Ledger;
 use crate::rules::Rule;
-use crate::scene::{Actor, AgentTrack, Scene};
+use crate::scene::{Actor, AgentTrack, Scene, State};
 use crate::space::{Motion, V3, add, apart, cross, dot, norm, scale, sub, within};
 
 /// Greatest difference of lengths and angles of a box from the log's, m and rad.
@@ -102,9 +102,11 @@ impl Labelled {
 }
 
 /// Half extents of an object's box; none for objects that are not annotated.
-pub(crate) fn annotated(actor: &Actor) -> Option<(DetectionClass, V3)> {
+/// The box of a walker is that of its pose.
+pub(crate) fn annotated(actor: &Actor, state: Option<&State>) -> Option<(DetectionClass, V3)> {
     let class = DetectionClass::from_tags(&actor.tags)?;
-    let half = actor.size_m.map(|side| 0.5 * side);
+    let posed = state.map(|state| state.size_m).filter(|size| *size != [0.0; 3]);
+    let half = posed.unwrap_or(actor.size_m).map(|side| 0.5 * side);
     if class == DetectionClass::TrafficLight {
         let [least_height, least] = LIGHT_HALF_M;
         return (half[2] > least_height).then(|| (class, [half[0].max(least), half[1].max(least), half[2]]));
@@ -167,7 +169,7 @@ fn complete(
     let Some(row) = agent.rows.get(frame) else { return };
     for (&id, actor) in &scene.actors {
         let pose = scene.pose(id, frame as i64);
-        let Some((pose, (class, half))) = pose.zip(annotated(actor)) else {
+        let Some((pose, (class, half))) = pose.zip(annotated(actor, scene.state(id, frame as i64))) else {
             ledger.expect(Rule::BoxList, !listed.contains(&id), || {
                 format!("frame {frame}: {name} lists object {id}, which is not annotated")
             });
@@ -222,7 +224,8 @@ fn read_batch(
             distance_m: distances[k],
             angle_rad: angles[k],
         };
-        let wrong = found.unlike(actor, &pose, &row.world_from_agent, id == agent.id);
+        let wrong =
+            found.unlike((actor, scene.state(id, frame)), &pose, &row.world_from_agent, id == agent.id);
         ledger.expect(Rule::BoxShape, wrong.is_none(), || fault(&wrong.unwrap_or_default()));
         let state = scene.state(id, frame);
         let (velocity, rates) = state.map_or(([0.0; 3], [0.0; 3]), |s| (s.velocity_mps, s.turning_radps));
@@ -323,8 +326,14 @@ struct Found {
 
 impl Found {
     /// What differs from the log, if anything.
-    fn unlike(&self, actor: &Actor, pose: &Motion, agent: &Motion, itself: bool) -> Option<String> {
-        let Some((class, half)) = annotated(actor) else { return Some("it is not annotated".into()) };
+    fn unlike(
+        &self,
+        (actor, state): (&Actor, Option<&State>),
+        pose: &Motion,
+        agent: &Motion,
+        itself: bool,
+    ) -> Option<String> {
+        let Some((class, half)) = annotated(actor, state) else { return Some("it is not annotated".into()) };
         let size = apart(self.size_m, scale(half, 2.0));
         let center = apart(self.center_m, pose.outward([0.0, 0.0, half[2]]));
         let turn = pose.turned_from(&Motion::of_angles(pose.origin, self.rpy_rad));

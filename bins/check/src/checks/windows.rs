@@ -139,7 +139,8 @@ impl Windows {
     ) -> Option<String> {
         let (object, now) = (&merged[&(frame, id)], place(scene, merged, frame, id)?);
         let velocity = scene.state(id, frame).map_or([0.0; 3], |state| state.velocity_mps);
-        let size = annotated(scene.actors.get(&id)?).map_or([f64::NAN; 3], |(_, half)| half.map(|h| 2.0 * h));
+        let standing = annotated(scene.actors.get(&id)?, None);
+        let size = standing.map_or([f64::NAN; 3], |(_, half)| half.map(|h| 2.0 * h));
         let columns = [
             ("class", self.classes[k] == object.class.name()),
             ("valid_flag", self.valid[k] == now.is_valid),

@@ -21,7 +21,7 @@ table! {
         corners_m: [f64; 24],
         /// Centre of the box in the world, m.
         center_m: [f64; 3],
-        /// Length, width, height, m.
+        /// Length, width, height, m; of walkers those of their pose.
         size_m: [f64; 3],
         /// Roll, pitch, yaw in the world, rad.
         rpy_rad: [f64; 3],

@@ -60,6 +60,10 @@ table! {
         steer_rad: f32,
         /// Rotation of the wheels since the start, rad; of walkers the gait phase.
         phase_rad: f32,
+        /// Speed that a walker strides at, m/s: its own, smoothed. With the phase it says where arms and legs are.
+        gait_mps: f32,
+        /// Length, width and height of the box about a walker's pose, m; zeros of what keeps the size of its row in `actors`.
+        size_m: [f32; 3],
         /// Lamps that burn, as bits: 1 position, 2 low beam, 4 high beam, 8 brake, 16 and 32 blinkers right and left, 64 reverse, 128 fog, 512 emergency. Blinkers and emergency lights flash while they are on.
         lights: u32,
         /// How far the doors stand open, rad: front left, front right, rear left, rear right. Boxes do not include open doors.

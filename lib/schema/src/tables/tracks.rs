@@ -11,7 +11,7 @@ table! {
         class: String,
         /// Model name.
         model: String,
-        /// Length, width, height of its first box, m.
+        /// Length, width, height of its first box, m; of walkers while they stand.
         size_m: [f64; 3],
         /// First frame in any agent's list.
         first_frame: u32,
@@ -75,7 +75,7 @@ table! {
         id: u16,
         /// Detection class.
         class: String,
-        /// Length, width, height, m.
+        /// Length, width, height, m; of walkers while they stand.
         size_m: [f64; 3],
         /// Whether any agent saw it at present.
         valid_flag: bool,

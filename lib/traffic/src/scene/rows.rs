@@ -68,6 +68,8 @@ impl Snapshot {
             angular_velocity_radps: rate(turned),
             steer_rad: self.steer_rad as f32,
             phase_rad: self.phase_rad as f32,
+            gait_mps: 0.0,
+            size_m: [0.0; 3],
             lights: self.lights,
             door_rad: self.door_rad,
             dormant: self.dormant,

@@ -18,8 +18,6 @@ use crate::walking::routes::{Leg, Route, Routes, Turn};
 use crate::walking::surroundings::Surroundings;
 use crate::walking::waiting::WaitingPlace;
 
-/// A stride's length, metres.
-const STRIDE_M: f64 = 1.4;
 /// Fastest turn, radians per second.
 const TURN_RADPS: f64 = 5.0;
 /// After waiting this long, a walker goes as soon as everyone can stop, seconds.
@@ -303,10 +301,10 @@ impl Walker {
         }
     }
 
-    /// Phase of the stride; of a wheelchair the angle of its wheels.
-    pub(crate) fn gait_phase_rad(&self) -> f64 {
+    /// The angle of a wheelchair's wheels. (How others stride follows from where they are.)
+    pub(crate) fn wheel_angle_rad(&self) -> f64 {
         let radius = self.model.wheel_radius_m;
-        if radius > 0.0 { self.walked_m / radius } else { std::f64::consts::TAU * self.walked_m / STRIDE_M }
+        if radius > 0.0 { self.walked_m / radius } else { 0.0 }
     }
 
     pub(crate) fn is_on_road(&self) -> bool {

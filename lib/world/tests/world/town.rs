@@ -275,6 +275,45 @@ fn blinkers_and_emergency_lights_flash_by_the_clock() {
 }
 
 #[test]
+fn the_motion_of_a_walker_is_that_of_its_limbs() {
+    use std::f64::consts::TAU;
+    let model = schema::models::find("walker.woman").unwrap();
+    let body = people::Walker::new(model, 3);
+    let [length_m, width_m, height_m] = body.size_m().to_array().map(f64::from);
+    let (kind, name) = (ActorKind::Walker, model.name.to_owned());
+    let walker = ActorRow { kind, model: name, length_m, width_m, height_m, variant: 3, ..car(7) };
+    // And two alike share their meshes.
+    let pair = [walker.clone(), ActorRow { id: 8, ..walker }];
+    let world = SceneWorld::new(&pair, Vec::new()).unwrap();
+    assert_eq!(world.meshes().len(), body.meshes().len());
+    let gait_mps = 1.3f32;
+    let (step_m, stride_m) = (0.05 * f64::from(gait_mps), f64::from(body.figure().stride_m(gait_mps)));
+    let frame = FrameRow::default();
+    for k in 0..24 {
+        let at = |frame: i32| {
+            let way_m = step_m * f64::from(k + frame);
+            StateRow { gait_mps, ..state(frame, 7, way_m, (TAU * way_m / stride_m) as f32) }
+        };
+        let moment = Moment { states: &[at(0)], previous: &[at(-1)], signals: &[], frame: &frame };
+        let snapshot = world.snapshot(&moment, [0.0; 3], 50.0);
+        assert_eq!(snapshot.instances.len(), body.meshes().len());
+        let (mut fastest, mut slowest) = (0.0f32, f32::INFINITY);
+        for instance in &snapshot.instances {
+            for p in &snapshot.mesh(instance).positions {
+                let [now, then] = [instance.local_from_object, instance.previous_local_from_object]
+                    .map(|pose| pose.transform_point3(*p));
+                let moved = (now - then).length();
+                fastest = fastest.max(moved);
+                slowest = if now.z < 1e-3 { slowest.min(moved) } else { slowest };
+            }
+        }
+        // What stands on the ground stands still, and somewhere a limb is faster than the body.
+        assert!(slowest < 0.004, "step {k}: {slowest}");
+        assert!((0.9 * step_m as f32..5.0 * step_m as f32).contains(&fastest), "step {k}: {fastest}");
+    }
+}
+
+#[test]
 fn doors_are_there_while_they_stand_open() {
     let world = SceneWorld::new(&[car(7)], Vec::new()).unwrap();
     let frame = FrameRow::default();

@@ -1,4 +1,6 @@
-//! Putting meshes together from closed solids.
+//! Putting meshes together from closed solids: lofts, bars, ellipsoids, boxes, all facing outward.
+
+mod smooth;
 
 use std::f32::consts::TAU;
 
@@ -6,53 +8,60 @@ use frames::math::f32::sin_cos;
 use glam::Vec3;
 use schema::geometry::{Part, TriMesh};
 
-use crate::smooth::smooth;
+use smooth::smooth;
 
 /// Cosine of the sharpest bend that is round and no edge: round bars of six sides are round.
 const CREASE_COS: f32 = 0.49;
 
 /// A mesh in the making. Solids added to it are closed and face outward.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct MeshBuilder {
+pub struct MeshBuilder {
     mesh: TriMesh,
 }
 
 impl MeshBuilder {
-    pub(crate) fn new() -> Self {
+    /// Nothing yet.
+    #[must_use]
+    pub fn new() -> Self {
         Self::default()
     }
 
-    pub(crate) fn is_empty(&self) -> bool {
+    /// Whether nothing was added.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
         self.mesh.triangles.is_empty()
     }
 
-    /// The mesh, round where its triangles turn by less than [`CREASE_COS`].
-    pub(crate) fn finish(mut self) -> TriMesh {
+    /// The mesh, round where its triangles turn by less than 60 degrees.
+    #[must_use]
+    pub fn finish(mut self) -> TriMesh {
         smooth(&mut self.mesh, CREASE_COS);
         self.mesh
     }
 
     /// The mesh, flat in every triangle.
-    pub(crate) fn finish_flat(self) -> TriMesh {
+    #[must_use]
+    pub fn finish_flat(self) -> TriMesh {
         self.mesh
     }
 
     /// The index of a part; equal parts are one.
-    pub(crate) fn part_index(&mut self, part: Part) -> u8 {
+    pub fn part_index(&mut self, part: Part) -> u8 {
         self.mesh.part_index(part)
     }
 
-    pub(crate) fn vertex(&mut self, position: Vec3) -> u32 {
+    /// Adds a vertex and gives its number.
+    pub fn vertex(&mut self, position: Vec3) -> u32 {
         self.mesh.add_vertex(position)
     }
 
     /// A triangle between vertices; without extent it is left out.
-    pub(crate) fn triangle(&mut self, part: u8, corners: [u32; 3]) {
+    pub fn triangle(&mut self, part: u8, corners: [u32; 3]) {
         self.mesh.add_triangle(part, corners);
     }
 
     /// A quad of vertices, counter-clockwise seen from outside.
-    pub(crate) fn quad(&mut self, part: u8, corners: [u32; 4]) {
+    pub fn quad(&mut self, part: u8, corners: [u32; 4]) {
         let [a, b, c, d] = corners;
         self.triangle(part, [a, b, c]);
         self.triangle(part, [a, c, d]);
@@ -61,7 +70,7 @@ impl MeshBuilder {
     /// A solid between rings of equally many points: each ring runs counter-clockwise seen against the direction from
     /// the first ring to the last (from the far end looking back). `side(k, j)` names the part between
     /// rings `k` and `k + 1`, from point `j` to the next; `caps` those of the first and last ring.
-    pub(crate) fn loft(&mut self, rings: &[Vec<Vec3>], side: impl Fn(usize, usize) -> Part, caps: [Part; 2]) {
+    pub fn loft(&mut self, rings: &[Vec<Vec3>], side: impl Fn(usize, usize) -> Part, caps: [Part; 2]) {
         let Some(n) = rings.first().map(Vec::len) else { return };
         let ids: Vec<Vec<u32>> =
             rings.iter().map(|ring| ring.iter().map(|p| self.vertex(*p)).collect()).collect();
@@ -87,12 +96,12 @@ impl MeshBuilder {
     }
 
     /// A box along the axes.
-    pub(crate) fn cuboid(&mut self, part: Part, min: Vec3, max: Vec3) {
+    pub fn cuboid(&mut self, part: Part, min: Vec3, max: Vec3) {
         self.tapered(part, min, max, 1.0, 1.0);
     }
 
     /// A box whose upper face is smaller by the factors `top_x`, `top_y` (about its middle).
-    pub(crate) fn tapered(&mut self, part: Part, min: Vec3, max: Vec3, top_x: f32, top_y: f32) {
+    pub fn tapered(&mut self, part: Part, min: Vec3, max: Vec3, top_x: f32, top_y: f32) {
         let middle = 0.5 * (min + max);
         let ring = |z: f32, fx: f32, fy: f32| -> Vec<Vec3> {
             let (hx, hy) = (0.5 * (max.x - min.x) * fx, 0.5 * (max.y - min.y) * fy);
@@ -104,7 +113,7 @@ impl MeshBuilder {
     }
 
     /// A round bar from one point to another with the radii at its ends.
-    pub(crate) fn bar(&mut self, part: Part, from: Vec3, to: Vec3, radii: [f32; 2], sides: usize) {
+    pub fn bar(&mut self, part: Part, from: Vec3, to: Vec3, radii: [f32; 2], sides: usize) {
         let axis = (to - from).normalize_or(Vec3::Z);
         let helper = if axis.z.abs() < 0.9 { Vec3::Z } else { Vec3::X };
         let u = axis.cross(helper).normalize_or(Vec3::Y);
@@ -116,17 +125,12 @@ impl MeshBuilder {
     }
 
     /// Horizontal ellipses stacked from bottom to top: `(centre, half x, half y)`.
-    pub(crate) fn stack(&mut self, part: Part, layers: &[(Vec3, f32, f32)], sides: usize) {
+    pub fn stack(&mut self, part: Part, layers: &[(Vec3, f32, f32)], sides: usize) {
         self.stack_with(|_| part, layers, sides);
     }
 
     /// The same with a part per layer.
-    pub(crate) fn stack_with(
-        &mut self,
-        part: impl Fn(usize) -> Part,
-        layers: &[(Vec3, f32, f32)],
-        sides: usize,
-    ) {
+    pub fn stack_with(&mut self, part: impl Fn(usize) -> Part, layers: &[(Vec3, f32, f32)], sides: usize) {
         let rings: Vec<Vec<Vec3>> = layers
             .iter()
             .map(|(centre, rx, ry)| {
@@ -138,12 +142,12 @@ impl MeshBuilder {
     }
 
     /// An ellipsoid of `rings` bands.
-    pub(crate) fn ellipsoid(&mut self, part: Part, centre: Vec3, half: Vec3, rings: usize, sides: usize) {
+    pub fn ellipsoid(&mut self, part: Part, centre: Vec3, half: Vec3, rings: usize, sides: usize) {
         self.blob(part, centre, half, rings, sides, |_, _| 1.0);
     }
 
     /// An ellipsoid whose radius is scaled by `bump(ring, side)`.
-    pub(crate) fn blob(
+    pub fn blob(
         &mut self,
         part: Part,
         centre: Vec3,
@@ -182,7 +186,7 @@ impl MeshBuilder {
     }
 
     /// Stretches everything along the axes so that it fills the box from `min` to `max` exactly, and says how.
-    pub(crate) fn fit(&mut self, min: Vec3, max: Vec3) -> Fit {
+    pub fn fit(&mut self, min: Vec3, max: Vec3) -> Fit {
         let bounds = self.mesh.aabb();
         if bounds.is_empty() {
             return Fit { from: min, scale: Vec3::ONE, min };
@@ -198,7 +202,7 @@ impl MeshBuilder {
 
     /// A tube: its profile of `(radius, height)` turned about the vertical through `centre`; the profile is closed and
     /// runs counter-clockwise with the radius to the right and the height upward.
-    pub(crate) fn lathe(&mut self, part: Part, centre: Vec3, profile: &[(f32, f32)], sides: usize) {
+    pub fn lathe(&mut self, part: Part, centre: Vec3, profile: &[(f32, f32)], sides: usize) {
         let index = self.part_index(part);
         let rings: Vec<Vec<u32>> = profile
             .iter()
@@ -217,7 +221,7 @@ impl MeshBuilder {
     }
 
     /// Turns everything so that what stood upright along z lies along x.
-    pub(crate) fn lay_down(&mut self) {
+    pub fn lay_down(&mut self) {
         for p in &mut self.mesh.positions {
             *p = Vec3::new(p.z, p.y, -p.x);
         }
@@ -226,7 +230,7 @@ impl MeshBuilder {
 
 /// How [`MeshBuilder::fit`] stretched a mesh.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Fit {
+pub struct Fit {
     from: Vec3,
     scale: Vec3,
     min: Vec3,
@@ -234,13 +238,13 @@ pub(crate) struct Fit {
 
 impl Fit {
     /// Where a point of the mesh went to.
-    pub(crate) fn apply(&self, p: Vec3) -> Vec3 {
+    pub fn apply(&self, p: Vec3) -> Vec3 {
         self.min + (p - self.from) * self.scale
     }
 }
 
 /// Cosine and sine of the corners of a regular polygon.
-pub(crate) fn circle(sides: usize) -> impl Iterator<Item = (f32, f32)> {
+pub fn circle(sides: usize) -> impl Iterator<Item = (f32, f32)> {
     (0..sides).map(move |j| {
         let (s, c) = sin_cos(TAU * j as f32 / sides as f32);
         (c, s)
@@ -248,7 +252,7 @@ pub(crate) fn circle(sides: usize) -> impl Iterator<Item = (f32, f32)> {
 }
 
 /// The value of a chain of `(x, y)` points, ascending in x, at some x; constant beyond its ends.
-pub(crate) fn chain_at(chain: &[(f32, f32)], x: f32) -> f32 {
+pub fn chain_at(chain: &[(f32, f32)], x: f32) -> f32 {
     let Some(first) = chain.first() else { return 0.0 };
     if x <= first.0 {
         return first.1;

@@ -1,0 +1,79 @@
+//! How walkers walk: from where they are at each frame follows the phase of their stride, and the box about their pose.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use people::Walker;
+use random::Stream;
+use schema::models::Model;
+use schema::tables::{ActorRow, StateRow};
+use schema::{ActorRole, FRAME_PERIOD_S, ObjectId};
+
+/// Share of the way to their speed that they come within a frame: strides get longer and shorter over some four steps of it.
+const EASE: f64 = 0.2;
+/// Slower than this they stand, m/s.
+const STANDS_MPS: f64 = 0.03;
+
+/// Somebody who walks.
+struct Pacer {
+    body: Arc<Walker>,
+    phase_rad: f64,
+    gait_mps: Option<f64>,
+}
+
+/// The bodies of a scene's walkers.
+#[derive(Default)]
+pub(crate) struct Bodies {
+    /// By model and variant.
+    known: BTreeMap<(&'static str, u32), Arc<Walker>>,
+    pacers: BTreeMap<ObjectId, Pacer>,
+}
+
+impl Bodies {
+    /// Gives a walker the size of its body. Where a stride begins is drawn; those who stand in hazards take none.
+    pub(crate) fn add(&mut self, actor: &mut ActorRow, model: &'static Model, seed: u64, scene: u32) {
+        // Who sits in a wheelchair is as large as that.
+        if model.wheel_radius_m > 0.0 {
+            return;
+        }
+        let make = || Arc::new(Walker::new(model, actor.variant));
+        let body = Arc::clone(self.known.entry((model.name, actor.variant)).or_insert_with(make));
+        let [length_m, width_m, height_m] = body.size_m().to_array().map(f64::from);
+        (actor.length_m, actor.width_m, actor.height_m) = (length_m, width_m, height_m);
+        if actor.role != ActorRole::Hazard {
+            let mut draw = Stream::new(seed, scene.into(), "simulate/gait", actor.id.into());
+            let phase_rad = draw.uniform(0.0, TAU);
+            self.pacers.insert(actor.id, Pacer { body, phase_rad, gait_mps: None });
+        }
+    }
+
+    /// Says phase, stride and box of each walker; states come by frame.
+    pub(crate) fn walk(&mut self, states: &mut [StateRow]) {
+        for state in states {
+            if let Some(pacer) = self.pacers.get_mut(&state.id) {
+                pacer.step(state);
+            }
+        }
+    }
+}
+
+impl Pacer {
+    fn step(&mut self, state: &mut StateRow) {
+        let [x, y, _] = state.velocity_mps.map(f64::from);
+        let speed_mps = (x * x + y * y).sqrt();
+        let before = self.gait_mps.unwrap_or(speed_mps);
+        let eased = before + EASE * (speed_mps - before);
+        let gait_mps = if eased.max(speed_mps) < STANDS_MPS { 0.0 } else { eased };
+        self.gait_mps = Some(gait_mps);
+        let stride_m = f64::from(self.body.figure().stride_m(gait_mps as f32));
+        if stride_m > 0.0 {
+            // A foot stays where it is while the body goes on: a stride is a cycle.
+            self.phase_rad += TAU * speed_mps * FRAME_PERIOD_S / stride_m;
+        }
+        (state.phase_rad, state.gait_mps) = (self.phase_rad as f32, gait_mps as f32);
+        let stands = state.gait_mps == 0.0;
+        let size = if stands { self.body.size_m() } else { self.body.box_m(state.phase_rad, state.gait_mps) };
+        state.size_m = size.to_array();
+    }
+}

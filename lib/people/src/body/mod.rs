@@ -1,0 +1,56 @@
+//! Bodies: a closed mesh for each bone, overlapping at the joints.
+
+mod head;
+mod limbs;
+mod shape;
+mod stuffs;
+mod torso;
+
+use glam::Vec3;
+use schema::Tag;
+use schema::geometry::{Part, Surface, TriMesh};
+use solids::MeshBuilder;
+
+use self::stuffs::Stuffs;
+use crate::figure::{Bone, Figure, Side};
+use crate::look::Carried;
+
+impl Figure {
+    /// The meshes of the body in the frames of its bones; all parts carry the tag.
+    #[must_use]
+    pub fn meshes(&self, tag: Tag) -> Vec<(Bone, TriMesh)> {
+        let stuffs = Stuffs::new(&self.look, tag);
+        let mut made: Vec<(Bone, TriMesh)> = Vec::new();
+        let mut add = |bone: Bone, fill: &dyn Fn(&mut MeshBuilder)| {
+            let mut b = MeshBuilder::new();
+            fill(&mut b);
+            if !b.is_empty() {
+                made.push((bone, b.finish()));
+            }
+        };
+        add(Bone::Pelvis, &|b| torso::pelvis(b, self, &stuffs));
+        add(Bone::Chest, &|b| torso::chest(b, self, &stuffs));
+        add(Bone::Head, &|b| head::head(b, self, &stuffs));
+        for side in Side::BOTH {
+            let [upper, lower] = side.arm();
+            add(upper, &|b| limbs::upper_arm(b, self, &stuffs));
+            add(lower, &|b| limbs::forearm(b, self, &stuffs, side));
+            let [thigh, shin, foot, toes] = side.leg();
+            add(thigh, &|b| limbs::thigh(b, self, &stuffs, side));
+            add(shin, &|b| limbs::shin(b, self, &stuffs));
+            add(foot, &|b| limbs::foot(b, self, &stuffs));
+            add(toes, &|b| limbs::toes(b, self, &stuffs));
+        }
+        if self.look.carried == Carried::Cane {
+            add(Bone::Cane, &|b| cane(b, self, &stuffs));
+        }
+        made
+    }
+}
+
+fn cane(b: &mut MeshBuilder, figure: &Figure, stuffs: &Stuffs) {
+    let wood = Part::new(stuffs.tag, Surface::Wood, [0.10, 0.05, 0.025]);
+    let length = figure.cane_m();
+    b.bar(wood, Vec3::NEG_Z * length, Vec3::ZERO, [0.010, 0.011], 8);
+    b.bar(wood, Vec3::new(-0.035, 0.0, 0.0), Vec3::new(0.075, 0.0, 0.008), [0.014, 0.012], 8);
+}

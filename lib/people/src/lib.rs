@@ -1,0 +1,22 @@
+//! People: what they look like, how they are built, and how they move.
+//!
+//! A [`Look`] follows from a model of the catalogue and a variant, a [`Figure`] from the look and the stature: the lengths of
+//! its bones and a closed mesh for each. [`Figure::walking`] says where the bones are of somebody who stands, walks or runs;
+//! [`Figure::seated`] of somebody who sits on or in something. The box about a [`Walker`] follows its pose.
+
+mod body;
+mod figure;
+mod gait;
+mod joints;
+mod look;
+mod reach;
+mod walk;
+mod walker;
+
+pub use figure::{BONES, Bone, Bones, Figure, Side};
+pub use look::{Age, Bottom, Build, Carried, Hair, Hat, LOOKS, Look, Stance, Top};
+pub use reach::Seat;
+pub use walker::Walker;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,265 @@
+use std::collections::{BTreeMap, BTreeSet};
+use std::f32::consts::TAU;
+
+use frames::Aabb;
+use glam::Vec3;
+use schema::geometry::TriMesh;
+use schema::models::{BaseType, MODELS, Model};
+
+use super::*;
+
+/// From a slow walk to a fast run, m/s.
+const SPEEDS_MPS: [f32; 9] = [0.3, 0.6, 1.0, 1.4, 1.8, 2.2, 3.0, 4.5, 6.0];
+
+fn models() -> impl Iterator<Item = &'static Model> {
+    MODELS.iter().filter(|m| m.base == BaseType::Pedestrian && m.wheel_radius_m == 0.0)
+}
+
+fn everybody() -> impl Iterator<Item = (String, Walker)> {
+    models().flat_map(|model| {
+        (0..LOOKS).map(move |look| (format!("{} {look}", model.name), Walker::new(model, look)))
+    })
+}
+
+/// Somebody of each age, build and sex, and those who carry something.
+fn some() -> impl Iterator<Item = (String, Walker)> {
+    let mut seen = BTreeSet::new();
+    everybody().filter(move |(name, who)| {
+        let look = who.figure().look;
+        let kind = (name.split(' ').next().map(str::to_owned), look.build as u8, look.carried as u8);
+        seen.insert(kind)
+    })
+}
+
+fn placed(who: &Walker, phase_rad: f32, speed_mps: f32) -> Vec<(Bone, Vec<Vec3>)> {
+    let bones = who.figure().walking(phase_rad, speed_mps);
+    let at = |(bone, mesh): &(Bone, std::sync::Arc<TriMesh>)| {
+        let pose = bones.object_from_bone(*bone);
+        (*bone, mesh.positions.iter().map(|p| pose.transform_point3(*p)).collect())
+    };
+    who.meshes().iter().map(at).collect()
+}
+
+fn bounds(who: &Walker, phase_rad: f32, speed_mps: f32) -> Aabb {
+    let points = placed(who, phase_rad, speed_mps).into_iter().flat_map(|(_, points)| points);
+    points.fold(Aabb::EMPTY, |b, p| b.with(p))
+}
+
+/// How far, over a cycle, a vertex of a shoe goes along the ground at most while it touches it, and how deep any goes below, m.
+fn slide_and_depth(who: &Walker, speed_mps: f32) -> (f32, f32) {
+    const STEPS: usize = 160;
+    const TOUCHES_M: f32 = 0.002;
+    let stride_m = who.figure().stride_m(speed_mps);
+    let (mut slide, mut depth) = (0.0f32, 0.0f32);
+    // Where each vertex came to touch the ground, in the world.
+    let mut since: BTreeMap<(u8, usize), Vec3> = BTreeMap::new();
+    for k in 0..=2 * STEPS {
+        let turns = k as f32 / STEPS as f32;
+        let way = Vec3::X * turns * stride_m;
+        for (bone, points) in placed(who, TAU * turns, speed_mps) {
+            let shoe = [Bone::FootLeft, Bone::FootRight, Bone::ToesLeft, Bone::ToesRight].contains(&bone);
+            for (v, p) in points.iter().enumerate().filter(|_| shoe) {
+                depth = depth.max(-p.z);
+                let key = (bone as u8, v);
+                if p.z > TOUCHES_M {
+                    since.remove(&key);
+                } else {
+                    let from = *since.entry(key).or_insert(*p + way);
+                    slide = slide.max((*p + way - from).truncate().length());
+                }
+            }
+        }
+    }
+    (slide, depth)
+}
+
+#[test]
+fn planted_feet_stand_still() {
+    let (mut slide, mut depth) = ((0.0, String::new()), (0.0, String::new()));
+    for (name, who) in some() {
+        for speed_mps in SPEEDS_MPS {
+            let (s, d) = slide_and_depth(&who, speed_mps);
+            let whose = format!("{name} at {speed_mps} m/s");
+            if s > slide.0 {
+                slide = (s, whose.clone());
+            }
+            if d > depth.0 {
+                depth = (d, whose);
+            }
+        }
+    }
+    assert!(slide.0 < 0.02, "slides: {slide:?}");
+    assert!(depth.0 < 0.01, "goes below the ground: {depth:?}");
+}
+
+#[test]
+fn somebody_is_always_on_the_ground_but_runners() {
+    for (name, who) in some() {
+        for speed_mps in SPEEDS_MPS.into_iter().filter(|v| *v < 1.2) {
+            for k in 0..24 {
+                let low = bounds(&who, TAU * k as f32 / 24.0, speed_mps).min.z;
+                assert!(low.abs() < 0.01, "{name} at {speed_mps} m/s: {low}");
+            }
+        }
+    }
+}
+
+#[test]
+fn footprints_are_a_stride_apart() {
+    // In closed form: a cycle is a stride, and both feet come down half a stride apart.
+    for (name, who) in some() {
+        let figure = who.figure();
+        for speed_mps in SPEEDS_MPS {
+            let heel = |phase_rad: f32, foot: Bone| {
+                let bones = figure.walking(phase_rad, speed_mps);
+                let at = Vec3::new(figure.heel, 0.0, -figure.ankle);
+                bones.object_from_bone(foot).transform_point3(at).x
+            };
+            let stride = figure.stride_m(speed_mps);
+            let (left, right) = (heel(0.001, Bone::FootLeft), heel(0.5 * TAU + 0.001, Bone::FootRight));
+            let step = right + 0.5 * stride - left;
+            assert!((step - 0.5 * stride).abs() < 0.01, "{name} at {speed_mps} m/s: {step} of {stride}");
+        }
+    }
+    let stride = Walker::of_height(schema::models::find("walker.man").expect("a model"), 2, 1.75)
+        .figure()
+        .stride_m(1.4);
+    assert!((1.2..1.5).contains(&stride), "{stride}");
+}
+
+#[test]
+fn knees_bend_forward_and_elbows_back() {
+    for (name, who) in some() {
+        for speed_mps in [0.0, 0.5, 1.4, 3.0] {
+            for k in 0..16 {
+                let bones = who.figure().walking(TAU * k as f32 / 16.0, speed_mps);
+                for side in Side::BOTH {
+                    let [thigh, shin, foot, _] = side.leg();
+                    let [hip, knee, ankle] = [thigh, shin, foot].map(|bone| bones.joint(bone));
+                    let along = (ankle - hip).normalize();
+                    let out = (knee - hip) - along * (knee - hip).dot(along);
+                    assert!(out.x > -1e-3, "{name} at {speed_mps} m/s: a knee bends by {out}");
+                    let [upper, lower] = side.arm();
+                    let bend = bones.object_from_bone(upper).matrix3.inverse()
+                        * bones.object_from_bone(lower).matrix3;
+                    // Seen from the upper arm the hand is ahead.
+                    let hand = bend * glam::Vec3A::NEG_Z;
+                    assert!(
+                        hand.x > -0.02 || hand.z > -0.9999,
+                        "{name} at {speed_mps} m/s: an elbow bends by {hand}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn bones_hang_together() {
+    for (name, who) in some() {
+        let figure = who.figure();
+        for (phase_rad, speed_mps) in [(0.0, 0.0), (0.4, 1.4), (2.0, 1.4), (4.4, 0.6), (3.0, 4.0)] {
+            let bones = figure.walking(phase_rad, speed_mps);
+            let end =
+                |bone: Bone, length: f32| bones.object_from_bone(bone).transform_point3(Vec3::NEG_Z * length);
+            for side in Side::BOTH {
+                let [thigh, shin, foot, _] = side.leg();
+                let [upper, lower] = side.arm();
+                let pairs = [
+                    (end(thigh, figure.thigh), bones.joint(shin)),
+                    (end(shin, figure.shin), bones.joint(foot)),
+                    (end(upper, figure.upper_arm), bones.joint(lower)),
+                ];
+                for (above, below) in pairs {
+                    assert!((above - below).length() < 2e-3, "{name}: {above} {below}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn boxes_are_those_of_all_vertices() {
+    for (name, who) in some() {
+        for speed_mps in [0.0, 0.7, 1.4, 3.0] {
+            for k in 0..6 {
+                let phase_rad = TAU * k as f32 / 6.0 + 0.2;
+                let found = bounds(&who, phase_rad, speed_mps);
+                let reach = found.max.max(-found.min);
+                let size = who.box_m(phase_rad, speed_mps);
+                let off = (size - Vec3::new(2.0 * reach.x, 2.0 * reach.y, found.max.z)).abs().max_element();
+                assert!(off < 0.012, "{name} at {speed_mps} m/s: {size} {found:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn who_stands_fills_the_box_on_five_faces() {
+    for (name, who) in everybody() {
+        let (found, size) = (bounds(&who, 0.0, 0.0), who.size_m());
+        let faces = [
+            found.min.x + 0.5 * size.x,
+            found.max.x - 0.5 * size.x,
+            found.min.y + 0.5 * size.y,
+            found.max.y - 0.5 * size.y,
+            found.max.z - size.z,
+            found.min.z,
+        ];
+        assert!(faces.iter().all(|off| off.abs() < 0.01), "{name}: {faces:?}");
+        // A person's measures: neither flat nor a giant.
+        assert!((0.22..0.95).contains(&size.x) && (0.28..0.95).contains(&size.y), "{name}: {size}");
+        assert!((1.05..2.10).contains(&size.z), "{name}: {size}");
+    }
+}
+
+#[test]
+fn the_phase_tells_nothing_of_who_stands() {
+    for (name, who) in some() {
+        let [a, b] = [0.3, 2.9].map(|phase| bounds(&who, phase, 0.0));
+        assert!((a.min - b.min).length() + (a.max - b.max).length() < 1e-4, "{name}");
+    }
+}
+
+#[test]
+fn looks_differ() {
+    let mut shapes = BTreeSet::new();
+    let (mut all, mut least, mut most) = (0, usize::MAX, 0);
+    for (name, who) in everybody() {
+        let look = who.figure().look;
+        // By shape alone, colours left out.
+        shapes.insert(format!(
+            "{:?} {} {:?} {:?} {:?} {:?} {:?} {:?}",
+            look.age, look.woman, look.build, look.top, look.bottom, look.hair, look.hat, look.carried
+        ));
+        all += 1;
+        let count: usize = who.meshes().iter().map(|(_, mesh)| mesh.triangles.len()).sum();
+        assert!((1500..=4100).contains(&count), "{name}: {count} triangles");
+        (least, most) = (least.min(count), most.max(count));
+    }
+    assert!(shapes.len() >= 80, "{} shapes of {all} looks, {least} to {most} triangles", shapes.len());
+}
+
+#[test]
+fn somebody_on_a_seat_reaches_what_they_hold() {
+    let model = schema::models::find("bicycle.city").expect("a model");
+    let figure = Figure::new(Look::new(model, 3).riding(false), 1.75);
+    let seat = Seat {
+        hips: Vec3::new(-0.2, 0.0, 1.0),
+        lean_rad: 0.3,
+        hands: [Vec3::new(0.3, 0.25, 1.1), Vec3::new(0.3, -0.25, 1.1)],
+        balls: [Vec3::new(0.0, 0.12, 0.5), Vec3::new(0.0, -0.12, 0.25)],
+        heels_rad: 0.2,
+        knees: Vec3::new(1.0, 0.1, 0.6),
+        elbows: Vec3::new(-0.7, 0.3, -0.8),
+    };
+    let bones = figure.seated(&seat);
+    for (k, side) in Side::BOTH.into_iter().enumerate() {
+        let palm = Vec3::NEG_Z * (figure.forearm + 0.45 * figure.hand);
+        let hand = bones.object_from_bone(side.arm()[1]).transform_point3(palm);
+        assert!((hand - seat.hands[k]).length() < 0.002, "{hand}");
+        let ball = Vec3::new(figure.ball, 0.0, -figure.ankle);
+        let ball = bones.object_from_bone(side.leg()[2]).transform_point3(ball);
+        assert!((ball - seat.balls[k]).length() < 0.002, "{ball}");
+    }
+}

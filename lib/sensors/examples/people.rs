@@ -1,0 +1,134 @@
+//! Draws people: `cargo run -p convoy-sensors --example people -- FOLDER`. One sheet for each model with all of its looks from the
+//! front, the side and the back, a strip of eight phases of a walk and of a run from the side, and riders.
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use std::error::Error;
+use std::fs::File;
+use std::path::Path;
+use std::sync::Arc;
+
+use actors::{Posture, actor_mesh};
+use glam::Affine3A;
+use people::{LOOKS, Walker};
+use schema::Tag;
+use schema::geometry::{Instance, Surface, TriMesh};
+use schema::models::{BaseType, MODELS, Model};
+use schema::settings::{CameraSettings, Optics};
+use schema::tables::Weather;
+
+/// What stands on the plane.
+#[derive(Default)]
+struct Stage {
+    meshes: Vec<Arc<TriMesh>>,
+    instances: Vec<Instance>,
+}
+
+impl Stage {
+    fn new() -> Self {
+        let mut stage = Self::default();
+        stage.meshes.push(testkit::plane(60.0, 0.0, Tag::Sidewalk, Surface::Concrete));
+        stage.instances.push(common::instance(0, 1, Affine3A::IDENTITY));
+        stage
+    }
+
+    /// Somebody of a model at a place, in a posture.
+    fn add(&mut self, model: &Model, variant: u32, at: Affine3A, posture: Posture) {
+        let size = if model.base == BaseType::Pedestrian && model.wheel_radius_m == 0.0 {
+            Walker::new(model, variant).size_m().to_array().map(f64::from)
+        } else {
+            model.size_m
+        };
+        let Some(made) = actor_mesh(model.name, size, variant) else { return };
+        let posture = made.posed(posture);
+        let object = self.instances.len() as u16 + 1;
+        for piece in &made.pieces {
+            let Some(pose) = piece.joint.object_from_piece(&posture) else { continue };
+            self.instances.push(common::instance(self.meshes.len() as u32, object, at * pose));
+            self.meshes.push(Arc::clone(&piece.mesh));
+        }
+    }
+
+    /// The stage from the side of -y, so many metres away and so wide at the middle.
+    fn save(
+        self,
+        path: &Path,
+        eye: [f64; 3],
+        down_rad: f64,
+        size: [u32; 2],
+        fov_deg: f64,
+    ) -> Result<(), Box<dyn Error>> {
+        let day = Weather {
+            sun_azimuth_deg: 215.0,
+            sun_altitude_deg: 48.0,
+            cloudiness: 30.0,
+            ..Weather::default()
+        };
+        let snapshot = common::snapshot(self.meshes, self.instances);
+        let optics = Optics::pinhole(size[0], size[1], frames::deg(fov_deg));
+        let view =
+            common::set_view(eye, [0.0, down_rad, frames::deg(90.0)], optics, &CameraSettings::default());
+        let picture = common::picture(&snapshot, &view, &day);
+        let mut encoder = png::Encoder::new(File::create(path)?, picture.width, picture.height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.write_header()?.write_image_data(&picture.rgb)?;
+        Ok(())
+    }
+}
+
+fn at(x: f32, y: f32, yaw_deg: f32) -> Affine3A {
+    common::at(x, y, 0.0, yaw_deg.to_radians())
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let folder = std::env::args().nth(1).unwrap_or_else(|| ".".into());
+    let folder = Path::new(&folder);
+    let people: Vec<&Model> = MODELS.iter().filter(|m| m.base == BaseType::Pedestrian).collect();
+    for model in &people {
+        let mut stage = Stage::new();
+        for look in 0..LOOKS {
+            let x = 1.05 * (look as f32 - 0.5 * (LOOKS - 1) as f32);
+            for (row, yaw) in [(0.0, -75.0), (2.6, 20.0), (5.2, 110.0)] {
+                let gait_mps = if row > 2.0 { 1.3 } else { 0.0 };
+                let posture = Posture { phase_rad: 0.5 + row, gait_mps, ..Posture::default() };
+                stage.add(model, look, at(x * (1.0 + 0.13 * row), row, yaw), posture);
+            }
+        }
+        let name = format!("people-{}.png", model.name.trim_start_matches("walker."));
+        stage.save(&folder.join(name), [0.0, -10.6, 0.6], frames::deg(5.0), [2200, 640], 64.0)?;
+    }
+    let strips = [("man", 1, 1.4), ("woman", 4, 1.3), ("child", 2, 1.2), ("elder", 0, 0.9), ("man", 3, 3.2)];
+    for (k, (name, look, gait_mps)) in strips.into_iter().enumerate() {
+        let Some(model) = people.iter().find(|m| m.name.ends_with(name)) else { continue };
+        let mut stage = Stage::new();
+        for phase in 0..8 {
+            let phase_rad = std::f32::consts::TAU * phase as f32 / 8.0;
+            let posture = Posture { phase_rad, gait_mps, ..Posture::default() };
+            stage.add(model, look, at(1.25 * (phase as f32 - 3.5), 0.0, 0.0), posture);
+        }
+        let file = folder.join(format!("people-strip-{k}-{name}.png"));
+        stage.save(&file, [0.0, -9.6, -0.6], 0.0, [2000, 480], 56.0)?;
+    }
+    // Three close up.
+    for (k, name) in ["man", "woman", "child", "elder", "teen", "worker"].into_iter().enumerate() {
+        let Some(model) = people.iter().find(|m| m.name.ends_with(name)) else { continue };
+        let mut stage = Stage::new();
+        for (j, look) in [1, 4, 6, 9].into_iter().enumerate() {
+            stage.add(model, look, at(0.85 * (j as f32 - 1.5), 0.0, -60.0), Posture::default());
+        }
+        let file = folder.join(format!("people-near-{k}-{name}.png"));
+        stage.save(&file, [0.0, -4.2, -0.45], frames::deg(3.0), [1400, 900], 50.0)?;
+    }
+    let riders = MODELS.iter().filter(|m| matches!(m.base, BaseType::Motorcycle | BaseType::Bicycle));
+    let mut stage = Stage::new();
+    for (k, model) in riders.chain(people.iter().copied().filter(|m| m.wheel_radius_m > 0.0)).enumerate() {
+        let x = 2.4 * (k as f32 - 2.5);
+        for (row, yaw) in [(0.0, -5.0), (3.0, -120.0)] {
+            let posture = Posture { phase_rad: 1.0 + 2.0 * row, ..Posture::default() };
+            stage.add(model, k as u32 + row as u32, at(x * (1.0 + 0.1 * row), row, yaw), posture);
+        }
+    }
+    stage.save(&folder.join("people-riders.png"), [0.0, -10.5, 0.6], frames::deg(5.0), [2200, 640], 68.0)?;
+    Ok(())
+}
