@@ -351,6 +351,7 @@ impl<'a> Agentframe<'a> {
                 let (xyz, q) = state.map_or((actor.xyz_m, actor.quaternion), |s| (s.xyz_m, s.quaternion));
                 ObservedObject {
                     actor,
+                    size_m: [actor.length_m, actor.width_m, actor.height_m],
                     world_from_object: Pose::from_xyz_wxyz(xyz, q),
                     velocity_mps: [0.0; 3],
                     angular_velocity_radps: [0.0; 3],
