@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use schema::FRAME_PERIOD_S;
+use schema::{FRAME_PERIOD_S, Tag};
 
 use super::cameras::{Sight, depth_m};
 use super::clouds::{Cloud, Kind, OfSurface, SIGMAS};
@@ -17,6 +17,8 @@ const DEPTH: [f64; 2] = [0.05, 0.005];
 const FEW: u64 = 12;
 /// Radial velocities may differ by this, m/s.
 const VELOCITY_MPS: f64 = 0.05;
+/// The same of people on foot: their bodies sway about where the log has them.
+const SWAYING_MPS: f64 = 0.3;
 
 /// Where a return falls into the middle of an object's pixels, their depths hold its own; what one of both sees past the
 /// other's edge is why more than half of an object's returns count.
@@ -94,7 +96,8 @@ pub(crate) fn check_velocity(
         let off = (wanted - f64::from(velocity)).abs();
         let (all, bad, worst) = by_object.entry(*id).or_insert((0, 0, 0.0));
         *all += 1;
-        if !within(off, VELOCITY_MPS) {
+        let sways = scene.actors.get(id).is_some_and(|actor| actor.tags.contains(&(Tag::Pedestrian as u8)));
+        if !within(off, if sways { SWAYING_MPS } else { VELOCITY_MPS }) {
             *bad += 1;
             *worst = worst.max(off);
         }

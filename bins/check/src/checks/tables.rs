@@ -31,7 +31,10 @@ const RANGES: &[(&str, &str, f64, f64)] = &[
     ("", "rpy_rad", -HALF_TURN, HALF_TURN),
     ("", "angle_rad", -HALF_TURN, HALF_TURN),
     ("", "distance_m", 0.0, 2000.0),
-    ("", "size_m", 1e-3, 200.0),
+    ("boxes", "size_m", 1e-3, 200.0),
+    ("tracks", "size_m", 1e-3, 200.0),
+    // Nothing of what keeps its size.
+    ("log/states", "size_m", 0.0, 200.0),
     ("", "num_lidar_pts", 0.0, 1e9),
     ("sensors/", "intensity", 0.0, 1.0),
     ("sensors/", "cos_angle", 0.0, 1.0),
