@@ -120,6 +120,6 @@ fn a_towns_pictures_are_what_rays_see() {
         all += found;
     }
     eprintln!("all: {all:?}");
-    // What rounding decides is rare.
-    assert!(all.on_edges * 100 < all.seen, "{all:?}");
+    // What rounding may decide is rare: how rare depends on how small the triangles are that are seen from above.
+    assert!(all.on_edges * 50 < all.seen, "{all:?}");
 }

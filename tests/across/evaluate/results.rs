@@ -100,9 +100,18 @@ fn with_attributes(good: &Value, version: &Path) -> Value {
     result
 }
 
-/// Errors of attributes, by class.
+/// Errors of attributes of the classes of which something was found.
 fn attribute_errors(rows: &[Value]) -> BTreeMap<String, f64> {
-    let of = |row: &&Value| row["metrics"] == "nuscenes" && row["measure"] == "AAE" && row["class"] != "all";
+    let is_found = |class: &Value| {
+        rows.iter().any(|row| {
+            row["metrics"] == "nuscenes"
+                && row["measure"] == "AP"
+                && row["class"] == *class
+                && row["value"].as_f64() > Some(0.5)
+        })
+    };
+    let of =
+        |row: &&Value| row["metrics"] == "nuscenes" && row["measure"] == "AAE" && is_found(&row["class"]);
     let value = |row: &Value| Some((row["class"].as_str()?.to_owned(), row["value"].as_f64()?));
     rows.iter().filter(of).filter_map(value).collect()
 }

@@ -17,8 +17,8 @@ const DEPTH: [f64; 2] = [0.05, 0.005];
 const FEW: u64 = 12;
 /// Radial velocities may differ by this, m/s.
 const VELOCITY_MPS: f64 = 0.05;
-/// The same of people on foot: their bodies sway about where the log has them.
-const SWAYING_MPS: f64 = 0.3;
+/// The same of people on foot: their trunks sway about where the log has them, most where they begin to walk.
+const SWAYING_MPS: f64 = 0.6;
 
 /// Where a return falls into the middle of an object's pixels, their depths hold its own; what one of both sees past the
 /// other's edge is why more than half of an object's returns count.
