@@ -47,22 +47,28 @@ fn walkers_never_overlap_and_all_get_on() {
         assert_eq!(log.n_walkers, count);
         assert_eq!(overlaps(&log), [], "seed {seed}");
         let tracks = tracks(&log);
+        let (mut steps, mut at_the_edge) = (0, 0);
         for actor in log.actors.iter().filter(|a| a.kind == ActorKind::Walker) {
             let track = &tracks[&actor.id];
-            // On the sidewalk, 3.5 to 6.5 m from the middle, with the feet well on it.
-            assert!(track.iter().all(|s| (3.75..=6.25).contains(&s.xyz_m[1].abs())), "seed {seed}");
+            // On the sidewalk, 3.5 to 6.5 m from the middle, and but for some who are pushed aside with the feet well on it.
+            let margins_m = track.iter().map(|s| (s.xyz_m[1].abs() - 3.5).min(6.5 - s.xyz_m[1].abs()));
+            let least_m = margins_m.clone().fold(f64::INFINITY, f64::min);
+            assert!(least_m >= 0.0, "seed {seed}: {} comes within {least_m} m of an edge", actor.model);
+            steps += track.len();
+            at_the_edge += margins_m.filter(|margin_m| *margin_m < 0.25).count();
             assert!(track.iter().all(|s| (0.0..=length_m).contains(&s.xyz_m[0])), "seed {seed}");
             // Everybody gets on, in each quarter of a minute.
             for part in track.chunks(300).filter(|c| c.len() == 300) {
                 let way: f64 = part.windows(2).map(|p| (p[1].xyz_m[0] - p[0].xyz_m[0]).abs()).sum();
                 assert!(way > 3.0, "seed {seed}: {} walks {way} m in 15 s", actor.id);
             }
-            // Nobody leaps: aside at most 0.8 m/s, but for what is turned at the ends.
+            // Nobody leaps: aside at most 0.8 m/s, but for what is turned at the ends, and where a crowd pushes.
             for pair in track.windows(2) {
                 let aside = (pair[1].xyz_m[1] - pair[0].xyz_m[1]).abs() / 0.05;
-                assert!(aside < 1.0, "seed {seed}: {aside} m/s aside");
+                assert!(aside < 1.5, "seed {seed}: {aside} m/s aside");
             }
         }
+        assert!(at_the_edge * 1000 < steps, "seed {seed}: {at_the_edge} of {steps} steps at an edge");
     }
 }
 
