@@ -6,6 +6,7 @@
                                metrics and shares nothing with the Rust one (numpy alone)
     golden.py opv2v [FILE]     likewise by OPV2V's definition, all boxes as one class; overlaps by other means than ours
     golden.py masks [FILE]     random BEV masks and their scores, cell by cell (numpy alone)
+    golden.py live FOLDER SEED cases.json and nuscenes.json of other random cases, into a folder
 
 A box is [class, x, y, z, length, width, height, yaw, vx, vy, score or level, attribute or -1]; null is NaN. Coarse numbers make ties
 of scores; there are classes without targets, without predictions, with one target, and predictions that come twice. The ego
@@ -26,8 +27,8 @@ THRESHOLDS = [0.5, 1.0, 2.0, 4.0]
 EGO = [-15.0, 5.0]
 
 
-def load(name):
-    with open(os.path.join(FOLDER, name)) as file:
+def load(name, folder=FOLDER):
+    with open(os.path.join(folder, name)) as file:
         return json.load(file)
 
 
@@ -41,8 +42,8 @@ def clean(value):
     return None if value is None or math.isnan(value) else float(value)
 
 
-def write_cases():
-    rng = np.random.default_rng(20240607)
+def write_cases(folder=FOLDER, seed=20240607):
+    rng = np.random.default_rng(seed)
     cases = []
     for case in range(8):
         used = [[0, 5, 9], [0, 1, 8, 9], [2, 5], list(range(10)), [0], [3, 7], [0, 5, 6], [9, 8]][case]
@@ -86,10 +87,10 @@ def write_cases():
     for case in cases:
         for side in ("targets", "predictions"):
             case[side] = [[[int(b[0]), *map(short, map(float, b[1:10])), short(b[10]) if side == "predictions" else int(b[10]), int(b[11])] for b in sample] for sample in case[side]]
-    save(os.path.join(FOLDER, "cases.json"), cases)
+    save(os.path.join(folder, "cases.json"), cases)
 
 
-def write_nuscenes():
+def write_nuscenes(folder=FOLDER):
     from nuscenes.eval.common.data_classes import EvalBoxes
     from nuscenes.eval.common.utils import center_distance
     from nuscenes.eval.detection.algo import accumulate, calc_ap, calc_tp
@@ -115,7 +116,7 @@ def write_nuscenes():
 
     cfg = config_factory("detection_cvpr_2019")
     results = []
-    for case in load("cases.json"):
+    for case in load("cases.json", folder):
         truth, found = boxes(case["targets"], False), boxes(case["predictions"], True)
         metrics = DetectionMetrics(cfg)
         data = {(name, t): accumulate(truth, found, name, center_distance, t) for name in NUSCENES for t in cfg.dist_ths}
@@ -136,7 +137,7 @@ def write_nuscenes():
             "nds": metrics.nd_score,
         })
         assert TP_METRICS == ["trans_err", "scale_err", "orient_err", "vel_err", "attr_err"]
-    save(os.path.join(FOLDER, "nuscenes.json"), results)
+    save(os.path.join(folder, "nuscenes.json"), results)
 
 
 # SimBEV2X: classes are traffic light, sign, pedestrian, car, truck, bus, motorcycle, bicycle, cone, barrier.
@@ -341,6 +342,9 @@ def main():
         write_cases()
     elif what == "nuscenes":
         write_nuscenes()
+    elif what == "live":
+        write_cases(sys.argv[2], int(sys.argv[3]))
+        write_nuscenes(sys.argv[2])
     else:
         of = {"simbev2x": simbev2x_of, "opv2v": opv2v_of}
         path = sys.argv[2] if len(sys.argv) > 2 else os.path.join(FOLDER, f"{what}.json")

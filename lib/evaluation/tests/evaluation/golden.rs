@@ -18,8 +18,11 @@ fn folder() -> PathBuf {
 }
 
 fn read(name: &str) -> Vec<Value> {
-    let bytes = std::fs::read(folder().join("golden").join(name)).expect("reads");
-    serde_json::from_slice(&bytes).expect("is a list")
+    read_at(&folder().join("golden").join(name))
+}
+
+fn read_at(path: &Path) -> Vec<Value> {
+    serde_json::from_slice(&std::fs::read(path).expect("reads")).expect("is a list")
 }
 
 /// A number; NaN where there is none.
@@ -115,10 +118,9 @@ fn tallied<T: Default>(
     tally
 }
 
-#[test]
-fn nuscenes_scores_are_those_of_its_devkit() {
+fn check_nuscenes(cases: impl IntoIterator<Item = Vec<(Vec<Target>, Vec<Prediction>)>>, expected: &[Value]) {
     let mut numbers = 0;
-    for (i, (samples, want)) in cases().into_iter().zip(read("nuscenes.json")).enumerate() {
+    for (i, (samples, want)) in cases.into_iter().zip(expected).enumerate() {
         let scores = tallied(&samples, NuScenesTally::add, NuScenesTally::append).scores();
         let name = |what: &str| format!("case {i}, {what}");
         numbers += check(scores.classes.iter().flat_map(|c| c.ap), &want["ap"], &name("AP"));
@@ -128,6 +130,24 @@ fn nuscenes_scores_are_those_of_its_devkit() {
         numbers += check([scores.nds()], &want["nds"], &name("NDS"));
     }
     assert_eq!(numbers, 8 * (40 + 50 + 1 + 5 + 1));
+}
+
+#[test]
+fn nuscenes_scores_are_those_of_its_devkit() {
+    check_nuscenes(cases(), &read("nuscenes.json"));
+}
+
+#[test]
+fn the_devkit_says_the_same_of_other_cases() {
+    let Some(python) = testkit::devkit() else { return };
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    for seed in ["1", "2", "3"] {
+        let mut golden = Command::new(&python);
+        golden.arg(folder().join("golden.py")).arg("live").arg(temporary.path()).arg(seed);
+        assert!(golden.status().expect("Python starts").success(), "seed {seed}");
+        let cases = read_at(&temporary.path().join("cases.json"));
+        check_nuscenes(cases.iter().map(case), &read_at(&temporary.path().join("nuscenes.json")));
+    }
 }
 
 fn check_simbev2x(expected: &[Value]) {
