@@ -1,6 +1,7 @@
 //! Seconds per agent-frame, part by part, beside the budgets of the design: the full default sensor suite on our own
 //! town; and how fast road networks are. Run by `make bench`; numbers mean something on an idle machine only.
 
+mod materials;
 mod roads;
 
 use std::collections::BTreeMap;
@@ -14,6 +15,7 @@ use bevmap::Reach;
 use fill::Filler;
 use formats::{DEFAULT_LEVEL, Scalar, encode_member};
 use frames::{Agent, Pose, World};
+use materials::Material;
 use opendrive::Map;
 use pipeline::StageSettings;
 use plan::PlanMap;
@@ -102,8 +104,9 @@ fn main() {
     actors.extend(log.actors.iter().cloned());
     let world = SceneWorld::new(&actors, ground).expect("has meshes");
     let scene = Agentframe::new(&settings, &map, &actors, &log, &world);
-    scene.measure(&mut rows);
+    let materials = scene.measure(&mut rows);
     print(&rows, scene.triangles());
+    print_materials(&materials);
     let mut rows = Vec::new();
     roads::measure(&mut rows);
     print_roads(&rows);
@@ -137,6 +140,7 @@ struct CameraTimes {
     shade: Taken,
     encode: Taken,
     others: [(&'static str, Taken); 3],
+    materials: Vec<Material>,
 }
 
 struct Agentframe<'a> {
@@ -205,7 +209,7 @@ impl<'a> Agentframe<'a> {
         snapshot.instances.iter().map(|i| snapshot.mesh(i).triangles.len()).sum()
     }
 
-    fn measure(&self, rows: &mut Vec<Row>) {
+    fn measure(&self, rows: &mut Vec<Row>) -> Vec<Material> {
         let mut push =
             |part: &str, taken: Taken, budget_s: f64| rows.push(Row { part: part.into(), taken, budget_s });
         push(
@@ -233,6 +237,7 @@ impl<'a> Agentframe<'a> {
         for (name, taken) in cameras.others {
             push(&format!("{name}, 6 cameras (not in the sum)"), taken, f64::NAN);
         }
+        cameras.materials
     }
 
     fn cameras(&self, scene: &dyn Scene) -> CameraTimes {
@@ -258,6 +263,11 @@ impl<'a> Agentframe<'a> {
         let paint = || painter.paint(scene, &when, place, &shots).expect("has no device");
         paint();
         let shade = best(3, paint);
+        let materials = materials::shares(scene.snapshot(), &views, &seen, |seen| {
+            let shots: Vec<Shot<'_>> =
+                views.iter().zip(seen).map(|(view, seen)| Shot { view, seen }).collect();
+            black_box(painter.paint(scene, &when, place, &shots).is_ok());
+        });
         let sights: Vec<Sight> = views
             .iter()
             .zip(&seen)
@@ -280,7 +290,7 @@ impl<'a> Agentframe<'a> {
             ("depth images", each(|snapshot, sight| Depth::of(snapshot, sight, 0).is_ok())),
             ("flow images", each(|snapshot, sight| Flow::of(snapshot, sight, 0).is_ok())),
         ];
-        CameraTimes { raster, shade, encode, others }
+        CameraTimes { raster, shade, encode, others, materials }
     }
 
     fn ranging(&self, scene: &dyn Scene) -> Taken {
@@ -390,6 +400,16 @@ fn print(rows: &[Row], triangles: usize) {
     let all = rows.iter().skip(1).filter(|r| r.budget_s.is_finite()).chain(npz);
     let (wall_s, cpu_s) = all.fold((0.0, 0.0), |(w, c), r| (w + r.taken.wall_s, c + r.taken.cpu_s));
     println!("| **agent-frame, part after part** | {wall_s:.3} | {cpu_s:.3} | 1.0 | {wall_s:.2} |");
+}
+
+#[expect(clippy::print_stdout, reason = "this is the benchmark's answer")]
+fn print_materials(materials: &[Material]) {
+    println!("\nShading of six cameras by material, without lights and edges");
+    println!("| material | pixels | of a span | seconds | ns of a core a pixel |\n|---|---|---|---|---|");
+    for Material { name, pixels, spans, taken } in materials {
+        let (of_span, ns) = (*pixels as f64 / *spans as f64, 1e9 * taken.cpu_s / *pixels as f64);
+        println!("| {name} | {pixels} | {of_span:.1} | {:.4} | {ns:.1} |", taken.wall_s);
+    }
 }
 
 #[expect(clippy::print_stdout, reason = "this is the benchmark's answer")]
