@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
-use people::Bone;
+use people::{Bone, about_y, about_z};
 use schema::geometry::TriMesh;
 
-use crate::posture::{Posture, about_y, about_z};
+use crate::posture::Posture;
 use crate::rig::Rig;
 
 /// How a piece of an actor moves.

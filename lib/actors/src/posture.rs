@@ -1,7 +1,5 @@
 //! How an actor's joints are turned.
 
-use frames::math::f32::sin_cos;
-use glam::{Mat3A, Vec3A};
 use people::Bones;
 use schema::tables::StateRow;
 
@@ -30,14 +28,4 @@ impl From<&StateRow> for Posture {
             bones: None,
         }
     }
-}
-
-pub(crate) fn about_y(angle: f32) -> Mat3A {
-    let (s, c) = sin_cos(angle);
-    Mat3A::from_cols(Vec3A::new(c, 0.0, -s), Vec3A::Y, Vec3A::new(s, 0.0, c))
-}
-
-pub(crate) fn about_z(angle: f32) -> Mat3A {
-    let (s, c) = sin_cos(angle);
-    Mat3A::from_cols(Vec3A::new(c, s, 0.0), Vec3A::new(-s, c, 0.0), Vec3A::Z)
 }

@@ -4,9 +4,9 @@ use std::f32::consts::PI;
 
 use frames::math::f32::{cos, sin, sin_cos};
 use glam::{Vec3, Vec3A};
-use people::{Figure, Seat, Walker};
+use people::{Figure, Seat, Walker, about_y};
 
-use crate::posture::{Posture, about_y};
+use crate::posture::Posture;
 
 /// What moves bones.
 #[derive(Clone, Debug)]

@@ -3,14 +3,16 @@
 use frames::math::f32::sin_cos;
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 
-/// A turn about y: positive noses down.
-pub(crate) fn about_y(angle: f32) -> Mat3A {
+/// A turn about y, radians: positive noses down.
+#[must_use]
+pub fn about_y(angle: f32) -> Mat3A {
     let (s, c) = sin_cos(angle);
     Mat3A::from_cols(Vec3A::new(c, 0.0, -s), Vec3A::Y, Vec3A::new(s, 0.0, c))
 }
 
-/// A turn about z: positive to the left.
-pub(crate) fn about_z(angle: f32) -> Mat3A {
+/// A turn about z, radians: positive to the left.
+#[must_use]
+pub fn about_z(angle: f32) -> Mat3A {
     let (s, c) = sin_cos(angle);
     Mat3A::from_cols(Vec3A::new(c, s, 0.0), Vec3A::new(-s, c, 0.0), Vec3A::Z)
 }

@@ -14,6 +14,7 @@ mod walk;
 mod walker;
 
 pub use figure::{BONES, Bone, Bones, Figure, Side};
+pub use joints::{about_y, about_z};
 pub use look::{Age, Bottom, Build, Carried, Hair, Hat, LOOKS, Look, Stance, Top};
 pub use reach::Seat;
 pub use walker::Walker;
