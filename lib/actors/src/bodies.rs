@@ -12,7 +12,7 @@ use crate::rig::Rig;
 pub(crate) fn walker(walker: Walker) -> ActorMesh {
     let pieces = walker.meshes().iter();
     let pieces = pieces.map(|(bone, mesh)| Piece { mesh: Arc::clone(mesh), joint: Joint::Bone(*bone) });
-    ActorMesh { pieces: pieces.collect(), rig: Some(Arc::new(Rig::Walks(walker))) }
+    ActorMesh { pieces: pieces.collect(), rig: Some(Arc::new(Rig::Walks(walker))), ..ActorMesh::default() }
 }
 
 /// The pieces of somebody's body.

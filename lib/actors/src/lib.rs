@@ -37,7 +37,7 @@ use people::Walker;
 use schema::geometry::TriMesh;
 use schema::models::{self, BaseType};
 
-pub use pieces::{ActorMesh, Joint, Piece};
+pub use pieces::{ActorMesh, Coarser, Joint, Piece};
 pub use posture::Posture;
 pub use rig::{Pedals, Pusher, Rider, Rig};
 

@@ -64,11 +64,22 @@ pub struct Piece {
     pub joint: Joint,
 }
 
+/// Pieces that stand for an actor who is far away.
+#[derive(Clone, Debug)]
+pub struct Coarser {
+    /// They do so from this distance on, metres.
+    pub from_m: f64,
+    /// The pieces, the body first.
+    pub pieces: Vec<Piece>,
+}
+
 /// All pieces of an actor; they share its object id.
 #[derive(Clone, Debug, Default)]
 pub struct ActorMesh {
-    /// The pieces, the body first.
+    /// The pieces close by, the body first.
     pub pieces: Vec<Piece>,
+    /// What stands for them farther away, the nearest first.
+    pub coarser: Vec<Coarser>,
     /// Where its bones are in a posture, if it has bones.
     pub rig: Option<Arc<Rig>>,
 }
@@ -76,7 +87,7 @@ pub struct ActorMesh {
 impl ActorMesh {
     /// An actor whose pieces need no bones.
     pub(crate) fn of(pieces: Vec<Piece>) -> Self {
-        Self { pieces, rig: None }
+        Self { pieces, ..Self::default() }
     }
 
     /// A posture with the bones that follow from it.

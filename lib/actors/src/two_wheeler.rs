@@ -24,7 +24,7 @@ pub(crate) fn two_wheeler(model: &Model, size: Vec3, variant: u32) -> ActorMesh 
     let mut rider = Rider { figure, seat: rides.seat, pedals: rides.pedals };
     rider.figure = fitted(figure, |_| rides.seat, size.z);
     pieces.extend(body(&rider.figure, Tag::Rider));
-    ActorMesh { pieces, rig: Some(Arc::new(Rig::Rides(rider))) }
+    ActorMesh { pieces, rig: Some(Arc::new(Rig::Rides(rider))), ..ActorMesh::default() }
 }
 
 /// One that nobody sits on. `ridden` is the same with its rider, by whose height its parts are where they are.

@@ -81,5 +81,5 @@ pub(crate) fn wheelchair(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
     let figure = fitted(Figure::new(Look::new(model, variant).seated(), 1.65), |_| sits, size.z);
     pieces.extend(body(&figure, Tag::Pedestrian));
     let pusher = Pusher { figure, seat: sits, axle, rim_m: radius - 0.02, aside_m: wheel_y - 0.045 };
-    ActorMesh { pieces, rig: Some(Arc::new(Rig::Pushes(pusher))) }
+    ActorMesh { pieces, rig: Some(Arc::new(Rig::Pushes(pusher))), ..ActorMesh::default() }
 }

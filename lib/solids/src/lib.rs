@@ -13,6 +13,18 @@ use smooth::smooth;
 /// Cosine of the sharpest bend that is round and no edge: round bars of six sides are round.
 const CREASE_COS: f32 = 0.49;
 
+/// How fine meshes are: what is farther away is made of fewer triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Detail {
+    /// Close by.
+    #[default]
+    Full,
+    /// Some 20 to 60 metres away: outlines are the same.
+    Half,
+    /// Farther away: what there is to see of it on a picture of a thousand pixels a radian.
+    Coarse,
+}
+
 /// A mesh in the making. Solids added to it are closed and face outward.
 #[derive(Clone, Debug, Default)]
 pub struct MeshBuilder {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use actors::{Joint, Posture, Rig, actor_mesh};
+use actors::{Coarser, Joint, Piece, Posture, Rig, actor_mesh};
 use frames::math::f32::pow;
 use frames::{LocalOrigin, Object, Pose, World};
 use glam::{Affine3A, Mat3A, Quat, Vec3A};
@@ -42,6 +42,9 @@ enum StaticLights {
 struct Fixed {
     mesh: u32,
     object: ObjectId,
+    /// Where its object's origin is.
+    object_m: [f64; 3],
+    seen: Range,
     origin_m: [f64; 3],
     rotation: Mat3A,
     paint: [f32; 3],
@@ -64,10 +67,25 @@ impl Sphere {
     }
 }
 
+/// Distances from the snapshot's centre to the object's origin at which a piece is there: all of an object are then of one level.
+#[derive(Clone, Copy, Debug)]
+struct Range {
+    from_m: f64,
+    to_m: f64,
+}
+
+impl Range {
+    const ALL: Self = Self { from_m: 0.0, to_m: f64::INFINITY };
+
+    fn holds(&self, distance_m: f64) -> bool {
+        self.from_m <= distance_m && distance_m < self.to_m
+    }
+}
+
 /// The pieces of a model as mesh numbers and joints, and how far they reach around its origin.
 #[derive(Clone, Debug)]
 struct Pieces {
-    pieces: Arc<[(u32, Joint)]>,
+    pieces: Arc<[(u32, Joint, Range)]>,
     rig: Option<Arc<Rig>>,
     reach_m: f64,
 }
@@ -80,6 +98,9 @@ impl Pieces {
 
 /// The lights that work sites are lit with.
 const WORK_LIGHT: &str = "prop.construction_light";
+
+/// Shadows of what stands still are those of its meshes at this distance, metres, whoever looks.
+const STILL_M: f64 = 40.0;
 
 /// Bounding radius of somebody with limbs, as a share of the sum of length, width and height.
 const RIGGED_REACH: f64 = 1.0;
@@ -130,8 +151,8 @@ impl Library {
         // A bone is nowhere farther than the box and a stride let it be.
         let mut reach = if made.rig.is_some() { RIGGED_REACH * size.iter().sum::<f64>() } else { 0.0 };
         let mut shared: Vec<(Arc<TriMesh>, u32)> = Vec::new();
-        let mut pieces = Vec::with_capacity(made.pieces.len());
-        for piece in made.pieces {
+        let mut pieces = Vec::new();
+        for (seen, piece) in levels(made.pieces, made.coarser) {
             let joint_m = f64::from(piece.joint.at().length());
             let radius = piece.mesh.positions.iter().map(|p| p.length_squared()).fold(0.0, f32::max).sqrt();
             reach = reach.max(joint_m + f64::from(radius));
@@ -143,7 +164,7 @@ impl Library {
                 shared.push((Arc::clone(&piece.mesh), index));
                 index
             });
-            pieces.push((index, piece.joint));
+            pieces.push((index, piece.joint, seen));
         }
         let entry = Pieces { pieces: pieces.into(), rig: made.rig, reach_m: reach };
         self.models.insert(key, entry.clone());
@@ -194,6 +215,8 @@ impl SceneWorld {
             let fixed = Fixed {
                 mesh,
                 object,
+                object_m: origin_m,
+                seen: Range::ALL,
                 origin_m,
                 rotation: Mat3A::IDENTITY,
                 paint: [0.5; 3],
@@ -222,13 +245,15 @@ impl SceneWorld {
         let pose = Pose::<World, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
         let rotation = rotation(&pose);
         let posture = model.posed(Posture::default());
-        for (mesh, joint) in model.pieces.iter() {
+        for (mesh, joint, seen) in model.pieces.iter() {
             let Some(joint) = joint.object_from_piece(&posture) else { continue };
             let offset = rotation * joint.translation;
             let origin_m = [0, 1, 2].map(|k| actor.xyz_m[k] + f64::from(offset[k]));
             let fixed = Fixed {
                 mesh: *mesh,
                 object: actor.id,
+                object_m: actor.xyz_m,
+                seen: *seen,
                 origin_m,
                 rotation: rotation * joint.matrix3,
                 paint,
@@ -290,7 +315,8 @@ impl SceneWorld {
             StaticLights::Building if moment.frame.building_lights => lights::BUILDING,
             _ => 0,
         };
-        let mut instances = self.fixed_around(&origin, centre_world_m, radius_m, burning);
+        let level = |fixed: &Fixed| fixed.seen.holds(distance_m(fixed.object_m, centre_world_m));
+        let mut instances = self.fixed_around(&origin, centre_world_m, radius_m, level, burning);
         let mut previous: Vec<&StateRow> = moment.previous.iter().collect();
         previous.sort_by_key(|s| s.id);
         let mut states: Vec<&StateRow> = moment.states.iter().collect();
@@ -309,7 +335,11 @@ impl SceneWorld {
             let [posture, posture_before] =
                 [state, before].map(|state| mover.model.posed(Posture::from(state)));
             let lamps = flashing(state, moment.frame.time_s);
-            for (mesh, joint) in mover.model.pieces.iter() {
+            let distance_m = distance_m(state.xyz_m, centre_world_m);
+            for (mesh, joint, seen) in mover.model.pieces.iter() {
+                if !seen.holds(distance_m) {
+                    continue;
+                }
                 let Some(piece_now) = joint.object_from_piece(&posture) else { continue };
                 // A door that was still closed has swung from there.
                 let piece_then = joint.object_from_piece(&posture_before).unwrap_or_else(|| joint.at_rest());
@@ -327,11 +357,13 @@ impl SceneWorld {
         Snapshot { origin, meshes: self.meshes(), instances }
     }
 
-    /// What never moves within `radius_m` (by bounding spheres) of a place, by id and piece; no lamp burns.
+    /// What never moves within `radius_m` (by bounding spheres) of a place, by id and piece, as detailed as it is at
+    /// [`STILL_M`]; no lamp burns.
     #[must_use]
     pub fn still(&self, centre_world_m: [f64; 3], radius_m: f64) -> Snapshot {
         let origin = LocalOrigin::near(centre_world_m);
-        let instances = self.fixed_around(&origin, centre_world_m, radius_m, |_| 0);
+        let instances =
+            self.fixed_around(&origin, centre_world_m, radius_m, |fixed| fixed.seen.holds(STILL_M), |_| 0);
         Snapshot { origin, meshes: self.meshes(), instances }
     }
 
@@ -346,11 +378,12 @@ impl SceneWorld {
         origin: &LocalOrigin,
         centre_world_m: [f64; 3],
         radius_m: f64,
+        level: impl Fn(&Fixed) -> bool,
         burning: impl Fn(&Fixed) -> u32,
     ) -> Vec<Instance> {
         let zero = origin.world_xyz();
         let near = self.fixed.iter().zip(&self.spheres);
-        near.filter(|(_, sphere)| sphere.reaches(centre_world_m, radius_m))
+        near.filter(|(fixed, sphere)| sphere.reaches(centre_world_m, radius_m) && level(fixed))
             .map(|(fixed, _)| {
                 let translation = Vec3A::from_array([0, 1, 2].map(|k| (fixed.origin_m[k] - zero[k]) as f32));
                 let pose = Affine3A { matrix3: fixed.rotation, translation };
@@ -366,6 +399,21 @@ impl SceneWorld {
             })
             .collect()
     }
+}
+
+fn distance_m(a: [f64; 3], b: [f64; 3]) -> f64 {
+    [0, 1, 2].map(|k| (a[k] - b[k]) * (a[k] - b[k])).iter().sum::<f64>().sqrt()
+}
+
+/// The pieces of all levels, each with the distances at which it is there.
+fn levels(nearest: Vec<Piece>, coarser: Vec<Coarser>) -> Vec<(Range, Piece)> {
+    let mut levels = vec![(0.0, nearest)];
+    levels.extend(coarser.into_iter().map(|level| (level.from_m, level.pieces)));
+    let ends: Vec<f64> = levels.iter().skip(1).map(|(from_m, _)| *from_m).chain([f64::INFINITY]).collect();
+    let ranged = levels.into_iter().zip(ends);
+    ranged
+        .flat_map(|((from_m, pieces), to_m)| pieces.into_iter().map(move |p| (Range { from_m, to_m }, p)))
+        .collect()
 }
 
 /// The objects that layers of the ground are.
