@@ -70,7 +70,7 @@ rules! {
     Gnss "gnss": "fixes equal the pose within 6.5 standard deviations, exactly (1e-6 m) without noise",
     Imu "imu": "readings equal the change of the pose within 6.5 standard deviations, exactly (1e-4) without noise",
     RadarPresence "radar presence": "every radar has a return in every frame, as readers of the published set expect",
-    RadarVelocity "radar velocity": "a return's velocity is that of the body hit within 0.05 m/s, of people on foot, who sway, within 0.6 m/s and a quarter of their speed",
+    RadarVelocity "radar velocity": "a return's velocity is that of the body hit within 0.05 m/s",
     Statistics "statistics": "the dataset's tables of boxes, cells and voxels equal a recount",
 }
 

@@ -4,21 +4,36 @@ use std::sync::Arc;
 
 use people::{Bone, Figure, Seat, Walker};
 use schema::Tag;
+use solids::Detail;
 
-use crate::pieces::{ActorMesh, Joint, Piece};
+use crate::pieces::{ActorMesh, Coarser, Joint, Piece};
 use crate::rig::Rig;
+
+/// Distances from which people are made of fewer triangles, metres: what outlines are off by then is less than a pixel of a
+/// picture of a thousand pixels a radian.
+const LEVELS: [(f64, Detail); 2] = [(12.0, Detail::Half), (32.0, Detail::Coarse)];
 
 /// A walker with a rig.
 pub(crate) fn walker(walker: Walker) -> ActorMesh {
     let pieces = walker.meshes().iter();
     let pieces = pieces.map(|(bone, mesh)| Piece { mesh: Arc::clone(mesh), joint: Joint::Bone(*bone) });
-    ActorMesh { pieces: pieces.collect(), rig: Some(Arc::new(Rig::Walks(walker))), ..ActorMesh::default() }
+    let coarser = coarser(walker.figure(), Tag::Pedestrian, &[]);
+    ActorMesh { pieces: pieces.collect(), coarser, rig: Some(Arc::new(Rig::Walks(walker))) }
 }
 
 /// The pieces of somebody's body.
-pub(crate) fn body(figure: &Figure, tag: Tag) -> impl Iterator<Item = Piece> {
-    let meshes = figure.meshes(tag).into_iter();
+pub(crate) fn body(figure: &Figure, tag: Tag, detail: Detail) -> impl Iterator<Item = Piece> {
+    let meshes = figure.meshes(tag, detail).into_iter();
     meshes.map(|(bone, mesh)| Piece { mesh: Arc::new(mesh), joint: Joint::Bone(bone) })
+}
+
+/// What stands for somebody far away; what they sit on is there at every distance.
+pub(crate) fn coarser(figure: &Figure, tag: Tag, seat: &[Piece]) -> Vec<Coarser> {
+    let level = |(from_m, detail)| {
+        let pieces = seat.iter().cloned().chain(body(figure, tag, detail)).collect();
+        Coarser { from_m, pieces }
+    };
+    LEVELS.map(level).into()
 }
 
 /// Somebody so tall that, sitting, the head's highest point is at a height.
@@ -27,7 +42,7 @@ pub(crate) fn fitted(mut figure: Figure, seat: impl Fn(&Figure) -> Seat, top_m: 
         let sits = seat(&figure);
         let bones = figure.seated(&sits);
         let head = bones.object_from_bone(Bone::Head);
-        let meshes = figure.meshes(Tag::Rider);
+        let meshes = figure.meshes(Tag::Rider, Detail::Full);
         let points = meshes.iter().filter(|(bone, _)| *bone == Bone::Head).flat_map(|(_, m)| &m.positions);
         let high = points.map(|p| head.transform_point3(*p).z).fold(f32::NEG_INFINITY, f32::max);
         let by = (top_m - sits.hips.z) / (high - sits.hips.z).max(0.1);

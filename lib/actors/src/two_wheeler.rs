@@ -7,9 +7,9 @@ use people::{Figure, Look, Seat};
 use schema::geometry::{Part, Surface};
 use schema::models::{self, BaseType, Model};
 use schema::{Tag, lights};
-use solids::MeshBuilder;
+use solids::{Detail, MeshBuilder};
 
-use crate::bodies::{body, fitted};
+use crate::bodies::{body, coarser, fitted};
 use crate::pieces::{ActorMesh, Joint, Piece};
 use crate::rig::{PEDAL_M, Pedals, Rider, Rig};
 use crate::wheel;
@@ -23,8 +23,9 @@ pub(crate) fn two_wheeler(model: &Model, size: Vec3, variant: u32) -> ActorMesh 
     let figure = Figure::new(Look::new(model, variant).riding(!bicycle), 1.72);
     let mut rider = Rider { figure, seat: rides.seat, pedals: rides.pedals };
     rider.figure = fitted(figure, |_| rides.seat, size.z);
-    pieces.extend(body(&rider.figure, Tag::Rider));
-    ActorMesh { pieces, rig: Some(Arc::new(Rig::Rides(rider))), ..ActorMesh::default() }
+    let coarser = coarser(&rider.figure, Tag::Rider, &pieces);
+    pieces.extend(body(&rider.figure, Tag::Rider, Detail::Full));
+    ActorMesh { pieces, coarser, rig: Some(Arc::new(Rig::Rides(rider))) }
 }
 
 /// One that nobody sits on. `ridden` is the same with its rider, by whose height its parts are where they are.

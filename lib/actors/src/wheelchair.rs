@@ -7,9 +7,9 @@ use people::{Figure, Look, Seat};
 use schema::Tag;
 use schema::geometry::{Part, Surface};
 use schema::models::Model;
-use solids::MeshBuilder;
+use solids::{Detail, MeshBuilder};
 
-use crate::bodies::{body, fitted};
+use crate::bodies::{body, coarser, fitted};
 use crate::pieces::{ActorMesh, Joint, Piece};
 use crate::rig::{Pusher, Rig};
 use crate::wheel;
@@ -79,7 +79,8 @@ pub(crate) fn wheelchair(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
         elbows: Vec3::new(-1.0, 0.10, -0.2),
     };
     let figure = fitted(Figure::new(Look::new(model, variant).seated(), 1.65), |_| sits, size.z);
-    pieces.extend(body(&figure, Tag::Pedestrian));
+    let coarser = coarser(&figure, Tag::Pedestrian, &pieces);
+    pieces.extend(body(&figure, Tag::Pedestrian, Detail::Full));
     let pusher = Pusher { figure, seat: sits, axle, rim_m: radius - 0.02, aside_m: wheel_y - 0.045 };
-    ActorMesh { pieces, rig: Some(Arc::new(Rig::Pushes(pusher))), ..ActorMesh::default() }
+    ActorMesh { pieces, coarser, rig: Some(Arc::new(Rig::Pushes(pusher))) }
 }

@@ -5,6 +5,7 @@ use frames::Aabb;
 use glam::Vec3;
 use schema::geometry::TriMesh;
 use schema::models::{BaseType, MODELS, Model};
+use solids::Detail;
 
 use super::*;
 
@@ -261,5 +262,38 @@ fn somebody_on_a_seat_reaches_what_they_hold() {
         let ball = Vec3::new(figure.ball, 0.0, -figure.ankle);
         let ball = bones.object_from_bone(side.leg()[2]).transform_point3(ball);
         assert!((ball - seat.balls[k]).length() < 0.002, "{ball}");
+    }
+}
+
+/// Six times the volume that a mesh's triangles enclose is the sum of their corners' triple products.
+fn volume_m3(mesh: &TriMesh) -> f32 {
+    let six = |[a, b, c]: [Vec3; 3]| a.dot(b.cross(c));
+    (0..mesh.triangles.len()).map(|t| six(mesh.corners(t))).sum::<f32>() / 6.0
+}
+
+#[test]
+fn far_away_people_are_as_large_of_fewer_triangles() {
+    for (name, who) in everybody() {
+        let near = bounds(&who, 0.0, 0.0);
+        let bones = who.figure().walking(0.0, 0.0);
+        let of = |detail| who.figure().meshes(schema::Tag::Pedestrian, detail);
+        let count = |made: &[(Bone, TriMesh)]| made.iter().map(|(_, m)| m.triangles.len()).sum::<usize>();
+        let volume = |made: &[(Bone, TriMesh)]| made.iter().map(|(_, m)| volume_m3(m)).sum::<f32>();
+        let full = of(Detail::Full);
+        for (detail, most, thin, off_m) in
+            [(Detail::Half, 0.6, 0.9, 0.02), (Detail::Coarse, 0.22, 0.75, 0.05)]
+        {
+            let made = of(detail);
+            let share = count(&made) as f32 / count(&full) as f32;
+            assert!(share < most, "{name} {detail:?}: {share} of the triangles");
+            let thick = volume(&made) / volume(&full);
+            assert!((thin..1.15).contains(&thick), "{name} {detail:?}: {thick} of the volume");
+            let far = made.iter().fold(Aabb::EMPTY, |far, (bone, mesh)| {
+                let pose = bones.object_from_bone(*bone);
+                mesh.positions.iter().fold(far, |far, p| far.with(pose.transform_point3(*p)))
+            });
+            let off = (far.min - near.min).abs().max((far.max - near.max).abs());
+            assert!(off.max_element() < off_m, "{name} {detail:?}: {off} off");
+        }
     }
 }

@@ -7,6 +7,7 @@ use glam::{Vec3, Vec3A};
 use schema::Tag;
 use schema::geometry::TriMesh;
 use schema::models::Model;
+use solids::Detail;
 
 use crate::figure::{Bone, Bones, Figure};
 use crate::look::Look;
@@ -35,8 +36,11 @@ impl Walker {
     pub fn of_height(model: &Model, variant: u32, height_m: f32) -> Self {
         let look = Look::new(model, variant);
         let mut figure = Figure::new(look, height_m / (1.0 + Figure::hat_share(&look)));
-        let meshes: Arc<[(Bone, Arc<TriMesh>)]> =
-            figure.meshes(Tag::Pedestrian).into_iter().map(|(bone, mesh)| (bone, Arc::new(mesh))).collect();
+        let meshes: Arc<[(Bone, Arc<TriMesh>)]> = figure
+            .meshes(Tag::Pedestrian, Detail::Full)
+            .into_iter()
+            .map(|(bone, mesh)| (bone, Arc::new(mesh)))
+            .collect();
         let outer: Arc<[(Bone, Vec<Vec3A>)]> =
             meshes.iter().map(|(bone, mesh)| (*bone, outermost(mesh))).collect();
         // The box stands about the origin: what reaches farther back than ahead moves the body ahead.

@@ -163,6 +163,17 @@ pub struct Instance {
     pub glow: [f32; 3],
 }
 
+/// How an object moves as a whole, whatever its limbs and wheels do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObjectMotion {
+    /// Whose.
+    pub object: ObjectId,
+    /// Where it is now: object frame to the snapshot's local frame.
+    pub local_from_object: Affine3A,
+    /// Where it was one frame period ago, in the same local frame.
+    pub previous_local_from_object: Affine3A,
+}
+
 /// The world at one instant, near one place: the triangles that every sensor and label is computed from.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
@@ -172,9 +183,18 @@ pub struct Snapshot {
     pub meshes: Arc<[Arc<TriMesh>]>,
     /// All instances, in a fixed order.
     pub instances: Vec<Instance>,
+    /// Motions of the objects that may move, by id ascending. Others stand still.
+    pub motions: Vec<ObjectMotion>,
 }
 
 impl Snapshot {
+    /// How an object moves, if it may.
+    #[must_use]
+    pub fn motion(&self, object: ObjectId) -> Option<&ObjectMotion> {
+        let at = self.motions.binary_search_by_key(&object, |motion| motion.object).ok()?;
+        Some(&self.motions[at])
+    }
+
     /// The mesh of an instance.
     #[must_use]
     pub fn mesh(&self, instance: &Instance) -> &TriMesh {

@@ -79,13 +79,26 @@ pub fn radar(
     let before = Vec3::from(motion.previous_local_from_sensor.translation);
     let velocity = (origin - before) / FRAME_PERIOD_S as f32;
     let snapshot = scene.snapshot();
-    let bodies = bodies(&snapshot.instances);
     let echo = |(ray, hit): (&Drawn, &Option<Hit>)| {
         let hit = (*hit).filter(|hit| hit.t <= ray.limit_m)?;
         let struck = Struck::new(snapshot, &hit)?;
-        let at = hit.instance as usize;
-        let moves = &snapshot.instances[if spec.micro_motion { at } else { bodies[at] }];
-        let moved = way_of(&snapshot.instances[at], moves, struck.position_object(&hit));
+        let part = &snapshot.instances[hit.instance as usize];
+        let moved = if spec.micro_motion {
+            way_of(
+                [&part.local_from_object, &part.previous_local_from_object],
+                part,
+                struck.position_object(&hit),
+            )
+        } else {
+            let motion = snapshot.motion(part.object);
+            motion.map_or(Vec3::ZERO, |m| {
+                way_of(
+                    [&m.local_from_object, &m.previous_local_from_object],
+                    part,
+                    struck.position_object(&hit),
+                )
+            })
+        };
         let cos_angle = f64::from(struck.normal_local.dot(ray.direction).abs().min(1.0));
         let range_m = f64::from(hit.t);
         let patch_m2 = echo::cross_section_m2(struck.part, ray.solid_angle_sr, range_m, cos_angle);
@@ -139,19 +152,9 @@ impl FromIterator<Return> for RadarReturns {
     }
 }
 
-/// The body that each instance is a part of: the first one of those of an object, which follow one another.
-fn bodies(instances: &[Instance]) -> Vec<usize> {
-    let mut bodies: Vec<usize> = Vec::with_capacity(instances.len());
-    for (at, instance) in instances.iter().enumerate() {
-        let first = bodies.last().copied().filter(|&body| instances[body].object == instance.object);
-        bodies.push(first.unwrap_or(at));
-    }
-    bodies
-}
-
-/// How far a point of a part has moved in the last frame period, as a point of the body that `moves`, local frame, metres.
-fn way_of(part: &Instance, moves: &Instance, position_part: Vec3) -> Vec3 {
-    let (now, before) = (&moves.local_from_object, &moves.previous_local_from_object);
+/// How far a point of a part has moved in the last frame period, as a point of what is now at the one and was before at the
+/// other of two poses, local frame, metres.
+fn way_of([now, before]: [&Affine3A; 2], part: &Instance, position_part: Vec3) -> Vec3 {
     let place = if part.local_from_object == *now {
         position_part
     } else {

@@ -4,6 +4,7 @@ mod smooth;
 
 use std::f32::consts::TAU;
 
+use frames::Aabb;
 use frames::math::f32::sin_cos;
 use glam::Vec3;
 use schema::geometry::{Part, TriMesh};
@@ -19,16 +20,52 @@ pub enum Detail {
     /// Close by.
     #[default]
     Full,
-    /// Some 20 to 60 metres away: outlines are the same.
+    /// Some 10 to 30 metres away.
     Half,
-    /// Farther away: what there is to see of it on a picture of a thousand pixels a radian.
+    /// Farther away.
     Coarse,
+}
+
+impl Detail {
+    /// All, the finest first.
+    pub const ALL: [Self; 3] = [Self::Full, Self::Half, Self::Coarse];
+
+    /// Solids whose longest edge is shorter than this are left out, metres.
+    #[must_use]
+    pub fn least_m(self) -> f32 {
+        match self {
+            Self::Full => 0.0,
+            Self::Half => 0.035,
+            Self::Coarse => 0.12,
+        }
+    }
+
+    /// How far outlines may be from those close by, metres.
+    #[must_use]
+    pub fn tolerance_m(self) -> f32 {
+        match self {
+            Self::Full => 0.0,
+            Self::Half => 0.006,
+            Self::Coarse => 0.025,
+        }
+    }
+
+    /// Corners of something round that has `full` of them close by.
+    #[must_use]
+    pub fn sides(self, full: usize) -> usize {
+        match self {
+            Self::Full => full,
+            Self::Half => full.min(5).max((2 * full).div_ceil(3)),
+            Self::Coarse => full.min(4).max(full.div_ceil(2).min(5)),
+        }
+    }
 }
 
 /// A mesh in the making. Solids added to it are closed and face outward.
 #[derive(Clone, Debug, Default)]
 pub struct MeshBuilder {
     mesh: TriMesh,
+    detail: Detail,
 }
 
 impl MeshBuilder {
@@ -36,6 +73,23 @@ impl MeshBuilder {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// Nothing yet; bars and round bodies have as many corners as that is worth, and small ones are left out.
+    #[must_use]
+    pub fn at(detail: Detail) -> Self {
+        Self { detail, ..Self::default() }
+    }
+
+    /// How fine it is.
+    #[must_use]
+    pub fn detail(&self) -> Detail {
+        self.detail
+    }
+
+    /// Whether a solid that reaches so far along the axes is worth being there.
+    fn is_worth(&self, extent_m: Vec3) -> bool {
+        extent_m.max_element() >= self.detail.least_m()
     }
 
     /// Whether nothing was added.
@@ -84,6 +138,12 @@ impl MeshBuilder {
     /// rings `k` and `k + 1`, from point `j` to the next; `caps` those of the first and last ring.
     pub fn loft(&mut self, rings: &[Vec<Vec3>], side: impl Fn(usize, usize) -> Part, caps: [Part; 2]) {
         let Some(n) = rings.first().map(Vec::len) else { return };
+        if self.detail > Detail::Full {
+            let bounds = Aabb::from_points(rings.iter().flatten());
+            if !self.is_worth(bounds.max - bounds.min) {
+                return;
+            }
+        }
         let ids: Vec<Vec<u32>> =
             rings.iter().map(|ring| ring.iter().map(|p| self.vertex(*p)).collect()).collect();
         for (k, pair) in ids.windows(2).enumerate() {
@@ -130,6 +190,7 @@ impl MeshBuilder {
         let helper = if axis.z.abs() < 0.9 { Vec3::Z } else { Vec3::X };
         let u = axis.cross(helper).normalize_or(Vec3::Y);
         let v = axis.cross(u);
+        let sides = self.detail.sides(sides);
         let ring = |centre: Vec3, radius: f32| -> Vec<Vec3> {
             circle(sides).map(|(c, s)| centre + radius * (c * u + s * v)).collect()
         };
@@ -168,7 +229,11 @@ impl MeshBuilder {
         sides: usize,
         bump: impl Fn(usize, usize) -> f32,
     ) {
-        let rings = rings.max(2);
+        if !self.is_worth(2.0 * half) {
+            return;
+        }
+        let (finest, sides) = (rings.max(2), self.detail.sides(sides));
+        let rings = if self.detail == Detail::Full { finest } else { self.detail.sides(finest).max(2) };
         let index = self.part_index(part);
         let bottom = self.vertex(centre - Vec3::Z * half.z * bump(0, 0));
         let mut previous: Vec<u32> = Vec::new();

@@ -1,12 +1,13 @@
 //! Small meshes, and snapshots of them.
 
+use std::collections::BTreeMap;
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
 use frames::LocalOrigin;
 use frames::math::f32::sin_cos;
 use glam::{Affine3A, Vec3};
-use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
+use schema::geometry::{Instance, ObjectMotion, Part, Snapshot, Surface, TriMesh};
 use schema::{ObjectId, Tag};
 
 /// Collects triangles part by part.
@@ -120,10 +121,21 @@ pub fn instance(mesh: u32, object: ObjectId, local_from_object: Affine3A) -> Ins
     }
 }
 
-/// The world around the world's origin.
+/// The world around the world's origin; an object moves as its first instance does.
 #[must_use]
 pub fn snapshot(meshes: Vec<Arc<TriMesh>>, instances: Vec<Instance>) -> Snapshot {
-    Snapshot { origin: LocalOrigin::near([0.0; 3]), meshes: meshes.into(), instances }
+    let motions = motions(&instances);
+    Snapshot { origin: LocalOrigin::near([0.0; 3]), meshes: meshes.into(), instances, motions }
+}
+
+fn motions(instances: &[Instance]) -> Vec<ObjectMotion> {
+    let bodies: BTreeMap<ObjectId, &Instance> = instances.iter().rev().map(|i| (i.object, i)).collect();
+    let motion = |(object, body): (ObjectId, &Instance)| ObjectMotion {
+        object,
+        local_from_object: body.local_from_object,
+        previous_local_from_object: body.previous_local_from_object,
+    };
+    bodies.into_iter().map(motion).collect()
 }
 
 #[cfg(test)]

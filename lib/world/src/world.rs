@@ -7,7 +7,7 @@ use actors::{Coarser, Joint, Piece, Posture, Rig, actor_mesh};
 use frames::math::f32::pow;
 use frames::{LocalOrigin, Object, Pose, World};
 use glam::{Affine3A, Mat3A, Quat, Vec3A};
-use schema::geometry::{Instance, Snapshot, SurfaceMesh, TriMesh};
+use schema::geometry::{Instance, ObjectMotion, Snapshot, SurfaceMesh, TriMesh};
 use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
 use schema::{ActorKind, Layer, ObjectId, SignalState, lights, street_lamps};
 
@@ -322,6 +322,7 @@ impl SceneWorld {
         let mut states: Vec<&StateRow> = moment.states.iter().collect();
         states.sort_by_key(|s| s.id);
         states.dedup_by_key(|s| s.id);
+        let mut motions = Vec::new();
         for state in states {
             let Some(mover) = self.movers.get(&state.id) else { continue };
             let sphere = Sphere { centre: state.xyz_m, radius: mover.model.reach_m };
@@ -335,6 +336,11 @@ impl SceneWorld {
             let [posture, posture_before] =
                 [state, before].map(|state| mover.model.posed(Posture::from(state)));
             let lamps = flashing(state, moment.frame.time_s);
+            motions.push(ObjectMotion {
+                object: state.id,
+                local_from_object: now,
+                previous_local_from_object: then,
+            });
             let distance_m = distance_m(state.xyz_m, centre_world_m);
             for (mesh, joint, seen) in mover.model.pieces.iter() {
                 if !seen.holds(distance_m) {
@@ -354,7 +360,7 @@ impl SceneWorld {
                 });
             }
         }
-        Snapshot { origin, meshes: self.meshes(), instances }
+        Snapshot { origin, meshes: self.meshes(), instances, motions }
     }
 
     /// What never moves within `radius_m` (by bounding spheres) of a place, by id and piece, as detailed as it is at
@@ -364,7 +370,7 @@ impl SceneWorld {
         let origin = LocalOrigin::near(centre_world_m);
         let instances =
             self.fixed_around(&origin, centre_world_m, radius_m, |fixed| fixed.seen.holds(STILL_M), |_| 0);
-        Snapshot { origin, meshes: self.meshes(), instances }
+        Snapshot { origin, meshes: self.meshes(), instances, motions: Vec::new() }
     }
 
     /// Whether an object may move; if not it is among what stands [`still`](Self::still).

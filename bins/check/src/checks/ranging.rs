@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use schema::{FRAME_PERIOD_S, Tag};
+use schema::FRAME_PERIOD_S;
 
 use super::cameras::{Sight, depth_m};
 use super::clouds::{Cloud, Kind, OfSurface, SIGMAS};
@@ -17,9 +17,6 @@ const DEPTH: [f64; 2] = [0.05, 0.005];
 const FEW: u64 = 12;
 /// Radial velocities may differ by this, m/s.
 const VELOCITY_MPS: f64 = 0.05;
-/// The same of people on foot, and so much of their speed more: their trunks sway about where the log has them.
-const SWAYING_MPS: f64 = 0.6;
-const SWAYING_SHARE: f64 = 0.25;
 
 /// Where a return falls into the middle of an object's pixels, their depths hold its own; what one of both sees past the
 /// other's edge is why more than half of an object's returns count.
@@ -97,9 +94,7 @@ pub(crate) fn check_velocity(
         let off = (wanted - f64::from(velocity)).abs();
         let (all, bad, worst) = by_object.entry(*id).or_insert((0, 0, 0.0));
         *all += 1;
-        let sways = scene.actors.get(id).is_some_and(|actor| actor.tags.contains(&(Tag::Pedestrian as u8)));
-        let swaying_mps = SWAYING_MPS + SWAYING_SHARE * norm(sub(point, was)) / FRAME_PERIOD_S;
-        if !within(off, if sways { swaying_mps } else { VELOCITY_MPS }) {
+        if !within(off, VELOCITY_MPS) {
             *bad += 1;
             *worst = worst.max(off);
         }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use schema::geometry::{Part, Surface};
-use solids::MeshBuilder;
+use solids::{Detail, MeshBuilder};
 
 use super::shape::{Slice, lofted, round, slice, solid};
 use super::stuffs::Stuffs;
@@ -204,8 +204,10 @@ pub(super) fn shin(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
 
 pub(super) fn foot(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
     let (h, a) = (f.stature, f.ankle);
+    // Far away it is a foot with toes.
+    let long = if b.detail() == Detail::Coarse { (f.toe - 0.012 * h) / (0.060 * h) } else { 1.0 };
     let cut = |z: f32, front: f32, back: f32, half: f32| {
-        slice(z * a, front * h, back * h, half * h).at(0.012 * h, 0.0)
+        slice(z * a, long * front * h, back * h, half * h).at(0.012 * h, 0.0)
     };
     let sole = Part::new(s.tag, Surface::Rubber, f.look.shoe_rgb.map(|c| 0.35 * c));
     let slices = [
@@ -220,6 +222,9 @@ pub(super) fn foot(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
 }
 
 pub(super) fn toes(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
+    if b.detail() == Detail::Coarse {
+        return;
+    }
     let (h, a) = (f.stature, f.ankle);
     let tip = f.toe - f.ball;
     let cut = |z: f32, front: f32, back: f32, half: f32| slice(z * a, front * tip, back * h, half * h);

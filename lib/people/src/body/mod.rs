@@ -9,20 +9,20 @@ mod torso;
 use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Part, Surface, TriMesh};
-use solids::MeshBuilder;
+use solids::{Detail, MeshBuilder};
 
 use self::stuffs::Stuffs;
 use crate::figure::{Bone, Figure, Side};
 use crate::look::Carried;
 
 impl Figure {
-    /// The meshes of the body in the frames of its bones; all parts carry the tag.
+    /// The meshes of the body in the frames of its bones; all parts carry the tag. At [`Detail::Coarse`], feet have no toes.
     #[must_use]
-    pub fn meshes(&self, tag: Tag) -> Vec<(Bone, TriMesh)> {
+    pub fn meshes(&self, tag: Tag, detail: Detail) -> Vec<(Bone, TriMesh)> {
         let stuffs = Stuffs::new(&self.look, tag);
         let mut made: Vec<(Bone, TriMesh)> = Vec::new();
         let mut add = |bone: Bone, fill: &dyn Fn(&mut MeshBuilder)| {
-            let mut b = MeshBuilder::new();
+            let mut b = MeshBuilder::at(detail);
             fill(&mut b);
             if !b.is_empty() {
                 made.push((bone, b.finish()));

@@ -223,6 +223,7 @@ mod tests {
                 place(1, -30.0, 8.0),
                 place(2, 60.0, -40.0),
             ],
+            motions: Vec::new(),
         }
     }
 

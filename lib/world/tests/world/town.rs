@@ -150,6 +150,24 @@ fn state(frame: i32, id: u16, x: f64, phase_rad: f32) -> StateRow {
 }
 
 #[test]
+fn who_is_far_away_is_made_of_fewer_triangles() {
+    let mut walker = car(7);
+    let model = schema::models::find("walker.man").unwrap();
+    (walker.model, walker.kind) = (model.name.to_owned(), ActorKind::Walker);
+    [walker.length_m, walker.width_m, walker.height_m] = model.size_m;
+    let world = SceneWorld::new(&[walker], Vec::new()).unwrap();
+    let states = [state(0, 7, 0.0, 0.0)];
+    let moment = Moment { states: &states, previous: &[], signals: &[], frame: &FrameRow::default() };
+    let triangles = |x: f64| {
+        let snapshot = world.snapshot(&moment, [x, 0.0, 0.0], 400.0);
+        snapshot.instances.iter().map(|i| snapshot.mesh(i).triangles.len()).sum::<usize>()
+    };
+    let counts = [0.0, 10.0, 14.0, 30.0, 34.0, 300.0].map(triangles);
+    assert_eq!([counts[0], counts[2], counts[4]], [counts[1], counts[3], counts[5]]);
+    assert!(counts[0] > counts[2] && counts[2] > counts[4] && counts[4] > 0, "{counts:?}");
+}
+
+#[test]
 fn moving_actors_carry_their_previous_place() {
     let world = SceneWorld::new(&[car(7), car(9)], Vec::new()).unwrap();
     let states = [state(0, 9, 5.0, 0.0), state(0, 7, 10.0, 0.5), state(0, 400, 0.0, 0.0)];
@@ -285,7 +303,8 @@ fn the_motion_of_a_walker_is_that_of_its_limbs() {
     // And two alike share their meshes.
     let pair = [walker.clone(), ActorRow { id: 8, ..walker }];
     let world = SceneWorld::new(&pair, Vec::new()).unwrap();
-    assert_eq!(world.meshes().len(), body.meshes().len());
+    let alone = SceneWorld::new(&pair[..1], Vec::new()).unwrap();
+    assert_eq!(world.meshes().len(), alone.meshes().len());
     let gait_mps = 1.3f32;
     let (step_m, stride_m) = (0.05 * f64::from(gait_mps), f64::from(body.figure().stride_m(gait_mps)));
     let frame = FrameRow::default();
