@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use arguments::viz::ShownBoxes;
 use export_core::SceneSource;
 use frames::Sensor;
 use nalgebra::{Isometry3, Point3};
@@ -19,10 +20,8 @@ use crate::error::VizError;
 pub(crate) struct Wants {
     /// Tables of sensors, by name.
     pub(crate) sensors: Vec<String>,
-    /// Boxes.
-    pub(crate) boxes: bool,
-    /// Those that the agent did not see, too.
-    pub(crate) all_boxes: bool,
+    /// Which boxes.
+    pub(crate) boxes: ShownBoxes,
 }
 
 /// What an agent has of a frame.
@@ -62,7 +61,7 @@ pub(crate) struct Feed {
     sensors: Vec<SensorEntry>,
     readings: Vec<(String, Readings, Vec<ColourBy>)>,
     boxes: Option<BoxFrames>,
-    all_boxes: bool,
+    shown: ShownBoxes,
 }
 
 impl Feed {
@@ -85,8 +84,8 @@ impl Feed {
             };
             readings.push((entry.name.clone(), open, unknown_colours(source, agent, entry)?));
         }
-        let boxes = if wants.boxes { Some(source.boxes(agent)?) } else { None };
-        Ok(Self { agent, position, rows, sensors, readings, boxes, all_boxes: wants.all_boxes })
+        let boxes = if wants.boxes == ShownBoxes::None { None } else { Some(source.boxes(agent)?) };
+        Ok(Self { agent, position, rows, sensors, readings, boxes, shown: wants.boxes })
     }
 
     /// What its sensors say of themselves.
@@ -136,7 +135,7 @@ impl Feed {
             let labelled = boxes.at(frame)?;
             found.box_count = labelled.len();
             let shapes = labelled.iter().filter_map(shape_of);
-            found.boxes = shapes.filter(|(_, is_seen)| *is_seen || self.all_boxes).collect();
+            found.boxes = shapes.filter(|(_, is_seen)| *is_seen || self.shown == ShownBoxes::All).collect();
         }
         Ok(found)
     }

@@ -4,7 +4,7 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-use arguments::viz::FilmArgs;
+use arguments::viz::{FilmArgs, ShownBoxes};
 use mapview::{FilmWriter, RasterError};
 use pictures::{Canvas, Panel, Sheet, draw_sheet};
 use pipeline::{OutputFile, say};
@@ -35,7 +35,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), VizError> {
     let (_, agent) = session.agent(args.agent)?;
     let modes = shown(modes_of(&session.source, agent)?);
     let frames = frames(&session, agent, &modes, args.every)?;
-    let mut feeds = session.feeds(&wants(&session, agent, &modes, args.common.all_boxes)?)?;
+    let mut feeds = session.feeds(&wants(&session, agent, &modes, args.common.boxes())?)?;
     let write = |source| VizError::Write { path: args.out.clone(), source };
     let mut file = BufWriter::new(OutputFile::begin(&args.out).map_err(write)?);
     let step_s = f64::from(frames.get(1).map_or(args.every, |second| second - frames[0])) * FRAME_PERIOD_S;
@@ -131,7 +131,7 @@ fn wants(
     session: &Session,
     agent: AgentId,
     modes: &[Mode],
-    all_boxes: bool,
+    boxes: ShownBoxes,
 ) -> Result<Vec<(AgentId, Wants)>, VizError> {
     let mut wants = Vec::new();
     for other in session.source.agents() {
@@ -140,7 +140,7 @@ fn wants(
             let cameras = sensor_names(session, *other, SensorKind::Image(ImageKind::Rgb))?;
             sensors.extend(cameras.into_iter().filter(|name| modes.iter().any(|m| m.name() == *name)));
         }
-        wants.push((*other, Wants { sensors, boxes: true, all_boxes }));
+        wants.push((*other, Wants { sensors, boxes }));
     }
     Ok(wants)
 }

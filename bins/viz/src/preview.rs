@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use arguments::viz::PreviewArgs;
+use arguments::viz::{PreviewArgs, ShownBoxes};
 use export_core::SceneSource;
 use pictures::{Canvas, Panel, Reach, Sheet, draw_sheet};
 use pipeline::{OutputFile, say};
@@ -42,7 +42,7 @@ pub(crate) fn run(args: &PreviewArgs) -> Result<(), VizError> {
     let (_, agent) = session.agent(args.agent)?;
     let frame = session.frame(args.frame.unwrap_or(session.middle_frame()))?;
     let modes = modes_of(&session.source, agent)?;
-    let mut feeds = session.feeds(&wants(&session, agent, args.common.all_boxes)?)?;
+    let mut feeds = session.feeds(&wants(&session, agent, args.common.boxes())?)?;
     let make = |frame: u32, agents: &[AgentFrame], rigs: &[crate::feed::Rig]| {
         let desk = Desk { session: &session, frame, agents, rigs, colour: None };
         sheet_of(&desk, agent, &modes, args.width)
@@ -60,14 +60,14 @@ fn write(path: &Path, ending: &str, canvas: &Canvas) -> Result<(), VizError> {
 }
 
 /// The agent's colour images, and the lidars of all.
-fn wants(session: &Session, agent: AgentId, all_boxes: bool) -> Result<Vec<(AgentId, Wants)>, VizError> {
+fn wants(session: &Session, agent: AgentId, boxes: ShownBoxes) -> Result<Vec<(AgentId, Wants)>, VizError> {
     let mut wants = Vec::new();
     for other in session.source.agents() {
         let mut sensors = sensor_names(session, *other, SensorKind::Lidar)?;
         if *other == agent {
             sensors.extend(sensor_names(session, *other, SensorKind::Image(ImageKind::Rgb))?);
         }
-        wants.push((*other, Wants { sensors, boxes: true, all_boxes }));
+        wants.push((*other, Wants { sensors, boxes }));
     }
     Ok(wants)
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use arguments::viz::VizArgs;
+use arguments::viz::{ShownBoxes, VizArgs};
 use pictures::{Canvas, ColourBy};
 use pipeline::{OutputFile, SceneList, say};
 use scene::SensorKind;
@@ -34,7 +34,7 @@ pub(crate) fn run(args: &VizArgs) -> Result<(), VizError> {
     }
     let dest = args.dest.as_deref().unwrap_or(Path::new("."));
     let frames = frames(&session, args.frames.as_ref(), args.every)?;
-    let mut feeds = session.feeds(&wants(&session, &wanted, args.common.all_boxes)?)?;
+    let mut feeds = session.feeds(&wants(&session, &wanted, args.common.boxes())?)?;
     let colour = args.colour;
     let mut written = 0_u64;
     let made = for_frames(
@@ -141,7 +141,7 @@ fn may_have(mode: &Mode, by: ColourBy) -> bool {
 }
 
 /// What must be read for some pictures: of all agents, where one of them shows all.
-fn wants(session: &Session, wanted: &[Wanted], all_boxes: bool) -> Result<Vec<(AgentId, Wants)>, VizError> {
+fn wants(session: &Session, wanted: &[Wanted], boxes: ShownBoxes) -> Result<Vec<(AgentId, Wants)>, VizError> {
     let shows_all = wanted.iter().flat_map(|(_, modes)| modes).any(Mode::is_of_all);
     let mut wants = Vec::new();
     for agent in session.source.agents() {
@@ -163,7 +163,7 @@ fn wants(session: &Session, wanted: &[Wanted], all_boxes: bool) -> Result<Vec<(A
         if shows_all {
             names.extend(sensor_names(session, *agent, SensorKind::Lidar)?);
         }
-        wants.push((*agent, Wants { sensors: names, boxes: true, all_boxes }));
+        wants.push((*agent, Wants { sensors: names, boxes }));
     }
     Ok(wants)
 }

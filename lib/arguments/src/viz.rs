@@ -56,6 +56,33 @@ pub struct CommonArgs {
     /// Draw boxes that the agent did not see, too.
     #[arg(long)]
     pub all_boxes: bool,
+    /// Draw no boxes: pictures are then as cameras took them.
+    #[arg(long, conflicts_with = "all_boxes")]
+    pub no_boxes: bool,
+}
+
+/// Which boxes are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ShownBoxes {
+    /// None.
+    #[default]
+    None,
+    /// Those of objects that the agent saw.
+    Seen,
+    /// All.
+    All,
+}
+
+impl CommonArgs {
+    /// Which boxes are drawn.
+    #[must_use]
+    pub fn boxes(&self) -> ShownBoxes {
+        match (self.no_boxes, self.all_boxes) {
+            (true, _) => ShownBoxes::None,
+            (false, true) => ShownBoxes::All,
+            (false, false) => ShownBoxes::Seen,
+        }
+    }
 }
 
 /// What to draw.

@@ -105,6 +105,20 @@ pub(crate) fn camera(s: &Section<'_>, d: &CameraSettings) -> CameraSettings {
             0.9,
             "share of the light that RGB images lose in their corners",
         ),
+        white_balance: s.number(
+            "white_balance",
+            d.white_balance,
+            0.0,
+            1.0,
+            "how far the colour of the light is taken out of RGB images",
+        ),
+        bloom: s.number(
+            "bloom",
+            d.bloom,
+            0.0,
+            0.5,
+            "share of the light beyond white that the lens scatters over RGB images",
+        ),
         noise: s.number("noise", d.noise, 0.0, 10.0, "noise of RGB images, times that of a usual chip"),
         jpeg_quality: s.integer(
             "jpeg_quality",

@@ -13,6 +13,10 @@ pub struct CameraSettings {
     pub f_stop: f64,
     /// Share of the light that RGB images lose in their corners (0.2).
     pub vignetting: f64,
+    /// How far the colour of the light is taken out of RGB images, 0 to 1 (0.6).
+    pub white_balance: f64,
+    /// Share of the light beyond white that the lens scatters over RGB images (0.03).
+    pub bloom: f64,
     /// Noise of RGB images, times that of a usual chip (1).
     pub noise: f64,
     /// JPEG quality of the RGB images, 1 to 100 (80).
@@ -33,6 +37,8 @@ impl Default for CameraSettings {
         Self {
             f_stop: 1.8,
             vignetting: 0.2,
+            white_balance: 0.6,
+            bloom: 0.03,
             noise: 1.0,
             jpeg_quality: 80,
             boxes_2d: false,

@@ -33,6 +33,25 @@ impl Film {
         Self((0..entries).map(code).collect())
     }
 
+    /// The film value of each code: the middle of those that come out so.
+    pub(super) fn values(&self) -> Vec<f32> {
+        let at = |i: usize| f32::from_bits(LEAST.to_bits() + ((i as u32) << SHIFT));
+        let value = |code: u8| {
+            let first = self.0.partition_point(|c| *c < code);
+            let next = self.0.partition_point(|c| *c <= code);
+            // White has no upper end.
+            if code == u8::MAX { at(first) } else { 0.5 * (at(first) + at(next)) }
+        };
+        (0..=u8::MAX).map(value).collect()
+    }
+
+    /// The code of one film value.
+    #[inline]
+    pub(super) fn code(&self, value: f32) -> u8 {
+        let bits = value.max(LEAST).to_bits().min(MOST.to_bits() - 1);
+        self.0.get(((bits - LEAST.to_bits()) >> SHIFT) as usize).copied().unwrap_or(255)
+    }
+
     /// The film value of each code, and how many codes lie in a film value there.
     pub(super) fn slopes() -> Vec<(f64, f64)> {
         let film = |code: f64| {
@@ -47,8 +66,8 @@ impl Film {
         (0..=255)
             .map(|code| {
                 let code = f64::from(code);
-                // White has no upper neighbour.
-                let (below, above) = ((code - 0.5).max(0.0), (code + 0.5).min(254.5));
+                // White has no upper neighbour: there it is as steep as before.
+                let (below, above) = ((code - 0.5).clamp(0.0, 253.5), (code + 0.5).min(254.5));
                 (film(code.min(254.5)), (above - below).max(0.5) / (film(above) - film(below)).max(1e-6))
             })
             .collect()

@@ -1,6 +1,7 @@
 //! Cameras: one look at the scene, and the images that are made of it.
 
 mod antialias;
+mod bloom;
 mod boxes_2d;
 mod colour;
 mod depth;

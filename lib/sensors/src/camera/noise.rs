@@ -116,6 +116,13 @@ mod tests {
     }
 
     #[test]
+    fn white_stays_nearly_white() {
+        let noisy = Noise::new(1.0).on(&grey(255, 1200), &Stream::new(1, 2, "test", 3), 5);
+        let least = noisy.rgb.iter().min().expect("has pixels");
+        assert!(*least > 230, "{least}");
+    }
+
+    #[test]
     fn frames_differ_and_none_is_none() {
         let stream = Stream::new(1, 2, "test", 3);
         let noise = Noise::new(1.0);

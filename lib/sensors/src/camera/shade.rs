@@ -7,6 +7,7 @@ use renderer::{Bend, Facet as Triangle, SurfacePoints, Surfaces, VisibilityBuffe
 use schema::geometry::Snapshot;
 
 use super::antialias::smooth_edges;
+use super::bloom::{blocks, bloom, gather};
 use super::film::Film;
 use super::picture::Picture;
 use super::rain::draw_rain;
@@ -26,7 +27,9 @@ impl Picture {
     ) -> Self {
         let width = buffer.width as usize;
         let mut rgb = vec![0u8; 3 * buffer.instance.len()];
-        let exposure = lighting.sky.exposure(view.settings.f_stop);
+        let blocks = blocks(width);
+        let mut bright = vec![Vec3::ZERO; blocks * buffer.height as usize];
+        let exposure = lighting.exposure.per_radiance(view.settings.f_stop);
         let mut ambient = lighting.sky.ambient;
         ambient[0] += lighting.sky.bounced_klx();
         let shader = Shader {
@@ -39,25 +42,28 @@ impl Picture {
             camera: Vec3::from(buffer.camera.local_from_optical.translation),
             film: Film::new(),
             vignette: Vignette::new(buffer.width, buffer.height, view.settings.vignetting as f32),
+            balance: lighting.exposure.balance(view.settings.white_balance),
             hazy: !lighting.fog.is_clear(),
             veil: lighting.fog.rgb * exposure,
             ambient: ambient.map(|a| a * (exposure / std::f32::consts::PI)),
             key: lighting.sky.key_klx * (exposure / std::f32::consts::PI),
         };
         let surfaces = Surfaces::new(buffer, snapshot);
-        rgb.par_chunks_mut(3 * width).enumerate().for_each(|(y, row)| {
+        let rows = rgb.par_chunks_mut(3 * width).zip(bright.par_chunks_mut(blocks));
+        rows.enumerate().for_each(|(y, (row, bright))| {
             let row = row.as_chunks_mut::<3>().0;
             surfaces.for_each_span(y as u32, |columns, triangle| {
                 let pixels = &mut row[columns.start as usize..columns.end as usize];
-                let span = Span { first: columns.start, y: y as u32, pixels };
+                let span = Span { first: columns.start, y: y as u32, pixels, bright };
                 match triangle {
                     Some(triangle) => shader.paint(span, triangle),
                     None => shader.paint_sky(span),
                 }
             });
         });
-        let electrons = lighting.sky.electrons();
+        let electrons = lighting.exposure.electrons();
         let mut picture = Self { width: buffer.width, height: buffer.height, rgb, electrons };
+        bloom(&mut picture, &shader.film, &bright, view.settings.bloom as f32);
         smooth_edges(&mut picture);
         if lighting.rain > 0.0 {
             draw_rain(&mut picture, (&view.model, buffer), lighting.rain, lighting.around.world_from_local_m);
@@ -71,6 +77,8 @@ struct Span<'p> {
     first: u32,
     y: u32,
     pixels: &'p mut [[u8; 3]],
+    /// What is brighter than white in the blocks of the row.
+    bright: &'p mut [Vec3],
 }
 
 impl Span<'_> {
@@ -151,6 +159,8 @@ struct Shader<'a> {
     camera: Vec3,
     film: Film,
     vignette: Vignette,
+    /// What makes white things white.
+    balance: Vec3,
     hazy: bool,
     /// Film value of fog.
     veil: Vec3,
@@ -210,7 +220,9 @@ impl Shader<'_> {
     #[inline]
     fn develop(&self, value: Vec3s, span: &mut Span<'_>, from: usize) {
         let passes = self.vignette.passes(&span.columns(from, 1), span.y);
-        self.film.develop(&(value * passes), &mut span.pixels[from..]);
+        let seen = value * Vec3s::splat(self.balance) * passes;
+        gather(&seen, span.first as usize + from, span.pixels.len() - from, span.bright);
+        self.film.develop(&seen, &mut span.pixels[from..]);
     }
 
     /// The light at some places.
@@ -227,7 +239,11 @@ impl Shader<'_> {
         let lamps = if light.lamps.is_empty() {
             Vec3s::default()
         } else {
-            let klx = light.lamps.illuminance(positions, run.normal);
+            let normals = match &run.bend {
+                Some(bend) if !run.facet.is_leaf() => bend.normals(points.position_object),
+                _ => Vec3s::splat(run.normal),
+            };
+            let klx = light.lamps.illuminance(positions, &normals);
             klx * Lanes::splat(self.exposure / std::f32::consts::PI)
         };
         let light = Light {

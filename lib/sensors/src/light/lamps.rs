@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 
 use glam::Vec3;
-use lanes::{Lanes, Vec3s, Words, floor_words};
+use lanes::{LANES, Lanes, Vec3s, Words, floor_words};
 use schema::geometry::{Snapshot, Surface, TriMesh};
 use schema::lights;
+
+use super::math::luminance;
 
 /// Half width of the area around an agent in which lamps give light, metres.
 const AREA_M: f32 = 96.0;
@@ -15,13 +17,18 @@ const CELLS: usize = (2.0 * AREA_M / CELL_M) as usize;
 /// Most lamps that light a cell: the strongest there.
 const PER_CELL: usize = 10;
 
+/// Film is not made for brighter spots than this, kilolux.
+const SPOT_KLX: f32 = 0.05;
+
 /// How a lamp spreads its light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Beam {
     /// Downwards, widely.
     Street,
-    /// Along the direction, narrowly.
-    Head,
+    /// Ahead and on the road: dipped.
+    Low,
+    /// Far ahead.
+    High,
     /// Everywhere.
     Glow,
 }
@@ -30,9 +37,11 @@ enum Beam {
 #[derive(Clone, Copy, Debug)]
 struct Lamp {
     position: Vec3,
+    /// Where it points, and what is up for it.
     direction: Vec3,
+    up: Vec3,
     beam: Beam,
-    /// Intensity along the direction, kilocandela (kilolux at a metre).
+    /// Kilocandela (kilolux at a metre): of beams of headlights their colour.
     rgb: Vec3,
     radius_m: f32,
 }
@@ -94,13 +103,33 @@ impl Lamps {
         Self { lamps, corner, entries, starts }
     }
 
+    /// What they give the ground around a place in the mean, kilolux; a bright spot counts for little.
+    pub(crate) fn on_the_ground(&self, centre: Vec3) -> Vec3 {
+        if self.is_empty() {
+            return Vec3::ZERO;
+        }
+        const SIDE: usize = LANES;
+        const APART_M: f32 = 8.0;
+        let along = |i: usize| (i as f32 - 0.5 * (SIDE - 1) as f32) * APART_M;
+        let mut sum = Vec3::ZERO;
+        for row in 0..SIDE {
+            let places = Vec3s::from_fn(|i| centre + Vec3::new(along(i), along(row), 0.0));
+            let klx = self.illuminance(&places, &Vec3s::splat(Vec3::Z));
+            for i in 0..SIDE {
+                let here = klx.lane(i);
+                sum += here * (SPOT_KLX / luminance(here).max(SPOT_KLX));
+            }
+        }
+        sum / (SIDE * SIDE) as f32
+    }
+
     /// Whether none burns near by.
     pub(crate) fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
-    /// Illuminance of places of one surface by the lamps around, kilolux.
-    pub(crate) fn illuminance(&self, positions: &Vec3s, normal: Vec3) -> Vec3s {
+    /// Illuminance of places of surfaces that look along the normals by the lamps around, kilolux.
+    pub(crate) fn illuminance(&self, positions: &Vec3s, normals: &Vec3s) -> Vec3s {
         let cell = |v: Lanes, corner: f32| (v - corner) * (1.0 / CELL_M);
         let (x, y) = (cell(positions.x, self.corner.x), cell(positions.y, self.corner.y));
         let limit = CELLS as f32;
@@ -117,7 +146,7 @@ impl Lamps {
             let entries = self.starts[cell as usize] as usize..self.starts[cell as usize + 1] as usize;
             let mut of_cell = Vec3s::default();
             for &index in &self.entries[entries] {
-                self.lamps[usize::from(index)].add_to(&mut of_cell, positions, normal);
+                self.lamps[usize::from(index)].add_to(&mut of_cell, positions, normals);
             }
             sum += of_cell.or(Lanes::from_bits(here) & inside, Vec3s::default());
         }
@@ -126,12 +155,12 @@ impl Lamps {
 }
 
 impl Lamp {
-    /// Adds its light on places of one surface.
+    /// Adds its light on places of surfaces.
     #[inline]
-    fn add_to(&self, sum: &mut Vec3s, positions: &Vec3s, normal: Vec3) {
+    fn add_to(&self, sum: &mut Vec3s, positions: &Vec3s, normals: &Vec3s) {
         let to = Vec3s::splat(self.position) - *positions;
         let r2 = to.length_squared();
-        let facing = to.dot(Vec3s::splat(normal));
+        let facing = to.dot(*normals);
         let reach2 = self.radius_m * self.radius_m;
         let reached = facing.simd_gt(0.0) & r2.simd_lt(reach2);
         if reached.none() {
@@ -139,15 +168,15 @@ impl Lamp {
         }
         let r2 = r2.fast_max(Lanes::splat(0.04));
         let r = r2.sqrt();
-        let cos = to.dot(Vec3s::splat(-self.direction)) / r;
-        let ahead = cos.fast_max(Lanes::ZERO);
+        let along = |axis: Vec3| to.dot(Vec3s::splat(-axis)) / r;
         let spread = match self.beam {
-            Beam::Street => ahead * (1.4 - cos * 0.8),
-            Beam::Head => {
-                // Half the intensity at 12 degrees, a faint wide skirt.
-                let narrow = (cos * 0.1 + 0.9).fast_max(Lanes::ZERO);
-                let lobe = ((ahead - 0.85) * (1.0 / 0.15)).fast_max(Lanes::ZERO);
-                lobe * lobe * lobe * (narrow * narrow) + ahead * ahead * 0.02
+            Beam::Street => {
+                let cos = along(self.direction);
+                cos.fast_max(Lanes::ZERO) * (1.4 - cos * 0.8)
+            }
+            Beam::Low | Beam::High => {
+                let left = self.up.cross(self.direction);
+                self.headlight([self.direction, left, self.up].map(along))
             }
             Beam::Glow => Lanes::ONE,
         };
@@ -155,6 +184,37 @@ impl Lamp {
         let window = 1.0 - r2 * (1.0 / reach2);
         let strength = spread * facing / (r * r2) * (window * window);
         *sum += Vec3s::splat(self.rgb) * reached.select(strength, Lanes::ZERO);
+    }
+}
+
+/// A headlight's lobe by tangents of angles from its middle, each over its half width.
+#[inline]
+fn lobe(across: Lanes, over: Lanes) -> Lanes {
+    let fall = 1.0 / (across * across + over * over + 1.0);
+    fall * fall
+}
+
+impl Lamp {
+    /// Intensity of one headlight, kilocandela, by cosines of the angles between a direction and ahead, left and up.
+    ///
+    /// As UN Regulation 112 draws passing beams for right-hand traffic: below a cut-off 0.6 degrees under the horizon that rises by
+    /// 15 degrees on the right, brightest close under it, little above. Driving beams have their middle on the horizon.
+    #[inline]
+    fn headlight(&self, [ahead, left, up]: [Lanes; 3]) -> Lanes {
+        let forward = ahead.fast_max(Lanes::splat(0.05));
+        let (h, v) = (left / forward, up / forward);
+        let skirt = ahead.fast_max(Lanes::ZERO);
+        let skirt = skirt * skirt * 0.25;
+        if self.beam == Beam::High {
+            return lobe(h * (1.0 / 0.10), v * (1.0 / 0.06)) * 24.0
+                + lobe(h * (1.0 / 0.40), (v + 0.05) * (1.0 / 0.10)) * 4.0
+                + skirt;
+        }
+        let rise = (h * -0.268).fast_clamp(Lanes::ZERO, Lanes::splat(0.05));
+        let below = ((rise - 0.010 - v) * (1.0 / 0.010) + 0.5).fast_clamp(Lanes::ZERO, Lanes::ONE);
+        let near = lobe((h + 0.03) * (1.0 / 0.14), (v + 0.026) * (1.0 / 0.030)) * 9.0;
+        let wide = lobe(h * (1.0 / 0.50), (v + 0.07) * (1.0 / 0.09)) * 2.5;
+        (near + wide) * below * skirt.simd_gt(0.0).select(Lanes::ONE, Lanes::ZERO) + skirt
     }
 }
 
@@ -182,17 +242,16 @@ fn burning(snapshot: &Snapshot, centre: Vec3) -> Vec<Lamp> {
                 let glow = Vec3::from_array(instance.glow);
                 (Beam::Street, glow * 0.75, reach_m(glow.max_element()), -Vec3::Z)
             } else if on & (lights::LOW_BEAM | lights::HIGH_BEAM) != 0 {
-                // Dipped by two degrees.
-                let ahead = pose.transform_vector3(Vec3::new(0.999, 0.0, -0.035));
-                let strength = if on & lights::HIGH_BEAM != 0 { 14.0 } else { 7.0 };
-                (Beam::Head, warm(fitting.rgb) * strength, 48.0, ahead)
+                let beam = if on & lights::HIGH_BEAM != 0 { Beam::High } else { Beam::Low };
+                (beam, warm(fitting.rgb), 64.0, pose.transform_vector3(Vec3::X))
             } else if on & lights::EMERGENCY != 0 {
                 (Beam::Glow, fitting.rgb * 0.12, 16.0, Vec3::Z)
             } else {
                 (Beam::Glow, fitting.rgb * 0.012, 6.0, Vec3::Z)
             };
             let position = pose.transform_point3(fitting.centre);
-            lamps.push(Lamp { position, direction, beam, rgb, radius_m });
+            let up = pose.transform_vector3(Vec3::Z);
+            lamps.push(Lamp { position, direction, up, beam, rgb, radius_m });
         }
     }
     lamps
@@ -208,19 +267,21 @@ fn warm(rgb: Vec3) -> Vec3 {
     rgb / rgb.max_element().max(1e-3)
 }
 
-/// The lamp parts of a mesh. Separate lamps of one part (a pair of headlights) count as one between them.
+/// The lamp parts of a mesh. Separate lamps of one part count as one between them; headlights left and right are two.
 fn fittings_of(mesh: &TriMesh) -> Vec<Fitting> {
-    let mut sums: BTreeMap<u8, (Vec3, f32)> = BTreeMap::new();
+    let mut sums: BTreeMap<(u8, bool), (Vec3, f32)> = BTreeMap::new();
     for (triangle, &part) in mesh.triangle_part.iter().enumerate() {
-        if let Some(Surface::Lamp(_)) = mesh.parts.get(usize::from(part)).map(|p| p.surface) {
+        if let Some(Surface::Lamp(bits)) = mesh.parts.get(usize::from(part)).map(|p| p.surface) {
             let [a, b, c] = mesh.corners(triangle);
             let area = (b - a).cross(c - a).length();
-            let sum = sums.entry(part).or_insert((Vec3::ZERO, 0.0));
-            sum.0 += (a + b + c) * (area / 3.0);
+            let middle = (a + b + c) / 3.0;
+            let on_right = bits & (lights::LOW_BEAM | lights::HIGH_BEAM) != 0 && middle.y < -0.1;
+            let sum = sums.entry((part, on_right)).or_insert((Vec3::ZERO, 0.0));
+            sum.0 += middle * area;
             sum.1 += area;
         }
     }
-    let fitting = |(part, (sum, area)): (u8, (Vec3, f32))| {
+    let fitting = |((part, _), (sum, area)): ((u8, bool), (Vec3, f32))| {
         let part = &mesh.parts[usize::from(part)];
         let Surface::Lamp(bits) = part.surface else { return None };
         (area > 0.0).then(|| Fitting { centre: sum / area, bits, rgb: Vec3::from_array(part.rgb) })
@@ -236,6 +297,7 @@ mod tests {
         let lamp = Lamp {
             position: Vec3::new(0.0, 0.0, 6.0),
             direction: -Vec3::Z,
+            up: Vec3::X,
             beam,
             rgb: Vec3::ONE,
             radius_m: 30.0,
@@ -251,7 +313,7 @@ mod tests {
     /// The light on one place, asked for among others.
     fn at(lamps: &Lamps, position: Vec3, normal: Vec3) -> Vec3 {
         let places = Vec3s::from_fn(|i| position + Vec3::X * (i as f32 - 3.0) * 20.0);
-        lamps.illuminance(&places, normal).lane(3)
+        lamps.illuminance(&places, &Vec3s::splat(normal)).lane(3)
     }
 
     #[test]
@@ -275,13 +337,14 @@ mod tests {
         let centre = Vec3::new(11.0, -7.0, 0.5);
         for round in 0..20 {
             let mut uniform = |low: f64, high: f64| stream.uniform(low, high) as f32;
-            let beams = [Beam::Street, Beam::Head, Beam::Glow];
+            let beams = [Beam::Street, Beam::Low, Beam::High, Beam::Glow];
             let lamps: Vec<Lamp> = (0..PER_CELL)
                 .map(|i| Lamp {
                     position: centre
                         + Vec3::new(uniform(-110.0, 110.0), uniform(-110.0, 110.0), uniform(0.5, 9.0)),
                     direction: Vec3::new(uniform(-1.0, 1.0), uniform(-1.0, 1.0), -0.3).normalize(),
-                    beam: beams[(i + round) % 3],
+                    up: Vec3::Z,
+                    beam: beams[(i + round) % 4],
                     rgb: Vec3::new(uniform(0.1, 9.0), uniform(0.1, 9.0), uniform(0.1, 9.0)),
                     radius_m: uniform(5.0, 60.0),
                 })
@@ -294,9 +357,10 @@ mod tests {
                 });
                 let normal =
                     Vec3::new(uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0)).normalize();
+                let normals = Vec3s::splat(normal);
                 let mut every = Vec3s::default();
-                lamps.iter().for_each(|lamp| lamp.add_to(&mut every, &places, normal));
-                let ours = by_cells.illuminance(&places, normal);
+                lamps.iter().for_each(|lamp| lamp.add_to(&mut every, &places, &normals));
+                let ours = by_cells.illuminance(&places, &normals);
                 for lane in 0..lanes::LANES {
                     let (a, b) = (ours.lane(lane), every.lane(lane));
                     // Other orders of adding round otherwise.
@@ -312,9 +376,38 @@ mod tests {
     fn beams_point() {
         let street = one(Beam::Street);
         assert_eq!(at(&street, Vec3::new(2.0, 0.0, 7.0), -Vec3::X), Vec3::ZERO);
-        let head = one(Beam::Head);
-        let on_axis = at(&head, Vec3::ZERO, Vec3::Z).x;
-        let aside = at(&head, Vec3::new(5.0, 0.0, 0.0), Vec3::Z).x;
-        assert!(on_axis > 8.0 * aside);
+    }
+
+    #[test]
+    fn dipped_beams_end_at_a_line_that_rises_on_the_right() {
+        // A lamp 0.65 m up that looks along x at a wall 10 m away.
+        let lamp = |beam| Lamp {
+            position: Vec3::new(0.0, 0.0, 0.65),
+            direction: Vec3::X,
+            up: Vec3::Z,
+            beam,
+            rgb: Vec3::ONE,
+            radius_m: 1000.0,
+        };
+        let wall = |beam, y: f32, z: f32| {
+            let mut sum = Vec3s::default();
+            lamp(beam).add_to(&mut sum, &Vec3s::splat(Vec3::new(10.0, y, z)), &Vec3s::splat(-Vec3::X));
+            sum.lane(0).x
+        };
+        let low = |y, z| wall(Beam::Low, y, z);
+        // The line is 10 cm below the lamp; within 10 cm the light falls to a twentieth.
+        let (below, above) = (low(0.0, 0.40), low(0.0, 0.66));
+        assert!(below > 20.0 * above, "{below} {above}");
+        // On the left it is level, on the right it rises by 0.27 m a metre.
+        assert!(low(1.5, 0.66) < 1.2 * above);
+        assert!(low(-1.5, 0.66) > 5.0 * above && low(-1.5, 1.15) < 1.5 * above);
+        // Kilolux at 10 m are kilocandela over a hundred: 5 to 20 of a passing beam's brightest spot.
+        let brightest = (0..65).map(|k| low(0.0, 0.01 * k as f32)).fold(0.0f32, f32::max);
+        assert!((0.05..0.20).contains(&brightest), "{brightest}");
+        // Driving beams light what is straight ahead, and nothing lights what is behind.
+        assert!(wall(Beam::High, 0.0, 0.65) > 10.0 * low(0.0, 0.66));
+        let mut behind = Vec3s::default();
+        lamp(Beam::Low).add_to(&mut behind, &Vec3s::splat(Vec3::new(-5.0, 0.0, 0.3)), &Vec3s::splat(Vec3::X));
+        assert_eq!(behind.lane(0), Vec3::ZERO);
     }
 }

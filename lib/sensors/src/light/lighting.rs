@@ -6,6 +6,7 @@ use glam::Vec3;
 use renderer::{RenderError, Scene};
 use schema::tables::Weather;
 
+use super::exposure::Exposure;
 use super::fog::Fog;
 use super::lamps::Lamps;
 use super::shadow::{Caster, Overhead, Shadows, shadows_at};
@@ -38,6 +39,7 @@ pub struct Lighting {
     pub(crate) shadows: Shadows,
     pub(crate) overhead: Overhead,
     pub(crate) lamps: Lamps,
+    pub(crate) exposure: Exposure,
     pub(crate) fog: Fog,
     pub(crate) around: Surroundings,
     /// Rain, 0 to 1.
@@ -80,10 +82,12 @@ impl Lighting {
             || Lamps::new(snapshot, sky.lamps_matter(), centre_local),
         );
         let (shadows, overhead) = shadows?;
+        let exposure = Exposure::new(sky.around_klx, lamps.on_the_ground(centre_local));
         Ok(Self {
             shadows,
             overhead,
             lamps,
+            exposure,
             fog: Fog::new(weather, &sky, centre_local.z),
             around: Surroundings {
                 wetness: share(weather.wetness.max(weather.precipitation * 0.8)),

@@ -4,6 +4,7 @@
 //! sRGB.
 
 mod atmosphere;
+mod exposure;
 mod fog;
 mod lamps;
 mod lens;

@@ -1,4 +1,4 @@
-//! The sky of a frame: clear air, clouds, night glow; what it shines on surfaces; how the film is exposed.
+//! The sky of a frame: clear air, clouds, night glow; what it shines on surfaces.
 
 use glam::{Vec2, Vec3};
 use lanes::{Lanes, Vec3s, exp_neg, floor_words};
@@ -23,14 +23,6 @@ const MOON_UP: f32 = 0.6;
 /// Glow of the night sky and of towns behind the horizon, kcd/m2.
 const NIGHT: Vec3 = Vec3::new(0.000_05, 0.000_075, 0.000_14);
 const TOWN: Vec3 = Vec3::new(0.000_35, 0.000_28, 0.000_22);
-/// Electrons in a full pixel, as chips of 3 micrometres have.
-const FULL_WELL: f32 = 9000.0;
-/// Above this exposure, that of a dull day, pixels are not full any more.
-const FULL_WELL_EXPOSURE: f32 = 0.5;
-/// As few electrons are white by night.
-const LEAST_ELECTRONS: f32 = 1200.0;
-/// What street lighting gives at night, for the exposure, kilolux.
-const STREET_KLX: f32 = 0.007;
 /// Share of direct light that comes back from lit surroundings.
 const BOUNCED: f32 = 0.13;
 /// Radius of the sun's disc, radians, a little enlarged by glare.
@@ -56,8 +48,8 @@ pub struct Sky {
     disc: Vec3,
     /// Illuminance from sky and ground of a surface with normal `n` is `ambient[0] + n . ambient[1..4]`.
     pub(crate) ambient: [Vec3; 4],
-    /// Film value per radiance at f/1.8.
-    exposure: f32,
+    /// What things stand in, those included that stand upright, kilolux.
+    pub(crate) around_klx: Vec3,
     horizontal_klx: f32,
 }
 
@@ -108,14 +100,14 @@ impl Sky {
             key_klx,
             disc: if key_klx == Vec3::ZERO { Vec3::ZERO } else { key_klx * 12.0 },
             ambient: [Vec3::ZERO; 4],
-            exposure: 0.0,
+            around_klx: Vec3::ZERO,
             horizontal_klx: 0.0,
         };
         sky.add_up();
         sky
     }
 
-    /// Works out what the sky gives surfaces, and from it the exposure.
+    /// Works out what the sky gives surfaces.
     fn add_up(&mut self) {
         // Radiance of the upper half weighed by each component of its direction (first-order spherical harmonics).
         let mut linear = [Vec3::ZERO; 3];
@@ -155,28 +147,13 @@ impl Sky {
         self.ambient = [(up + below) * 0.5, linear[0] * 0.5, linear[1] * 0.5, (up - below) * 0.5];
 
         self.horizontal_klx = luminance(up + from_sun);
-        // A grey of 18 % in this light comes out as middle grey; the dark stays a little darker than the day. A low
-        // sun lights what stands upright.
-        let standing = luminance(self.key_klx) * self.key_direction.z.max(0.3);
-        let adapted = luminance(up) + standing + STREET_KLX;
-        let darkness = frames::math::f32::pow((adapted / 100.0).min(1.0), 0.04);
-        self.exposure = 3.7 * darkness / adapted;
+        // A low sun lights what stands upright.
+        self.around_klx = up + self.key_klx * self.key_direction.z.max(0.3);
     }
 
     /// Sunlight that walls and ground throw back into shadows, kilolux: a fixed share.
     pub(crate) fn bounced_klx(&self) -> Vec3 {
         self.key_klx * (BOUNCED * self.key_direction.z.max(0.1))
-    }
-
-    /// Film value per radiance: follows the light by a fixed rule and the aperture, never the picture itself.
-    pub(crate) fn exposure(&self, f_stop: f64) -> f32 {
-        let opening = 1.8 / f_stop.clamp(0.5, 64.0);
-        self.exposure * (opening * opening) as f32
-    }
-
-    /// Electrons that a pixel of film value 1 gathers: all that it has room for by day; in little light, what a long exposure gives.
-    pub(crate) fn electrons(&self) -> u32 {
-        (FULL_WELL * FULL_WELL_EXPOSURE / self.exposure).clamp(LEAST_ELECTRONS, FULL_WELL) as u32
     }
 
     /// Whether the sun or moon is strong enough beside the sky for its shadows to be seen.
