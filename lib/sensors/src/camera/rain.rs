@@ -5,58 +5,72 @@ use renderer::VisibilityBuffer;
 
 use super::model::CameraModel;
 use super::picture::Picture;
+use super::view::CameraView;
 use crate::look::{hash2, unit};
 
-/// Drops at full rain.
-const DROPS: f32 = 2600.0;
-/// Length of a streak: speed times shutter time, metres.
+/// Drops in a cubic metre at full rain: those that are large enough to be seen.
+const DROPS_PER_M3: f32 = 7.0;
+/// How far a drop falls while the shutter is open, metres: 8 m/s for a fiftieth of a second.
 const STREAK_M: f32 = 0.16;
+/// For what part of a frame period the shutter is open.
+const SHUTTER: f32 = 0.4;
 /// Drops nearer are out of focus, farther are fog.
 const NEAREST_M: f32 = 0.7;
 const FARTHEST_M: f32 = 9.0;
 
-/// Draws the streaks of drops that are nearer than the scene. Where they fall depends on the camera's place and
-/// direction alone: a frame rendered twice has the same drops.
-pub(super) fn draw_rain(
-    picture: &mut Picture,
-    (model, buffer): (&CameraModel, &VisibilityBuffer),
-    rain: f32,
-    world_from_local_m: Vec3,
-) {
-    let camera = &buffer.camera;
-    let (width, height) = (picture.width as f32, picture.height as f32);
-    let place = Vec3::from(camera.local_from_optical.translation) + world_from_local_m;
-    let forward = camera.local_from_optical.matrix3.z_axis;
-    let seed = hash2(
-        (place.x * 64.0) as i32 ^ ((forward.x * 512.0) as i32) << 16,
-        (place.y * 64.0) as i32 ^ ((forward.y * 512.0) as i32) << 16,
-        buffer.depth_m.get(buffer.depth_m.len() / 2).map_or(0, |d| d.to_bits()),
-    );
-    let down = camera.local_from_optical.matrix3.transpose() * Vec3::NEG_Z;
-    for drop in 0..(DROPS * rain) as i32 {
-        let number = |salt: i32| unit(hash2(drop, salt, seed));
-        // Evenly by volume up to the farthest: the cube root spreads the distances.
-        let t = number(0);
-        let z = NEAREST_M + (FARTHEST_M - NEAREST_M) * frames::math::cbrt(f64::from(t)) as f32;
-        let start =
-            Vec2::new(number(1) * 1.1 * width - 0.05 * width, number(2) * 1.2 * height - 0.2 * height);
-        let Some(direction) = model.direction(start.x, start.y) else { continue };
-        let tail = direction * z + down * STREAK_M;
-        let (end, is_shown) = model.project(tail);
-        if !is_shown || tail.length() < 0.3 {
+/// Rain at a moment, the same for all cameras that see it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rain {
+    /// 0 to 1.
+    pub(super) strength: f32,
+    /// Number of the frame: in each, other drops fall.
+    pub(super) frame: u32,
+    pub(super) world_from_local_m: Vec3,
+}
+
+/// Draws the streaks of drops that are nearer than what is seen. Drops have their places in the world: two cameras that look
+/// at one see it both, and streaks lean towards a camera that drives.
+pub(super) fn draw_rain(picture: &mut Picture, view: &CameraView, buffer: &VisibilityBuffer, rain: Rain) {
+    let turn = view.local_from_optical.matrix3.transpose();
+    let camera = Vec3::from(view.local_from_optical.translation);
+    let moved = camera - Vec3::from(view.previous_local_from_optical.translation);
+    let way = turn * (Vec3::NEG_Z * STREAK_M - moved * SHUTTER);
+    let place = camera + rain.world_from_local_m;
+    let corner = (place - Vec3::splat(FARTHEST_M)).floor().as_ivec3();
+    let side = 2 * FARTHEST_M as i32 + 1;
+    for i in 0..side * side * side {
+        let cell = corner + glam::IVec3::new(i % side, i / side % side, i / (side * side));
+        let middle = turn * (cell.as_vec3() + Vec3::splat(0.5) - place);
+        if middle.z < 0.0 || middle.length() > FARTHEST_M + 1.0 {
             continue;
         }
-        let strength = 0.12 + 0.3 * number(3) / z.max(1.0);
-        streak(picture, buffer, start, end, z, strength);
+        let seed = hash2(cell.x, cell.y, hash2(cell.z, rain.frame as i32, 0x5bd1));
+        let number = |drop: i32, salt: i32| unit(hash2(drop, salt, seed));
+        for drop in 0..(DROPS_PER_M3 * rain.strength + number(-1, 0)) as i32 {
+            let within = Vec3::new(number(drop, 0), number(drop, 1), number(drop, 2));
+            let start = turn * (cell.as_vec3() + within - place);
+            if start.z < NEAREST_M || start.length() > FARTHEST_M {
+                continue;
+            }
+            if let Some(ends) = shown(&view.model, [start, start + way]) {
+                let strength = 0.12 + 0.3 * number(drop, 3) / start.z.max(1.0);
+                streak(picture, buffer, ends, start.length(), strength);
+            }
+        }
     }
+}
+
+/// Where both ends of a streak (optical frame) fall.
+fn shown(model: &CameraModel, ends: [Vec3; 2]) -> Option<[Vec2; 2]> {
+    let [(from, is_in), (to, is_out)] = ends.map(|end| model.project(end));
+    (is_in && is_out && ends[1].length() > 0.3).then_some([from, to])
 }
 
 /// Lightens a line of pixels, tapered at its ends.
 fn streak(
     picture: &mut Picture,
     buffer: &VisibilityBuffer,
-    from: Vec2,
-    to: Vec2,
+    [from, to]: [Vec2; 2],
     depth_m: f32,
     strength: f32,
 ) {
@@ -76,5 +90,74 @@ fn streak(
             let v = f32::from(*value);
             *value = (v + (v * 0.5 + 120.0 - v).max(18.0) * share).clamp(0.0, 255.0) as u8;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::Affine3A;
+    use schema::settings::{CameraSettings, Optics};
+
+    use super::*;
+
+    /// A black picture from the origin over open ground, looking along x turned by so much, of a camera that moved there.
+    fn wet(yaw_rad: f32, moved: Vec3, frame: u32) -> Picture {
+        let (width, height) = (320, 200);
+        let forward = glam::Mat3::from_cols(Vec3::NEG_Y, Vec3::NEG_Z, Vec3::X);
+        let turn = glam::Mat3::from_rotation_z(yaw_rad) * forward;
+        let at = |place: Vec3| Affine3A::from_mat3_translation(turn, place);
+        let model = CameraModel::new(&Optics::pinhole(width, height, frames::deg(90.0))).expect("is small");
+        let view = CameraView {
+            local_from_optical: at(Vec3::ZERO),
+            previous_local_from_optical: at(-moved),
+            model: Arc::new(model),
+            settings: CameraSettings::default(),
+        };
+        let buffer = VisibilityBuffer::empty(&view.pinhole());
+        let mut picture = Picture { width, height, rgb: vec![0; 3 * 320 * 200], electrons: 1 };
+        let rain = Rain { strength: 0.3, frame, world_from_local_m: Vec3::new(3.2, -7.1, 0.6) };
+        draw_rain(&mut picture, &view, &buffer, rain);
+        picture
+    }
+
+    fn lit(picture: &Picture) -> impl Iterator<Item = (u32, u32)> {
+        let width = picture.width;
+        let pixels = picture.rgb.chunks(3).enumerate();
+        pixels.filter(|(_, p)| p[0] > 0).map(move |(i, _)| (i as u32 % width, i as u32 / width))
+    }
+
+    #[test]
+    fn two_cameras_see_the_same_drops() {
+        let (ahead, aside) = (wet(0.0, Vec3::ZERO, 4), wet(0.5, Vec3::ZERO, 4));
+        // A pixel of the one picture seen by the other, by turning its ray.
+        let other = |(x, y): (u32, u32)| {
+            let (u, v) = ((x as f32 + 0.5 - 160.0) / 160.0, (y as f32 + 0.5 - 100.0) / 160.0);
+            // The ray's way ahead and to the left.
+            let (sin, cos) = frames::math::f32::sin_cos(-0.5);
+            let (ahead, left) = (cos + u * sin, sin - u * cos);
+            let (x, y) = (160.0 - 160.0 * left / ahead, 100.0 + 160.0 * v / ahead);
+            (ahead > 0.1 && (2.0..318.0).contains(&x) && (2.0..198.0).contains(&y))
+                .then_some((x as u32, y as u32))
+        };
+        let seen: std::collections::BTreeSet<_> = lit(&aside).collect();
+        let near =
+            |(x, y): (u32, u32)| (x - 2..=x + 2).any(|x| (y - 2..=y + 2).any(|y| seen.contains(&(x, y))));
+        let (mut both, mut all) = (0, 0);
+        for place in lit(&ahead).filter_map(other) {
+            all += 1;
+            both += u32::from(near(place));
+        }
+        assert!(all > 500 && both * 100 > all * 97, "{both} of {all}");
+        let others = wet(0.0, Vec3::ZERO, 5);
+        assert_ne!(others, ahead, "in the next frame others fall");
+    }
+
+    #[test]
+    fn drops_lean_towards_who_drives() {
+        // From the middle of the picture streaks part when the camera goes ahead: lengths across grow.
+        let width_of = |picture: &Picture| lit(picture).filter(|(x, _)| x.abs_diff(160) > 80).count();
+        assert!(width_of(&wet(0.0, Vec3::X, 4)) > width_of(&wet(0.0, Vec3::ZERO, 4)));
     }
 }

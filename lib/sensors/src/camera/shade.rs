@@ -10,7 +10,7 @@ use super::antialias::smooth_edges;
 use super::bloom::{blocks, bloom, gather};
 use super::film::Film;
 use super::picture::Picture;
-use super::rain::draw_rain;
+use super::rain::{Rain, draw_rain};
 use super::view::CameraView;
 use super::vignette::Vignette;
 use crate::light::{Lighting, Lit};
@@ -66,7 +66,9 @@ impl Picture {
         bloom(&mut picture, &shader.film, &bright, view.settings.bloom as f32);
         smooth_edges(&mut picture);
         if lighting.rain > 0.0 {
-            draw_rain(&mut picture, (&view.model, buffer), lighting.rain, lighting.around.world_from_local_m);
+            let world_from_local_m = lighting.around.world_from_local_m;
+            let rain = Rain { strength: lighting.rain, frame: lighting.frame, world_from_local_m };
+            draw_rain(&mut picture, view, buffer, rain);
         }
         picture
     }

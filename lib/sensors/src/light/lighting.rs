@@ -44,6 +44,8 @@ pub struct Lighting {
     pub(crate) around: Surroundings,
     /// Rain, 0 to 1.
     pub(crate) rain: f32,
+    /// Number of the frame.
+    pub(crate) frame: u32,
 }
 
 impl Lighting {
@@ -95,6 +97,7 @@ impl Lighting {
                 world_from_local_m: wrapped.into(),
             },
             rain: share(weather.precipitation),
+            frame: when.frame,
             sky,
         })
     }
