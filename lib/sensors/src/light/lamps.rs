@@ -1,12 +1,16 @@
 //! Light of lamps: street lamps, headlights, and the glow of other lamps.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use glam::Vec3;
 use lanes::{LANES, Lanes, Vec3s, Words, floor_words};
+use rayon::prelude::*;
+use renderer::{RenderError, Scene};
 use schema::geometry::{Snapshot, Surface, TriMesh};
-use schema::lights;
+use schema::{ObjectId, lights};
 
+use super::headlight::{self, Seen};
 use super::math::luminance;
 
 /// Half width of the area around an agent in which lamps give light, metres.
@@ -19,6 +23,9 @@ const PER_CELL: usize = 10;
 
 /// Film is not made for brighter spots than this, kilolux.
 const SPOT_KLX: f32 = 0.05;
+
+/// So many vehicles around an agent have headlights that things stand in the way of.
+const MOST_SHADED: usize = 8;
 
 /// How a lamp spreads its light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,8 +41,9 @@ enum Beam {
 }
 
 /// One lamp that burns.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Lamp {
+    object: ObjectId,
     position: Vec3,
     /// Where it points, and what is up for it.
     direction: Vec3,
@@ -44,6 +52,8 @@ struct Lamp {
     /// Kilocandela (kilolux at a metre): of beams of headlights their colour.
     rgb: Vec3,
     radius_m: f32,
+    /// What stands in the way of a headlight.
+    seen: Option<Arc<Seen>>,
 }
 
 /// The lamps around an agent, by the place they light.
@@ -64,13 +74,18 @@ struct Fitting {
 }
 
 impl Lamps {
-    pub(crate) fn new(snapshot: &Snapshot, wanted: bool, centre: Vec3) -> Self {
+    /// The lamps of a scene around a place.
+    ///
+    /// # Errors
+    /// The renderer failed.
+    pub(crate) fn new(scene: &dyn Scene, wanted: bool, centre: Vec3) -> Result<Self, RenderError> {
         if !wanted {
-            return Self::default();
+            return Ok(Self::default());
         }
-        let mut lamps = burning(snapshot, centre);
+        let mut lamps = burning(scene.snapshot(), centre);
         lamps.truncate(usize::from(u16::MAX));
-        Self::by_cells(lamps, centre)
+        shade(scene, &mut lamps, centre)?;
+        Ok(Self::by_cells(lamps, centre))
     }
 
     /// Tells which lamps light which cell around a place.
@@ -176,7 +191,9 @@ impl Lamp {
             }
             Beam::Low | Beam::High => {
                 let left = self.up.cross(self.direction);
-                self.headlight([self.direction, left, self.up].map(along))
+                let seen = self.seen.as_ref().map_or(Lanes::ONE, |seen| seen.reaches(positions));
+                headlight::intensity(self.beam == Beam::High, [self.direction, left, self.up].map(along))
+                    * seen
             }
             Beam::Glow => Lanes::ONE,
         };
@@ -184,37 +201,6 @@ impl Lamp {
         let window = 1.0 - r2 * (1.0 / reach2);
         let strength = spread * facing / (r * r2) * (window * window);
         *sum += Vec3s::splat(self.rgb) * reached.select(strength, Lanes::ZERO);
-    }
-}
-
-/// A headlight's lobe by tangents of angles from its middle, each over its half width.
-#[inline]
-fn lobe(across: Lanes, over: Lanes) -> Lanes {
-    let fall = 1.0 / (across * across + over * over + 1.0);
-    fall * fall
-}
-
-impl Lamp {
-    /// Intensity of one headlight, kilocandela, by cosines of the angles between a direction and ahead, left and up.
-    ///
-    /// As UN Regulation 112 draws passing beams for right-hand traffic: below a cut-off 0.6 degrees under the horizon that rises by
-    /// 15 degrees on the right, brightest close under it, little above. Driving beams have their middle on the horizon.
-    #[inline]
-    fn headlight(&self, [ahead, left, up]: [Lanes; 3]) -> Lanes {
-        let forward = ahead.fast_max(Lanes::splat(0.05));
-        let (h, v) = (left / forward, up / forward);
-        let skirt = ahead.fast_max(Lanes::ZERO);
-        let skirt = skirt * skirt * 0.25;
-        if self.beam == Beam::High {
-            return lobe(h * (1.0 / 0.10), v * (1.0 / 0.06)) * 24.0
-                + lobe(h * (1.0 / 0.40), (v + 0.05) * (1.0 / 0.10)) * 4.0
-                + skirt;
-        }
-        let rise = (h * -0.268).fast_clamp(Lanes::ZERO, Lanes::splat(0.05));
-        let below = ((rise - 0.010 - v) * (1.0 / 0.010) + 0.5).fast_clamp(Lanes::ZERO, Lanes::ONE);
-        let near = lobe((h + 0.03) * (1.0 / 0.14), (v + 0.026) * (1.0 / 0.030)) * 9.0;
-        let wide = lobe(h * (1.0 / 0.50), (v + 0.07) * (1.0 / 0.09)) * 2.5;
-        (near + wide) * below * skirt.simd_gt(0.0).select(Lanes::ONE, Lanes::ZERO) + skirt
     }
 }
 
@@ -243,7 +229,7 @@ fn burning(snapshot: &Snapshot, centre: Vec3) -> Vec<Lamp> {
                 (Beam::Street, glow * 0.75, reach_m(glow.max_element()), -Vec3::Z)
             } else if on & (lights::LOW_BEAM | lights::HIGH_BEAM) != 0 {
                 let beam = if on & lights::HIGH_BEAM != 0 { Beam::High } else { Beam::Low };
-                (beam, warm(fitting.rgb), 64.0, pose.transform_vector3(Vec3::X))
+                (beam, warm(fitting.rgb), headlight::REACH_M, pose.transform_vector3(Vec3::X))
             } else if on & lights::EMERGENCY != 0 {
                 (Beam::Glow, fitting.rgb * 0.12, 16.0, Vec3::Z)
             } else {
@@ -251,10 +237,36 @@ fn burning(snapshot: &Snapshot, centre: Vec3) -> Vec<Lamp> {
             };
             let position = pose.transform_point3(fitting.centre);
             let up = pose.transform_vector3(Vec3::Z);
-            lamps.push(Lamp { position, direction, up, beam, rgb, radius_m });
+            let object = instance.object;
+            lamps.push(Lamp { object, position, direction, up, beam, rgb, radius_m, seen: None });
         }
     }
     lamps
+}
+
+/// Finds what stands in the way of the headlights of the vehicles nearest to a place; those farther away shine through things.
+fn shade(scene: &dyn Scene, lamps: &mut [Lamp], centre: Vec3) -> Result<(), RenderError> {
+    // Middle, number of lamps, where they point and what is up.
+    let mut vehicles: BTreeMap<ObjectId, (Vec3, f32, [Vec3; 2])> = BTreeMap::new();
+    for lamp in lamps.iter().filter(|lamp| matches!(lamp.beam, Beam::Low | Beam::High)) {
+        let (sum, count, _) =
+            vehicles.entry(lamp.object).or_insert((Vec3::ZERO, 0.0, [lamp.direction, lamp.up]));
+        (*sum, *count) = (*sum + lamp.position, *count + 1.0);
+    }
+    let mut nearest: Vec<_> =
+        vehicles.into_iter().map(|(object, (sum, count, axes))| (object, sum / count, axes)).collect();
+    let away = |place: Vec3| (place - centre).length_squared();
+    nearest.sort_by(|a, b| away(a.1).total_cmp(&away(b.1)).then(a.0.cmp(&b.0)));
+    nearest.truncate(MOST_SHADED);
+    let seen = |&(object, place, axes): &(ObjectId, Vec3, [Vec3; 2])| {
+        Ok((object, Arc::new(Seen::new(scene, object, place, axes)?)))
+    };
+    let seen: Result<BTreeMap<ObjectId, Arc<Seen>>, RenderError> = nearest.par_iter().map(seen).collect();
+    let seen = seen?;
+    for lamp in lamps.iter_mut().filter(|lamp| matches!(lamp.beam, Beam::Low | Beam::High)) {
+        lamp.seen = seen.get(&lamp.object).cloned();
+    }
+    Ok(())
 }
 
 /// How far a street lamp's light is followed, metres: 30 at the nominal flux, and to the same illuminance at others.
@@ -301,6 +313,8 @@ mod tests {
             beam,
             rgb: Vec3::ONE,
             radius_m: 30.0,
+            object: 1,
+            seen: None,
         };
         Lamps {
             lamps: vec![lamp],
@@ -347,6 +361,8 @@ mod tests {
                     beam: beams[(i + round) % 4],
                     rgb: Vec3::new(uniform(0.1, 9.0), uniform(0.1, 9.0), uniform(0.1, 9.0)),
                     radius_m: uniform(5.0, 60.0),
+                    object: 1,
+                    seen: None,
                 })
                 .collect();
             let by_cells = Lamps::by_cells(lamps.clone(), centre);
@@ -388,6 +404,8 @@ mod tests {
             beam,
             rgb: Vec3::ONE,
             radius_m: 1000.0,
+            object: 1,
+            seen: None,
         };
         let wall = |beam, y: f32, z: f32| {
             let mut sum = Vec3s::default();

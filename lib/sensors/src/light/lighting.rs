@@ -81,9 +81,9 @@ impl Lighting {
             .then_some(Caster { to_light: sky.key_direction, is_steady: when.is_steady });
         let (shadows, lamps) = rayon::join(
             || shadows_at(scene, still, caster, centre_local),
-            || Lamps::new(snapshot, sky.lamps_matter(), centre_local),
+            || Lamps::new(scene, sky.lamps_matter(), centre_local),
         );
-        let (shadows, overhead) = shadows?;
+        let ((shadows, overhead), lamps) = (shadows?, lamps?);
         let exposure = Exposure::new(sky.around_klx, lamps.on_the_ground(centre_local));
         Ok(Self {
             shadows,

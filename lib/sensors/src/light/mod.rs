@@ -6,6 +6,7 @@
 mod atmosphere;
 mod exposure;
 mod fog;
+mod headlight;
 mod lamps;
 mod lens;
 mod lighting;
