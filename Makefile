@@ -164,10 +164,11 @@ towns: build
 	@test -n "$(DEST)" || { echo "say where: make towns DEST=folder"; exit 2; }
 	$(BIN)/convoy towns --dest $(DEST)
 
-# Everybody on a turntable, and strips of a walk and a run, as cameras see them: make gallery [DEST=gallery]
+# Everybody on a turntable, strips of a walk and a run, and every vehicle, as cameras see them: make gallery [DEST=gallery]
 gallery:
 	@mkdir -p $(or $(DEST),gallery)
 	$(CARGO) run --release --locked -p convoy-sensors --example people -- $(or $(DEST),gallery)
+	$(CARGO) run --release --locked -p convoy-sensors --example vehicles -- $(or $(DEST),gallery)
 
 # The pictures of docs/towns, small enough to be kept there, and the page that shows them.
 town-pictures: build

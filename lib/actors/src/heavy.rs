@@ -8,8 +8,8 @@ use schema::models::Model;
 use schema::{Tag, lights};
 
 use crate::pieces::{ActorMesh, Joint, Piece};
-use crate::wheel;
-use solids::MeshBuilder;
+use crate::wheel::{Rim, Wheels};
+use solids::{Detail, MeshBuilder};
 
 /// A box from the rear `x0` to the front `x1` with a band of windows between the heights `glass`, closed, its edges bevelled.
 struct Shell {
@@ -180,7 +180,8 @@ pub(crate) fn truck(model: &Model, size: Vec3) -> ActorMesh {
     lamps(&mut b, tag, half_l, half_w, 0.62, 0.75);
     b.fit(Vec3::new(-half_l, -half_w, 0.33), Vec3::new(half_l, half_w, height));
     let mut pieces = vec![Piece { mesh: Arc::new(b.finish()), joint: Joint::Fixed }];
-    pieces.extend(wheel::wheels(tag, &axles, radius, 0.34, half_w - 0.03));
+    let wheels = Wheels { tag, axles: &axles, radius, width: 0.34, outer_y: half_w - 0.03, rim: Rim::Heavy };
+    pieces.extend(wheels.pieces(Detail::Full));
     ActorMesh::of(pieces)
 }
 
@@ -337,6 +338,7 @@ pub(crate) fn bus(model: &Model, size: Vec3) -> ActorMesh {
     lamps(&mut b, tag, half_l, half_w, 0.62, 0.8);
     b.fit(Vec3::new(-half_l, -half_w, 0.28), Vec3::new(half_l, half_w, height));
     let mut pieces = vec![Piece { mesh: Arc::new(b.finish()), joint: Joint::Fixed }];
-    pieces.extend(wheel::wheels(tag, &axles, radius, 0.32, half_w - 0.03));
+    let wheels = Wheels { tag, axles: &axles, radius, width: 0.32, outer_y: half_w - 0.03, rim: Rim::Heavy };
+    pieces.extend(wheels.pieces(Detail::Full));
     ActorMesh::of(pieces)
 }

@@ -64,6 +64,10 @@ pub struct Piece {
     pub joint: Joint,
 }
 
+/// From these distances on vehicles are half and coarsely detailed, metres.
+pub(crate) const HALF_FROM_M: f64 = 30.0;
+pub(crate) const COARSE_FROM_M: f64 = 80.0;
+
 /// Pieces that stand for an actor who is far away.
 #[derive(Clone, Debug)]
 pub struct Coarser {

@@ -1,85 +1,16 @@
 //! Draws people: `cargo run -p convoy-sensors --example people -- FOLDER`. One sheet for each model with all of its looks from the
 //! front, the side and the back, a strip of eight phases of a walk and of a run from the side, and riders.
 
-#[path = "../tests/common/mod.rs"]
-mod common;
+mod stage;
 
 use std::error::Error;
-use std::fs::File;
 use std::path::Path;
-use std::sync::Arc;
 
-use actors::{Posture, actor_mesh};
-use glam::Affine3A;
-use people::{LOOKS, Walker};
-use schema::Tag;
-use schema::geometry::{Instance, Surface, TriMesh};
+use actors::Posture;
+use people::LOOKS;
 use schema::models::{BaseType, MODELS, Model};
-use schema::settings::{CameraSettings, Optics};
-use schema::tables::Weather;
 
-/// What stands on the plane.
-#[derive(Default)]
-struct Stage {
-    meshes: Vec<Arc<TriMesh>>,
-    instances: Vec<Instance>,
-}
-
-impl Stage {
-    fn new() -> Self {
-        let mut stage = Self::default();
-        stage.meshes.push(testkit::plane(60.0, 0.0, Tag::Sidewalk, Surface::Concrete));
-        stage.instances.push(common::instance(0, 1, Affine3A::IDENTITY));
-        stage
-    }
-
-    /// Somebody of a model at a place, in a posture.
-    fn add(&mut self, model: &Model, variant: u32, at: Affine3A, posture: Posture) {
-        let size = if model.base == BaseType::Pedestrian && model.wheel_radius_m == 0.0 {
-            Walker::new(model, variant).size_m().to_array().map(f64::from)
-        } else {
-            model.size_m
-        };
-        let Some(made) = actor_mesh(model.name, size, variant) else { return };
-        let posture = made.posed(posture);
-        let object = self.instances.len() as u16 + 1;
-        for piece in &made.pieces {
-            let Some(pose) = piece.joint.object_from_piece(&posture) else { continue };
-            self.instances.push(common::instance(self.meshes.len() as u32, object, at * pose));
-            self.meshes.push(Arc::clone(&piece.mesh));
-        }
-    }
-
-    /// The stage from the side of -y, so many metres away and so wide at the middle.
-    fn save(
-        self,
-        path: &Path,
-        eye: [f64; 3],
-        down_rad: f64,
-        size: [u32; 2],
-        fov_deg: f64,
-    ) -> Result<(), Box<dyn Error>> {
-        let day = Weather {
-            sun_azimuth_deg: 215.0,
-            sun_altitude_deg: 48.0,
-            cloudiness: 30.0,
-            ..Weather::default()
-        };
-        let snapshot = common::snapshot(self.meshes, self.instances);
-        let optics = Optics::pinhole(size[0], size[1], frames::deg(fov_deg));
-        let view =
-            common::set_view(eye, [0.0, down_rad, frames::deg(90.0)], optics, &CameraSettings::default());
-        let picture = common::picture(&snapshot, &view, &day);
-        let mut encoder = png::Encoder::new(File::create(path)?, picture.width, picture.height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.write_header()?.write_image_data(&picture.rgb)?;
-        Ok(())
-    }
-}
-
-fn at(x: f32, y: f32, yaw_deg: f32) -> Affine3A {
-    common::at(x, y, 0.0, yaw_deg.to_radians())
-}
+use stage::{Stage, at};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".into());

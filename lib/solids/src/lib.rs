@@ -342,3 +342,50 @@ pub fn chain_at(chain: &[(f32, f32)], x: f32) -> f32 {
     }
     chain[chain.len() - 1].1
 }
+
+/// The value of a smooth curve through `(x, y)` points, ascending in x, at some x: between neighbours it neither overshoots nor
+/// turns back (cubic Hermite pieces with the harmonic mean of both slopes, after Fritsch and Butland); constant beyond its ends.
+pub fn curve_at(points: &[(f32, f32)], x: f32) -> f32 {
+    let last = points.len().saturating_sub(1);
+    let Some(i) = points.windows(2).position(|pair| x <= pair[1].0) else { return chain_at(points, x) };
+    let ((x0, y0), (x1, y1)) = (points[i], points[i + 1]);
+    if x <= x0 || x1 <= x0 {
+        return chain_at(points, x);
+    }
+    let slope = |k: usize| (points[k + 1].1 - points[k].1) / (points[k + 1].0 - points[k].0).max(1e-9);
+    let tangent = |k: usize| {
+        let (before, after) = (slope(k.saturating_sub(1)), slope(k.min(last - 1)));
+        if before * after <= 0.0 { 0.0 } else { 2.0 * before * after / (before + after) }
+    };
+    let (width, t) = (x1 - x0, (x - x0) / (x1 - x0));
+    let (t2, t3) = (t * t, t * t * t);
+    (2.0 * t3 - 3.0 * t2 + 1.0) * y0
+        + (t3 - 2.0 * t2 + t) * width * tangent(i)
+        + (3.0 * t2 - 2.0 * t3) * y1
+        + (t3 - t2) * width * tangent(i + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curves_go_through_their_points_and_never_overshoot() {
+        let points = [(0.0, 0.4), (0.2, 0.5), (0.3, 0.52), (0.45, 0.95), (0.6, 1.0), (0.8, 0.9), (1.0, 0.6)];
+        for (x, y) in points {
+            assert!((curve_at(&points, x) - y).abs() < 1e-6, "{x}");
+        }
+        for pair in points.windows(2) {
+            let ((x0, y0), (x1, y1)) = (pair[0], pair[1]);
+            for k in 0..=20 {
+                let y = curve_at(&points, x0 + (x1 - x0) * k as f32 / 20.0);
+                assert!(y >= y0.min(y1) - 1e-6 && y <= y0.max(y1) + 1e-6, "{y} between {y0} and {y1}");
+            }
+        }
+        // A straight line stays one, and slopes on both sides of a point agree.
+        assert!((curve_at(&[(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)], 0.3) - 1.6).abs() < 1e-6);
+        let slope = |x: f32| (curve_at(&points, x + 5e-4) - curve_at(&points, x - 5e-4)) / 1e-3;
+        assert!((slope(0.3 - 1e-3) - slope(0.3 + 1e-3)).abs() < 0.1);
+        assert_eq!([curve_at(&points, -1.0), curve_at(&points, 2.0), curve_at(&[], 0.5)], [0.4, 0.6, 0.0]);
+    }
+}

@@ -1,0 +1,165 @@
+//! Vehicles as near and as far as they are drawn.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use schema::models::vehicles;
+
+use super::*;
+use crate::wheel::Wheels;
+
+/// The levels of a vehicle, the nearest first.
+fn levels(model: &Model) -> Vec<Vec<Piece>> {
+    let actor = made(model.name, model.size_m, 0);
+    std::iter::once(actor.pieces).chain(actor.coarser.into_iter().map(|level| level.pieces)).collect()
+}
+
+fn on_four_wheels() -> impl Iterator<Item = &'static Model> {
+    vehicles().filter(|m| matches!(m.base, BaseType::Car | BaseType::Van) || m.name == "truck.pickup")
+}
+
+/// Where pieces are at rest that are seen while doors are closed.
+fn placed(pieces: &[Piece], posture: &Posture) -> Vec<[Vec3; 3]> {
+    let seen = pieces.iter().filter_map(|p| Some((p, p.joint.object_from_piece(posture)?)));
+    seen.flat_map(|(p, pose)| {
+        (0..p.mesh.triangles.len()).map(move |i| p.mesh.corners(i).map(|c| pose.transform_point3(c)))
+    })
+    .collect()
+}
+
+/// Where each part of a mesh is that hangs together by its vertices, and six times its volume.
+fn volumes(mesh: &TriMesh) -> Vec<(Vec3, f64)> {
+    let mut root: Vec<usize> = (0..mesh.positions.len()).collect();
+    let find = |root: &[usize], mut v: usize| {
+        while root[v] != v {
+            v = root[v];
+        }
+        v
+    };
+    for corners in &mesh.triangles {
+        let [a, b, c] = corners.map(|v| find(&root, v as usize));
+        let least = a.min(b).min(c);
+        for vertex in [a, b, c] {
+            root[vertex] = least;
+        }
+    }
+    let mut sums: BTreeMap<usize, f64> = BTreeMap::new();
+    for (i, corners) in mesh.triangles.iter().enumerate() {
+        let part = find(&root, corners[0] as usize);
+        // About a point of the part itself: far from the origin little would be left of the difference.
+        let [a, b, c] = mesh.corners(i).map(|p| (p - mesh.positions[part]).as_dvec3());
+        *sums.entry(part).or_default() += a.dot(b.cross(c));
+    }
+    sums.into_iter().map(|(part, volume)| (mesh.positions[part], volume)).collect()
+}
+
+#[test]
+fn every_solid_of_every_level_is_closed_and_faces_outward() {
+    for model in on_four_wheels() {
+        for (level, pieces) in levels(model).iter().enumerate() {
+            for piece in pieces {
+                assert!(closed_volume(&piece.mesh).1, "{} is open at level {level}", model.name);
+                for (at, volume) in volumes(&piece.mesh) {
+                    assert!(volume > 0.0, "{} level {level}: a solid at {at} is inside out", model.name);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn every_level_fills_its_box_on_five_faces() {
+    for model in on_four_wheels() {
+        let [l, w, h] = model.size_m.map(|v| v as f32);
+        for (level, pieces) in levels(model).iter().enumerate() {
+            let corners = placed(pieces, &Posture::default());
+            let b = corners.iter().flatten().fold(Aabb::EMPTY, |b, p| b.with(*p));
+            let off =
+                [b.min.x + 0.5 * l, b.max.x - 0.5 * l, b.min.y + 0.5 * w, b.max.y - 0.5 * w, b.max.z - h];
+            assert!(off.iter().all(|d| d.abs() < 0.015), "{} level {level}: {off:?}", model.name);
+            // Wheels stand on the road, if only by the corners of those far away.
+            assert!(b.min.z > -1e-3 && b.min.z < 0.02, "{} level {level}: {}", model.name, b.min.z);
+        }
+    }
+}
+
+#[test]
+fn what_is_farther_away_has_fewer_triangles_and_the_same_lamps() {
+    for model in on_four_wheels() {
+        let levels = levels(model);
+        assert_eq!(levels.len(), 3, "{}", model.name);
+        let counts = levels.iter().map(|pieces| placed(pieces, &Posture::default()).len());
+        let lamps = |pieces: &[Piece]| -> BTreeSet<u32> {
+            let parts = pieces
+                .iter()
+                .flat_map(|p| p.mesh.triangle_part.iter().map(|k| p.mesh.parts[usize::from(*k)]));
+            parts
+                .filter_map(|part| if let Surface::Lamp(bits) = part.surface { Some(bits) } else { None })
+                .collect()
+        };
+        for (count, (least, most)) in counts.zip([(2000, 8000), (500, 1800), (150, 600)]) {
+            assert!((least..=most).contains(&count), "{}: {count}", model.name);
+        }
+        let near = lamps(&levels[0]);
+        for bit in [
+            lights::BRAKE,
+            lights::BLINK_LEFT,
+            lights::BLINK_RIGHT,
+            lights::REVERSE,
+            lights::LOW_BEAM,
+            lights::FOG,
+        ] {
+            assert!(near.iter().any(|bits| bits & bit != 0), "{} has no lamp {bit}", model.name);
+        }
+        for pieces in &levels[1..] {
+            assert_eq!(lamps(pieces), near, "{}", model.name);
+        }
+    }
+}
+
+/// How often closed solids hold a place, by the faces above it.
+fn times_inside(solids: &[[Vec3; 3]], place: Vec3) -> i32 {
+    solids
+        .iter()
+        .map(|[a, b, c]| {
+            let side = |p: Vec3, q: Vec3| (q - p).truncate().perp_dot((place - p).truncate());
+            let sides = [side(*a, *b), side(*b, *c), side(*c, *a)];
+            let upward = sides.iter().all(|s| *s > 0.0);
+            if !upward && !sides.iter().all(|s| *s < 0.0) {
+                return 0;
+            }
+            let normal = (*b - *a).cross(*c - *a);
+            let above = (place - *a).dot(normal) / normal.z < 0.0;
+            i32::from(above) * if upward { 1 } else { -1 }
+        })
+        .sum()
+}
+
+#[test]
+fn wheels_turn_and_steer_clear_of_the_body() {
+    for model in on_four_wheels() {
+        let actor = made(model.name, model.size_m, 0);
+        let body: Vec<[Vec3; 3]> = {
+            let mesh = &actor.pieces[0].mesh;
+            (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect()
+        };
+        // The middle of a car lies in its body, the middle of the road under it does not.
+        let high = 0.45 * model.size_m[2] as f32;
+        if model.base == BaseType::Car {
+            assert_eq!(times_inside(&body, Vec3::new(0.0101, 0.0203, high)), 1, "{}", model.name);
+        }
+        assert_eq!(times_inside(&body, Vec3::new(0.0101, 0.0203, 0.02)), 0, "{}", model.name);
+        for steer_rad in [-Wheels::STEER_RAD, 0.0, Wheels::STEER_RAD] {
+            let posture = Posture { steer_rad, phase_rad: 0.7, ..Posture::default() };
+            let wheels = actor.pieces.iter().filter(|p| matches!(p.joint, Joint::Wheel { .. }));
+            for wheel in wheels {
+                let pose = wheel.joint.object_from_piece(&posture).expect("wheels are always there");
+                // The outermost points of the tyre decide.
+                let radius = model.wheel_radius_m as f32;
+                let outer = wheel.mesh.positions.iter().filter(|p| p.length() > 0.93 * radius);
+                for p in outer.map(|p| pose.transform_point3(*p)) {
+                    assert!(times_inside(&body, p) <= 0, "{} steered by {steer_rad}: {p}", model.name);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! A plane in the sun on which examples put actors.
+#![allow(dead_code)] // Each example needs a part of it.
+
+#[path = "../../tests/common/mod.rs"]
+mod common;
+
+use std::error::Error;
+use std::fs::File;
+use std::path::Path;
+use std::sync::Arc;
+
+use actors::{Piece, Posture, actor_mesh};
+use glam::Affine3A;
+use people::Walker;
+use schema::Tag;
+use schema::geometry::{Instance, Surface, TriMesh};
+use schema::models::{BaseType, Model};
+use schema::settings::{CameraSettings, Optics};
+use schema::tables::Weather;
+
+/// What stands on the plane.
+#[derive(Default)]
+pub(crate) struct Stage {
+    meshes: Vec<Arc<TriMesh>>,
+    instances: Vec<Instance>,
+}
+
+impl Stage {
+    pub(crate) fn new() -> Self {
+        let mut stage = Self::default();
+        stage.meshes.push(testkit::plane(60.0, 0.0, Tag::Sidewalk, Surface::Concrete));
+        stage.instances.push(common::instance(0, 1, Affine3A::IDENTITY));
+        stage
+    }
+
+    /// Somebody of a model at a place, in a posture.
+    pub(crate) fn add(&mut self, model: &Model, variant: u32, at: Affine3A, posture: Posture) {
+        self.add_level(model, variant, 0, at, posture, [0.5; 3]);
+    }
+
+    /// The same as detailed as it is farther away, in a paint (linear RGB); gives the number of triangles.
+    pub(crate) fn add_level(
+        &mut self,
+        model: &Model,
+        variant: u32,
+        level: usize,
+        at: Affine3A,
+        posture: Posture,
+        paint: [f32; 3],
+    ) -> usize {
+        let size = if model.base == BaseType::Pedestrian && model.wheel_radius_m == 0.0 {
+            Walker::new(model, variant).size_m().to_array().map(f64::from)
+        } else {
+            model.size_m
+        };
+        let Some(made) = actor_mesh(model.name, size, variant) else { return 0 };
+        let posture = made.posed(posture);
+        let object = self.instances.len() as u16 + 1;
+        let coarser = level.checked_sub(1).and_then(|i| made.coarser.get(i));
+        let pieces: &[Piece] = coarser.map_or(&made.pieces, |coarser| &coarser.pieces);
+        let mut triangles = 0;
+        for piece in pieces {
+            let Some(pose) = piece.joint.object_from_piece(&posture) else { continue };
+            let instance = common::instance(self.meshes.len() as u32, object, at * pose);
+            self.instances.push(Instance { paint, ..instance });
+            self.meshes.push(Arc::clone(&piece.mesh));
+            triangles += piece.mesh.triangles.len();
+        }
+        triangles
+    }
+
+    /// Switches lamps of everything on it on.
+    pub(crate) fn light(&mut self, lights: u32) {
+        self.instances.iter_mut().for_each(|instance| instance.lights = lights);
+    }
+
+    /// The stage from the side of -y, so many metres away and so wide at the middle.
+    pub(crate) fn save(
+        self,
+        path: &Path,
+        eye: [f64; 3],
+        down_rad: f64,
+        size: [u32; 2],
+        fov_deg: f64,
+    ) -> Result<(), Box<dyn Error>> {
+        let day = Weather {
+            sun_azimuth_deg: 215.0,
+            sun_altitude_deg: 48.0,
+            cloudiness: 30.0,
+            ..Weather::default()
+        };
+        let snapshot = common::snapshot(self.meshes, self.instances);
+        let optics = Optics::pinhole(size[0], size[1], frames::deg(fov_deg));
+        let view =
+            common::set_view(eye, [0.0, down_rad, frames::deg(90.0)], optics, &CameraSettings::default());
+        let picture = common::picture(&snapshot, &view, &day);
+        let mut encoder = png::Encoder::new(File::create(path)?, picture.width, picture.height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.write_header()?.write_image_data(&picture.rgb)?;
+        Ok(())
+    }
+}
+
+/// A place on the plane and the way to look.
+pub(crate) fn at(x: f32, y: f32, yaw_deg: f32) -> Affine3A {
+    common::at(x, y, 0.0, yaw_deg.to_radians())
+}

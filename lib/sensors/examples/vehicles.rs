@@ -1,0 +1,63 @@
+//! Draws vehicles: `cargo run -p convoy-sensors --example vehicles -- FOLDER [MODEL ...]`. One sheet for each model: from the front,
+//! the side and the rear (with open doors), and as it is farther away. Prints how many triangles each level has.
+
+mod stage;
+
+use std::error::Error;
+use std::path::Path;
+
+use actors::Posture;
+use schema::models::{Model, PARKED_TWO_WHEELERS, vehicles};
+
+use stage::{Stage, at};
+
+/// Paints of a sheet, linear RGB.
+const PAINTS: [[f32; 3]; 5] =
+    [[0.42, 0.02, 0.02], [0.02, 0.06, 0.22], [0.30, 0.31, 0.32], [0.75, 0.75, 0.74], [0.02, 0.02, 0.022]];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let folder = arguments.next().unwrap_or_else(|| ".".into());
+    let wanted: Vec<String> = arguments.collect();
+    let all = vehicles().chain(PARKED_TWO_WHEELERS);
+    let chosen = all.filter(|m| wanted.is_empty() || wanted.iter().any(|w| m.name.starts_with(w.as_str())));
+    for (k, model) in chosen.enumerate() {
+        let counts = sheet(model, PAINTS[k % PAINTS.len()], Path::new(&folder))?;
+        let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
+        #[allow(clippy::print_stdout)] // It is what it is for.
+        {
+            println!("{:28} {}", model.name, counts.join(" "));
+        }
+    }
+    Ok(())
+}
+
+/// Draws a model and counts the triangles of its levels.
+fn sheet(model: &Model, paint: [f32; 3], folder: &Path) -> Result<Vec<usize>, Box<dyn Error>> {
+    let length = model.size_m[0] as f32;
+    let apart = 0.93 * length.max(2.0) + 0.8;
+    let away = f64::from(apart);
+    let mut counts = Vec::new();
+    for near in [true, false] {
+        let mut stage = Stage::new();
+        let rest = Posture { steer_rad: 0.3, phase_rad: 0.4, ..Posture::default() };
+        if near {
+            for (i, yaw) in [-142.0, 180.0, 38.0].into_iter().enumerate() {
+                let mut posture = rest;
+                if i == 2 {
+                    posture.door_rad = [1.1; 4];
+                }
+                stage.add_level(model, 3, 0, at(apart * (i as f32 - 1.0), 0.0, yaw), posture, paint);
+            }
+        } else {
+            for level in 0..3 {
+                let place = at(apart * (level as f32 - 1.0), 0.0, -150.0);
+                counts.push(stage.add_level(model, 3, level, place, rest, paint));
+            }
+        }
+        let name = format!("{}{}.png", model.name.replace('.', "-"), if near { "" } else { "-levels" });
+        let eye = [-0.6, -2.9 * away, 0.25 * away - 0.4];
+        stage.save(&folder.join(name), eye, frames::deg(6.5), [2000, 640], 57.0)?;
+    }
+    Ok(counts)
+}
