@@ -1,344 +1,360 @@
-//! Trucks with a cab and a body, and buses.
-
-use std::sync::Arc;
+//! Lorries: a cab on a frame with a body behind it, all on wheels.
 
 use glam::Vec3;
 use schema::geometry::{Part, Surface};
 use schema::models::Model;
 use schema::{Tag, lights};
-
-use crate::pieces::{ActorMesh, Joint, Piece};
-use crate::wheel::{Rim, Wheels};
 use solids::{Detail, MeshBuilder};
 
-/// A box from the rear `x0` to the front `x1` with a band of windows between the heights `glass`, closed, its edges bevelled.
-struct Shell {
-    x: [f32; 2],
-    half_width: f32,
-    z: [f32; 2],
-    glass: [f32; 2],
-    /// x positions of the pillars between side windows; windows lie between the first and the last.
-    pillars: Vec<f32>,
-    /// How far the front leans back at the top.
-    lean: f32,
-    front_glass: bool,
-    rear_glass: bool,
-    tag: Tag,
-}
+use crate::car::{Car, Looks};
+use crate::hull::{Hull, Style};
+use crate::pieces::ActorMesh;
+use crate::wheel::{Rim, Wheels};
 
-fn shell(b: &mut MeshBuilder, shell: &Shell) {
-    let paint = Part::new(shell.tag, Surface::Paint, [0.5; 3]);
-    let glass = Part::new(shell.tag, Surface::Glass, [0.04, 0.05, 0.06]);
-    let under = Part::new(shell.tag, Surface::Plain, [0.05; 3]);
-    let half_pillar = 0.05;
-    // Layers from bottom to top; each is a ring of points around the box, counter-clockwise from above.
-    let mut along: Vec<f32> = vec![shell.x[0] + 0.04];
-    for p in &shell.pillars {
-        along.extend([p - half_pillar, p + half_pillar]);
-    }
-    along.push(shell.x[1] - 0.06);
-    let ring = |z: f32, inset: f32| -> Vec<Vec3> {
-        let share = ((z - shell.glass[0]) / (shell.z[1] - shell.glass[0])).max(0.0);
-        let w = shell.half_width - inset;
-        let front = shell.x[1] - shell.lean * share - inset;
-        let bend = |x: f32| x.min(front - 0.02);
-        let mut points = vec![Vec3::new(front, -0.9 * w, z), Vec3::new(front, 0.9 * w, z)];
-        points.extend(along.iter().rev().map(|x| Vec3::new(bend(*x), w, z)));
-        points.push(Vec3::new(shell.x[0] + inset, 0.96 * w, z));
-        points.push(Vec3::new(shell.x[0] + inset, -0.96 * w, z));
-        points.extend(along.iter().map(|x| Vec3::new(bend(*x), -w, z)));
-        points
-    };
-    let rings = [
-        ring(shell.z[0], 0.0),
-        ring(shell.glass[0], 0.0),
-        ring(shell.glass[1], 0.0),
-        ring(shell.z[1] - 0.10, 0.0),
-        ring(shell.z[1], 0.08),
-    ];
-    let n = along.len();
-    b.loft(
-        &rings,
-        |k, j| {
-            if k != 1 {
-                return paint;
-            }
-            // Points 0 and 1 are the front, then follow the left side rearwards, the rear at n + 2, the right side forwards.
-            // Intervals along a side alternate between pillars (odd) and what lies between; first and last are wall.
-            let window = |i: usize| i.is_multiple_of(2) && i > 0 && i + 2 < n;
-            let glazed = match j {
-                0 => shell.front_glass,
-                _ if j == n + 2 => shell.rear_glass,
-                _ if (2..=n).contains(&j) => window(n - j),
-                _ if j >= n + 4 && j + 1 < 2 * n + 4 => window(j - n - 4),
-                _ => false,
-            };
-            if glazed { glass } else { paint }
-        },
-        [under, paint],
-    );
-}
+/// A cab above its engine.
+const CAB: Style = Style {
+    nose_z: 0.47,
+    cowl: (0.012, 0.485),
+    roof: (0.17, 0.985),
+    deck: (0.995, 0.50),
+    tail_z: 0.49,
+    windows: (0.13, 0.60),
+    pillars: &[],
+    roof_width: 0.90,
+    clearance: 0.12,
+    rear_glass: false,
+    roof_z: 1.0,
+    bow_m: [0.13, 0.01],
+    glass_bow_m: [0.10, 0.01],
+    tuck: 0.012,
+    ends_width: [0.94, 0.985],
+    nose_lean: &[(0.2, 0.04), (0.36, 0.0), (0.8, 0.008), (1.0, 0.03)],
+    tail_lean: &[(0.0, 0.0), (1.0, 0.0)],
+    belt: [0.97, 0.97],
+    crown_m: 0.05,
+    falls: [0.05, 0.01],
+};
 
-fn lamps(b: &mut MeshBuilder, tag: Tag, half_l: f32, half_w: f32, head_z: f32, tail_z: f32) {
-    let lamp = |bits: u32, rgb: [f32; 3]| Part::new(tag, Surface::Lamp(bits), rgb);
-    let head = lamp(lights::LOW_BEAM | lights::HIGH_BEAM | lights::POSITION, [0.85, 0.86, 0.88]);
-    let amber = [0.75, 0.35, 0.05];
-    let (left, right) = (lamp(lights::BLINK_LEFT, amber), lamp(lights::BLINK_RIGHT, amber));
-    let mut pair = |part: Part, other: Part, x: [f32; 2], y: [f32; 2], z: [f32; 2]| {
-        b.cuboid(part, Vec3::new(x[0], y[0] * half_w, z[0]), Vec3::new(x[1], y[1] * half_w, z[1]));
-        b.cuboid(other, Vec3::new(x[0], -y[1] * half_w, z[0]), Vec3::new(x[1], -y[0] * half_w, z[1]));
-    };
-    let (front, rear) = ([half_l - 0.15, half_l], [-half_l, -half_l + 0.1]);
-    pair(head, head, front, [0.52, 0.78], [head_z, head_z + 0.2]);
-    pair(left, right, front, [0.78, 0.86], [head_z, head_z + 0.2]);
-    let fog = lamp(lights::FOG, [0.8, 0.8, 0.75]);
-    pair(fog, fog, front, [0.58, 0.70], [head_z - 0.25, head_z - 0.13]);
-    let red = lamp(lights::POSITION | lights::FOG, [0.55, 0.03, 0.03]);
-    let brake = lamp(lights::BRAKE, [0.6, 0.02, 0.02]);
-    let white = lamp(lights::REVERSE, [0.8; 3]);
-    pair(red, red, rear, [0.78, 0.92], [tail_z, tail_z + 0.13]);
-    pair(brake, brake, rear, [0.64, 0.78], [tail_z, tail_z + 0.13]);
-    pair(left, right, rear, [0.54, 0.64], [tail_z, tail_z + 0.13]);
-    pair(white, white, rear, [0.46, 0.54], [tail_z, tail_z + 0.13]);
-    let plate = Part::new(tag, Surface::Plain, [0.8, 0.8, 0.78]);
-    b.cuboid(plate, Vec3::new(-half_l, -0.26, tail_z), Vec3::new(-half_l + 0.08, 0.26, tail_z + 0.11));
-    b.cuboid(plate, Vec3::new(half_l - 0.08, -0.26, head_z - 0.12), Vec3::new(half_l, 0.26, head_z - 0.01));
-}
+/// That of a fire engine, with room for a crew.
+const CREW_CAB: Style =
+    Style { cowl: (0.010, 0.485), roof: (0.13, 0.985), windows: (0.10, 0.90), pillars: &[0.42, 0.58], ..CAB };
 
-/// A truck: chassis, cab over the front axle, and a box (or the body of a fire engine).
+/// How much narrower than the body a cab is on each side: mirrors fill that.
+const NARROWER_M: f32 = 0.07;
+/// Width of tyres.
+const TYRE_M: f32 = 0.34;
+
+/// A lorry: cab over the front axle, frame, and a box (or the body of a fire engine).
 pub(crate) fn truck(model: &Model, size: Vec3) -> ActorMesh {
-    let tag = Tag::Truck;
-    let (half_l, half_w, height) = (0.5 * size.x, 0.5 * size.y, size.z);
+    let half = 0.5 * size;
     let radius = model.wheel_radius_m as f32;
-    let front = half_l - 1.35;
+    let front = half.x - 1.35;
     let rear = front - model.wheelbase_m as f32;
-    let heavy = model.name == "truck.heavy";
+    let axles =
+        if model.name == "truck.heavy" { vec![front, rear + 0.65, rear - 0.65] } else { vec![front, rear] };
     let fire = model.special == "emergency";
-    let axles = if heavy { vec![front, rear + 0.65, rear - 0.65] } else { vec![front, rear] };
-    let cab_length = if fire { 2.7 } else { 1.95 };
-    let cab_back = half_l - cab_length;
-    let cab_top = if fire { height - 0.25 } else { 0.86 * height };
-    let floor = 1.05 * radius + 0.12;
-    let mut b = MeshBuilder::new();
-    chassis(&mut b, size, &axles, radius, [0.5 * (front + rear), cab_back], floor);
-    // The cab stands over the front axle; wings beside the wheel are left away by raising its floor.
-    let cab_floor = 2.0 * radius + 0.10;
-    shell(
-        &mut b,
-        &Shell {
-            x: [cab_back, half_l - 0.01],
-            half_width: half_w - 0.015,
-            z: [cab_floor, cab_top],
-            glass: [cab_floor + 0.36 * (cab_top - cab_floor), cab_top - 0.28],
-            pillars: if fire {
-                vec![cab_back + 0.25, cab_back + 1.35, half_l - 0.35]
-            } else {
-                vec![cab_back + 0.7, half_l - 0.35]
-            },
-            lean: 0.16,
-            front_glass: true,
-            rear_glass: false,
-            tag,
-        },
+    let cab_length = if fire { 2.75 } else { 1.35 + 1.12 * radius + 0.09 };
+    let cab_back = half.x - cab_length;
+    let cab_top = if fire { size.z - 0.25 } else { 0.87 * size.z };
+    let hull = Hull::new(
+        if fire { CREW_CAB } else { CAB },
+        [cab_back, half.x],
+        [half.y - NARROWER_M, cab_top],
+        &axles[..1],
+        radius,
     );
-    let bumper = Part::new(tag, Surface::Plain, [0.12, 0.12, 0.13]);
-    b.cuboid(
-        bumper,
-        Vec3::new(half_l - 0.55, -half_w + 0.02, 0.35),
-        Vec3::new(half_l - 0.02, half_w - 0.02, cab_floor),
-    );
-    b.cuboid(
-        bumper,
-        Vec3::new(front - radius - 0.75, -half_w + 0.2, 0.4),
-        Vec3::new(front - radius - 0.12, half_w - 0.2, cab_floor),
-    );
-    // The body.
-    let body_front = cab_back - 0.14;
-    let body_part = if fire {
-        Part::new(tag, Surface::Paint, [0.5; 3])
-    } else {
-        Part::new(tag, Surface::Plain, [0.72, 0.72, 0.70])
+    let wheels = Wheels {
+        tag: Tag::Truck,
+        axles: &axles,
+        radius,
+        width: TYRE_M,
+        outer_y: half.y - NARROWER_M - 0.03,
+        rim: Rim::Heavy,
     };
-    let frame = Part::new(tag, Surface::Metal, [0.35, 0.35, 0.36]);
-    let body_floor = 2.0 * radius + 0.08;
-    b.cuboid(
-        body_part,
-        Vec3::new(-half_l + 0.02, -half_w, body_floor),
-        Vec3::new(body_front, half_w, height - if fire { 0.3 } else { 0.0 }),
-    );
-    b.cuboid(
-        frame,
-        Vec3::new(-half_l, -half_w + 0.03, body_floor - 0.12),
-        Vec3::new(body_front, half_w - 0.03, body_floor),
-    );
-    if fire {
-        fire_engine(&mut b, size, [body_front, body_floor], cab_top);
-    } else {
-        let guard = [rear + radius + 0.2, body_front];
-        side_guards(&mut b, size, guard, body_floor, [cab_back, cab_top]);
-    }
-    lamps(&mut b, tag, half_l, half_w, 0.62, 0.75);
-    b.fit(Vec3::new(-half_l, -half_w, 0.33), Vec3::new(half_l, half_w, height));
-    let mut pieces = vec![Piece { mesh: Arc::new(b.finish()), joint: Joint::Fixed }];
-    let wheels = Wheels { tag, axles: &axles, radius, width: 0.34, outer_y: half_w - 0.03, rim: Rim::Heavy };
-    pieces.extend(wheels.pieces(Detail::Full));
-    ActorMesh::of(pieces)
+    let cab = Car { model, hull: &hull, looks: Looks::new(Tag::Truck, model), wheels };
+    let lorry = Lorry { size, cab: &cab, axles: &axles, cab_back, cab_top, fire };
+    ActorMesh::in_levels(|detail| {
+        let mut b = MeshBuilder::new();
+        cab.shell(&mut b, detail);
+        cab.nose(&mut b, detail);
+        lorry.frame(&mut b, detail);
+        lorry.body(&mut b, detail);
+        if fire {
+            lorry.fire_engine(&mut b, detail);
+        } else {
+            lorry.deflector(&mut b, detail);
+        }
+        lorry.rear_lamps(&mut b, detail);
+        tall_mirrors(&mut b, &hull, &cab.looks, half, detail);
+        b.fit(Vec3::new(-half.x, -half.y, CAB.clearance * cab_top), half.with_z(size.z));
+        cab.wheels.under(b, detail)
+    })
 }
 
-/// The beams and axles of a truck, and the tank in its middle.
-fn chassis(
-    b: &mut MeshBuilder,
+/// Mirrors on arms before the corners of an upright windscreen, as far out as the vehicle is wide.
+pub(crate) fn tall_mirrors(b: &mut MeshBuilder, hull: &Hull, looks: &Looks, half: Vec3, detail: Detail) {
+    if detail == Detail::Coarse {
+        return;
+    }
+    let z = 0.68 * hull.height;
+    for side in [1.0, -1.0] {
+        let at = Vec3::new(half.x - 0.13, side * (half.y - 0.09), z);
+        rounded(b, looks.trim, at - Vec3::new(0.05, 0.09, 0.20), at + Vec3::new(0.05, 0.09, 0.20), 0.03);
+        if detail == Detail::Full {
+            let root = Vec3::new(half.x - 0.30, side * (hull.half_width - 0.08), z);
+            for up in [0.16, -0.16] {
+                b.bar(looks.trim, root + Vec3::Z * (up + 0.05), at + Vec3::Z * up, [0.018; 2], 5);
+            }
+        }
+    }
+}
+
+/// A box whose edges are bevelled.
+pub(crate) fn rounded(b: &mut MeshBuilder, part: Part, min: Vec3, max: Vec3, bevel: f32) {
+    let ring = |x: f32, inset: f32| -> Vec<Vec3> {
+        let (y0, y1) = (min.y + inset, max.y - inset);
+        let (z0, z1) = (min.z + inset, max.z - inset);
+        [
+            (y0 + bevel, z0),
+            (y1 - bevel, z0),
+            (y1, z0 + bevel),
+            (y1, z1 - bevel),
+            (y1 - bevel, z1),
+            (y0 + bevel, z1),
+            (y0, z1 - bevel),
+            (y0, z0 + bevel),
+        ]
+        .map(|(y, z)| Vec3::new(x, y, z))
+        .to_vec()
+    };
+    let rings = [ring(min.x, bevel), ring(min.x + bevel, 0.0), ring(max.x - bevel, 0.0), ring(max.x, bevel)];
+    b.loft(&rings, |_, _| part, [part; 2]);
+}
+
+/// What is behind and under a cab.
+struct Lorry<'a> {
     size: Vec3,
-    axles: &[f32],
-    radius: f32,
-    [middle, cab_back]: [f32; 2],
-    floor: f32,
-) {
-    let tag = Tag::Truck;
-    let (half_l, half_w) = (0.5 * size.x, 0.5 * size.y);
-    let metal = Part::new(tag, Surface::Metal, [0.10, 0.10, 0.11]);
-    // Chassis beams and the tank between the axles.
-    for y in [-0.4, 0.4] {
+    cab: &'a Car<'a>,
+    axles: &'a [f32],
+    cab_back: f32,
+    cab_top: f32,
+    fire: bool,
+}
+
+impl Lorry<'_> {
+    fn half(&self) -> Vec3 {
+        0.5 * self.size
+    }
+
+    fn radius(&self) -> f32 {
+        self.cab.wheels.radius
+    }
+
+    /// Lower edge and front of the body.
+    fn body_floor(&self) -> f32 {
+        2.0 * self.radius() + 0.08
+    }
+
+    fn body_front(&self) -> f32 {
+        self.cab_back - 0.12
+    }
+
+    /// Beams, axles, tanks, mudguards and bars against driving under it.
+    fn frame(&self, b: &mut MeshBuilder, detail: Detail) {
+        let (half, radius, looks) = (self.half(), self.radius(), &self.cab.looks);
+        let metal = Part::new(Tag::Truck, Surface::Metal, [0.07, 0.07, 0.075]);
+        let (floor, front) = (self.body_floor() - 0.1, self.cab_back + 0.4);
+        for y in [-0.4, 0.4] {
+            b.cuboid(
+                metal,
+                Vec3::new(-half.x + 0.12, y - 0.06, floor - 0.28),
+                Vec3::new(front, y + 0.06, floor),
+            );
+        }
+        // The bar at the rear carries the lamps.
         b.cuboid(
             metal,
-            Vec3::new(-half_l + 0.05, y - 0.08, floor - 0.25),
-            Vec3::new(cab_back, y + 0.08, floor),
+            Vec3::new(-half.x + 0.03, -half.y + 0.06, 0.46),
+            Vec3::new(-half.x + 0.14, half.y - 0.06, 0.72),
         );
+        if detail == Detail::Coarse {
+            return;
+        }
+        for axle in &self.axles[1..] {
+            let end = Vec3::new(*axle, half.y - 0.35, radius);
+            b.bar(metal, end * Vec3::new(1.0, -1.0, 1.0), end, [0.09; 2], 6);
+        }
+        let (first, last) = (self.axles[1], self.axles[self.axles.len() - 1]);
+        let room = [first + radius + 0.18, self.axles[0] - 1.15 * radius - 0.25];
+        let tank = Part::new(Tag::Truck, Surface::Metal, [0.45, 0.46, 0.47]);
+        let long = 0.42 * (room[1] - room[0]);
+        for (y, x, part) in [(1.0, room[1] - long, tank), (-1.0, room[1] - 0.7 * long, looks.trim)] {
+            let (a, c) = (0.52 * y, (half.y - 0.16) * y);
+            let x1 = if y > 0.0 { x + long } else { x + 0.7 * long };
+            rounded(b, part, Vec3::new(x, a.min(c), 0.42), Vec3::new(x1, a.max(c), floor - 0.02), 0.06);
+        }
+        for side in [1.0, -1.0] {
+            let y = side * (half.y - 0.07);
+            for z in [0.52, 0.82] {
+                let rail = Vec3::new(0.0, 0.02, 0.05);
+                b.cuboid(metal, Vec3::new(room[0], y, z) - rail, Vec3::new(room[1], y, z) + rail);
+            }
+            if detail == Detail::Full {
+                for share in [0.1, 0.5, 0.9] {
+                    let x = room[0] + share * (room[1] - room[0]);
+                    b.cuboid(
+                        metal,
+                        Vec3::new(x - 0.03, y - 0.03, 0.47),
+                        Vec3::new(x + 0.03, y + 0.01, floor),
+                    );
+                }
+                // Mudflaps behind the wheels.
+                let flap = Vec3::new(last - radius - 0.10, y - side * 0.20, 0.0);
+                b.cuboid(
+                    looks.trim,
+                    flap + Vec3::new(-0.01, -0.17, 0.22),
+                    flap + Vec3::new(0.01, 0.17, floor),
+                );
+            }
+        }
     }
-    for axle in axles {
-        b.bar(
+
+    fn body(&self, b: &mut MeshBuilder, detail: Detail) {
+        let (half, looks) = (self.half(), &self.cab.looks);
+        let part =
+            if self.fire { looks.paint } else { Part::new(Tag::Truck, Surface::Plain, [0.72, 0.72, 0.70]) };
+        let metal = Part::new(Tag::Truck, Surface::Metal, [0.35, 0.35, 0.36]);
+        let (floor, front) = (self.body_floor(), self.body_front());
+        let top = self.size.z - if self.fire { 0.3 } else { 0.0 };
+        // What lies on the sides makes it as wide as it is.
+        let wide = half.y - if self.fire { 0.02 } else { 0.008 };
+        rounded(b, part, Vec3::new(-half.x + 0.02, -wide, floor), Vec3::new(front, wide, top), 0.04);
+        b.cuboid(
             metal,
-            Vec3::new(*axle, -half_w + 0.1, radius),
-            Vec3::new(*axle, half_w - 0.1, radius),
-            [0.09; 2],
-            6,
+            Vec3::new(-half.x, -half.y + 0.03, floor - 0.12),
+            Vec3::new(front, half.y - 0.03, floor),
         );
+        if detail != Detail::Full {
+            return;
+        }
+        // Doors at the rear: where they meet, and their bars.
+        b.cuboid(
+            looks.gap,
+            Vec3::new(-half.x + 0.015, -0.008, floor + 0.06),
+            Vec3::new(-half.x + 0.04, 0.008, top - 0.06),
+        );
+        for y in [-0.75, -0.25, 0.25, 0.75].map(|share| share * half.y) {
+            let foot = Vec3::new(-half.x + 0.012, y, floor + 0.03);
+            b.bar(metal, foot, foot.with_z(top - 0.05), [0.016; 2], 5);
+        }
+        // Edges of metal along a box.
+        if !self.fire {
+            for side in [1.0, -1.0] {
+                for z in [floor + 0.03, top - 0.06] {
+                    let edge = Vec3::new(0.0, side * (half.y - 0.012), z);
+                    let around = Vec3::new(0.0, 0.012, 0.03);
+                    let long = Vec3::X * (front - 0.05);
+                    b.cuboid(metal, edge - around - Vec3::X * (half.x - 0.07), edge + around + long);
+                }
+            }
+        }
     }
-    b.cuboid(metal, Vec3::new(middle - 0.5, 0.5, 0.45), Vec3::new(middle + 0.5, half_w - 0.12, floor));
-}
 
-/// The ladder, lights and stripe of a fire engine's body.
-fn fire_engine(b: &mut MeshBuilder, size: Vec3, [body_front, body_floor]: [f32; 2], cab_top: f32) {
-    let tag = Tag::Truck;
-    let (half_l, half_w, height) = (0.5 * size.x, 0.5 * size.y, size.z);
-    let ladder = Part::new(tag, Surface::Metal, [0.6, 0.6, 0.62]);
-    for y in [-0.35, 0.35] {
-        b.cuboid(
-            ladder,
-            Vec3::new(-half_l + 0.1, y - 0.05, height - 0.3),
-            Vec3::new(body_front, y + 0.05, height - 0.12),
-        );
+    fn rear_lamps(&self, b: &mut MeshBuilder, detail: Detail) {
+        let (half, looks) = (self.half(), &self.cab.looks);
+        let amber = [0.75, 0.35, 0.05];
+        let red = looks.lamp(lights::POSITION | lights::FOG, [0.55, 0.03, 0.03]);
+        let brake = looks.lamp(lights::BRAKE, [0.6, 0.02, 0.02]);
+        let white = looks.lamp(lights::REVERSE, [0.8; 3]);
+        let (left, right) = (looks.lamp(lights::BLINK_LEFT, amber), looks.lamp(lights::BLINK_RIGHT, amber));
+        let [z0, z1] = [0.52, 0.66];
+        for (parts, y) in [
+            ([red; 2], [0.80, 0.93]),
+            ([brake; 2], [0.67, 0.79]),
+            ([left, right], [0.57, 0.66]),
+            ([white; 2], [0.49, 0.56]),
+        ] {
+            for (part, side) in parts.into_iter().zip([1.0, -1.0]) {
+                let (a, c) = (y[0] * half.y * side, y[1] * half.y * side);
+                let (min, max) = (Vec3::new(-half.x, a.min(c), z0), Vec3::new(-half.x + 0.08, a.max(c), z1));
+                if detail == Detail::Full {
+                    rounded(b, part, min, max, 0.012)
+                } else {
+                    b.cuboid(part, min, max)
+                }
+            }
+        }
+        let plate = Part::new(Tag::Truck, Surface::Plain, [0.78, 0.78, 0.76]);
+        b.cuboid(plate, Vec3::new(-half.x + 0.01, -0.26, 0.54), Vec3::new(-half.x + 0.08, 0.26, 0.65));
     }
-    let mut x = -half_l + 0.3;
-    while x < body_front - 0.1 {
-        b.cuboid(ladder, Vec3::new(x, -0.30, height - 0.24), Vec3::new(x + 0.05, 0.30, height - 0.18));
-        x += 0.45;
-    }
-    for (y0, y1, bits) in [(0.0, 0.7, lights::EMERGENCY), (-0.7, 0.0, lights::EMERGENCY_OTHER)] {
-        b.cuboid(
-            Part::new(tag, Surface::Lamp(bits), [0.05, 0.1, 0.8]),
-            Vec3::new(half_l - 0.9, y0 * half_w, cab_top - 0.02),
-            Vec3::new(half_l - 0.6, y1 * half_w, height),
-        );
-    }
-    let stripe = Part::new(tag, Surface::Plain, [0.85, 0.85, 0.3]);
-    b.cuboid(
-        stripe,
-        Vec3::new(-half_l + 0.05, -half_w, body_floor + 0.5),
-        Vec3::new(body_front - 0.05, half_w, body_floor + 0.65),
-    );
-}
 
-/// Guards between the axles, and an air deflector on the cab.
-fn side_guards(
-    b: &mut MeshBuilder,
-    size: Vec3,
-    guard: [f32; 2],
-    body_floor: f32,
-    [cab_back, cab_top]: [f32; 2],
-) {
-    let tag = Tag::Truck;
-    let (half_l, half_w, height) = (0.5 * size.x, 0.5 * size.y, size.z);
-    let frame = Part::new(tag, Surface::Metal, [0.35, 0.35, 0.36]);
-    for y in [-half_w + 0.04, half_w - 0.08] {
-        b.cuboid(frame, Vec3::new(guard[0], y, 0.45), Vec3::new(guard[1], y + 0.04, body_floor - 0.12));
+    /// What leads the air over the box.
+    fn deflector(&self, b: &mut MeshBuilder, detail: Detail) {
+        let (half, paint) = (self.half(), self.cab.looks.paint);
+        let (low, high) = (self.cab_top - 0.06, self.size.z - 0.05);
+        let steps = if detail == Detail::Full { 6 } else { 2 };
+        let rings: Vec<Vec<Vec3>> = (0..=steps)
+            .map(|i| {
+                let t = i as f32 / steps as f32;
+                // From the cab's back forwards, round over the top.
+                let x = self.cab_back + 0.04 + t * (self.half().x - 0.55 - self.cab_back);
+                let (top, wide) = (high + (low + 0.02 - high) * t * t, (0.84 - 0.14 * t) * half.y);
+                [(-wide, low), (wide, low), (0.9 * wide, top), (-0.9 * wide, top)]
+                    .map(|(y, z)| Vec3::new(x, y, z))
+                    .to_vec()
+            })
+            .collect();
+        b.loft(&rings, |_, _| paint, [self.cab.looks.trim, paint]);
     }
-    let paint = Part::new(tag, Surface::Paint, [0.5; 3]);
-    b.tapered(
-        paint,
-        Vec3::new(cab_back, -0.8 * half_w, cab_top - 0.02),
-        Vec3::new(half_l - 0.6, 0.8 * half_w, height - 0.06),
-        0.55,
-        0.85,
-    );
-}
 
-/// A city bus: low floor, a band of windows, doors on the right.
-pub(crate) fn bus(model: &Model, size: Vec3) -> ActorMesh {
-    let tag = Tag::Bus;
-    let (half_l, half_w, height) = (0.5 * size.x, 0.5 * size.y, size.z);
-    let radius = model.wheel_radius_m as f32;
-    let front = half_l - 2.75;
-    let axles = [front, front - model.wheelbase_m as f32];
-    let mut b = MeshBuilder::new();
-    let count = 7;
-    let pillars = (0..=count).map(|i| -half_l + 0.5 + (size.x - 0.9) * i as f32 / count as f32).collect();
-    shell(
-        &mut b,
-        &Shell {
-            x: [-half_l + 0.01, half_l - 0.01],
-            half_width: half_w,
-            z: [2.0 * radius + 0.06, height - 0.2],
-            glass: [2.0 * radius + 0.16, height - 0.65],
-            pillars,
-            lean: 0.12,
-            front_glass: true,
-            rear_glass: true,
-            tag,
-        },
-    );
-    // Skirts between the wheel arches.
-    let skirt = Part::new(tag, Surface::Paint, [0.5; 3]);
-    let arch = radius + 0.12;
-    let edges =
-        [-half_l + 0.02, axles[1] - arch, axles[1] + arch, axles[0] - arch, axles[0] + arch, half_l - 0.03];
-    for pair in edges.chunks_exact(2) {
-        b.cuboid(
-            skirt,
-            Vec3::new(pair[0], -half_w + 0.01, 0.28),
-            Vec3::new(pair[1], half_w - 0.01, 2.0 * radius + 0.06),
-        );
+    /// The ladder, shutters, lights and stripe of a fire engine's body.
+    fn fire_engine(&self, b: &mut MeshBuilder, detail: Detail) {
+        let (half, height, looks) = (self.half(), self.size.z, &self.cab.looks);
+        let (front, floor) = (self.body_front(), self.body_floor());
+        let ladder = Part::new(Tag::Truck, Surface::Metal, [0.6, 0.6, 0.62]);
+        for y in [-0.35, 0.35] {
+            let rail = Vec3::new(front, y + 0.05, height - 0.12);
+            b.cuboid(ladder, Vec3::new(-half.x + 0.1, y - 0.05, height - 0.3), rail);
+        }
+        if detail == Detail::Full {
+            for k in 0..((front + half.x - 0.4) / 0.45) as usize {
+                let x = -half.x + 0.3 + 0.45 * k as f32;
+                b.cuboid(
+                    ladder,
+                    Vec3::new(x, -0.30, height - 0.24),
+                    Vec3::new(x + 0.05, 0.30, height - 0.18),
+                );
+            }
+        }
+        for (y0, y1, bits) in [(0.0, 0.7, lights::EMERGENCY), (-0.7, 0.0, lights::EMERGENCY_OTHER)] {
+            let (min, max) = (
+                Vec3::new(half.x - 1.15, y0 * half.y, self.cab_top - 0.05),
+                Vec3::new(half.x - 0.80, y1 * half.y, height),
+            );
+            b.tapered(looks.lamp(bits, [0.05, 0.1, 0.8]), min, max, 0.7, 0.97);
+        }
+        let stripe = Part::new(Tag::Truck, Surface::Plain, [0.85, 0.85, 0.3]);
+        let shutter = Part::new(Tag::Truck, Surface::Metal, [0.5, 0.51, 0.52]);
+        for side in [1.0, -1.0] {
+            let face = |part: Part, b: &mut MeshBuilder, x: [f32; 2], z: [f32; 2], out_m: f32| {
+                let y = [half.y - 0.05, half.y - 0.012 + out_m].map(|y| y * side);
+                b.cuboid(part, Vec3::new(x[0], y[0].min(y[1]), z[0]), Vec3::new(x[1], y[0].max(y[1]), z[1]));
+            };
+            face(stripe, b, [-half.x + 0.08, front - 0.06], [floor + 0.06, floor + 0.20], 0.012);
+            if detail == Detail::Coarse {
+                continue;
+            }
+            let (count, long) = (3, (front + half.x - 0.3) / 3.0);
+            for k in 0..count {
+                let x = -half.x + 0.15 + long * k as f32;
+                face(shutter, b, [x + 0.05, x + long - 0.05], [floor + 0.30, height - 0.48], 0.0);
+                if detail == Detail::Full {
+                    for slat in 1..9 {
+                        let z = floor + 0.30 + (height - 0.78 - floor) * slat as f32 / 9.0;
+                        face(looks.trim, b, [x + 0.06, x + long - 0.06], [z - 0.006, z + 0.006], 0.006);
+                    }
+                }
+            }
+        }
     }
-    let inner = Part::new(tag, Surface::Plain, [0.05; 3]);
-    for axle in axles {
-        b.cuboid(
-            inner,
-            Vec3::new(axle - arch, -half_w + 0.5, 0.3),
-            Vec3::new(axle + arch, half_w - 0.5, 2.0 * radius + 0.06),
-        );
-    }
-    let door = Part::new(tag, Surface::Glass, [0.05, 0.06, 0.07]);
-    for x in [half_l - 1.6, 0.5 * (axles[0] + axles[1])] {
-        b.cuboid(door, Vec3::new(x - 0.6, -half_w, 0.36), Vec3::new(x + 0.6, -half_w + 0.1, height - 0.7));
-    }
-    let unit = Part::new(tag, Surface::Plain, [0.75, 0.75, 0.74]);
-    b.tapered(
-        unit,
-        Vec3::new(-0.32 * size.x, -0.7 * half_w, height - 0.21),
-        Vec3::new(0.2 * size.x, 0.7 * half_w, height),
-        0.97,
-        0.9,
-    );
-    let board = Part::new(tag, Surface::Lamp(lights::POSITION), [0.75, 0.5, 0.1]);
-    b.cuboid(
-        board,
-        Vec3::new(half_l - 0.3, -0.6 * half_w, height - 0.6),
-        Vec3::new(half_l - 0.1, 0.6 * half_w, height - 0.32),
-    );
-    lamps(&mut b, tag, half_l, half_w, 0.62, 0.8);
-    b.fit(Vec3::new(-half_l, -half_w, 0.28), Vec3::new(half_l, half_w, height));
-    let mut pieces = vec![Piece { mesh: Arc::new(b.finish()), joint: Joint::Fixed }];
-    let wheels = Wheels { tag, axles: &axles, radius, width: 0.32, outer_y: half_w - 0.03, rim: Rim::Heavy };
-    pieces.extend(wheels.pieces(Detail::Full));
-    ActorMesh::of(pieces)
 }

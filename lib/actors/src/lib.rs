@@ -14,6 +14,7 @@
 
 mod bodies;
 mod building;
+mod bus;
 mod car;
 mod cones;
 mod decal;
@@ -63,7 +64,7 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
             BaseType::Car | BaseType::Van => Some(car::vehicle(known, size)),
             BaseType::Truck if known.name == "truck.pickup" => Some(car::vehicle(known, size)),
             BaseType::Truck => Some(heavy::truck(known, size)),
-            BaseType::Bus => Some(heavy::bus(known, size)),
+            BaseType::Bus => Some(bus::bus(known, size)),
             BaseType::Motorcycle | BaseType::Bicycle => Some(two_wheeler::two_wheeler(known, size, variant)),
             BaseType::Pedestrian if known.wheel_radius_m > 0.0 => {
                 Some(wheelchair::wheelchair(known, size, variant))

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use people::{Bone, about_y, about_z};
 use schema::geometry::TriMesh;
+use solids::Detail;
 
 use crate::posture::Posture;
 use crate::rig::Rig;
@@ -65,8 +66,8 @@ pub struct Piece {
 }
 
 /// From these distances on vehicles are half and coarsely detailed, metres.
-pub(crate) const HALF_FROM_M: f64 = 30.0;
-pub(crate) const COARSE_FROM_M: f64 = 80.0;
+const HALF_FROM_M: f64 = 30.0;
+const COARSE_FROM_M: f64 = 80.0;
 
 /// Pieces that stand for an actor who is far away.
 #[derive(Clone, Debug)]
@@ -92,6 +93,13 @@ impl ActorMesh {
     /// An actor whose pieces need no bones.
     pub(crate) fn of(pieces: Vec<Piece>) -> Self {
         Self { pieces, ..Self::default() }
+    }
+
+    /// An actor without bones, made for each level.
+    pub(crate) fn in_levels(pieces: impl Fn(Detail) -> Vec<Piece>) -> Self {
+        let farther = [(HALF_FROM_M, Detail::Half), (COARSE_FROM_M, Detail::Coarse)];
+        let coarser = farther.map(|(from_m, detail)| Coarser { from_m, pieces: pieces(detail) });
+        Self { coarser: coarser.to_vec(), ..Self::of(pieces(Detail::Full)) }
     }
 
     /// A posture with the bones that follow from it.

@@ -62,14 +62,13 @@ pub(crate) fn disc(tag: Tag, radius: f32, width: f32, rim: Rim, detail: Detail) 
         (radius, 0.76 * half),
         (0.94 * radius, half),
         (edge, 0.90 * half),
-        (0.955 * edge, 0.90 * half),
         (0.92 * edge, 0.84 * half),
         (0.88 * edge, 0.1 * half),
     ];
     let rings: Vec<Vec<Vec3>> = profile.iter().map(|(r, y)| ring(*r, *y, sides)).collect();
     let shell = |k: usize, _: usize| match k {
         0..5 => tyre,
-        5..7 => bright,
+        5 => bright,
         _ => gap,
     };
     b.loft(&rings, shell, [gap; 2]);
@@ -128,14 +127,13 @@ fn cover(b: &mut MeshBuilder, part: Part, gap: Part, edge: f32, half: f32) {
 
 /// A dished disc with a ring of bolts about a hub that stands out.
 fn hub(b: &mut MeshBuilder, part: Part, gap: Part, edge: f32, half: f32) {
-    let rings: Vec<Vec<Vec3>> =
-        [(0.90, 0.1), (0.89, 0.35), (0.72, 0.30), (0.68, 0.45), (0.36, 0.5), (0.32, 0.88), (0.22, 0.93)]
-            .map(|(r, y)| ring(r * edge, y * half, 20))
-            .to_vec();
+    let rings: Vec<Vec<Vec3>> = [(0.90, 0.1), (0.89, 0.35), (0.70, 0.30), (0.36, 0.5), (0.30, 0.92)]
+        .map(|(r, y)| ring(r * edge, y * half, 14))
+        .to_vec();
     b.loft(&rings, |k, j| if k == 1 && j % 4 < 2 { gap } else { part }, [part; 2]);
-    for (c, s) in circle(10) {
-        let at = Vec3::new(0.5 * edge * s, 0.46 * half, 0.5 * edge * c);
-        b.bar(gap, at, at + Vec3::Y * 0.035, [0.016, 0.013], 5);
+    for (c, s) in circle(6) {
+        let at = Vec3::new(0.5 * edge * s, 0.42 * half, 0.5 * edge * c);
+        b.bar(gap, at, at + Vec3::Y * 0.04, [0.017, 0.014], 3);
     }
 }
 
@@ -183,7 +181,7 @@ impl Wheels<'_> {
     pub(crate) const STEER_RAD: f32 = 0.9;
 
     /// The pieces, two to an axle.
-    pub(crate) fn pieces(&self, detail: Detail) -> Vec<Piece> {
+    fn pieces(&self, detail: Detail) -> Vec<Piece> {
         let mesh = Arc::new(disc(self.tag, self.radius, self.width, self.rim, detail));
         let y = self.outer_y - 0.5 * self.width;
         let axles = self.axles.iter().enumerate();
@@ -197,8 +195,19 @@ impl Wheels<'_> {
             .collect()
     }
 
-    /// Wheels that are part of a body far away: they neither turn nor steer.
-    pub(crate) fn stand(&self, b: &mut MeshBuilder) {
+    /// A body and its wheels. Far away these are a part of it and neither turn nor steer.
+    pub(crate) fn under(&self, mut body: MeshBuilder, detail: Detail) -> Vec<Piece> {
+        if detail == Detail::Coarse {
+            self.stand(&mut body);
+        }
+        let mut pieces = vec![Piece { mesh: Arc::new(body.finish()), joint: Joint::Fixed }];
+        if detail != Detail::Coarse {
+            pieces.extend(self.pieces(detail));
+        }
+        pieces
+    }
+
+    fn stand(&self, b: &mut MeshBuilder) {
         let tyre = Part::new(self.tag, Surface::Rubber, TYRE);
         let rim = Part::new(self.tag, Surface::Rubber, [0.07, 0.07, 0.072]);
         for x in self.axles {

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use schema::geometry::{Part, Surface};
 use schema::lights;
-use schema::models::BaseType;
+use schema::models::{BaseType, Model};
 use solids::{Detail, MeshBuilder};
 
 use super::Car;
@@ -20,6 +20,51 @@ fn block(y: [f32; 2], z: [f32; 2]) -> Corners {
 const AMBER: [f32; 3] = [0.75, 0.35, 0.05];
 /// How deep what lies on the skin reaches in, metres.
 const DEEP_M: f32 = 0.09;
+
+/// Where things are on a nose, as shares of the way from its lower edge to the bonnet.
+struct Face {
+    lamps: [f32; 2],
+    /// How far lamps rise towards the sides.
+    slant: f32,
+    /// Openings below.
+    intake: [f32; 2],
+    grille: Option<[f32; 2]>,
+    fog: f32,
+    plate: f32,
+}
+
+impl Face {
+    fn of(model: &Model) -> Self {
+        let car = Self {
+            lamps: [0.66, 0.83],
+            slant: 0.06,
+            intake: [0.13, 0.40],
+            grille: (model.special != "electric").then_some([0.54, 0.82]),
+            fog: 0.27,
+            plate: 0.30,
+        };
+        match model.base {
+            BaseType::Van => Self { grille: Some([0.60, 0.84]), ..car },
+            BaseType::Bus => Self {
+                lamps: [0.34, 0.50],
+                slant: 0.02,
+                intake: [0.06, 0.20],
+                grille: None,
+                fog: 0.16,
+                plate: 0.24,
+            },
+            BaseType::Truck if model.name != "truck.pickup" => Self {
+                lamps: [0.24, 0.42],
+                slant: 0.01,
+                intake: [0.05, 0.20],
+                grille: Some([0.50, 0.93]),
+                fog: 0.12,
+                plate: 0.22,
+            },
+            _ => car,
+        }
+    }
+}
 
 /// One end of a car: heights are metres, places aside shares of its half width there.
 struct End<'a, 'b> {
@@ -96,14 +141,14 @@ impl Car<'_> {
         Part::new(self.looks.tag, Surface::Plain, [0.78, 0.78, 0.76])
     }
 
-    pub(super) fn nose(&self, b: &mut MeshBuilder, detail: Detail) {
+    pub(crate) fn nose(&self, b: &mut MeshBuilder, detail: Detail) {
         let (hull, looks) = (self.hull, &self.looks);
         let full = detail == Detail::Full;
         let nose = hull.style.nose_z * hull.height;
         let low = hull.style.clearance * hull.height;
         // Heights between the lower edge and the bonnet.
         let at = |share: f32| low + share * (nose - low);
-        let van = self.model.base == BaseType::Van;
+        let face = Face::of(self.model);
         let mut end = End { car: self, b, nose: true, detail };
         let head = looks.lamp(lights::LOW_BEAM | lights::HIGH_BEAM | lights::POSITION, [0.85, 0.86, 0.88]);
         let (left, right) = (looks.lamp(lights::BLINK_LEFT, AMBER), looks.lamp(lights::BLINK_RIGHT, AMBER));
@@ -111,7 +156,7 @@ impl Car<'_> {
         let (inner, outer) = (0.50, 0.97);
         let slant = |y: f32, top: bool| {
             let t = (y - inner) / (outer - inner);
-            at(if top { 0.83 + 0.06 * t } else { 0.66 + 0.07 * t })
+            at(if top { face.lamps[1] + face.slant * t } else { face.lamps[0] + 1.15 * face.slant * t })
         };
         let piece = |y: [f32; 2], margin: f32| -> Corners {
             [
@@ -137,19 +182,25 @@ impl Car<'_> {
         }
         end.pair([left, right], piece([0.80, 0.94], 0.012), 0.012, [2, 1]);
         // Lower grille with fog lamps, plate, upper grille.
-        let intake = [at(0.13), at(0.40)];
+        let intake = face.intake.map(at);
         if detail != Detail::Coarse {
             end.across(looks.under, [0.52, 0.58], intake, 0.006, [8, 1]);
-            end.pair([looks.under; 2], block([0.66, 0.86], [at(0.16), at(0.38)]), 0.006, [3, 1]);
+            end.pair(
+                [looks.under; 2],
+                block([0.66, 0.86], [at(face.fog - 0.11), at(face.fog + 0.11)]),
+                0.006,
+                [3, 1],
+            );
         }
         if full {
-            for share in [0.2, 0.27, 0.34] {
-                end.across(looks.trim, [0.51, 0.51], [at(share - 0.012), at(share + 0.012)], 0.013, [8, 1]);
+            for i in 1..4 {
+                let z = intake[0] + 0.25 * i as f32 * (intake[1] - intake[0]);
+                end.across(looks.trim, [0.51, 0.51], [z - 0.006, z + 0.006], 0.013, [8, 1]);
             }
         }
-        end.round(fog, (0.74, at(0.27)), 0.042, 0.014);
-        if self.model.special != "electric" {
-            let grille = if van { [at(0.60), at(0.84)] } else { [at(0.54), at(0.82)] };
+        end.round(fog, (0.74, at(face.fog)), 0.042, 0.014);
+        if let Some(grille) = face.grille {
+            let grille = grille.map(at);
             if full {
                 let frame = [grille[0] - 0.012, grille[1] + 0.012];
                 end.across(looks.chrome, [0.36, 0.44], frame, 0.006, [6, 1]);
@@ -163,10 +214,10 @@ impl Car<'_> {
             }
         }
         if full {
-            let badge = (0.0, at(if self.model.special == "electric" { 0.76 } else { 0.70 }));
+            let badge = (0.0, face.grille.map_or(at(0.76), |[z0, z1]| at(0.45 * z0 + 0.55 * z1)));
             end.round(looks.chrome, badge, 0.042, 0.020);
         }
-        self.plate(&mut end, at(0.30));
+        self.plate(&mut end, at(face.plate));
     }
 
     fn plate(&self, end: &mut End<'_, '_>, z: f32) {
@@ -184,7 +235,7 @@ impl Car<'_> {
         }
     }
 
-    pub(super) fn tail(&self, b: &mut MeshBuilder, detail: Detail) {
+    pub(crate) fn tail(&self, b: &mut MeshBuilder, detail: Detail) {
         let (hull, looks) = (self.hull, &self.looks);
         let full = detail == Detail::Full;
         let tail = hull.style.tail_z * hull.height;

@@ -5,8 +5,6 @@ mod ends;
 mod flanks;
 mod style;
 
-use std::sync::Arc;
-
 use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Part, Surface};
@@ -14,7 +12,7 @@ use schema::models::{BaseType, Model};
 use solids::{Detail, MeshBuilder};
 
 use crate::hull::Hull;
-use crate::pieces::{ActorMesh, COARSE_FROM_M, Coarser, HALF_FROM_M, Joint, Piece};
+use crate::pieces::{ActorMesh, Piece};
 use crate::skin::{Grid, LINE_M, Place, skin, wheel_houses};
 use crate::wheel::{Rim, Wheels};
 use style::style;
@@ -40,10 +38,7 @@ pub(crate) fn vehicle(model: &Model, size: Vec3) -> ActorMesh {
         rim: rim(model),
     };
     let car = Car { model, hull: &hull, looks: Looks::new(tag, model), wheels };
-    let full = car.pieces(Detail::Full);
-    let level = |from_m: f64, detail: Detail| Coarser { from_m, pieces: car.pieces(detail) };
-    let coarser = vec![level(HALF_FROM_M, Detail::Half), level(COARSE_FROM_M, Detail::Coarse)];
-    ActorMesh { coarser, ..ActorMesh::of(full) }
+    ActorMesh::in_levels(|detail| car.pieces(detail))
 }
 
 /// The rims of a model.
@@ -60,22 +55,22 @@ fn rim(model: &Model) -> Rim {
 }
 
 /// What the skin of a car is made of.
-struct Looks {
+pub(crate) struct Looks {
     tag: Tag,
-    paint: Part,
-    glass: Part,
-    under: Part,
+    pub(crate) paint: Part,
+    pub(crate) glass: Part,
+    pub(crate) under: Part,
     /// Unpainted plastic.
-    trim: Part,
-    chrome: Part,
+    pub(crate) trim: Part,
+    pub(crate) chrome: Part,
     /// Lower band of the sides.
     livery: Part,
     seat: Part,
-    gap: Part,
+    pub(crate) gap: Part,
 }
 
 impl Looks {
-    fn new(tag: Tag, model: &Model) -> Self {
+    pub(crate) fn new(tag: Tag, model: &Model) -> Self {
         let paint = Part::new(tag, Surface::Paint, [0.5; 3]);
         let plain = |rgb: [f32; 3]| Part::new(tag, Surface::Plain, rgb);
         Self {
@@ -95,29 +90,24 @@ impl Looks {
         }
     }
 
-    fn lamp(&self, bits: u32, rgb: [f32; 3]) -> Part {
+    pub(crate) fn lamp(&self, bits: u32, rgb: [f32; 3]) -> Part {
         Part::new(self.tag, Surface::Lamp(bits), rgb)
     }
 }
 
-/// One of them in the making.
-struct Car<'a> {
-    model: &'a Model,
-    hull: &'a Hull,
-    looks: Looks,
-    wheels: Wheels<'a>,
+/// A vehicle with a hull in the making: a car, a bus, or the cab of a lorry.
+pub(crate) struct Car<'a> {
+    pub(crate) model: &'a Model,
+    pub(crate) hull: &'a Hull,
+    pub(crate) looks: Looks,
+    pub(crate) wheels: Wheels<'a>,
 }
 
 impl Car<'_> {
     fn pieces(&self, detail: Detail) -> Vec<Piece> {
         let hull = self.hull;
         let mut b = MeshBuilder::new();
-        // Farther away gaps between panels are finer than pixels.
-        let cuts = if detail == Detail::Full { self.cuts() } else { Vec::new() };
-        skin(&mut b, hull, &self.grid(detail, &cuts), &|f, place| self.part(f, place, &cuts));
-        if detail != Detail::Coarse {
-            wheel_houses(&mut b, hull, self.looks.under, &self.wheels.inner_y());
-        }
+        self.shell(&mut b, detail);
         self.nose(&mut b, detail);
         self.tail(&mut b, detail);
         self.flanks(&mut b, detail);
@@ -125,20 +115,29 @@ impl Car<'_> {
         let bottom = hull.style.clearance * hull.height;
         let (half_l, half_w) = (hull.x[1], hull.half_width);
         let fit = b.fit(Vec3::new(-half_l, -half_w, bottom), Vec3::new(half_l, half_w, hull.height));
-        if detail == Detail::Coarse {
-            self.wheels.stand(&mut b);
-        }
-        let mut pieces = vec![Piece { mesh: Arc::new(b.finish()), joint: Joint::Fixed }];
-        if detail != Detail::Coarse {
-            pieces.extend(self.wheels.pieces(detail));
-        }
+        let mut pieces = self.wheels.under(b, detail);
         pieces.extend(self.doors(&fit));
         pieces
+    }
+
+    /// The skin with the walls of its wheel houses.
+    pub(crate) fn shell(&self, b: &mut MeshBuilder, detail: Detail) {
+        // Farther away gaps between panels are finer than pixels.
+        let cuts = if detail == Detail::Full { self.cuts() } else { Vec::new() };
+        skin(b, self.hull, &self.grid(detail, &cuts), &|f, place| self.part(f, place, &cuts));
+        if detail != Detail::Coarse {
+            wheel_houses(b, self.hull, self.looks.under, &self.wheels.inner_y());
+        }
     }
 
     /// Where doors end, as places along the side.
     fn cuts(&self) -> Vec<f32> {
         let mut cuts: Vec<f32> = self.doorways().into_iter().flatten().collect();
+        if self.looks.tag == Tag::Truck && cuts.is_empty() {
+            // Doors of cabs that stay closed.
+            let (ahead, behind) = self.hull.style.windows;
+            cuts.extend([ahead, self.hull.style.pillars.first().copied().unwrap_or(behind)]);
+        }
         cuts.sort_by(f32::total_cmp);
         cuts.dedup_by(|a, b| *a - *b < 0.03);
         cuts
