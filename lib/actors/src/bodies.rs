@@ -11,7 +11,7 @@ use crate::rig::Rig;
 
 /// Distances from which people are made of fewer triangles, metres: what outlines are off by then is less than a pixel of a
 /// picture of a thousand pixels a radian.
-const LEVELS: [(f64, Detail); 2] = [(12.0, Detail::Half), (32.0, Detail::Coarse)];
+pub(crate) const LEVELS: [(f64, Detail); 2] = [(12.0, Detail::Half), (32.0, Detail::Coarse)];
 
 /// A walker with a rig.
 pub(crate) fn walker(walker: Walker) -> ActorMesh {

@@ -137,29 +137,63 @@ fn hub(b: &mut MeshBuilder, part: Part, gap: Part, edge: f32, half: f32) {
     }
 }
 
-/// A bicycle's or motorcycle's wheel: a tyre ring with spokes one can see through.
-pub(crate) fn spoked(tag: Tag, radius: f32, width: f32, spokes: usize) -> TriMesh {
-    const SIDES: usize = 16;
-    let tyre = Part::new(tag, Surface::Rubber, [0.03, 0.03, 0.03]);
+/// A bicycle's or motorcycle's wheel: a tyre ring with spokes one can see through, wide ones of a motorcycle.
+pub(crate) fn spoked(tag: Tag, radius: f32, width: f32, spokes: usize, detail: Detail) -> TriMesh {
+    let sides = match detail {
+        Detail::Full => 28,
+        Detail::Half => 16,
+        Detail::Coarse => 8,
+    };
+    let tyre = Part::new(tag, Surface::Rubber, TYRE);
     let metal = Part::new(tag, Surface::Metal, [0.5, 0.5, 0.52]);
     let mut b = MeshBuilder::new();
     let (half, inner) = (0.5 * width, radius - 1.4 * width.min(0.3 * radius));
-    let mut rings: Vec<Vec<u32>> = Vec::new();
-    for (r, y) in [(radius, -half), (radius, half), (inner, half), (inner, -half)] {
-        rings.push(circle(SIDES).map(|(c, s)| b.vertex(Vec3::new(r * c, y, r * s))).collect());
-    }
-    let index = b.part_index(tyre);
-    for k in 0..4 {
-        let (from, to) = (&rings[k], &rings[(k + 1) % 4]);
-        for j in 0..SIDES {
-            let n = (j + 1) % SIDES;
-            b.quad(index, [from[j], to[j], to[n], from[n]]);
+    let wide = width > 0.06;
+    let bead = inner + 0.3 * (radius - inner);
+    // Around the tyre's section, then the rim's.
+    let section: &[(f32, f32, Part)] = if detail == Detail::Full {
+        &[
+            (bead, -0.8 * half, tyre),
+            (0.5 * (bead + radius), -half, tyre),
+            (radius - 0.2 * half, -0.72 * half, tyre),
+            (radius, 0.0, tyre),
+            (radius - 0.2 * half, 0.72 * half, tyre),
+            (0.5 * (bead + radius), half, tyre),
+            (bead, 0.8 * half, metal),
+            (inner, 0.6 * half, metal),
+            (inner, -0.6 * half, metal),
+        ]
+    } else {
+        &[(bead, -half, tyre), (radius, 0.0, tyre), (bead, half, metal), (inner, 0.0, metal)]
+    };
+    let rings: Vec<Vec<u32>> = section
+        .iter()
+        .map(|(r, y, _)| ring(*r, *y, sides).into_iter().map(|p| b.vertex(p)).collect())
+        .collect();
+    for (k, from) in rings.iter().enumerate() {
+        let (to, part) = (&rings[(k + 1) % rings.len()], b.part_index(section[k].2));
+        for j in 0..sides {
+            let n = (j + 1) % sides;
+            b.quad(part, [from[j], from[n], to[n], to[j]]);
         }
     }
-    for (c, s) in circle(spokes) {
-        b.bar(metal, Vec3::ZERO, Vec3::new(c, 0.0, s) * (inner + 0.005), [0.012, 0.008], 3);
+    let shown = if detail == Detail::Coarse { spokes.min(4) } else { spokes };
+    for (k, (c, s)) in circle(shown).enumerate() {
+        let (out, aside) = (Vec3::new(c, 0.0, s), if k % 2 == 0 { 0.6 } else { -0.6 });
+        if wide {
+            b.bar(metal, Vec3::ZERO, out * (inner + 0.005), [0.030, 0.018], 5);
+        } else {
+            b.bar(metal, Vec3::Y * aside * half, out * (inner + 0.003), [0.0035; 2], 3);
+        }
     }
-    b.bar(metal, Vec3::Y * -half, Vec3::Y * half, [0.035; 2], 6);
+    let hub = if wide { 0.045 } else { 0.022 };
+    let end = Vec3::Y * if wide { 0.7 * half } else { half };
+    b.bar(metal, -end, end, [hub; 2], 8);
+    if wide && detail == Detail::Full {
+        // The disc of the brake.
+        let disc = Vec3::Y * 0.75 * half;
+        b.bar(metal, disc, disc + Vec3::Y * 0.005, [0.34 * radius; 2], 20);
+    }
     b.finish()
 }
 

@@ -61,7 +61,7 @@ pub(crate) fn wheelchair(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
     let fit = b.fit(Vec3::new(-half.x, -half.y, 0.0), Vec3::new(half.x, half.y, high));
 
     let mut pieces = vec![Piece { mesh: Arc::new(b.finish()), joint: Joint::Fixed }];
-    let large = Arc::new(wheel::spoked(Tag::Pedestrian, radius, TYRE_M, 7));
+    let large = Arc::new(wheel::spoked(Tag::Pedestrian, radius, TYRE_M, 7, Detail::Half));
     for (y, right) in [(wheel_y, false), (-wheel_y, true)] {
         let joint = Joint::Wheel { at: Vec3::new(axle.x, y, radius), steered: false, right };
         pieces.push(Piece { mesh: Arc::clone(&large), joint });

@@ -167,7 +167,8 @@ fn sizes_in_triangles_are_moderate() {
         let posture = actor.posed(Posture::default());
         let seen = |p: &&Piece| p.joint.object_from_piece(&posture).is_some();
         let count: usize = actor.pieces.iter().filter(seen).map(|p| p.mesh.triangles.len()).sum();
-        let drives = models::find(&name).is_some_and(|model| model.wheelbase_m > 0.0);
+        let drives = models::find(&name).is_some_and(|model| model.wheelbase_m > 0.0)
+            || models::find_parked(&name).is_some();
         let most = if drives {
             8000
         } else if actor.rig.is_some() {

@@ -54,7 +54,7 @@ fn volumes(mesh: &TriMesh) -> Vec<(Vec3, f64)> {
 
 #[test]
 fn every_solid_of_every_level_is_closed_and_faces_outward() {
-    for model in on_four_wheels() {
+    for model in vehicles().chain(PARKED_TWO_WHEELERS) {
         for (level, pieces) in levels(model).iter().enumerate() {
             for piece in pieces {
                 assert!(closed_volume(&piece.mesh).1, "{} is open at level {level}", model.name);
@@ -68,10 +68,10 @@ fn every_solid_of_every_level_is_closed_and_faces_outward() {
 
 #[test]
 fn every_level_fills_its_box_on_five_faces() {
-    for model in on_four_wheels() {
+    for model in vehicles().chain(PARKED_TWO_WHEELERS) {
         let [l, w, h] = model.size_m.map(|v| v as f32);
         for (level, pieces) in levels(model).iter().enumerate() {
-            let corners = placed(pieces, &Posture::default());
+            let corners = placed(pieces, &made(model.name, model.size_m, 0).posed(Posture::default()));
             let b = corners.iter().flatten().fold(Aabb::EMPTY, |b, p| b.with(*p));
             let off =
                 [b.min.x + 0.5 * l, b.max.x - 0.5 * l, b.min.y + 0.5 * w, b.max.y - 0.5 * w, b.max.z - h];
