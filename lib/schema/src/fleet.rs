@@ -5,23 +5,65 @@
 
 use crate::models::{BaseType, Model, vehicles};
 
-/// Common paints (sRGB).
-const PAINTS: &[[u8; 3]] = &[
-    [240, 240, 238],
-    [22, 22, 24],
-    [120, 124, 128],
-    [176, 180, 184],
-    [70, 74, 80],
-    [132, 16, 20],
-    [196, 28, 30],
-    [20, 44, 96],
-    [44, 92, 160],
-    [20, 66, 46],
-    [206, 190, 156],
-    [96, 62, 40],
-    [232, 176, 32],
-    [216, 96, 28],
+/// Forty paints (sRGB), and how many of two hundred vehicles have each: close to what makers of paint publish of the colours of new
+/// cars worldwide. A third are white, a fifth black, nearly as many grey; then silver, blue, red, brown, green, others.
+const SHADES: [([u8; 3], usize); 40] = [
+    ([242, 243, 242], 30),
+    ([234, 233, 226], 20),
+    ([226, 226, 220], 10),
+    ([216, 222, 226], 6),
+    ([18, 18, 20], 20),
+    ([26, 28, 34], 8),
+    ([38, 38, 40], 8),
+    ([36, 30, 28], 4),
+    ([84, 87, 91], 10),
+    ([108, 112, 116], 8),
+    ([62, 65, 70], 7),
+    ([130, 132, 132], 5),
+    ([98, 100, 96], 4),
+    ([142, 140, 134], 2),
+    ([184, 187, 190], 7),
+    ([166, 170, 174], 5),
+    ([198, 199, 198], 4),
+    ([176, 174, 166], 2),
+    ([22, 42, 88], 5),
+    ([36, 66, 122], 3),
+    ([48, 96, 164], 3),
+    ([70, 92, 116], 2),
+    ([20, 58, 140], 2),
+    ([122, 164, 196], 1),
+    ([150, 18, 24], 4),
+    ([190, 26, 30], 3),
+    ([110, 20, 30], 2),
+    ([206, 44, 36], 1),
+    ([92, 66, 48], 2),
+    ([190, 176, 148], 2),
+    ([64, 48, 40], 1),
+    ([150, 126, 96], 1),
+    ([26, 62, 48], 1),
+    ([72, 86, 66], 1),
+    ([40, 88, 84], 1),
+    ([128, 146, 104], 1),
+    ([232, 188, 40], 1),
+    ([196, 164, 92], 1),
+    ([218, 98, 30], 1),
+    ([76, 44, 92], 1),
 ];
+
+/// Every paint as often as vehicles have it.
+const PAINTS: [[u8; 3]; 200] = {
+    let mut paints = [[0; 3]; 200];
+    let (mut shade, mut of_shade, mut i) = (0, 0, 0);
+    while i < paints.len() {
+        paints[i] = SHADES[shade].0;
+        of_shade += 1;
+        if of_shade == SHADES[shade].1 {
+            (shade, of_shade) = (shade + 1, 0);
+        }
+        i += 1;
+    }
+    paints
+};
 
 /// Whether a model is one of the police, of an ambulance or of the fire brigade.
 #[must_use]
@@ -49,7 +91,7 @@ pub fn weight(model: &Model) -> f64 {
     of_kind(model) / vehicles().filter(alike).count().max(1) as f64
 }
 
-/// The colours that a model comes in (sRGB), all equally common.
+/// The colours that a model comes in (sRGB), each as often as it is common.
 #[must_use]
 pub fn paints(model: &Model) -> &'static [[u8; 3]] {
     match model.name {
@@ -57,7 +99,7 @@ pub fn paints(model: &Model) -> &'static [[u8; 3]] {
         "car.police" => &[[238, 240, 242]],
         "van.ambulance" => &[[240, 240, 236], [232, 206, 44]],
         "car.taxi" => &[[236, 184, 28], [238, 232, 208], [24, 24, 26]],
-        _ => PAINTS,
+        _ => &PAINTS,
     }
 }
 
@@ -76,5 +118,18 @@ mod tests {
         }
         assert!((sum(&is_emergency) - 4.0).abs() < 1e-9);
         assert!(vehicles().all(|m| weight(m) > 0.0 && !paints(m).is_empty()));
+    }
+
+    #[test]
+    fn forty_paints_are_as_common_as_they_say() {
+        assert_eq!(SHADES.iter().map(|(_, of_200)| of_200).sum::<usize>(), PAINTS.len());
+        for (i, (rgb, of_200)) in SHADES.iter().enumerate() {
+            assert_eq!(PAINTS.iter().filter(|paint| *paint == rgb).count(), *of_200, "{rgb:?}");
+            assert!(SHADES[..i].iter().all(|(other, _)| other != rgb));
+        }
+        // White, black, grey and silver are what eight of ten are.
+        let grey = |[r, g, b]: &[u8; 3]| r.max(g).max(b) - r.min(g).min(b) <= 12;
+        let share = PAINTS.iter().filter(|paint| grey(paint)).count() as f64 / PAINTS.len() as f64;
+        assert!((0.75..0.85).contains(&share), "{share}");
     }
 }
