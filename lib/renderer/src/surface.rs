@@ -113,6 +113,18 @@ impl<'v, 'a> Facet<'v, 'a> {
         })
     }
 
+    /// Its corners, object frame, metres.
+    #[must_use]
+    pub fn corners_object_m(&self) -> [Vec3; 3] {
+        self.view.mesh.corners(self.triangle as usize)
+    }
+
+    /// Where the camera is, object frame, metres.
+    #[must_use]
+    pub fn camera_object_m(&self) -> Vec3 {
+        self.view.origin
+    }
+
     /// How light bends over it; `None` where it is flat.
     #[must_use]
     pub fn bend(&self) -> Option<Bend> {

@@ -34,10 +34,29 @@ pub enum Surface {
     Foliage,
     /// Bark and wood.
     Wood,
+    /// Loose stones: flat roofs, ballast.
+    Gravel,
+    /// Tiles of a sloping roof.
+    RoofTiles,
     /// A house front: windows in a grid of storeys and bays drawn by the shader from the object position.
-    Facade,
+    Facade(Wall),
     /// Emits light while one of these [`crate::lights`] bits is set on its instance.
     Lamp(u32),
+}
+
+/// What the walls of a house front are made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wall {
+    /// Smooth render.
+    Plaster,
+    /// Bricks with grey joints.
+    Brick,
+    /// Cut stones.
+    Ashlar,
+    /// Concrete slabs as high as a storey.
+    Panels,
+    /// Glass from floor to floor.
+    Curtain,
 }
 
 /// A part of a mesh: triangles with one tag and one look.

@@ -46,8 +46,8 @@ fn reflectivity(part: &Part) -> f64 {
     match part.surface {
         Surface::Paint | Surface::Metal => 0.5,
         Surface::Lamp(_) | Surface::Glass => 0.25,
-        Surface::Concrete | Surface::Facade => 0.2,
-        Surface::Plain => 0.15,
+        Surface::Concrete | Surface::Facade(_) => 0.2,
+        Surface::Plain | Surface::Gravel | Surface::RoofTiles => 0.15,
         Surface::Cloth => 0.1,
         Surface::Rubber | Surface::Wood => 0.08,
         Surface::Foliage | Surface::Grass => 0.04,

@@ -6,7 +6,7 @@ use std::fs::File;
 use std::path::PathBuf;
 
 use common::{grey_sight, optics, picture, set_view, snapshot, standing_view, street, with_scene};
-use schema::geometry::{Snapshot, Surface};
+use schema::geometry::{Snapshot, Surface, Wall};
 use schema::settings::{CameraSettings, Optics};
 use schema::tables::Weather;
 use schema::{Tag, lights};
@@ -109,7 +109,7 @@ fn fronts_that_face_the_sun_are_the_bright_ones() {
         let street = &street;
         seen.instance.iter().enumerate().filter_map(move |(pixel, &i)| {
             let house = street.instances.get(i as usize)?;
-            let front = street.mesh(house).parts[0].surface == Surface::Facade;
+            let front = street.mesh(house).parts[0].surface == Surface::Facade(Wall::Plaster);
             (front && (house.local_from_object.translation.y > 0.0) == left).then_some(pixel)
         })
     };

@@ -7,7 +7,7 @@ use frames::{Agent, Pose, World};
 use glam::Affine3A;
 use nalgebra::Vector3;
 use renderer::{Renderer, Scene};
-use schema::geometry::{Snapshot, Surface};
+use schema::geometry::{Snapshot, Surface, Wall};
 use schema::settings::Rig;
 use schema::table::{Column, Row};
 use schema::tables::Weather;
@@ -25,7 +25,7 @@ fn corner() -> Snapshot {
     snapshot(
         vec![
             plane(150.0, 0.0, Tag::Road, Surface::Asphalt),
-            block([12.0, 8.0, 9.0], Tag::Building, Surface::Facade),
+            block([12.0, 8.0, 9.0], Tag::Building, Surface::Facade(Wall::Plaster)),
             block([4.4, 1.8, 1.5], Tag::Car, Surface::Paint),
         ],
         vec![

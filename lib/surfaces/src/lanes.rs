@@ -13,7 +13,7 @@ use crate::sections::{Ground, Section, Strip, WIDEST_M};
 use schema::Layer;
 
 const WASTE: Part = Part::new(Tag::Ground, Surface::Asphalt, [0.12, 0.12, 0.12]);
-const BALLAST: Part = Part::new(Tag::RailTrack, Surface::Plain, [0.17, 0.155, 0.14]);
+const BALLAST: Part = Part::new(Tag::RailTrack, Surface::Gravel, [0.17, 0.155, 0.14]);
 /// Faces of raised strips, but for their tag.
 const KERB: Part = Part::new(Tag::Sidewalk, Surface::Concrete, [0.42, 0.42, 0.41]);
 const MEDIAN: Part = Part::new(Tag::Ground, Surface::Concrete, [0.30, 0.29, 0.27]);

@@ -45,7 +45,7 @@ impl Canvas {
                 let light = 0.40 + 0.60 * normal.dot(sun).max(0.0);
                 let base = match part.surface {
                     Surface::Paint => instance.paint,
-                    Surface::Facade if normal.z.abs() < 0.5 => part.rgb.map(|c| c * 0.9),
+                    Surface::Facade(_) if normal.z.abs() < 0.5 => part.rgb.map(|c| c * 0.9),
                     _ => part.rgb,
                 };
                 let colour = base.map(|c| ((c * light).max(0.0).sqrt() * 255.0).min(255.0) as u8);

@@ -31,7 +31,9 @@ fn name_of(surface: &Surface) -> &'static str {
         Surface::Grass => "grass",
         Surface::Foliage => "foliage",
         Surface::Wood => "wood",
-        Surface::Facade => "facade",
+        Surface::Gravel => "gravel",
+        Surface::RoofTiles => "roof tiles",
+        Surface::Facade(_) => "facade",
         Surface::Lamp(_) => "lamp",
     }
 }

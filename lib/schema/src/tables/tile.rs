@@ -123,7 +123,7 @@ const SURFACES: [(&str, Surface); 13] = [
     ("grass", Surface::Grass),
     ("foliage", Surface::Foliage),
     ("wood", Surface::Wood),
-    ("facade", Surface::Facade),
+    ("gravel", Surface::Gravel),
 ];
 
 impl From<&SurfaceMesh> for SurfaceRow {

@@ -2,11 +2,11 @@
 
 use glam::{Vec2, Vec3};
 use renderer::VisibilityBuffer;
+use textures::{hash2, unit};
 
 use super::model::CameraModel;
 use super::picture::Picture;
 use super::view::CameraView;
-use crate::look::{hash2, unit};
 
 /// Drops in a cubic metre at full rain: those that are large enough to be seen.
 const DROPS_PER_M3: f32 = 7.0;

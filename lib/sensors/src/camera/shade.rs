@@ -14,7 +14,7 @@ use super::rain::{Rain, draw_rain};
 use super::view::CameraView;
 use super::vignette::Vignette;
 use crate::light::{Lighting, Lit};
-use crate::look::{Facet, Gloss, Noise, Points, look};
+use crate::look::{Facet, Gloss, Points, Stuff, look};
 
 impl Picture {
     /// Lights and colours what was seen.
@@ -36,7 +36,7 @@ impl Picture {
             snapshot,
             buffer,
             lighting,
-            noise: Noise::get(),
+            stuff: Stuff::get(),
             exposure,
             per_focal: 1.0 / buffer.camera.fx,
             camera: Vec3::from(buffer.camera.local_from_optical.translation),
@@ -105,6 +105,17 @@ struct Run<'a> {
     is_lit: bool,
     /// The light on its plane.
     turned: Turned,
+    relief: Relief,
+}
+
+/// How much more light falls on a surface whose normal leans.
+struct Relief {
+    /// Axes of its texture.
+    tangents: [Vec3; 2],
+    /// More of the cosine between normal and sun for each.
+    facing: [f32; 2],
+    /// More light of the whole sky for each.
+    ambient: [Vec3; 2],
 }
 
 /// Light on surfaces by the way they are turned, as film value of a white surface.
@@ -153,7 +164,7 @@ struct Shader<'a> {
     snapshot: &'a Snapshot,
     buffer: &'a VisibilityBuffer,
     lighting: &'a Lighting,
-    noise: &'a Noise,
+    stuff: Stuff,
     /// Film value per radiance.
     exposure: f32,
     /// Width of a pixel at a depth of a metre.
@@ -314,12 +325,17 @@ impl Shader<'_> {
             world_m: here.position_local + Vec3s::splat(around.world_from_local_m),
             footprint_m: here.depth_m * light.footprint_at_1_m,
         };
-        let look = look(self.noise, around, &run.facet, &points);
+        let look = look(self.stuff, around, &run.facet, &points);
         let bent = run.bend.as_ref().map(|bend| bend.normals(here.position_object));
-        let Turned { facing, ambient } = match &bent {
+        let Turned { mut facing, mut ambient } = match &bent {
             Some(normals) => self.turned(run.facet.is_leaf(), normals),
             None => run.turned,
         };
+        if let Some([a, b]) = look.lean {
+            let Relief { facing: [fa, fb], ambient: [sa, sb], .. } = run.relief;
+            facing = (facing + a * fa + b * fb).fast_max(Lanes::ZERO);
+            ambient += Vec3s::splat(sa) * a + Vec3s::splat(sb) * b;
+        }
         let received = Vec3s::splat(self.key) * (facing * light.sunlit) + ambient * light.open + light.lamps;
         let mut out = look.albedo * received;
         if let Some(emission) = look.emission {
@@ -328,7 +344,12 @@ impl Shader<'_> {
         if let Some(gloss) = &look.gloss {
             let toward = Vec3s::splat(self.camera) - here.position_local;
             let toward = toward * (1.0 / toward.length_squared().sqrt().fast_max(Lanes::splat(1e-6)));
-            let normals = bent.unwrap_or(Vec3s::splat(run.facet.normal_local));
+            let mut normals = bent.unwrap_or(Vec3s::splat(run.facet.normal_local));
+            if let Some([a, b]) = look.lean {
+                let [ta, tb] = run.relief.tangents.map(Vec3s::splat);
+                normals += ta * a + tb * b;
+                normals = normals * (1.0 / normals.length_squared().sqrt());
+            }
             out = self.gloss(out, gloss, normals, toward, light);
         }
         Vec3s::splat(self.veil).lerp(out, light.passes)
@@ -338,15 +359,34 @@ impl Shader<'_> {
         let instance = &self.snapshot.instances[triangle.instance as usize];
         let n = triangle.normal_local;
         let to_key = self.lighting.sky.key_direction;
-        let facet = Facet::new(instance, triangle.part, n);
+        let facet = Facet::new(instance, triangle);
+        let relief = self.relief(&facet);
         let bend = triangle.bend();
         let turned = self.turned(facet.is_leaf(), &Vec3s::splat(n));
         if facet.is_leaf() {
-            return Run { facet, normal: leaning(n), bend, outward: to_key * 4.0, is_lit: true, turned };
+            return Run {
+                facet,
+                normal: leaning(n),
+                bend,
+                outward: to_key * 4.0,
+                is_lit: true,
+                turned,
+                relief,
+            };
         }
         let corners = bend.as_ref().map_or([n; 3], Bend::corner_normals);
         let is_lit = corners.iter().any(|normal| normal.dot(to_key) > 0.0);
-        Run { facet, normal: n, bend, outward: n, is_lit, turned }
+        Run { facet, normal: n, bend, outward: n, is_lit, turned, relief }
+    }
+
+    fn relief(&self, facet: &Facet<'_>) -> Relief {
+        let tangents = facet.tangents_local();
+        let [_, x, y, z] = self.ambient;
+        Relief {
+            tangents,
+            facing: tangents.map(|t| t.dot(self.lighting.sky.key_direction)),
+            ambient: tangents.map(|t| x * t.x + y * t.y + z * t.z),
+        }
     }
 
     /// The light on surfaces that are turned as their normals say. Leaves let light through, and those turned away are looked at on

@@ -16,14 +16,14 @@ pub(super) fn reflectance(part: &Part) -> f32 {
         return 1.0;
     }
     match part.surface {
-        Surface::Plain | Surface::Cloth => 0.15 + 0.6 * brightness,
+        Surface::Plain | Surface::Gravel | Surface::RoofTiles | Surface::Cloth => 0.15 + 0.6 * brightness,
         Surface::Paint => 0.45,
         Surface::Glass => 0.05,
         Surface::Metal => 0.4,
         Surface::Rubber => 0.06,
         Surface::Asphalt => 0.15,
         Surface::RoadMarking => 0.8,
-        Surface::Concrete | Surface::Facade => 0.35,
+        Surface::Concrete | Surface::Facade(_) => 0.35,
         Surface::Grass | Surface::Foliage => 0.5,
         Surface::Wood => 0.35,
         Surface::Lamp(_) => 0.6,

@@ -4,10 +4,10 @@ use glam::{Vec2, Vec3};
 use lanes::{Lanes, Vec3s, exp_neg, floor_words};
 use rayon::prelude::*;
 use schema::tables::Weather;
+use textures::Noise;
 
 use super::atmosphere::Atmosphere;
 use super::math::luminance;
-use crate::look::Noise;
 
 /// Side of the picture of the sky, texels.
 const SIDE: usize = 512;

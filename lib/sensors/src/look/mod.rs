@@ -1,8 +1,13 @@
 //! How surfaces look before light falls on them.
 
+mod facade;
+mod facet;
+mod front;
+mod ground;
+mod lane;
 mod material;
-mod noise;
 mod pattern;
+mod room;
 
-pub(crate) use material::{Facet, Gloss, Points, Surroundings, look};
-pub(crate) use noise::{Noise, hash2, unit};
+pub(crate) use facet::{Facet, Gloss, Points, Surroundings};
+pub(crate) use material::{Stuff, look};

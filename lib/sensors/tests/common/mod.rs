@@ -6,7 +6,7 @@ use std::sync::Arc;
 use frames::{Agent, LocalOrigin, Pose, World};
 use glam::{Affine3A, Vec3};
 use renderer::{Renderer, Scene};
-use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
+use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh, Wall};
 use schema::settings::{CameraSettings, CameraSpec, Mount, Optics};
 use schema::tables::{CameraRow, Weather};
 use schema::{ImageSet, Tag, lights};
@@ -204,7 +204,7 @@ fn ground() -> Arc<TriMesh> {
 
 fn house(length: f32, depth: f32, height: f32, rgb: [f32; 3]) -> Arc<TriMesh> {
     let mut b = Builder::default();
-    let wall = b.part(Tag::Building, Surface::Facade, rgb);
+    let wall = b.part(Tag::Building, Surface::Facade(Wall::Plaster), rgb);
     b.cuboid(wall, [-0.5 * length, -0.5 * depth, 0.0], [0.5 * length, 0.5 * depth, height]);
     b.done()
 }

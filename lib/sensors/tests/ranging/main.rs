@@ -11,7 +11,7 @@ use glam::{Affine3A, Vec3};
 use random::Stream;
 use renderer::{RayBatch, Renderer, Scene};
 use schema::Tag;
-use schema::geometry::Surface;
+use schema::geometry::{Surface, Wall};
 use schema::settings::{LidarSpec, RadarSpec, Rig, ScanPattern};
 use sensors::{Lidar, LidarMoment, LidarSweep, RadarMotion, RadarReturns, SensorError};
 
@@ -265,7 +265,7 @@ fn the_own_body_is_looked_through() {
     let snapshot = snapshot(
         vec![
             block([5.0, 2.0, 1.5], Tag::Car, Surface::Paint),
-            block([1.0, 200.0, 60.0], Tag::Building, Surface::Facade),
+            block([1.0, 200.0, 60.0], Tag::Building, Surface::Facade(Wall::Brick)),
         ],
         vec![instance(0, 1, at(0.0, 0.0, 0.0, 0.0)), instance(1, 2, at(30.0, 0.0, -30.0, 0.0))],
     );
@@ -290,7 +290,7 @@ fn brightness_is_the_surfaces_reflectance_at_905_nm() {
         (Tag::Road, Surface::Asphalt, dark, 0.15),
         (Tag::RoadLine, Surface::RoadMarking, dark, 0.8),
         (Tag::Sidewalk, Surface::Concrete, dark, 0.35),
-        (Tag::Building, Surface::Facade, dark, 0.35),
+        (Tag::Building, Surface::Facade(Wall::Brick), dark, 0.35),
         (Tag::Vegetation, Surface::Foliage, dark, 0.5),
         (Tag::Terrain, Surface::Grass, dark, 0.5),
         (Tag::Car, Surface::Glass, [1.0; 3], 0.05),

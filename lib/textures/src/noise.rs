@@ -15,7 +15,8 @@ const LEVELS: usize = SIDE.ilog2() as usize + 1;
 const COARSEST: usize = 4;
 
 /// The tile.
-pub(crate) struct Noise {
+#[derive(Debug)]
+pub struct Noise {
     /// Square levels, each half the side of the one before.
     levels: [Vec<u8>; LEVELS],
     /// Each texel of the finest level with its right, lower and lower right neighbour, a byte each from the lowest.
@@ -24,7 +25,7 @@ pub(crate) struct Noise {
 
 /// Mixes two lattice coordinates and a seed to 32 even bits (the finaliser of MurmurHash3).
 #[inline]
-pub(crate) fn hash2(x: i32, y: i32, seed: u32) -> u32 {
+pub fn hash2(x: i32, y: i32, seed: u32) -> u32 {
     let mut h = (x as u32).wrapping_mul(0x9e37_79b1) ^ (y as u32).wrapping_mul(0x85eb_ca77) ^ seed;
     h = (h ^ (h >> 16)).wrapping_mul(0x85eb_ca6b);
     h = (h ^ (h >> 13)).wrapping_mul(0xc2b2_ae35);
@@ -33,13 +34,13 @@ pub(crate) fn hash2(x: i32, y: i32, seed: u32) -> u32 {
 
 /// A word as a number in `[0, 1)`.
 #[inline]
-pub(crate) fn unit(word: u32) -> f32 {
+pub fn unit(word: u32) -> f32 {
     (word >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
 impl Noise {
     /// The one tile; its numbers are fixed.
-    pub(crate) fn get() -> &'static Self {
+    pub fn get() -> &'static Self {
         static TILE: OnceLock<Noise> = OnceLock::new();
         TILE.get_or_init(Self::new)
     }
@@ -91,7 +92,7 @@ impl Noise {
 
     /// [`at`](Self::at) eight places, whose footprints are alike: all are read as the smallest of them wants it.
     #[inline]
-    pub(crate) fn at_all(&self, x: Lanes, y: Lanes, footprint: Lanes) -> Lanes {
+    pub fn at_all(&self, x: Lanes, y: Lanes, footprint: Lanes) -> Lanes {
         let f = footprint.as_array();
         let (first, last) = (f[0], f[7]);
         let least = if first < last { first } else { last };
@@ -129,7 +130,7 @@ impl Noise {
     ///
     /// Texels that are larger than the footprint are interpolated, smaller ones are taken as they are.
     #[inline]
-    pub(crate) fn at(&self, x: f32, y: f32, footprint: f32) -> f32 {
+    pub fn at(&self, x: f32, y: f32, footprint: f32) -> f32 {
         if footprint < 1.0 {
             return self.interpolated(x, y);
         }
@@ -173,7 +174,7 @@ fn level_of(footprint: f32) -> usize {
 }
 
 /// Value noise that repeats after `cells` cells.
-fn lattice(x: f32, y: f32, cells: i32) -> f32 {
+pub(crate) fn lattice(x: f32, y: f32, cells: i32) -> f32 {
     let (x0, y0) = (x.floor(), y.floor());
     let smooth = |t: f32| t * t * (3.0 - 2.0 * t);
     let (sx, sy) = (smooth(x - x0), smooth(y - y0));

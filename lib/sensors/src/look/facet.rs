@@ -1,0 +1,158 @@
+//! What looks are made from and of: a triangle, points on it, and how these send light back.
+
+use glam::Vec3;
+use lanes::{Lanes, Vec3s};
+use renderer::Facet as Triangle;
+use schema::geometry::{Instance, Part, Surface};
+use schema::{ObjectId, Tag};
+
+use super::front::Front;
+use super::lane::Across;
+
+/// What is the same for all points of one triangle.
+pub(crate) struct Facet<'a> {
+    pub(super) part: &'a Part,
+    pub(super) paint: Vec3,
+    pub(super) lights: u32,
+    pub(super) glow: Vec3,
+    pub(super) object: ObjectId,
+    pub(crate) normal_local: Vec3,
+    pub(super) normal_object: Vec3,
+    /// Where the camera is.
+    pub(super) eye_object_m: Vec3,
+    /// The axes of an upright or sloping surface, object frame.
+    pub(super) tangents_object: [Vec3; 2],
+    /// How it is divided, if it is a house front.
+    pub(super) front: Option<Front>,
+    /// Where on its lane it lies, if it is a piece of one.
+    pub(super) lane: Option<Across>,
+}
+
+/// Points of a facet.
+#[derive(Clone, Copy)]
+pub(crate) struct Points {
+    /// Object frame, metres.
+    pub(crate) object_m: Vec3s,
+    /// World, repeating after [`Surroundings::WRAP_M`], metres.
+    pub(crate) world_m: Vec3s,
+    /// Width of a pixel there, metres.
+    pub(crate) footprint_m: Lanes,
+}
+
+/// How points send light back.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Look {
+    /// Share of light scattered evenly, linear RGB.
+    pub(crate) albedo: Vec3s,
+    /// How much normals lean along [`Facet::tangents_local`]; none where the surface is even.
+    pub(crate) lean: Option<[Lanes; 2]>,
+    /// Light of its own, in units of what the film shows as white; none for most.
+    pub(crate) emission: Option<Vec3s>,
+    /// What it mirrors; nothing for dull surfaces.
+    pub(crate) gloss: Option<Gloss>,
+}
+
+/// How points mirror.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gloss {
+    /// Share of light mirrored at normal incidence; 0 without gloss.
+    pub(crate) mirror: Lanes,
+    /// Width of the highlight: 0 mirror, 1 dull.
+    pub(crate) roughness: Lanes,
+}
+
+/// What is the same for all surfaces of a frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Surroundings {
+    /// Wetness of the ground, 0 to 1.
+    pub(crate) wetness: f32,
+    /// Puddles, 0 to 1.
+    pub(crate) puddles: f32,
+    /// World coordinates of the local origin, wrapped.
+    pub(crate) world_from_local_m: Vec3,
+}
+
+impl Surroundings {
+    /// World coordinates of textures repeat after this distance, metres: a whole number of tiles at every
+    /// scale, so that there is no seam.
+    pub(crate) const WRAP_M: f64 = 4096.0;
+}
+
+impl<'a> Facet<'a> {
+    pub(crate) fn new(instance: &Instance, triangle: &Triangle<'_, 'a>) -> Self {
+        let object_from_local = instance.local_from_object.matrix3.transpose();
+        let normal_local = triangle.normal_local;
+        let corners_object_m = triangle.corners_object_m();
+        let part = triangle.part;
+        let normal_object = object_from_local * normal_local;
+        let tangents_object = upright(normal_object);
+        let front = match part.surface {
+            Surface::Facade(wall) if normal_object.z.abs() < 0.85 => {
+                Some(Front::new(wall, instance.object, tangents_object[0], corners_object_m))
+            }
+            _ => None,
+        };
+        let is_road = part.surface == Surface::Asphalt && part.tag == Tag::Road;
+        Self {
+            part,
+            paint: Vec3::from_array(instance.paint),
+            lights: instance.lights,
+            glow: Vec3::from_array(instance.glow),
+            object: instance.object,
+            normal_local,
+            normal_object,
+            eye_object_m: triangle.camera_object_m(),
+            tangents_object,
+            front,
+            lane: if is_road { Across::new(corners_object_m) } else { None },
+        }
+    }
+
+    /// Whether it stands for leaves.
+    pub(crate) fn is_leaf(&self) -> bool {
+        self.part.surface == Surface::Foliage
+    }
+
+    /// Whether textures lie on it by the plan of the world, as on all ground.
+    pub(super) fn is_ground(&self) -> bool {
+        self.normal_local.z > 0.8
+    }
+
+    /// The axes of its texture, local frame: x and y of the world on the ground, elsewhere to the right of someone who looks at it and
+    /// up.
+    pub(crate) fn tangents_local(&self) -> [Vec3; 2] {
+        if self.is_ground() { [Vec3::X, Vec3::Y] } else { upright(self.normal_local) }
+    }
+}
+
+/// To the right of someone who looks at a surface, and up.
+fn upright(normal: Vec3) -> [Vec3; 2] {
+    let right = Vec3::new(-normal.y, normal.x, 0.0).normalize_or(Vec3::X);
+    [right, normal.cross(right)]
+}
+
+impl Look {
+    /// A surface that mirrors nothing.
+    #[inline]
+    pub(super) fn dull(albedo: Vec3s) -> Self {
+        Self { albedo, ..Self::default() }
+    }
+
+    /// One that leans as its texture says.
+    #[inline]
+    pub(super) fn leaning(albedo: Vec3s, lean: [Lanes; 2]) -> Self {
+        Self { albedo, lean: Some(lean), ..Self::default() }
+    }
+
+    #[inline]
+    pub(super) fn glossy(albedo: Vec3s, mirror: f32, roughness: f32) -> Self {
+        let gloss = Gloss { mirror: Lanes::splat(mirror), roughness: Lanes::splat(roughness) };
+        Self { albedo, gloss: Some(gloss), ..Self::default() }
+    }
+}
+
+/// A colour in so many shades.
+#[inline]
+pub(super) fn shades(rgb: Vec3, shade: Lanes) -> Vec3s {
+    Vec3s::new(shade * rgb.x, shade * rgb.y, shade * rgb.z)
+}

@@ -1,0 +1,153 @@
+//! Roads, paint, paving, grass.
+
+use glam::Vec3;
+use lanes::{Lanes, Vec3s, Words, floor_words, hash2, smoothstep, unit};
+use schema::Tag;
+use textures::{Noise, Texels, Textures};
+
+use super::facet::{Facet, Gloss, Look, Points, Surroundings, shades};
+use super::pattern::{Width, bars};
+
+/// Manholes: one in a square of this side (a power of two, so that the wrapped world has no seam), metres.
+const MANHOLE_CELL_M: f32 = 32.0;
+/// Share of the squares that have one.
+const MANHOLE_SHARE: f32 = 0.6;
+/// Radius of its lid, and of the frame around it, metres.
+const LID_M: f32 = 0.3;
+const FRAME_M: f32 = 0.36;
+
+/// Noise over the ground: `per_m` texels a metre (a power of two, so that the wrapped world has no seam).
+#[inline]
+fn ground_noise(noise: &Noise, p: &Points, per_m: f32) -> Lanes {
+    noise.at_all(p.world_m.x * per_m, p.world_m.y * per_m, p.footprint_m * per_m)
+}
+
+#[inline]
+fn laid(texture: &textures::Texture, p: &Points) -> Texels {
+    texture.at(p.world_m.x, p.world_m.y, p.footprint_m)
+}
+
+/// Darkens and glosses a porous surface that is wet; `flat` is 1 where puddles can stand.
+#[inline]
+fn wet(noise: &Noise, around: &Surroundings, mut look: Look, p: &Points, flat: f32) -> Look {
+    if around.wetness <= 0.0 && around.puddles <= 0.0 {
+        return look;
+    }
+    let hollow = ground_noise(noise, p, 16.0);
+    let threshold = 1.0 - 0.75 * around.puddles;
+    let puddle = smoothstep(threshold, threshold + 0.12, hollow) * (flat * around.puddles.min(1.0));
+    let wetness = puddle.fast_max(Lanes::splat(around.wetness));
+    look.albedo *= 1.0 - wetness * 0.5;
+    // Water lies level.
+    look.lean = look.lean.map(|lean| lean.map(|v| v * (1.0 - puddle)));
+    look.gloss = Some(Gloss { mirror: wetness * 0.02, roughness: 0.45 - wetness * 0.3 - puddle * 0.14 });
+    look
+}
+
+#[inline]
+pub(super) fn asphalt(
+    (noise, textures): (&Noise, &Textures),
+    around: &Surroundings,
+    facet: &Facet<'_>,
+    p: &Points,
+) -> Look {
+    let rgb = Vec3::from_array(facet.part.rgb);
+    let (stones, wear) = (laid(&textures.asphalt, p), laid(&textures.wear, p));
+    // Some stretches are older than others.
+    let age = ground_noise(noise, p, 2.0);
+    let worn = (wear.shade - 1.0) * (age * 1.6 + 0.2) + 1.0;
+    let mut shade = stones.shade * worn * (age * 0.24 + 0.88);
+    if let Some(lane) = &facet.lane {
+        // Tyres polish two tracks; oil drips between them.
+        let off_m = lane.off_middle_m(&p.object_m);
+        let bump = |middle: f32, half: f32| {
+            let t = ((off_m - middle) * (1.0 / half)).abs().fast_min(Lanes::ONE);
+            1.0 - t * t * (3.0 - 2.0 * t)
+        };
+        shade *= bump(0.82, 0.45) * 0.13 - bump(0.0, 0.5) * (age * 0.3 + 0.02) + 0.99;
+    }
+    let mut albedo = shades(rgb, shade);
+    let mut lean = stones.lean;
+    if facet.part.tag == Tag::Road
+        && let Some((iron, frame)) = manhole(p)
+    {
+        albedo = albedo.lerp(shades(Vec3::new(0.062, 0.058, 0.054), stones.shade * frame), iron);
+        lean = lean.map(|v| v * (1.0 - iron));
+    }
+    wet(noise, around, Look::leaning(albedo, lean), p, 1.0)
+}
+
+/// Shares that are iron and its brightness; none where there is no manhole near.
+#[inline]
+fn manhole(p: &Points) -> Option<(Lanes, Lanes)> {
+    const WRAPPED: u32 = (Surroundings::WRAP_M / MANHOLE_CELL_M as f64) as u32 - 1;
+    let (x, y) = (p.world_m.x * (1.0 / MANHOLE_CELL_M), p.world_m.y * (1.0 / MANHOLE_CELL_M));
+    let word = hash2(floor_words(x) & WRAPPED, floor_words(y) & WRAPPED, Words::splat(77));
+    // Not at the edges of its square.
+    let place = |v: Lanes, bits: Words| (v - v.floor() - 0.1 - unit(bits) * 0.8) * MANHOLE_CELL_M;
+    let (dx, dy) = (place(x, word), place(y, word * 0x85eb_ca6bu32));
+    let away = (dx * dx + dy * dy).sqrt();
+    let w = p.footprint_m;
+    let near = away.simd_lt(w * 0.5 + FRAME_M) & unit(word * 0xc2b2_ae35u32).simd_lt(MANHOLE_SHARE);
+    if near.none() {
+        return None;
+    }
+    let disc = |radius: f32| {
+        ((radius - away) / w.fast_max(Lanes::splat(0.004)) + 0.5).fast_clamp(Lanes::ZERO, Lanes::ONE)
+    };
+    let iron = near.select(disc(FRAME_M), Lanes::ZERO);
+    let gap = disc(LID_M + 0.012) - disc(LID_M - 0.006);
+    let width = Width::new(w * 12.0);
+    let studs = bars(dx * 12.0, 0.5, width) + bars(dy * 12.0, 0.5, width);
+    Some((iron, (studs * 0.35 + 0.75) * (1.0 - gap * 0.7)))
+}
+
+#[inline]
+pub(super) fn marking(
+    (noise, textures): (&Noise, &Textures),
+    around: &Surroundings,
+    rgb: Vec3,
+    p: &Points,
+) -> Look {
+    let (stones, wear) = (laid(&textures.asphalt, p), laid(&textures.wear, p));
+    let rubbed = ground_noise(noise, p, 32.0);
+    // Paint goes first where stones stand out, and where tar was poured over it.
+    let kept = smoothstep(0.1, 0.45, rubbed - (stones.shade - 1.0) * 0.15) * 0.7 + 0.3;
+    let kept = kept * (1.0 - wear.tint.fast_max(Lanes::ZERO) * 0.8);
+    let dirt = wear.shade * 0.5 + 0.5;
+    let albedo = shades(rgb, kept * dirt) + shades(Vec3::splat(0.07), (1.0 - kept) * stones.shade);
+    wet(noise, around, Look::leaning(albedo, stones.lean.map(|v| v * 0.6)), p, 0.6)
+}
+
+/// Slabs of a sidewalk.
+#[inline]
+pub(super) fn paving(
+    (noise, textures): (&Noise, &Textures),
+    around: &Surroundings,
+    rgb: Vec3,
+    p: &Points,
+) -> Look {
+    let slabs = laid(&textures.slabs, p);
+    let stains = ground_noise(noise, p, 4.0);
+    // Dirt in the joints is browner than the stone.
+    let dirt = Vec3s::new(1.0 - slabs.tint * 0.05, 1.0 - slabs.tint * 0.12, 1.0 - slabs.tint * 0.25);
+    let albedo = shades(rgb, slabs.shade * (stains * 0.3 + 0.85)) * dirt;
+    wet(noise, around, Look::leaning(albedo, slabs.lean), p, 0.5)
+}
+
+#[inline]
+pub(super) fn grass((noise, textures): (&Noise, &Textures), rgb: Vec3, p: &Points) -> Look {
+    let blades = laid(&textures.grass, p);
+    let (tufts, meadow) = (ground_noise(noise, p, 4.0), ground_noise(noise, p, 2.0));
+    // Dry patches are yellower; where it is driest, soil shows.
+    let dry = meadow * 0.7 + tufts * 0.3;
+    let tint = Vec3s::new(
+        dry * 0.5 + 0.82 + blades.tint * 0.5,
+        dry * 0.12 + 0.94 + blades.tint * 0.12,
+        dry * 0.2 + 0.9,
+    );
+    let green = shades(rgb, blades.shade * (tufts * 0.5 + 0.75)) * tint;
+    let bare = smoothstep(0.74, 0.86, dry) * 0.7;
+    let soil = shades(Vec3::new(0.15, 0.11, 0.07), blades.shade * 0.4 + 0.6);
+    Look::leaning(green.lerp(soil, bare), blades.lean)
+}
