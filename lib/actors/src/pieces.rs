@@ -67,7 +67,7 @@ pub struct Piece {
 
 /// From these distances on vehicles are half and coarsely detailed, metres.
 const HALF_FROM_M: f64 = 30.0;
-const COARSE_FROM_M: f64 = 80.0;
+pub(crate) const COARSE_FROM_M: f64 = 80.0;
 
 /// Pieces that stand for an actor who is far away.
 #[derive(Clone, Debug)]

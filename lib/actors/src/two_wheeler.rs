@@ -12,7 +12,7 @@ use solids::{Detail, MeshBuilder};
 
 use crate::bodies::{LEVELS, body, fitted};
 use crate::motorcycle::{self, Places};
-use crate::pieces::{ActorMesh, Coarser, Joint, Piece};
+use crate::pieces::{ActorMesh, COARSE_FROM_M, Coarser, Joint, Piece};
 use crate::pod::{mudguard, tube};
 use crate::rig::{PEDAL_M, Pedals, Rider, Rig};
 use crate::wheel;
@@ -32,7 +32,7 @@ pub(crate) fn two_wheeler(model: &Model, size: Vec3, variant: u32) -> ActorMesh 
     let levels = [
         (half_m, Detail::Half, Detail::Full),
         (coarse_m, Detail::Coarse, Detail::Half),
-        (80.0, Detail::Coarse, Detail::Coarse),
+        (COARSE_FROM_M, Detail::Coarse, Detail::Coarse),
     ];
     let coarser = levels.map(|(from_m, of_body, of_machine)| {
         let limbs = body(&rider.figure, Tag::Rider, of_body);
