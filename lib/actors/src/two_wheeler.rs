@@ -89,7 +89,7 @@ fn machine(model: &Model, size: Vec3, high_m: f32, ridden_m: f32, detail: Detail
     let hip = Vec3::new(rear + if bicycle { 0.28 } else { 0.30 } * wheelbase, 0.0, seat + 0.10);
     if bicycle {
         bicycle_frame(&mut b, tag, [front, rear], radius, seat, grip, detail);
-        bicycle_lamps(&mut b, tag, [front, hip.x - 0.20], seat, grip);
+        bicycle_lamps(&mut b, tag, [front, rear], radius);
     } else {
         let places = Places { front, rear, radius, seat, grip, back: -half_l, top: high_m };
         motorcycle::body(&mut b, model, &places, detail);
@@ -178,14 +178,18 @@ fn cranks(tag: Tag, pedals: &Pedals) -> [Piece; 3] {
     ]
 }
 
-fn bicycle_lamps(b: &mut MeshBuilder, tag: Tag, [front, tail_x]: [f32; 2], seat: f32, grip: Vec3) {
+/// A head lamp above the front mudguard and a tail lamp on the rear one.
+fn bicycle_lamps(b: &mut MeshBuilder, tag: Tag, [front, rear]: [f32; 2], radius: f32) {
     let lamp = |bits: u32, rgb: [f32; 3]| Part::new(tag, Surface::Lamp(bits), rgb);
     let white = lamp(lights::LOW_BEAM | lights::HIGH_BEAM | lights::POSITION, [0.85; 3]);
-    let at = Vec3::new(front + 0.04, 0.0, grip.z - 0.12);
+    let at = Vec3::new(front + 0.04, 0.0, 2.0 * radius + 0.085);
     tube(b, white, &[(at - Vec3::X * 0.07, 0.015), (at, 0.036), (at + Vec3::X * 0.02, 0.03)], 8);
+    let metal = Part::new(tag, Surface::Metal, [0.3; 3]);
+    b.bar(metal, at - Vec3::X * 0.05, at - Vec3::new(0.10, 0.0, 0.07), [0.008; 2], 4);
     let red = lamp(lights::POSITION | lights::BRAKE, [0.55, 0.03, 0.03]);
-    let tail = Vec3::new(tail_x, 0.0, seat - 0.11);
-    b.tapered(red, tail - Vec3::new(0.02, 0.03, 0.03), tail + Vec3::new(0.02, 0.03, 0.03), 0.8, 0.8);
+    let (s, c) = frames::math::f32::sin_cos(TAU * 0.365);
+    let tail = Vec3::new(rear, 0.0, radius) + Vec3::new(c, 0.0, s) * (radius + GUARD_M + 0.025);
+    b.tapered(red, tail - Vec3::new(0.02, 0.022, 0.03), tail + Vec3::new(0.02, 0.022, 0.03), 0.8, 0.8);
 }
 
 fn bicycle_frame(
