@@ -11,6 +11,8 @@ use super::front::{Front, own};
 use super::pattern::{Width, bars};
 use super::room::{Gaze, Pane, inside};
 
+/// Rain splashes dirt up to this height, metres.
+const SPLASHED_M: f32 = 2.2;
 /// Share of windows that are lit at night.
 const LIT_SHARE: f32 = 0.42;
 
@@ -30,7 +32,7 @@ pub(super) fn facade(
     let Front { wall, style, start_m, cell_m, .. } = front;
     let face = wall_face((noise, textures), *wall, rgb, [along, o.z], w);
     let mut look = Look::leaning(face.albedo, face.lean);
-    if front.is_on_ground {
+    if front.is_on_ground && o.z.simd_lt(SPLASHED_M).any() {
         // Splashed by rain: browner and darker near the ground.
         let edge = noise.at_all(along * 6.0, o.z * 6.0, w * 6.0);
         let dirt = (1.0 - smoothstep(-0.1, 1.3, o.z - edge * 0.9)) * 0.55;

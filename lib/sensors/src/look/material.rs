@@ -38,6 +38,7 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
         Surface::Rubber => Look::glossy(Vec3s::splat(rgb), 0.03, 0.7),
         Surface::Paint => Look::glossy(Vec3s::splat(facet.paint), 0.045, 0.06),
         Surface::Glass => Look::glossy(Vec3s::splat(rgb.min(Vec3::splat(0.06))), 0.06, 0.02),
+        Surface::Metal if facet.part.tag == Tag::Building => sheeting(noise, facet, rgb, p),
         Surface::Metal => Look::glossy(shades(rgb * 0.75, speckle(noise, p, 0.1)), 0.15, 0.45),
         Surface::Asphalt => ground::asphalt(both, around, facet, p),
         Surface::RoadMarking => ground::marking(both, around, rgb, p),
@@ -86,6 +87,21 @@ fn speckle(noise: &Noise, p: &Points, strength: f32) -> Lanes {
 fn unrolled(facet: &Facet<'_>, p: &Points) -> [Lanes; 2] {
     let o = &p.object_m;
     facet.tangents_object.map(|axis| o.x * axis.x + o.y * axis.y + o.z * axis.z)
+}
+
+/// Sheets with upright ribs, four a metre, stained by rain.
+#[inline]
+fn sheeting(noise: &Noise, facet: &Facet<'_>, rgb: Vec3, p: &Points) -> Look {
+    let [x, y] = unrolled(facet, p);
+    let stains = noise.at_all(x * 8.0, y * 1.6, p.footprint_m * 8.0);
+    // Up one flank of a rib and down the other, even between them.
+    let turn = x * 4.0 - (x * 4.0).floor() - 0.5;
+    let flank = turn.abs().simd_gt(0.1) & turn.abs().simd_lt(0.25);
+    let slope = turn.simd_gt(0.0).select(Lanes::splat(0.6), Lanes::splat(-0.6));
+    let w = p.footprint_m * 12.0;
+    let lean = flank.select(slope, Lanes::ZERO) / (w * w + 1.0);
+    let even = Look::glossy(shades(rgb * 0.75, stains * 0.3 + 0.85), 0.1, 0.5);
+    Look { lean: Some([lean, Lanes::ZERO]), ..even }
 }
 
 /// A texture that lies on an object's faces.
