@@ -1,6 +1,6 @@
 //! A square of texels that repeats, with coarser copies of itself.
 
-use lanes::{Lanes, Words, floor_words, lerp, number_of};
+use lanes::{Lanes, Words, floor_words, number_of};
 
 use crate::canvas::Canvas;
 
@@ -129,18 +129,26 @@ impl Texture {
         let read = |index: Words| -> Words {
             index.to_array().map(|i| texels.get(i as usize).copied().unwrap_or(0)).into()
         };
-        let (a, b) = (read(upper | left), read(upper | right));
-        let (c, d) = (read(lower | left), read(lower | right));
-        let mixed = |of: &dyn Fn(Words) -> Lanes| lerp(lerp(of(a), of(b), fx), lerp(of(c), of(d), fx), fy);
-        let around = |shift: u32, step: f32| {
-            mixed(&|w| number_of((w >> shift) & 0xff)) * (kept * step) - 128.0 * kept * step
-        };
+        let four = [upper | left, upper | right, lower | left, lower | right].map(read);
+        let (gx, gy) = ((1.0 - fx) * kept, 1.0 - fy);
+        let fx = fx * kept;
+        let weights = [gx * gy, fx * gy, gx * fy, fx * fy];
+        let signed = |shift: u32| weighted(&four, &weights, shift) * SIGNED_STEP - 128.0 * SIGNED_STEP * kept;
         Texels {
-            shade: around(0, SHADE_STEP) + 1.0,
-            lean: [around(8, SIGNED_STEP), around(16, SIGNED_STEP)],
-            tint: around(24, SIGNED_STEP),
+            shade: weighted(&four, &weights, 0) * SHADE_STEP + (1.0 - kept),
+            lean: [signed(8), signed(16)],
+            tint: signed(24),
         }
     }
+}
+
+/// The sum of a byte of four words, each by its weight.
+#[inline]
+fn weighted(four: &[Words; 4], weights: &[Lanes; 4], shift: u32) -> Lanes {
+    let [a, b, c, d] = *four;
+    let [wa, wb, wc, wd] = *weights;
+    let byte = |words: Words| number_of((words >> shift) & 0xff);
+    byte(a) * wa + byte(b) * wb + byte(c) * wc + byte(d) * wd
 }
 
 /// How far shades are from 1: the root of the mean square.
