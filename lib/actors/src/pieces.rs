@@ -66,8 +66,8 @@ pub struct Piece {
 }
 
 /// From these distances on vehicles are half and coarsely detailed, metres.
-const HALF_FROM_M: f64 = 30.0;
-pub(crate) const COARSE_FROM_M: f64 = 80.0;
+const HALF_FROM_M: f64 = 20.0;
+pub(crate) const COARSE_FROM_M: f64 = 50.0;
 
 /// Pieces that stand for an actor who is far away.
 #[derive(Clone, Debug)]
