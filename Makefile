@@ -54,7 +54,7 @@ help:
 	@echo "make town NAME=convoy/demo [SEED=7] [DEST=folder]       (a road network of our own, with its picture)"
 	@echo "make towns DEST=folder                                  (all of them)"
 	@echo "make scene-video SCENE=0 [STORE=dataset] [OUT=film.png] (a scene's log from above, animated)"
-	@echo "make gallery [DEST=gallery]                             (pictures of all people, standing, walking, running, riding)"
+	@echo "make gallery [DEST=docs/gallery] [MAPS=folder]          (people, vehicles and streets as cameras see them, with a page)"
 	@echo "make preview [STORE=dataset] [SCENE=0] [FRAME=40] [AGENT=vehicle_0] [OUT=preview.jpg] (a contact sheet)"
 	@echo "make viz [STORE=dataset] [SCENE=0] [FRAMES=0,10-20] [EVERY=n] [AGENT=rsu_*] [MODES='RGB-*,LIDAR3D*'] [COLOUR=height] [DEST=pictures]"
 	@echo "make film [STORE=dataset] [SCENE=0] [AGENT=vehicle_0] [EVERY=2] [OUT=film.png]     (and .mp4 with an ffmpeg)"
@@ -164,11 +164,13 @@ towns: build
 	@test -n "$(DEST)" || { echo "say where: make towns DEST=folder"; exit 2; }
 	$(BIN)/convoy towns --dest $(DEST)
 
-# Everybody on a turntable, strips of a walk and a run, and every vehicle, as cameras see them: make gallery [DEST=gallery]
-gallery:
-	@mkdir -p $(or $(DEST),gallery)
-	$(CARGO) run --release --locked -p convoy-sensors --example people -- $(or $(DEST),gallery)
-	$(CARGO) run --release --locked -p convoy-sensors --example vehicles -- $(or $(DEST),gallery)
+# Everybody and every vehicle on a turntable, and streets in five weathers and three that change, as cameras see them, with a page:
+# make gallery [DEST=docs/gallery] [MAPS=folder of CARLA's maps]
+gallery: build
+	@mkdir -p $(or $(DEST),docs/gallery)
+	$(CARGO) run --release --locked -p convoy-sensors --example people -- $(or $(DEST),docs/gallery)
+	$(CARGO) run --release --locked -p convoy-sensors --example vehicles -- $(or $(DEST),docs/gallery)
+	tests/gallery.sh $(BIN) $(or $(DEST),docs/gallery) $(MAPS)
 
 # The pictures of docs/towns, small enough to be kept there, and the page that shows them.
 town-pictures: build

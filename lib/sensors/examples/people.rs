@@ -26,8 +26,8 @@ fn main() -> Result<(), Box<dyn Error>> {
                 stage.add(model, look, at(x * (1.0 + 0.13 * row), row, yaw), posture);
             }
         }
-        let name = format!("people-{}.png", model.name.trim_start_matches("walker."));
-        stage.save(&folder.join(name), [0.0, -10.6, 0.6], frames::deg(5.0), [2200, 640], 64.0)?;
+        let name = format!("people-{}.jpg", model.name.trim_start_matches("walker."));
+        stage.save(&folder.join(name), [0.0, -10.6, 0.6], frames::deg(5.0), [1320, 384], 64.0)?;
     }
     let strips = [("man", 1, 1.4), ("woman", 4, 1.3), ("child", 2, 1.2), ("elder", 0, 0.9), ("man", 3, 3.2)];
     for (k, (name, look, gait_mps)) in strips.into_iter().enumerate() {
@@ -38,8 +38,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             let posture = Posture { phase_rad, gait_mps, ..Posture::default() };
             stage.add(model, look, at(1.25 * (phase as f32 - 3.5), 0.0, 0.0), posture);
         }
-        let file = folder.join(format!("people-strip-{k}-{name}.png"));
-        stage.save(&file, [0.0, -9.6, -0.6], 0.0, [2000, 480], 56.0)?;
+        let file = folder.join(format!("people-strip-{k}-{name}.jpg"));
+        stage.save(&file, [0.0, -9.6, -0.6], 0.0, [1200, 288], 56.0)?;
     }
     // Three close up.
     for (k, name) in ["man", "woman", "child", "elder", "teen", "worker"].into_iter().enumerate() {
@@ -48,8 +48,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         for (j, look) in [1, 4, 6, 9].into_iter().enumerate() {
             stage.add(model, look, at(0.85 * (j as f32 - 1.5), 0.0, -60.0), Posture::default());
         }
-        let file = folder.join(format!("people-near-{k}-{name}.png"));
-        stage.save(&file, [0.0, -4.2, -0.45], frames::deg(3.0), [1400, 900], 50.0)?;
+        let file = folder.join(format!("people-near-{k}-{name}.jpg"));
+        stage.save(&file, [0.0, -4.2, -0.45], frames::deg(3.0), [700, 450], 50.0)?;
     }
     let riders = MODELS.iter().filter(|m| matches!(m.base, BaseType::Motorcycle | BaseType::Bicycle));
     let mut stage = Stage::new();
@@ -60,6 +60,6 @@ fn main() -> Result<(), Box<dyn Error>> {
             stage.add(model, k as u32 + row as u32, at(x * (1.0 + 0.1 * row), row, yaw), posture);
         }
     }
-    stage.save(&folder.join("people-riders.png"), [0.0, -10.5, 0.6], frames::deg(5.0), [2200, 640], 68.0)?;
+    stage.save(&folder.join("people-riders.jpg"), [0.0, -10.5, 0.6], frames::deg(5.0), [1320, 384], 68.0)?;
     Ok(())
 }

@@ -1,5 +1,5 @@
-//! Draws vehicles: `cargo run -p convoy-sensors --example vehicles -- FOLDER [MODEL ...]`. One sheet for each model: from the front,
-//! the side and the rear (with open doors), and as it is farther away. Prints how many triangles each level has.
+//! Draws vehicles: `cargo run -p convoy-sensors --example vehicles -- FOLDER [--levels] [MODEL ...]`. One sheet for each model: from the front,
+//! the side and the rear (with open doors), or as it is farther away. Prints how many triangles its levels have.
 
 mod stage;
 
@@ -18,11 +18,13 @@ const PAINTS: [[f32; 3]; 5] =
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let folder = arguments.next().unwrap_or_else(|| ".".into());
-    let wanted: Vec<String> = arguments.collect();
+    let mut wanted: Vec<String> = arguments.collect();
+    let of_levels = wanted.iter().any(|w| w == "--levels");
+    wanted.retain(|w| w != "--levels");
     let all = vehicles().chain(PARKED_TWO_WHEELERS);
     let chosen = all.filter(|m| wanted.is_empty() || wanted.iter().any(|w| m.name.starts_with(w.as_str())));
     for (k, model) in chosen.enumerate() {
-        let counts = sheet(model, PAINTS[k % PAINTS.len()], Path::new(&folder))?;
+        let counts = sheet(model, PAINTS[k % PAINTS.len()], Path::new(&folder), of_levels)?;
         let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
         #[allow(clippy::print_stdout)] // It is what it is for.
         {
@@ -33,7 +35,12 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// Draws a model and counts the triangles of its levels.
-fn sheet(model: &Model, paint: [f32; 3], folder: &Path) -> Result<Vec<usize>, Box<dyn Error>> {
+fn sheet(
+    model: &Model,
+    paint: [f32; 3],
+    folder: &Path,
+    of_levels: bool,
+) -> Result<Vec<usize>, Box<dyn Error>> {
     let length = model.size_m[0] as f32;
     let apart = 0.93 * length.max(2.0) + 0.8;
     let away = f64::from(apart);
@@ -55,9 +62,11 @@ fn sheet(model: &Model, paint: [f32; 3], folder: &Path) -> Result<Vec<usize>, Bo
                 counts.push(stage.add_level(model, 3, level, place, rest, paint));
             }
         }
-        let name = format!("{}{}.png", model.name.replace('.', "-"), if near { "" } else { "-levels" });
+        let name = format!("{}{}.jpg", model.name.replace('.', "-"), if near { "" } else { "-levels" });
         let eye = [-0.6, -2.9 * away, 0.25 * away - 0.4];
-        stage.save(&folder.join(name), eye, frames::deg(6.5), [2000, 640], 57.0)?;
+        if near != of_levels {
+            stage.save(&folder.join(name), eye, frames::deg(6.5), [1200, 384], 57.0)?;
+        }
     }
     Ok(counts)
 }

@@ -5,7 +5,6 @@
 mod common;
 
 use std::error::Error;
-use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -94,9 +93,10 @@ impl Stage {
         let view =
             common::set_view(eye, [0.0, down_rad, frames::deg(90.0)], optics, &CameraSettings::default());
         let picture = common::picture(&snapshot, &view, &day);
-        let mut encoder = png::Encoder::new(File::create(path)?, picture.width, picture.height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.write_header()?.write_image_data(&picture.rgb)?;
+        let [width, height] = [picture.width, picture.height].map(u16::try_from);
+        let mut encoder = jpeg_encoder::Encoder::new_file(path, 78)?;
+        encoder.set_sampling_factor(jpeg_encoder::SamplingFactor::F_2_2);
+        encoder.encode(&picture.rgb, width?, height?, jpeg_encoder::ColorType::Rgb)?;
         Ok(())
     }
 }

@@ -15,8 +15,8 @@ const FULL_WELL: f32 = 9000.0;
 const FULL_WELL_EXPOSURE: f32 = 0.5;
 /// As few electrons are white by night.
 const LEAST_ELECTRONS: f32 = 1200.0;
-/// A colour of light may be so far from white, as a factor.
-const MOST_TINTED: f32 = 4.0;
+/// Light farther from white than this, as a factor, is taken for part of the view: twilight stays red.
+const MOST_TINTED: f32 = 1.8;
 
 /// The exposure of an agent's pictures at a frame.
 #[derive(Clone, Copy, Debug)]
@@ -81,12 +81,12 @@ mod tests {
 
     #[test]
     fn white_is_as_white_as_asked_for() {
-        let evening = Vec3::new(30.0, 20.0, 10.0);
+        let evening = Vec3::new(26.0, 20.0, 13.0);
         let exposure = Exposure::new(evening, Vec3::ZERO);
         let seen = |strength| evening * exposure.balance(strength);
         let spread = |v: Vec3| v.max_element() / v.min_element();
-        assert!((spread(seen(1.0)) - 1.0).abs() < 1e-4 && (spread(seen(0.0)) - 3.0).abs() < 1e-4);
-        assert!((spread(seen(0.5)) - frames::math::f32::pow(3.0, 0.5)).abs() < 1e-3);
+        assert!((spread(seen(1.0)) - 1.0).abs() < 1e-4 && (spread(seen(0.0)) - 2.0).abs() < 1e-4);
+        assert!((spread(seen(0.5)) - frames::math::f32::pow(2.0, 0.5)).abs() < 1e-3);
         for strength in [0.0, 0.3, 1.0] {
             assert!((luminance(seen(strength)) / luminance(evening) - 1.0).abs() < 1e-5);
         }
