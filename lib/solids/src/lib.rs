@@ -20,9 +20,9 @@ pub enum Detail {
     /// Close by.
     #[default]
     Full,
-    /// Some 10 to 30 metres away.
-    Half,
     /// Farther away.
+    Half,
+    /// Where little is to be seen.
     Coarse,
 }
 
@@ -40,7 +40,7 @@ impl Detail {
         }
     }
 
-    /// How far outlines may be from those close by, metres.
+    /// What is nearer than this to a straight line between its neighbours is left out, metres.
     #[must_use]
     pub fn tolerance_m(self) -> f32 {
         match self {

@@ -18,7 +18,7 @@ fn direction(turn: f32) -> [f32; 2] {
     [x / length, y / length]
 }
 
-/// Blades of 4 to 9 cm over soil, the later the higher.
+/// Blades of 3 to 8 cm over soil, the later the higher.
 pub(crate) fn grass() -> Texture {
     let mut canvas = Canvas::new(512, |x, y| {
         let soil = clouds(x, y, 2.0, 21);
@@ -61,7 +61,7 @@ pub(crate) fn bark() -> Texture {
     Texture::new(&canvas, 256.0)
 }
 
-/// Leaves of 5 to 9 cm that overlap, lighter towards the upper ones, each tilted its own way.
+/// Leaves of 6 to 12 cm that overlap, lighter towards the upper ones, each tilted its own way.
 pub(crate) fn leaves() -> Texture {
     let mut canvas =
         Canvas::new(256, |x, y| Spot { height: 0.0, shade: 0.2 + 0.2 * clouds(x, y, 1.0, 25), tint: 0.0 });

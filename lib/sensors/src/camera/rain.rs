@@ -7,6 +7,7 @@ use textures::{hash2, unit};
 use super::model::CameraModel;
 use super::picture::Picture;
 use super::view::CameraView;
+use crate::look::Surroundings;
 
 /// Drops in a cubic metre at full rain: those that are large enough to be seen.
 const DROPS_PER_M3: f32 = 7.0;
@@ -44,7 +45,9 @@ pub(super) fn draw_rain(picture: &mut Picture, view: &CameraView, buffer: &Visib
         if middle.z < 0.0 || middle.length() > FARTHEST_M + 1.0 {
             continue;
         }
-        let seed = hash2(cell.x, cell.y, hash2(cell.z, rain.frame as i32, 0x5bd1));
+        // Places repeat, and an agent may stand where they begin anew.
+        let [x, y, z] = cell.to_array().map(|c| c & (Surroundings::WRAP_M as i32 - 1));
+        let seed = hash2(x, y, hash2(z, rain.frame as i32, 0x5bd1));
         let number = |drop: i32, salt: i32| unit(hash2(drop, salt, seed));
         for drop in 0..(DROPS_PER_M3 * rain.strength + number(-1, 0)) as i32 {
             let within = Vec3::new(number(drop, 0), number(drop, 1), number(drop, 2));
@@ -52,18 +55,19 @@ pub(super) fn draw_rain(picture: &mut Picture, view: &CameraView, buffer: &Visib
             if start.z < NEAREST_M || start.length() > FARTHEST_M {
                 continue;
             }
-            if let Some(ends) = shown(&view.model, [start, start + way]) {
+            if let Some((ends, depth_m)) = shown(&view.model, [start, start + way]) {
                 let strength = 0.12 + 0.3 * number(drop, 3) / start.z.max(1.0);
-                streak(picture, buffer, ends, start.length(), strength);
+                streak(picture, buffer, ends, depth_m, strength);
             }
         }
     }
 }
 
-/// Where both ends of a streak (optical frame) fall.
-fn shown(model: &CameraModel, ends: [Vec3; 2]) -> Option<[Vec2; 2]> {
+/// Where both ends of a streak (optical frame) fall, and its depth as pictures tell depths.
+fn shown(model: &CameraModel, ends: [Vec3; 2]) -> Option<([Vec2; 2], f32)> {
     let [(from, is_in), (to, is_out)] = ends.map(|end| model.project(end));
-    (is_in && is_out && ends[1].length() > 0.3).then_some([from, to])
+    let depth_m = ends[0].length() / model.direction(from.x, from.y)?.length();
+    (is_in && is_out && ends[1].length() > 0.3).then_some(([from, to], depth_m))
 }
 
 /// Lightens a line of pixels, tapered at its ends.
@@ -102,22 +106,28 @@ mod tests {
 
     use super::*;
 
-    /// A black picture from the origin over open ground, looking along x turned by so much, of a camera that moved there.
+    /// A black picture over open ground, looking along x turned by so much, of a camera that moved there.
     fn wet(yaw_rad: f32, moved: Vec3, frame: u32) -> Picture {
+        wet_at([Vec3::ZERO, Vec3::new(3.2, -7.1, 0.6)], yaw_rad, moved, frame, f32::INFINITY)
+    }
+
+    /// The same from a place in a local frame whose origin is somewhere in the world, before a wall at a planar depth.
+    fn wet_at([place, world]: [Vec3; 2], yaw_rad: f32, moved: Vec3, frame: u32, wall_m: f32) -> Picture {
         let (width, height) = (320, 200);
         let forward = glam::Mat3::from_cols(Vec3::NEG_Y, Vec3::NEG_Z, Vec3::X);
         let turn = glam::Mat3::from_rotation_z(yaw_rad) * forward;
         let at = |place: Vec3| Affine3A::from_mat3_translation(turn, place);
         let model = CameraModel::new(&Optics::pinhole(width, height, frames::deg(90.0))).expect("is small");
         let view = CameraView {
-            local_from_optical: at(Vec3::ZERO),
-            previous_local_from_optical: at(-moved),
+            local_from_optical: at(place),
+            previous_local_from_optical: at(place - moved),
             model: Arc::new(model),
             settings: CameraSettings::default(),
         };
-        let buffer = VisibilityBuffer::empty(&view.pinhole());
+        let mut buffer = VisibilityBuffer::empty(&view.pinhole());
+        buffer.depth_m.fill(wall_m);
         let mut picture = Picture { width, height, rgb: vec![0; 3 * 320 * 200], electrons: 1 };
-        let rain = Rain { strength: 0.3, frame, world_from_local_m: Vec3::new(3.2, -7.1, 0.6) };
+        let rain = Rain { strength: 0.3, frame, world_from_local_m: world };
         draw_rain(&mut picture, &view, &buffer, rain);
         picture
     }
@@ -152,6 +162,28 @@ mod tests {
         assert!(all > 500 && both * 100 > all * 97, "{both} of {all}");
         let others = wet(0.0, Vec3::ZERO, 5);
         assert_ne!(others, ahead, "in the next frame others fall");
+    }
+
+    #[test]
+    fn agents_on_both_sides_of_the_worlds_origin_see_the_same_drops() {
+        // The same place: 2 m ahead of an origin at -1 m, which repeats as 4095, and at an origin at 1 m.
+        let west = Vec3::new(4095.0, 4095.5, 4095.75);
+        let east = Vec3::new(1.0, 0.5, 0.25);
+        let a = wet_at([Vec3::new(2.0, 1.0, 0.5), west], 0.0, Vec3::ZERO, 4, f32::INFINITY);
+        let b = wet_at([Vec3::ZERO, east], 0.0, Vec3::ZERO, 4, f32::INFINITY);
+        // But for what rounding of 4096 m moves by a pixel.
+        let differ = a.rgb.iter().zip(&b.rgb).filter(|(a, b)| a != b).count();
+        let wet = b.rgb.iter().filter(|v| **v > 0).count();
+        assert!(wet > 2000 && differ * 20 < wet, "{differ} of {wet}");
+    }
+
+    #[test]
+    fn drops_before_a_wall_are_seen_and_those_behind_it_are_not() {
+        let place = [Vec3::ZERO, Vec3::new(3.2, -7.1, 0.6)];
+        let before = |wall_m: f32| lit(&wet_at(place, 0.0, Vec3::ZERO, 4, wall_m)).count();
+        let counts = [0.5, 3.0, 6.0, 9.1].map(before);
+        assert_eq!([counts[0], counts[3]], [0, before(f32::INFINITY)]);
+        assert!(counts[1] > 0 && counts[1] < counts[2] && counts[2] < counts[3], "{counts:?}");
     }
 
     #[test]

@@ -37,16 +37,30 @@ pub(super) fn intensity(is_high: bool, [ahead, left, up]: [Lanes; 3]) -> Lanes {
     let (h, v) = (left / forward, up / forward);
     let skirt = ahead.fast_max(Lanes::ZERO);
     let skirt = skirt * skirt * 0.25;
+    let is_ahead = ahead.simd_gt(0.0).select(Lanes::ONE, Lanes::ZERO);
     if is_high {
-        return lobe(h * (1.0 / 0.10), v * (1.0 / 0.06)) * 24.0
-            + lobe(h * (1.0 / 0.40), (v + 0.05) * (1.0 / 0.10)) * 4.0
-            + skirt;
+        let near = lobe(h * (1.0 / 0.10), v * (1.0 / 0.06)) * 24.0;
+        let wide = lobe(h * (1.0 / 0.40), (v + 0.05) * (1.0 / 0.10)) * 4.0;
+        return (near + wide) * is_ahead + skirt;
     }
     let rise = (h * -0.268).fast_clamp(Lanes::ZERO, Lanes::splat(0.05));
     let below = ((rise - 0.010 - v) * (1.0 / 0.010) + 0.5).fast_clamp(Lanes::ZERO, Lanes::ONE);
     let near = lobe((h + 0.03) * (1.0 / 0.14), (v + 0.026) * (1.0 / 0.030)) * 9.0;
     let wide = lobe(h * (1.0 / 0.50), (v + 0.07) * (1.0 / 0.09)) * 2.5;
-    (near + wide) * below * skirt.simd_gt(0.0).select(Lanes::ONE, Lanes::ZERO) + skirt
+    (near + wide) * below * is_ahead + skirt
+}
+
+/// More than one headlight gives anything so far off its axis in plan, kilocandela: cosine of the least angle there.
+pub(super) fn most_kcd(is_high: bool, cos: f32) -> f32 {
+    // Beyond the lobes' edges there is their skirt, which ends with the cosine.
+    match cos {
+        ..=0.0 => 0.0,
+        ..0.3 => 0.03,
+        ..0.6 => 0.15,
+        ..0.9 => 1.0,
+        _ if is_high => 29.0,
+        _ => 12.0,
+    }
 }
 
 /// What the headlights of a vehicle see from between them: what is behind that is in shadow.
@@ -121,6 +135,21 @@ mod tests {
     use visibility::CpuRenderer;
 
     use super::*;
+
+    #[test]
+    fn no_direction_gets_more_than_is_said() {
+        for is_high in [false, true] {
+            for yaw_deg in -180..=180 {
+                let (left, ahead) = frames::math::f32::sin_cos((yaw_deg as f32).to_radians());
+                for pitch_deg in -60..=60 {
+                    let (up, level) = frames::math::f32::sin_cos((pitch_deg as f32).to_radians());
+                    let axes = [ahead * level, left * level, up].map(Lanes::splat);
+                    let got = intensity(is_high, axes).to_array()[0];
+                    assert!(got <= most_kcd(is_high, ahead), "{yaw_deg} {pitch_deg}: {got}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn what_is_behind_a_car_is_dark() {

@@ -18,8 +18,10 @@ const AREA_M: f32 = 96.0;
 /// Cells of the grid over it.
 const CELL_M: f32 = 8.0;
 const CELLS: usize = (2.0 * AREA_M / CELL_M) as usize;
+/// From a cell's middle to its corners, and a little.
+const CELL_REACH_M: f32 = 0.71 * CELL_M;
 /// Most lamps that light a cell: the strongest there.
-const PER_CELL: usize = 10;
+const PER_CELL: usize = 16;
 
 /// Film is not made for brighter spots than this, kilolux.
 const SPOT_KLX: f32 = 0.05;
@@ -49,7 +51,8 @@ struct Lamp {
     direction: Vec3,
     up: Vec3,
     beam: Beam,
-    /// Kilocandela (kilolux at a metre): of beams of headlights their colour.
+    /// Of headlights their colour, the greatest component 1; of others the intensity along the direction, kilocandela (kilolux at a
+    /// metre).
     rgb: Vec3,
     radius_m: f32,
     /// What stands in the way of a headlight.
@@ -104,10 +107,11 @@ impl Lamps {
                 .iter()
                 .enumerate()
                 .filter_map(|(i, lamp)| {
-                    let off = (lamp.position - middle).truncate().length() - 0.71 * CELL_M;
-                    (off < lamp.radius_m).then(|| {
+                    let off = (lamp.position - middle).truncate().length() - CELL_REACH_M;
+                    let most = lamp.most_kcd(middle);
+                    (off < lamp.radius_m && most > 0.0).then(|| {
                         let nearest = off.max(3.0);
-                        (lamp.rgb.max_element() / (nearest * nearest), i as u16)
+                        (most / (nearest * nearest), i as u16)
                     })
                 })
                 .collect();
@@ -170,6 +174,29 @@ impl Lamps {
 }
 
 impl Lamp {
+    /// No place in a cell of this middle gets more than so much of its light, kilocandela.
+    fn most_kcd(&self, middle: Vec3) -> f32 {
+        let rgb = self.rgb.max_element();
+        if !matches!(self.beam, Beam::Low | Beam::High) {
+            return rgb;
+        }
+        let to = (middle - self.position).truncate();
+        let away = to.length();
+        // Half the angle that the cell fills, which what is in it is nearer to the axis than its middle at most.
+        let sin = CELL_REACH_M / away;
+        let ahead = self.direction.truncate();
+        let cos_middle = to.dot(ahead.normalize_or_zero()) / away;
+        let cos_half = (1.0 - sin * sin).max(0.0).sqrt();
+        let nearest = if sin < 1.0 && cos_middle < cos_half {
+            cos_middle * cos_half + (1.0 - cos_middle * cos_middle).max(0.0).sqrt() * sin
+        } else {
+            1.0
+        };
+        // A beam that is tilted looks at what is straight above or below, too.
+        let cos = (nearest * ahead.length()).max(0.0) + self.direction.z.abs();
+        rgb * headlight::most_kcd(self.beam == Beam::High, cos)
+    }
+
     /// Adds its light on places of surfaces.
     #[inline]
     fn add_to(&self, sum: &mut Vec3s, positions: &Vec3s, normals: &Vec3s) {
@@ -303,6 +330,9 @@ fn fittings_of(mesh: &TriMesh) -> Vec<Fitting> {
 
 #[cfg(test)]
 mod tests {
+    use schema::Tag;
+    use schema::geometry::Part;
+
     use super::*;
 
     fn one(beam: Beam) -> Lamps {
@@ -386,6 +416,44 @@ mod tests {
             }
             assert!(lit > 100, "{lit}");
         }
+    }
+
+    #[test]
+    fn headlights_that_look_away_leave_a_street_lamp_its_cell() {
+        let lamp = |beam, position, direction| Lamp { position, direction, ..one(beam).lamps[0].clone() };
+        let mut lamps: Vec<Lamp> =
+            (0..30).map(|k| lamp(Beam::Low, Vec3::new(-6.0 - 0.1 * k as f32, 1.0, 0.7), -Vec3::X)).collect();
+        lamps.push(lamp(Beam::Street, Vec3::new(4.0, 4.0, 6.0), -Vec3::Z));
+        let lamps = Lamps::by_cells(lamps, Vec3::ZERO);
+        assert!(at(&lamps, Vec3::new(4.0, 4.0, 0.0), Vec3::Z).x > 0.01);
+    }
+
+    #[test]
+    fn a_car_has_two_headlights_that_look_where_it_does() {
+        // Lenses to either side of a car at (10, 5) that looks along y.
+        let mut mesh = TriMesh::default();
+        let part = mesh.part_index(Part::new(Tag::Car, Surface::Lamp(lights::LOW_BEAM), [0.9, 0.9, 0.8]));
+        for y in [-0.7f32, 0.7] {
+            let corners = [[2.0, y - 0.1, 0.6], [2.0, y + 0.1, 0.6], [2.0, y, 0.8]];
+            let corners = corners.map(|corner| mesh.add_vertex(Vec3::from_array(corner)));
+            mesh.add_triangle(part, corners);
+        }
+        let turn = std::f32::consts::FRAC_PI_2;
+        let pose = glam::Affine3A::from_translation(Vec3::new(10.0, 5.0, 0.0))
+            * glam::Affine3A::from_rotation_z(turn);
+        let mut car = testkit::instance(0, 3, pose);
+        car.lights = lights::LOW_BEAM;
+        let lamps = burning(&testkit::snapshot(vec![Arc::new(mesh)], vec![car]), Vec3::ZERO);
+        assert_eq!(lamps.len(), 2);
+        for (lamp, x) in lamps.iter().zip([9.3f32, 10.7]) {
+            assert!((lamp.position.x - x).abs() < 0.02 && (lamp.position.y - 7.0).abs() < 0.02);
+            assert!(
+                (lamp.direction - Vec3::Y).length() < 1e-5 && lamp.up == Vec3::Z && lamp.beam == Beam::Low
+            );
+        }
+        let lamps = Lamps::by_cells(lamps, Vec3::ZERO);
+        let ahead = at(&lamps, Vec3::new(10.0, 20.0, 0.0), Vec3::Z).x;
+        assert!(ahead > 0.001 && at(&lamps, Vec3::new(10.0, -5.0, 0.0), Vec3::Z).x == 0.0, "{ahead}");
     }
 
     #[test]

@@ -118,10 +118,12 @@ impl<'a> Facet<'a> {
         self.normal_local.z > 0.8
     }
 
-    /// The axes of its texture, local frame: x and y of the world on the ground, elsewhere to the right of someone who looks at it and
-    /// up.
+    /// The axes of its texture, local frame: x and y of the world on the ground, elsewhere (on roofs too) to the right of someone who
+    /// looks at it and up.
     pub(crate) fn tangents_local(&self) -> [Vec3; 2] {
-        if self.is_ground() { [Vec3::X, Vec3::Y] } else { upright(self.normal_local) }
+        let is_built = self.part.tag == Tag::Building
+            || matches!(self.part.surface, Surface::RoofTiles | Surface::Gravel);
+        if self.is_ground() && !is_built { [Vec3::X, Vec3::Y] } else { upright(self.normal_local) }
     }
 }
 

@@ -118,8 +118,9 @@ fn cast((noise, textures): (&Noise, &Textures), facet: &Facet<'_>, rgb: Vec3, p:
     // Pieces of the ground go on from block to block of the world.
     let is_kerb = matches!(facet.part.tag, Tag::Sidewalk | Tag::Ground);
     let [x, y] = if is_kerb {
-        let [right, _] = facet.tangents_local();
-        [p.world_m.x * right.x + p.world_m.y * right.y, p.world_m.z]
+        // Along the axis that it runs along most: so no piece of a bend begins anew, and what repeats meets itself.
+        let right = facet.tangents_local()[0].abs();
+        [if right.x > right.y { p.world_m.x } else { p.world_m.y }, p.world_m.z]
     } else {
         unrolled(facet, p)
     };
