@@ -42,6 +42,12 @@ enum Beam {
     Glow,
 }
 
+impl Beam {
+    fn is_headlight(self) -> bool {
+        matches!(self, Self::Low | Self::High)
+    }
+}
+
 /// One lamp that burns.
 #[derive(Clone, Debug)]
 struct Lamp {
@@ -177,7 +183,7 @@ impl Lamp {
     /// No place in a cell of this middle gets more than so much of its light, kilocandela.
     fn most_kcd(&self, middle: Vec3) -> f32 {
         let rgb = self.rgb.max_element();
-        if !matches!(self.beam, Beam::Low | Beam::High) {
+        if !self.beam.is_headlight() {
             return rgb;
         }
         let to = (middle - self.position).truncate();
@@ -275,7 +281,7 @@ fn burning(snapshot: &Snapshot, centre: Vec3) -> Vec<Lamp> {
 fn shade(scene: &dyn Scene, lamps: &mut [Lamp], centre: Vec3) -> Result<(), RenderError> {
     // Middle, number of lamps, where they point and what is up.
     let mut vehicles: BTreeMap<ObjectId, (Vec3, f32, [Vec3; 2])> = BTreeMap::new();
-    for lamp in lamps.iter().filter(|lamp| matches!(lamp.beam, Beam::Low | Beam::High)) {
+    for lamp in lamps.iter().filter(|lamp| lamp.beam.is_headlight()) {
         let (sum, count, _) =
             vehicles.entry(lamp.object).or_insert((Vec3::ZERO, 0.0, [lamp.direction, lamp.up]));
         (*sum, *count) = (*sum + lamp.position, *count + 1.0);
@@ -290,7 +296,7 @@ fn shade(scene: &dyn Scene, lamps: &mut [Lamp], centre: Vec3) -> Result<(), Rend
     };
     let seen: Result<BTreeMap<ObjectId, Arc<Seen>>, RenderError> = nearest.par_iter().map(seen).collect();
     let seen = seen?;
-    for lamp in lamps.iter_mut().filter(|lamp| matches!(lamp.beam, Beam::Low | Beam::High)) {
+    for lamp in lamps.iter_mut().filter(|lamp| lamp.beam.is_headlight()) {
         lamp.seen = seen.get(&lamp.object).cloned();
     }
     Ok(())
