@@ -83,6 +83,12 @@ pub trait Scene: Send + Sync {
         Ok(seen.into_iter().flat_map(|seen| seen.depth_m).collect())
     }
 
+    /// Those of some instances that are not wholly within a picture: whose bounds may come nearer to its edges than so many
+    /// pixels, or leave its depths. Who cannot tell names them all.
+    fn beyond(&self, _camera: &PinholeCamera, _inner_px: f32, instances: &[u32]) -> Vec<u32> {
+        instances.to_vec()
+    }
+
     /// The closest surface along every ray, in the batches' order. What a ray hits does not depend on its batch.
     ///
     /// # Errors

@@ -14,7 +14,7 @@ use crate::bvh::{Bvh, QUICK, Stack};
 use crate::meshes::Meshes;
 use crate::packet::{Boxes, Fan, HitsMut, Packet, Slabs};
 use crate::placed::Placed;
-use crate::raster::{depths, rasterize};
+use crate::raster::{depths, is_within, rasterize};
 
 /// Rays a packet: two vector registers of eight.
 const LANES: usize = 16;
@@ -73,6 +73,13 @@ impl Scene for CpuScene<'_> {
             None => depths((0..).zip(&self.placed), camera),
             Some(some) => depths(self.numbered(some), camera),
         })
+    }
+
+    fn beyond(&self, camera: &PinholeCamera, inner_px: f32, instances: &[u32]) -> Vec<u32> {
+        let reaches_out = |placed: &Option<Placed<'_>>| {
+            placed.as_ref().is_some_and(|placed| !is_within(placed, camera, inner_px))
+        };
+        self.numbered(instances).filter(|(_, placed)| reaches_out(placed)).map(|(number, _)| number).collect()
     }
 
     fn trace(&self, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {

@@ -8,7 +8,7 @@ use renderer::PinholeCamera;
 use super::lens::{BLOCK, Lens, Window};
 
 /// How far around a block its readers reach, texels.
-const AROUND: usize = 3;
+pub(super) const AROUND: usize = 3;
 /// Where nothing around is higher than this above a place, all of it is lit; where everything is higher than the
 /// other, none is. Metres.
 const LEVEL_M: f32 = 0.06;
@@ -37,7 +37,7 @@ pub(super) struct Map {
     centre: [f32; 2],
     pub(super) side: usize,
     pub(super) texel_m: f32,
-    depth_m: Vec<f32>,
+    pub(super) depth_m: Vec<f32>,
     /// Least and greatest height of what the light sees in and around each block: most of the ground is wholly lit
     /// or wholly in shadow, and one look here tells.
     blocks: Vec<[f32; 2]>,

@@ -14,6 +14,7 @@ use renderer::{PinholeCamera, VisibilityBuffer};
 
 use crate::placed::Placed;
 use tile::Tile;
+pub(crate) use view::is_within;
 use view::{TILE_HEIGHT, TILE_WIDTH, View};
 
 /// Sees instances, given with their numbers, through a pinhole camera, in parallel.

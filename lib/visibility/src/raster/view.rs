@@ -86,39 +86,72 @@ impl<'a> View<'a> {
     }
 }
 
+/// An instance in optical coordinates, and the bounds of it.
+struct Framed {
+    /// From the object to the optical frame.
+    rotation: Mat3,
+    translation: Vec3,
+    nearest_m: f32,
+    farthest_m: f32,
+    /// Lowest and highest column and row; the whole picture's where it reaches before the near depth.
+    low: [f32; 2],
+    high: [f32; 2],
+}
+
+impl Framed {
+    /// `None` when it lies wholly before or behind the camera's depths.
+    fn new(placed: &Placed<'_>, camera: &PinholeCamera) -> Option<Self> {
+        // In double precision: the difference of two places far from the local origin loses nothing.
+        let optical_from_local = Mat3::from(camera.local_from_optical.matrix3).as_dmat3().transpose();
+        let camera_m: DVec3 = camera.local_from_optical.translation.as_dvec3();
+        let rotation = (optical_from_local * placed.rotation.as_dmat3()).as_mat3();
+        let translation = (optical_from_local * (placed.translation.as_dvec3() - camera_m)).as_vec3();
+        let corners = placed.mesh.aabb.corners().map(|c| rotation * c + translation);
+        let (mut nearest_m, mut farthest_m) = (f32::INFINITY, f32::NEG_INFINITY);
+        for corner in corners {
+            nearest_m = nearest_m.min(corner.z);
+            farthest_m = farthest_m.max(corner.z);
+        }
+        // Rounding of the corners, relative to the coordinates that went into them.
+        let reach = placed.mesh.aabb.min.abs().max(placed.mesh.aabb.max.abs()).max_element();
+        let slack_m = 8.0 * f32::EPSILON * (reach + translation.abs().max_element());
+        nearest_m -= slack_m;
+        farthest_m += slack_m;
+        if farthest_m < camera.near_m || nearest_m > camera.far_m {
+            return None;
+        }
+        let mut low = [0.0, 0.0];
+        let mut high = [camera.width as f32, camera.height as f32];
+        if nearest_m >= camera.near_m {
+            low = [f32::INFINITY; 2];
+            high = [f32::NEG_INFINITY; 2];
+            for corner in corners {
+                let x = camera.fx * corner.x / corner.z + camera.cx;
+                let y = camera.fy * corner.y / corner.z + camera.cy;
+                low = [low[0].min(x), low[1].min(y)];
+                high = [high[0].max(x), high[1].max(y)];
+            }
+        }
+        Some(Self { rotation, translation, nearest_m, farthest_m, low, high })
+    }
+}
+
+/// Whether an instance is wholly in a picture, so many pixels off its edges, and within its depths.
+pub(crate) fn is_within(placed: &Placed<'_>, camera: &PinholeCamera, inner_px: f32) -> bool {
+    let inner_px = inner_px + MARGIN_PX;
+    Framed::new(placed, camera).is_some_and(|Framed { nearest_m, farthest_m, low, high, .. }| {
+        nearest_m >= camera.near_m
+            && farthest_m <= camera.far_m
+            && low.iter().all(|low| *low >= inner_px)
+            && high[0] <= camera.width as f32 - inner_px
+            && high[1] <= camera.height as f32 - inner_px
+    })
+}
+
 /// Places one instance before the camera and finds the tiles it may touch; `None` when there are none.
 fn look<'a>(number: u32, placed: &Placed<'a>, camera: &PinholeCamera) -> Option<(Seen<'a>, TileRange)> {
-    // In double precision: the difference of two places far from the local origin loses nothing.
-    let optical_from_local = Mat3::from(camera.local_from_optical.matrix3).as_dmat3().transpose();
-    let camera_m: DVec3 = camera.local_from_optical.translation.as_dvec3();
-    let rotation = (optical_from_local * placed.rotation.as_dmat3()).as_mat3();
-    let translation = (optical_from_local * (placed.translation.as_dvec3() - camera_m)).as_vec3();
-    let corners = placed.mesh.aabb.corners().map(|c| rotation * c + translation);
-    let (mut nearest_m, mut farthest_m) = (f32::INFINITY, f32::NEG_INFINITY);
-    for corner in corners {
-        nearest_m = nearest_m.min(corner.z);
-        farthest_m = farthest_m.max(corner.z);
-    }
-    // Rounding of the corners, relative to the coordinates that went into them.
-    let reach = placed.mesh.aabb.min.abs().max(placed.mesh.aabb.max.abs()).max_element();
-    let slack_m = 8.0 * f32::EPSILON * (reach + translation.abs().max_element());
-    nearest_m -= slack_m;
-    if farthest_m + slack_m < camera.near_m || nearest_m > camera.far_m {
-        return None;
-    }
+    let Framed { rotation, translation, nearest_m, low, high, .. } = Framed::new(placed, camera)?;
     let (width, height) = (camera.width as f32, camera.height as f32);
-    let mut low = [0.0, 0.0];
-    let mut high = [width, height];
-    if nearest_m >= camera.near_m {
-        low = [f32::INFINITY; 2];
-        high = [f32::NEG_INFINITY; 2];
-        for corner in corners {
-            let x = camera.fx * corner.x / corner.z + camera.cx;
-            let y = camera.fy * corner.y / corner.z + camera.cy;
-            low = [low[0].min(x), low[1].min(y)];
-            high = [high[0].max(x), high[1].max(y)];
-        }
-    }
     if low[0] - MARGIN_PX > width
         || low[1] - MARGIN_PX > height
         || high[0] + MARGIN_PX < 0.0
