@@ -1,12 +1,13 @@
 //! The scene's meshes, and which of them are where at a moment.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use actors::{Coarser, Joint, Piece, Posture, Rig, actor_mesh};
+use actors::{ActorMesh, Coarser, Joint, Piece, Posture, Rig, actor_mesh};
 use frames::math::f32::pow;
 use frames::{LocalOrigin, Object, Pose, World};
 use glam::{Affine3A, Mat3A, Quat, Vec3A};
+use rayon::prelude::*;
 use schema::geometry::{Instance, ObjectMotion, Snapshot, SurfaceMesh, TriMesh};
 use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
 use schema::{ActorKind, Layer, ObjectId, SignalState, lights, street_lamps};
@@ -128,8 +129,17 @@ pub struct SceneWorld {
 /// Meshes while they are gathered: identical models share theirs.
 #[derive(Default)]
 struct Library {
+    /// Models that nobody asked for yet.
+    made: BTreeMap<ModelKey, ActorMesh>,
     meshes: Vec<Arc<TriMesh>>,
     models: BTreeMap<ModelKey, Pieces>,
+}
+
+fn model_key(actor: &ActorRow) -> ModelKey {
+    // Road-side units may carry any model name: their body is a pole.
+    let model = if actor.kind == ActorKind::Rsu { "pole.rsu" } else { actor.model.as_str() };
+    let size = [actor.length_m, actor.width_m, actor.height_m];
+    (model.to_owned(), size.map(f64::to_bits), street_lamps::shape_variant(actor))
 }
 
 impl Library {
@@ -138,16 +148,24 @@ impl Library {
         (self.meshes.len() - 1) as u32
     }
 
+    /// A library with the models of some rows at hand: they are made side by side, and numbered when they are asked for.
+    fn with_models_of(rows: &[&ActorRow]) -> Self {
+        let keys: BTreeSet<ModelKey> = rows.iter().map(|actor| model_key(actor)).collect();
+        let make = |key: ModelKey| {
+            let made = actor_mesh(&key.0, key.1.map(f64::from_bits), key.2)?;
+            Some((key, made))
+        };
+        let keys: Vec<ModelKey> = keys.into_iter().collect();
+        Self { made: keys.into_par_iter().filter_map(make).collect(), ..Self::default() }
+    }
+
     fn pieces(&mut self, actor: &ActorRow) -> Option<Pieces> {
-        let size = [actor.length_m, actor.width_m, actor.height_m];
-        // Road-side units may carry any model name: their body is a pole.
-        let model = if actor.kind == ActorKind::Rsu { "pole.rsu" } else { actor.model.as_str() };
-        let variant = street_lamps::shape_variant(actor);
-        let key = (model.to_owned(), size.map(f64::to_bits), variant);
+        let key = model_key(actor);
         if let Some(known) = self.models.get(&key) {
             return Some(known.clone());
         }
-        let made = actor_mesh(model, size, variant)?;
+        let size = key.1.map(f64::from_bits);
+        let made = self.made.remove(&key)?;
         // A bone is nowhere farther than the box and a stride let it be.
         let mut reach = if made.rig.is_some() { RIGGED_REACH * size.iter().sum::<f64>() } else { 0.0 };
         let mut shared: Vec<(Arc<TriMesh>, u32)> = Vec::new();
@@ -184,12 +202,14 @@ impl SceneWorld {
         if let Some(pair) = rows.windows(2).find(|p| p[0].id == p[1].id) {
             return Err(WorldError::DuplicateId { id: pair[0].id });
         }
-        let mut library = Library::default();
+        let layers = layers(&rows)?;
+        rows.retain(|actor| actor.kind != ActorKind::Surface);
+        rows.iter().try_for_each(|actor| check(actor))?;
+        let mut library = Library::with_models_of(&rows);
         let mut world =
             Self { meshes: Arc::new([]), fixed: Vec::new(), spheres: Vec::new(), movers: BTreeMap::new() };
-        world.add_ground(&layers(&rows)?, ground, &mut library);
-        for actor in rows.into_iter().filter(|a| a.kind != ActorKind::Surface) {
-            check(actor)?;
+        world.add_ground(&layers, ground, &mut library);
+        for actor in rows {
             let unknown = || WorldError::UnknownModel { id: actor.id, model: actor.model.clone() };
             let model = library.pieces(actor).ok_or_else(unknown)?;
             let paint = linear_rgb(&actor.color);
