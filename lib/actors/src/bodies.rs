@@ -18,7 +18,7 @@ pub(crate) fn walker(walker: Walker) -> ActorMesh {
     let pieces = walker.meshes().iter();
     let pieces = pieces.map(|(bone, mesh)| Piece { mesh: Arc::clone(mesh), joint: Joint::Bone(*bone) });
     let coarser = coarser(walker.figure(), Tag::Pedestrian, &[]);
-    ActorMesh { pieces: pieces.collect(), coarser, rig: Some(Arc::new(Rig::Walks(walker))) }
+    ActorMesh { pieces: pieces.collect(), coarser, rig: Some(Arc::new(Rig::Walks(walker))), cabin: None }
 }
 
 /// The pieces of somebody's body.

@@ -7,11 +7,13 @@ use schema::lights;
 use schema::models::Model;
 use solids::{Detail, MeshBuilder};
 
+use crate::cabin::REAR_PANE;
 use crate::car::{Car, Looks};
 use crate::decal::patch;
 use crate::heavy::{rounded, tall_mirrors};
 use crate::hull::{Hull, Style};
 use crate::pieces::ActorMesh;
+use crate::skin::Place;
 use crate::wheel::{Rim, Wheels};
 
 /// A city bus with a low floor.
@@ -48,7 +50,7 @@ pub(crate) fn bus(model: &Model, size: Vec3) -> ActorMesh {
     let wheels =
         Wheels { tag: Tag::Bus, axles: &axles, radius, width: 0.32, outer_y: half.y - 0.07, rim: Rim::Heavy };
     let car = Car { model, hull: &hull, looks: Looks::new(Tag::Bus, model), wheels };
-    ActorMesh::in_levels(|detail| {
+    let made = |detail: Detail| {
         let mut b = MeshBuilder::new();
         car.shell(&mut b, detail);
         car.nose(&mut b, detail);
@@ -73,16 +75,33 @@ pub(crate) fn bus(model: &Model, size: Vec3) -> ActorMesh {
             0.07,
         );
         tall_mirrors(&mut b, &hull, &car.looks, half, detail);
-        b.fit(Vec3::new(-half.x, -half.y, CITY.clearance * size.z), half.with_z(size.z));
-        car.wheels.under(b, detail)
-    })
+        let fit = b.fit(Vec3::new(-half.x, -half.y, CITY.clearance * size.z), half.with_z(size.z));
+        (car.wheels.under(b, detail), fit)
+    };
+    // Panes that lie on the skin: those of the doors, and the rear window.
+    let on_the_skin = |f: f32, place: Place, left: bool| match place {
+        Place::Side(row) => {
+            let x = hull.x_of(f);
+            !left && (0.14..1.9).contains(&row) && door_places(&hull).iter().any(|at| (x - at).abs() < 0.6)
+        }
+        Place::Top(s) => {
+            let down = (f - CITY.roof.1) / (CITY.deck.0 - CITY.roof.1);
+            s.abs() < 0.84 && (REAR_PANE[0]..REAR_PANE[1]).contains(&down)
+        }
+        _ => false,
+    };
+    ActorMesh::with_cabin(made, |fit| car.cabin(fit, &on_the_skin))
+}
+
+/// x of the middles of doors.
+fn door_places(hull: &Hull) -> [f32; 2] {
+    [hull.x[1] - 1.25, 0.5 * (hull.axles[0] + hull.axles[1])]
 }
 
 /// Doors of two leaves in the right side: before the front axle, and between the axles.
 fn doors(b: &mut MeshBuilder, car: &Car<'_>, detail: Detail) {
     let (hull, looks) = (car.hull, &car.looks);
-    let places = [hull.x[1] - 1.25, 0.5 * (hull.axles[0] + hull.axles[1])];
-    for x in places {
+    for x in door_places(hull) {
         let mut pane = |part: Part, x: [f32; 2], rows: [f32; 2], out_m: f32| {
             let cells = if detail == Detail::Full { [2, 8] } else { [1, 3] };
             patch(b, part, cells, Vec3::Y * 0.12, &|u, v| {
@@ -93,7 +112,7 @@ fn doors(b: &mut MeshBuilder, car: &Car<'_>, detail: Detail) {
         pane(looks.trim, [x - 0.64, x + 0.64], [0.06, 1.90], 0.006);
         if detail != Detail::Coarse {
             for leaf in [x - 0.61, x + 0.02] {
-                pane(looks.glass, [leaf, leaf + 0.59], [0.14, 1.84], 0.012);
+                pane(looks.window, [leaf, leaf + 0.59], [0.14, 1.84], 0.012);
             }
         }
     }
@@ -115,6 +134,6 @@ fn glass_and_signs(b: &mut MeshBuilder, car: &Car<'_>, detail: Detail) {
     pane(sign, [roof0 - 0.23 * screen, roof0 - 0.08 * screen], 0.62, Vec3::X * 0.014);
     if detail != Detail::Coarse {
         let rear = deck - roof1;
-        pane(looks.glass, [roof1 + 0.25 * rear, roof1 + 0.68 * rear], 0.84, Vec3::X * -0.008);
+        pane(looks.window, REAR_PANE.map(|share| roof1 + share * rear), 0.84, Vec3::X * -0.008);
     }
 }

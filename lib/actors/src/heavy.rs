@@ -73,7 +73,7 @@ pub(crate) fn truck(model: &Model, size: Vec3) -> ActorMesh {
     };
     let cab = Car { model, hull: &hull, looks: Looks::new(Tag::Truck, model), wheels };
     let lorry = Lorry { size, cab: &cab, axles: &axles, cab_back, cab_top, fire };
-    ActorMesh::in_levels(|detail| {
+    let made = |detail: Detail| {
         let mut b = MeshBuilder::new();
         cab.shell(&mut b, detail);
         cab.nose(&mut b, detail);
@@ -86,9 +86,10 @@ pub(crate) fn truck(model: &Model, size: Vec3) -> ActorMesh {
         }
         lorry.rear_lamps(&mut b, detail);
         tall_mirrors(&mut b, &hull, &cab.looks, half, detail);
-        b.fit(Vec3::new(-half.x, -half.y, CAB.clearance * cab_top), half.with_z(size.z));
-        cab.wheels.under(b, detail)
-    })
+        let fit = b.fit(Vec3::new(-half.x, -half.y, CAB.clearance * cab_top), half.with_z(size.z));
+        (cab.wheels.under(b, detail), fit)
+    };
+    ActorMesh::with_cabin(made, |fit| cab.cabin(fit, &|_, _, _| false))
 }
 
 /// Mirrors on arms before the corners of an upright windscreen, as far out as the vehicle is wide.

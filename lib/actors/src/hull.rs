@@ -72,14 +72,14 @@ pub(crate) struct Hull {
 /// The outline across at one place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Section {
-    f: f32,
+    pub(crate) f: f32,
     /// Half width.
-    wide: f32,
+    pub(crate) wide: f32,
     pub(crate) low: f32,
     pub(crate) belt_z: f32,
     /// The edge of the roof.
-    edge: (f32, f32),
-    top_z: f32,
+    pub(crate) edge: (f32, f32),
+    pub(crate) top_z: f32,
     bow_m: f32,
 }
 
@@ -233,7 +233,7 @@ impl Hull {
     }
 
     /// How far the skin is moved along x at an end's height.
-    fn lean(&self, f: f32, z: f32) -> f32 {
+    pub(crate) fn lean(&self, f: f32, z: f32) -> f32 {
         let share = |end: f32| {
             let near = (1.0 - end / 0.085).max(0.0);
             near * near
@@ -244,7 +244,7 @@ impl Hull {
     }
 
     /// Half width of the side at a height below the belt.
-    fn aside(&self, at: &Section, z: f32) -> f32 {
+    pub(crate) fn aside(&self, at: &Section, z: f32) -> f32 {
         let mut side = SIDE;
         side[5].1 = 1.0 - self.style.tuck;
         at.wide * curve_at(&side, (z / at.belt_z).min(1.0))

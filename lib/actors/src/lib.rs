@@ -15,6 +15,7 @@
 mod bodies;
 mod building;
 mod bus;
+mod cabin;
 mod car;
 mod cones;
 mod decal;
@@ -43,7 +44,7 @@ use people::Walker;
 use schema::geometry::TriMesh;
 use schema::models::{self, BaseType};
 
-pub use pieces::{ActorMesh, Coarser, Joint, Piece};
+pub use pieces::{ActorMesh, Cabin, Coarser, Joint, Piece};
 pub use posture::Posture;
 pub use rig::{Pedals, Pusher, Rider, Rig};
 

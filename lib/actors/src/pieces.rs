@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use people::{Bone, about_y, about_z};
 use schema::geometry::TriMesh;
-use solids::Detail;
+use solids::{Detail, Fit};
 
 use crate::posture::Posture;
 use crate::rig::Rig;
@@ -78,6 +78,22 @@ pub struct Coarser {
     pub pieces: Vec<Piece>,
 }
 
+/// What stands behind the panes of a vehicle ([`schema::geometry::Surface::is_window`]), in the frame of its body, the first of
+/// the pieces. It is strictly inside the body and no piece of it: only who looks through a pane sees it. The lining of floor, sides
+/// and roof is open and faces inward; all else is closed and faces outward.
+#[derive(Clone, Debug)]
+pub struct Cabin {
+    /// Lining, dashboard, steering wheel, seats.
+    pub seats: Arc<TriMesh>,
+    /// Who drives: what shows of them above the seat. Nobody is in a vehicle that is parked.
+    pub driver: Option<Arc<TriMesh>>,
+}
+
+impl Cabin {
+    /// From this distance on there is nothing behind panes, metres: bodies are coarse there.
+    pub const UNTIL_M: f64 = COARSE_FROM_M;
+}
+
 /// All pieces of an actor; they share its object id.
 #[derive(Clone, Debug, Default)]
 pub struct ActorMesh {
@@ -87,6 +103,8 @@ pub struct ActorMesh {
     pub coarser: Vec<Coarser>,
     /// Where its bones are in a posture, if it has bones.
     pub rig: Option<Arc<Rig>>,
+    /// What one sees through its panes.
+    pub cabin: Option<Cabin>,
 }
 
 impl ActorMesh {
@@ -100,6 +118,17 @@ impl ActorMesh {
         let farther = [(HALF_FROM_M, Detail::Half), (COARSE_FROM_M, Detail::Coarse)];
         let coarser = farther.map(|(from_m, detail)| Coarser { from_m, pieces: pieces(detail) });
         Self { coarser: coarser.to_vec(), ..Self::of(pieces(Detail::Full)) }
+    }
+
+    /// A vehicle made for each level, and behind the panes of its body, stretched as the finest one is, a cabin.
+    pub(crate) fn with_cabin(
+        made: impl Fn(Detail) -> (Vec<Piece>, Fit),
+        cabin: impl FnOnce(&Fit) -> Cabin,
+    ) -> Self {
+        let (pieces, fit) = made(Detail::Full);
+        let farther = [(HALF_FROM_M, Detail::Half), (COARSE_FROM_M, Detail::Coarse)];
+        let coarser = farther.map(|(from_m, detail)| Coarser { from_m, pieces: made(detail).0 });
+        Self { pieces, coarser: coarser.to_vec(), rig: None, cabin: Some(cabin(&fit)) }
     }
 
     /// A posture with the bones that follow from it.

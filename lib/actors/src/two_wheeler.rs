@@ -40,7 +40,7 @@ pub(crate) fn two_wheeler(model: &Model, size: Vec3, variant: u32) -> ActorMesh 
         Coarser { from_m, pieces: machine.into_iter().chain(limbs).collect() }
     });
     pieces.extend(body(&rider.figure, Tag::Rider, Detail::Full));
-    ActorMesh { pieces, coarser: coarser.into(), rig: Some(Arc::new(Rig::Rides(rider))) }
+    ActorMesh { pieces, coarser: coarser.into(), rig: Some(Arc::new(Rig::Rides(rider))), cabin: None }
 }
 
 /// One that nobody sits on. `ridden` is the same with its rider, by whose height its parts are where they are.

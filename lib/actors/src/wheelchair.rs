@@ -82,5 +82,5 @@ pub(crate) fn wheelchair(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
     let coarser = coarser(&figure, Tag::Pedestrian, &pieces);
     pieces.extend(body(&figure, Tag::Pedestrian, Detail::Full));
     let pusher = Pusher { figure, seat: sits, axle, rim_m: radius - 0.02, aside_m: wheel_y - 0.045 };
-    ActorMesh { pieces, coarser, rig: Some(Arc::new(Rig::Pushes(pusher))) }
+    ActorMesh { pieces, coarser, rig: Some(Arc::new(Rig::Pushes(pusher))), cabin: None }
 }

@@ -14,8 +14,10 @@ pub enum Surface {
     Plain,
     /// Takes its colour from the instance ([`Instance::paint`]) and has a clear coat.
     Paint,
-    /// Dark glass.
+    /// Dark glass: of lamps, of water, of what has nothing behind it.
     Glass,
+    /// A pane of a vehicle's cabin: dark glass as long as nobody looks through it.
+    Window,
     /// Bare or painted metal.
     Metal,
     /// Rubber.
@@ -42,6 +44,14 @@ pub enum Surface {
     Facade(Wall),
     /// Emits light while one of these [`crate::lights`] bits is set on its instance.
     Lamp(u32),
+}
+
+impl Surface {
+    /// Whether one sees a cabin through it.
+    #[must_use]
+    pub fn is_window(self) -> bool {
+        self == Self::Window
+    }
 }
 
 /// What the walls of a house front are made of.

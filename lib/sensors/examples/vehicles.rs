@@ -1,5 +1,5 @@
-//! Draws vehicles: `cargo run -p convoy-sensors --example vehicles -- FOLDER [--levels] [MODEL ...]`. One sheet for each model: from the front,
-//! the side and the rear (with open doors), or as it is farther away. Prints how many triangles its levels have.
+//! Draws vehicles: `cargo run -p convoy-sensors --example vehicles -- FOLDER [--levels | --cabins] [MODEL ...]`. One sheet for each model: from the
+//! front, the side and the rear (with open doors), or as it is farther away, or without its panes. Prints how many triangles its levels have.
 
 mod stage;
 
@@ -20,11 +20,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = arguments.next().unwrap_or_else(|| ".".into());
     let mut wanted: Vec<String> = arguments.collect();
     let of_levels = wanted.iter().any(|w| w == "--levels");
-    wanted.retain(|w| w != "--levels");
+    let of_cabins = wanted.iter().any(|w| w == "--cabins");
+    wanted.retain(|w| !w.starts_with("--"));
     let all = vehicles().chain(PARKED_TWO_WHEELERS);
     let chosen = all.filter(|m| wanted.is_empty() || wanted.iter().any(|w| m.name.starts_with(w.as_str())));
     for (k, model) in chosen.enumerate() {
-        let counts = sheet(model, PAINTS[k % PAINTS.len()], Path::new(&folder), of_levels)?;
+        let (paint, folder) = (PAINTS[k % PAINTS.len()], Path::new(&folder));
+        let counts =
+            if of_cabins { cabin(model, paint, folder)? } else { sheet(model, paint, folder, of_levels)? };
         let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
         #[allow(clippy::print_stdout)] // It is what it is for.
         {
@@ -32,6 +35,26 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
+}
+
+/// Draws a model without its panes and counts the triangles behind them.
+fn cabin(model: &Model, paint: [f32; 3], folder: &Path) -> Result<Vec<usize>, Box<dyn Error>> {
+    let mut stage = Stage::new();
+    let apart = 0.93 * (model.size_m[0] as f32).max(2.0) + 0.8;
+    let mut count = 0;
+    for (i, yaw) in [-142.0, 180.0, 38.0].into_iter().enumerate() {
+        count = stage.add_open(model, at(apart * (i as f32 - 1.0), 0.0, yaw), paint);
+    }
+    let name = format!("{}-cabin.jpg", model.name.replace('.', "-"));
+    let away = f64::from(apart);
+    stage.save(
+        &folder.join(name),
+        [-0.6, -2.9 * away, 0.25 * away - 0.1],
+        frames::deg(7.0),
+        [1800, 576],
+        57.0,
+    )?;
+    Ok(vec![count])
 }
 
 /// Draws a model and counts the triangles of its levels.

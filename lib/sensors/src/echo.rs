@@ -45,7 +45,7 @@ pub(crate) fn solid_angle_sr(half_width: f64, half_height: f64, radius: f64, ray
 fn reflectivity(part: &Part) -> f64 {
     match part.surface {
         Surface::Paint | Surface::Metal => 0.5,
-        Surface::Lamp(_) | Surface::Glass => 0.25,
+        Surface::Lamp(_) | Surface::Glass | Surface::Window => 0.25,
         Surface::Concrete | Surface::Facade(_) => 0.2,
         Surface::Plain | Surface::Gravel | Surface::RoofTiles => 0.15,
         Surface::Cloth => 0.1,

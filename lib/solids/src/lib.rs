@@ -262,6 +262,11 @@ impl MeshBuilder {
         }
     }
 
+    /// Moves every point.
+    pub fn reshape(&mut self, to: impl Fn(Vec3) -> Vec3) {
+        self.mesh.positions.iter_mut().for_each(|p| *p = to(*p));
+    }
+
     /// Stretches everything along the axes so that it fills the box from `min` to `max` exactly, and says how.
     pub fn fit(&mut self, min: Vec3, max: Vec3) -> Fit {
         let bounds = self.mesh.aabb();

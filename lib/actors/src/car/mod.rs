@@ -9,10 +9,11 @@ use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Part, Surface};
 use schema::models::{BaseType, Model};
-use solids::{Detail, MeshBuilder};
+use solids::{Detail, Fit, MeshBuilder};
 
+use crate::cabin::cabin;
 use crate::hull::Hull;
-use crate::pieces::{ActorMesh, Piece};
+use crate::pieces::{ActorMesh, Cabin, Piece};
 use crate::skin::{Grid, LINE_M, Place, skin, wheel_houses};
 use crate::wheel::{Rim, Wheels};
 use style::style;
@@ -38,7 +39,7 @@ pub(crate) fn vehicle(model: &Model, size: Vec3) -> ActorMesh {
         rim: rim(model),
     };
     let car = Car { model, hull: &hull, looks: Looks::new(tag, model), wheels };
-    ActorMesh::in_levels(|detail| car.pieces(detail))
+    ActorMesh::with_cabin(|detail| car.pieces(detail), |fit| car.cabin(fit, &|_, _, _| false))
 }
 
 /// The rims of a model.
@@ -58,7 +59,9 @@ fn rim(model: &Model) -> Rim {
 pub(crate) struct Looks {
     tag: Tag,
     pub(crate) paint: Part,
-    pub(crate) glass: Part,
+    pub(crate) window: Part,
+    /// That of lamps.
+    glass: Part,
     pub(crate) under: Part,
     /// Unpainted plastic.
     pub(crate) trim: Part,
@@ -76,6 +79,7 @@ impl Looks {
         Self {
             tag,
             paint,
+            window: Part::new(tag, Surface::Window, [0.04, 0.05, 0.06]),
             glass: Part::new(tag, Surface::Glass, [0.04, 0.05, 0.06]),
             under: plain([0.022, 0.022, 0.023]),
             trim: Part::new(tag, Surface::Rubber, [0.035, 0.035, 0.037]),
@@ -104,7 +108,7 @@ pub(crate) struct Car<'a> {
 }
 
 impl Car<'_> {
-    fn pieces(&self, detail: Detail) -> Vec<Piece> {
+    fn pieces(&self, detail: Detail) -> (Vec<Piece>, Fit) {
         let hull = self.hull;
         let mut b = MeshBuilder::new();
         self.shell(&mut b, detail);
@@ -117,7 +121,15 @@ impl Car<'_> {
         let fit = b.fit(Vec3::new(-half_l, -half_w, bottom), Vec3::new(half_l, half_w, hull.height));
         let mut pieces = self.wheels.under(b, detail);
         pieces.extend(self.doors(&fit));
-        pieces
+        (pieces, fit)
+    }
+
+    /// What is behind its panes; `also` says where there are more of them than the skin has: at a place, on the left or the right.
+    pub(crate) fn cabin(&self, fit: &Fit, also: &dyn Fn(f32, Place, bool) -> bool) -> Cabin {
+        let pane = |f: f32, place: Place, left: bool| {
+            self.part(f, place, &[]).surface.is_window() || also(f, place, left)
+        };
+        cabin(self.model, self.looks.tag, self.hull, self.wheels.inner_y(), fit, &pane)
     }
 
     /// The skin with the walls of its wheel houses.
@@ -176,7 +188,7 @@ impl Car<'_> {
             }
             Place::Side(row) if row > 1.0 && row < 1.05 && glazed => looks.trim,
             Place::Side(row) if row > 1.05 && row < 1.91 && glazed => {
-                if style.pillars.iter().any(|p| (f - p).abs() < PILLAR) { looks.trim } else { looks.glass }
+                if style.pillars.iter().any(|p| (f - p).abs() < PILLAR) { looks.trim } else { looks.window }
             }
             Place::Side(row)
                 if row > 1.91 && !cuts.is_empty() && f > FRONT_GAP[1] && f < style.cowl.0 - 0.01 =>
@@ -186,7 +198,7 @@ impl Car<'_> {
             Place::Top(s) if s.abs() < 0.94 => {
                 let (roof, deck) = (style.roof, style.deck);
                 if f > style.cowl.0 && f < roof.0 || style.rear_glass && f > roof.1 && f < deck.0 {
-                    looks.glass
+                    looks.window
                 } else if !cuts.is_empty() && f > FRONT_GAP[0] && f < FRONT_GAP[1] {
                     looks.gap
                 } else {

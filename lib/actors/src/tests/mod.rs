@@ -11,6 +11,7 @@ use schema::{Tag, lights, works};
 
 use super::*;
 
+mod cabins;
 mod vehicles;
 
 /// Every model with a size and some variants.

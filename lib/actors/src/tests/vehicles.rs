@@ -26,8 +26,8 @@ fn placed(pieces: &[Piece], posture: &Posture) -> Vec<[Vec3; 3]> {
     .collect()
 }
 
-/// Where each part of a mesh is that hangs together by its vertices, and six times its volume.
-fn volumes(mesh: &TriMesh) -> Vec<(Vec3, f64)> {
+/// Of each vertex of a mesh one that it hangs together with, the same of all that do.
+pub(super) fn roots(mesh: &TriMesh) -> Vec<usize> {
     let mut root: Vec<usize> = (0..mesh.positions.len()).collect();
     let find = |root: &[usize], mut v: usize| {
         while root[v] != v {
@@ -42,9 +42,15 @@ fn volumes(mesh: &TriMesh) -> Vec<(Vec3, f64)> {
             root[vertex] = least;
         }
     }
+    (0..root.len()).map(|v| find(&root, v)).collect()
+}
+
+/// Where each part of a mesh is that hangs together by its vertices, and six times its volume.
+fn volumes(mesh: &TriMesh) -> Vec<(Vec3, f64)> {
+    let root = roots(mesh);
     let mut sums: BTreeMap<usize, f64> = BTreeMap::new();
     for (i, corners) in mesh.triangles.iter().enumerate() {
-        let part = find(&root, corners[0] as usize);
+        let part = root[corners[0] as usize];
         // About a point of the part itself: far from the origin little would be left of the difference.
         let [a, b, c] = mesh.corners(i).map(|p| (p - mesh.positions[part]).as_dvec3());
         *sums.entry(part).or_default() += a.dot(b.cross(c));
@@ -117,7 +123,7 @@ fn what_is_farther_away_has_fewer_triangles_and_the_same_lamps() {
 }
 
 /// How often closed solids hold a place, by the faces above it.
-fn times_inside(solids: &[[Vec3; 3]], place: Vec3) -> i32 {
+pub(super) fn times_inside(solids: &[[Vec3; 3]], place: Vec3) -> i32 {
     solids
         .iter()
         .map(|[a, b, c]| {

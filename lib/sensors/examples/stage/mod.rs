@@ -68,6 +68,28 @@ impl Stage {
         triangles
     }
 
+    /// A vehicle without its panes, so that its cabin shows.
+    pub(crate) fn add_open(&mut self, model: &Model, at: Affine3A, paint: [f32; 3]) -> usize {
+        let Some(made) = actor_mesh(model.name, model.size_m, 0) else { return 0 };
+        let first = self.meshes.len();
+        self.add_level(model, 0, 0, at, Posture::default(), paint);
+        let body = Arc::make_mut(&mut self.meshes[first]);
+        let kept: Vec<usize> =
+            (0..body.triangles.len()).filter(|i| !body.part(*i).surface.is_window()).collect();
+        body.triangles = kept.iter().map(|i| body.triangles[*i]).collect();
+        body.triangle_part = kept.iter().map(|i| body.triangle_part[*i]).collect();
+        body.corner_normals = kept.iter().filter_map(|i| body.corner_normals.get(*i).copied()).collect();
+        let behind = made.cabin.into_iter().flat_map(|cabin| [Some(cabin.seats), cabin.driver]).flatten();
+        let mut triangles = 0;
+        for mesh in behind {
+            let instance = common::instance(self.meshes.len() as u32, 2, at);
+            self.instances.push(Instance { paint, ..instance });
+            triangles += mesh.triangles.len();
+            self.meshes.push(mesh);
+        }
+        triangles
+    }
+
     /// Switches lamps of everything on it on.
     pub(crate) fn light(&mut self, lights: u32) {
         self.instances.iter_mut().for_each(|instance| instance.lights = lights);

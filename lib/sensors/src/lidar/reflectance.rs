@@ -18,7 +18,7 @@ pub(super) fn reflectance(part: &Part) -> f32 {
     match part.surface {
         Surface::Plain | Surface::Gravel | Surface::RoofTiles | Surface::Cloth => 0.15 + 0.6 * brightness,
         Surface::Paint => 0.45,
-        Surface::Glass => 0.05,
+        Surface::Glass | Surface::Window => 0.05,
         Surface::Metal => 0.4,
         Surface::Rubber => 0.06,
         Surface::Asphalt => 0.15,

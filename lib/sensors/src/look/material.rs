@@ -37,7 +37,9 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
         Surface::Cloth => Look::dull(shades(rgb, speckle(noise, p, 0.2))),
         Surface::Rubber => Look::glossy(Vec3s::splat(rgb), 0.03, 0.7),
         Surface::Paint => Look::glossy(Vec3s::splat(facet.paint), 0.045, 0.06),
-        Surface::Glass => Look::glossy(Vec3s::splat(rgb.min(Vec3::splat(0.06))), 0.06, 0.02),
+        Surface::Glass | Surface::Window => {
+            Look::glossy(Vec3s::splat(rgb.min(Vec3::splat(0.06))), 0.06, 0.02)
+        }
         Surface::Metal if facet.part.tag == Tag::Building => sheeting(noise, facet, rgb, p),
         Surface::Metal => Look::glossy(shades(rgb * 0.75, speckle(noise, p, 0.1)), 0.15, 0.45),
         Surface::Asphalt => ground::asphalt(both, around, facet, p),

@@ -1,0 +1,174 @@
+//! Where people sit in each vehicle.
+
+use schema::models::{BaseType, Model};
+
+use super::room::Room;
+
+/// A row of seats: of hips that are so far ahead and so high, metres.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Row {
+    pub(crate) x: f32,
+    pub(crate) z: f32,
+    pub(crate) seats: Seats,
+}
+
+/// What is in a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Seats {
+    /// One on each side of the middle, so far from it.
+    Two(f32),
+    /// A bench for three, half as wide as that.
+    Bench(f32),
+    /// Two on each side of an aisle, as a bus has them; none on the right at doors.
+    Aisle {
+        /// Whether there are some on the right, too.
+        right: bool,
+    },
+}
+
+/// Where everything is, metres.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    pub(crate) floor_z: f32,
+    /// Middle of the dashboard's front edge and how deep it is.
+    pub(crate) cowl_x: f32,
+    pub(crate) cowl_z: f32,
+    pub(crate) dash_m: f32,
+    /// The driver's hips.
+    pub(crate) driver: [f32; 3],
+    /// How far the driver leans back, radians.
+    pub(crate) lean_rad: f32,
+    /// Radius of the steering wheel, and how far it is tipped from upright, radians.
+    pub(crate) wheel: [f32; 2],
+    pub(crate) rows: Vec<Row>,
+    /// A cover at the belt begins here, behind the last seats.
+    pub(crate) cover_x: Option<f32>,
+    /// Here the cabin ends.
+    pub(crate) rear_x: f32,
+}
+
+/// From the hips to the rear of a seat's back, metres.
+const BEHIND_M: f32 = 0.52;
+
+impl Plan {
+    /// That of a model.
+    pub(crate) fn new(model: &Model, room: &Room<'_>) -> Self {
+        match model.base {
+            BaseType::Bus => Self::bus(room),
+            BaseType::Truck if model.name != "truck.pickup" => Self::lorry(room),
+            _ => Self::car(model, room),
+        }
+    }
+
+    fn car(model: &Model, room: &Room<'_>) -> Self {
+        let (hull, style) = (room.hull, &room.hull.style);
+        let van = model.base == BaseType::Van;
+        let cowl_x = hull.x_of(style.cowl.0);
+        let belt_z = hull.section(style.windows.0 + 0.05).belt_z;
+        // In a high van one sits above the belt rather than behind it.
+        let drop_m = if !van {
+            0.42
+        } else if hull.height < 2.3 {
+            0.28
+        } else {
+            0.14
+        };
+        let hips_z = belt_z - drop_m;
+        let front_x = match style.pillars.first() {
+            Some(pillar) => hull.x_of(*pillar) + 0.27,
+            None => hull.x_of(style.windows.1) + 0.30,
+        };
+        let front_x = front_x.clamp(cowl_x - 1.15, cowl_x - 0.78);
+        let aside = 0.2 * 2.0 * hull.half_width;
+        let mut rows = vec![Row { x: front_x, z: hips_z, seats: Seats::Two(aside) }];
+        let behind: &[Seats] = match model.name {
+            "van.delivery" | "van.ambulance" | "car.micro" | "car.sports" => &[],
+            "car.coupe" | "car.mini" => &[Seats::Two(0.36)],
+            "van.passenger" => &[Seats::Bench(0.62), Seats::Bench(0.62)],
+            _ => &[Seats::Bench(0.62)],
+        };
+        for (k, seats) in behind.iter().enumerate() {
+            let x = front_x - (k + 1) as f32 * if van { 0.88 } else { 0.80 };
+            rows.push(Row { x, z: hips_z + 0.03, seats: *seats });
+        }
+        let last_x = rows[rows.len() - 1].x - BEHIND_M;
+        // A wall behind the seats of those that carry goods.
+        let walled = matches!(model.name, "van.delivery" | "van.ambulance" | "truck.pickup");
+        let rear_x = if walled {
+            last_x.min(hull.x_of(style.windows.1))
+        } else {
+            // The rear window bulges behind its lower edge.
+            hull.x_of(style.deck.0) - style.glass_bow_m[1]
+        };
+        Self {
+            floor_z: (room.least_z() + 0.05).min(hips_z - 0.24),
+            cowl_x,
+            cowl_z: hull.section(style.cowl.0).belt_z + 0.03,
+            dash_m: 0.40,
+            driver: [front_x, aside, hips_z],
+            lean_rad: if van { 0.16 } else { 0.32 },
+            wheel: [0.185, if van { 0.7 } else { 0.42 }],
+            rows,
+            cover_x: (!walled).then_some(last_x.max(rear_x + 0.02)),
+            rear_x,
+        }
+    }
+
+    fn lorry(room: &Room<'_>) -> Self {
+        let (hull, style) = (room.hull, &room.hull.style);
+        let cowl_x = hull.x_of(0.0) - 0.02;
+        let belt_z = hull.section(style.windows.0 + 0.05).belt_z;
+        let over = hull.axles.iter().filter_map(|x| room.over_wheels(*x)).map(|(z, _)| z).fold(0.0, f32::max);
+        let (floor_z, hips_z) = (over.min(belt_z - 0.2) + 0.02, belt_z + 0.12);
+        let rear_x = hull.x[0] + 0.07;
+        let front_x = (cowl_x - 0.92).max(rear_x + BEHIND_M);
+        let aside = 0.62 * hull.half_width;
+        let mut rows = vec![Row { x: front_x, z: hips_z, seats: Seats::Two(aside) }];
+        if front_x - 0.95 - BEHIND_M > rear_x {
+            rows.push(Row { x: front_x - 0.95, z: hips_z, seats: Seats::Bench(0.85) });
+        }
+        Self {
+            floor_z,
+            cowl_x,
+            cowl_z: belt_z,
+            dash_m: 0.38,
+            driver: [front_x, aside, hips_z],
+            lean_rad: 0.10,
+            wheel: [0.225, 0.95],
+            rows,
+            cover_x: None,
+            rear_x,
+        }
+    }
+
+    fn bus(room: &Room<'_>) -> Self {
+        let (hull, style) = (room.hull, &room.hull.style);
+        let cowl_x = hull.x_of(0.0) - 0.02;
+        let belt_z = hull.section(style.windows.0 + 0.03).belt_z;
+        let hips_z = belt_z + 0.14;
+        let floor_z = room.least_z() + 0.06;
+        let (front_x, aside) = (cowl_x - 1.0, 0.62 * hull.half_width);
+        let rear_x = hull.x_of(1.0) + 0.10;
+        let middle_door = 0.5 * (hull.axles[0] + hull.axles[1]);
+        let first = front_x - 1.55;
+        let count = ((first - rear_x - 0.6) / 0.80) as usize;
+        let rows = (0..count).map(|k| {
+            let x = first - 0.80 * k as f32;
+            let over = room.over_wheels(x).map_or(0.0, |(z, _)| z + 0.18);
+            let right = (x - middle_door).abs() > 1.0;
+            Row { x, z: (floor_z + 0.45).max(over), seats: Seats::Aisle { right } }
+        });
+        Self {
+            floor_z,
+            cowl_x,
+            cowl_z: belt_z,
+            dash_m: 0.40,
+            driver: [front_x, aside, hips_z],
+            lean_rad: 0.08,
+            wheel: [0.235, 1.0],
+            rows: rows.collect(),
+            cover_x: None,
+            rear_x,
+        }
+    }
+}
