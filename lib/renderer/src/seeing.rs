@@ -107,4 +107,11 @@ pub trait Scene: Send + Sync {
     /// # Errors
     /// The device failed.
     fn trace_before(&self, before: f32, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError>;
+
+    /// The closest surface along every ray at such a moment (0 is this frame) for who looks through panes: what stands behind these
+    /// ([`Snapshot::cabins`]) is met as well. Whoever has met a pane and goes on asks for what is farther than that.
+    ///
+    /// # Errors
+    /// The device failed.
+    fn trace_behind(&self, before: f32, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError>;
 }

@@ -31,6 +31,7 @@ pub struct SurfacePoint<'a> {
 
 /// An instance as the camera sees it: what is the same for all its pixels.
 struct View<'a> {
+    instance: &'a Instance,
     mesh: &'a TriMesh,
     /// Camera in the object frame.
     origin: Vec3,
@@ -42,7 +43,7 @@ struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    fn new(camera: &PinholeCamera, snapshot: &'a Snapshot, instance: &Instance) -> Option<Self> {
+    fn new(camera: &PinholeCamera, snapshot: &'a Snapshot, instance: &'a Instance) -> Option<Self> {
         let mesh = snapshot.meshes.get(instance.mesh as usize)?;
         let to_local = Mat3::from(instance.local_from_object.matrix3);
         let translation = Vec3::from(instance.local_from_object.translation);
@@ -50,6 +51,7 @@ impl<'a> View<'a> {
         let camera_m: DVec3 = camera.local_from_optical.translation.as_dvec3();
         let optical = Mat3::from(camera.local_from_optical.matrix3).as_dmat3();
         Some(Self {
+            instance,
             mesh,
             // In double precision: the difference of two places far from the local origin loses nothing.
             origin: (object_from_local * (camera_m - translation.as_dvec3())).as_vec3(),
@@ -111,6 +113,12 @@ impl<'v, 'a> Facet<'v, 'a> {
             offset,
             normal_local: (view.to_local * facing).normalize_or_zero(),
         })
+    }
+
+    /// The instance that it is of.
+    #[must_use]
+    pub fn placed(&self) -> &'a Instance {
+        self.view.instance
     }
 
     /// Its corners, object frame, metres.
@@ -187,7 +195,9 @@ fn alike(words: &[u32], word: u32) -> usize {
 /// Reads surface points out of a [`VisibilityBuffer`], whichever renderer filled it.
 pub struct Surfaces<'a> {
     buffer: &'a VisibilityBuffer,
-    /// By instance; none for those whose mesh the snapshot does not hold.
+    /// Number of the first of what stands behind panes.
+    first_behind: u32,
+    /// By instance, and after them what stands behind panes; none for those whose mesh the snapshot does not hold.
     views: Vec<Option<View<'a>>>,
 }
 
@@ -195,8 +205,9 @@ impl<'a> Surfaces<'a> {
     /// Prepares the reading; `snapshot` must be the one that was seen.
     #[must_use]
     pub fn new(buffer: &'a VisibilityBuffer, snapshot: &'a Snapshot) -> Self {
-        let views = snapshot.instances.iter().map(|i| View::new(&buffer.camera, snapshot, i)).collect();
-        Self { buffer, views }
+        let all = snapshot.instances.iter().chain(&snapshot.cabins);
+        let views = all.map(|i| View::new(&buffer.camera, snapshot, i)).collect();
+        Self { buffer, first_behind: snapshot.instances.len() as u32, views }
     }
 
     /// The surface point at the centre of one pixel, `None` for sky.
@@ -223,7 +234,16 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    fn facet(&self, instance: u32, triangle: u32) -> Option<Facet<'_, 'a>> {
+    /// Whether a number is that of something that stands behind panes.
+    #[must_use]
+    pub fn is_behind_panes(&self, instance: u32) -> bool {
+        instance >= self.first_behind
+    }
+
+    /// A triangle of an instance (or of what stands behind panes, as [`Snapshot::behind`] numbers them) as the camera sees it;
+    /// `None` where there is no such.
+    #[must_use]
+    pub fn facet(&self, instance: u32, triangle: u32) -> Option<Facet<'_, 'a>> {
         Facet::new(self.views.get(instance as usize)?.as_ref()?, instance, triangle)
     }
 }

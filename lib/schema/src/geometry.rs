@@ -212,6 +212,9 @@ pub struct Snapshot {
     pub meshes: Arc<[Arc<TriMesh>]>,
     /// All instances, in a fixed order.
     pub instances: Vec<Instance>,
+    /// What stands behind panes ([`Surface::is_window`]), by object ascending: only who looks through a pane sees it. They are numbered
+    /// on from the instances ([`Self::behind`]).
+    pub cabins: Vec<Instance>,
     /// Motions of the objects that may move, by id ascending. Others stand still.
     pub motions: Vec<ObjectMotion>,
 }
@@ -222,6 +225,19 @@ impl Snapshot {
     pub fn motion(&self, object: ObjectId) -> Option<&ObjectMotion> {
         let at = self.motions.binary_search_by_key(&object, |motion| motion.object).ok()?;
         Some(&self.motions[at])
+    }
+
+    /// An instance by its number, or what stands behind panes by one beyond theirs.
+    #[must_use]
+    pub fn behind(&self, number: u32) -> Option<&Instance> {
+        let number = number as usize;
+        self.instances.get(number).or_else(|| self.cabins.get(number.checked_sub(self.instances.len())?))
+    }
+
+    /// Whether something stands behind the panes of an object.
+    #[must_use]
+    pub fn has_cabin(&self, object: ObjectId) -> bool {
+        self.cabins.binary_search_by_key(&object, |cabin| cabin.object).is_ok()
     }
 
     /// The mesh of an instance.

@@ -45,6 +45,7 @@
 //!         lights: 0,
 //!         glow: [1.0; 3],
 //!     }],
+//!     cabins: Vec::new(),
 //!     motions: Vec::new(),
 //! };
 //! let mut renderer = CpuRenderer::default();

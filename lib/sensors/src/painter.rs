@@ -61,7 +61,7 @@ impl Painter for CpuPainter<'_> {
         shots: &[Shot<'_>],
     ) -> Result<Vec<Picture>, SensorError> {
         let lighting = self.lights.around(scene, when, place_local)?;
-        let snapshot = scene.snapshot();
-        Ok(shots.par_iter().map(|shot| Picture::new(snapshot, shot.view, shot.seen, &lighting)).collect())
+        let picture = |shot: &Shot<'_>| Ok(Picture::new(scene, shot.view, shot.seen, &lighting)?);
+        shots.par_iter().map(picture).collect()
     }
 }

@@ -203,6 +203,10 @@ impl Scene for Nothing<'_> {
     fn trace_before(&self, _: f32, _: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
         unplugged()
     }
+
+    fn trace_behind(&self, _: f32, _: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
+        unplugged()
+    }
 }
 
 /// Reads every sensor that needs the scene and counts those that fail with their device.

@@ -22,19 +22,24 @@ use testkit::BruteRenderer;
 fn corner() -> Snapshot {
     let mut moving = instance(2, 5, at(14.0, 2.5, 0.0, 0.2));
     moving.previous_local_from_object = at(13.4, 2.5, 0.0, 0.2);
-    snapshot(
+    let corner = snapshot(
         vec![
             plane(150.0, 0.0, Tag::Road, Surface::Asphalt),
             block([12.0, 8.0, 9.0], Tag::Building, Surface::Facade(Wall::Plaster)),
             block([4.4, 1.8, 1.5], Tag::Car, Surface::Paint),
+            block([4.0, 1.7, 1.9], Tag::Car, Surface::Window),
+            block([1.0, 1.2, 0.9], Tag::Car, Surface::Cloth),
         ],
         vec![
             instance(0, 1, Affine3A::IDENTITY),
             instance(1, 2, at(22.0, -9.0, 0.0, 0.1)),
             instance(2, 4, at(0.1, 0.05, 0.0, 0.01)),
             moving,
+            instance(3, 6, at(9.0, -1.5, 0.0, 0.4)),
         ],
-    )
+    );
+    // The last one is of glass, with a seat in it.
+    Snapshot { cabins: vec![instance(4, 6, at(9.3, -1.4, 0.2, 0.4))], ..corner }
 }
 
 fn rig() -> Rig {

@@ -8,7 +8,7 @@ use renderer::{
     Alone, AloneRays, Hit, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer,
     pose_before,
 };
-use schema::geometry::{Snapshot, TriMesh};
+use schema::geometry::{Instance, Snapshot, TriMesh};
 
 /// Tries every triangle of every instance, in double precision.
 #[derive(Debug, Default)]
@@ -39,15 +39,16 @@ impl Renderer for BruteRenderer {
         if in_snapshot > prepared {
             return Err(RenderError::Unprepared { in_snapshot, prepared });
         }
-        Ok(Box::new(BruteScene::new(snapshot, 0.0)))
+        Ok(Box::new(BruteScene::new(snapshot, 0.0, false)))
     }
 }
 
 impl<'a> BruteScene<'a> {
-    /// The instances as they were at a moment before the frame.
-    fn new(snapshot: &'a Snapshot, before: f32) -> Self {
+    /// The instances as they were at a moment before the frame, with or without what stands behind panes.
+    fn new(snapshot: &'a Snapshot, before: f32, with_cabins: bool) -> Self {
         let mut triangles = Vec::new();
-        for (number, instance) in snapshot.instances.iter().enumerate() {
+        let cabins: &[Instance] = if with_cabins { &snapshot.cabins } else { &[] };
+        for (number, instance) in snapshot.instances.iter().chain(cabins).enumerate() {
             let pose = pose_before(&instance.previous_local_from_object, &instance.local_from_object, before);
             let rotation = Mat3::from(pose.matrix3).as_dmat3();
             let shift = pose.translation.as_dvec3();
@@ -161,6 +162,10 @@ impl Scene for BruteScene<'_> {
     }
 
     fn trace_before(&self, before: f32, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
-        Self::new(self.snapshot, before).trace(batches)
+        Self::new(self.snapshot, before, false).trace(batches)
+    }
+
+    fn trace_behind(&self, before: f32, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
+        Self::new(self.snapshot, before, true).trace(batches)
     }
 }

@@ -125,7 +125,13 @@ pub fn instance(mesh: u32, object: ObjectId, local_from_object: Affine3A) -> Ins
 #[must_use]
 pub fn snapshot(meshes: Vec<Arc<TriMesh>>, instances: Vec<Instance>) -> Snapshot {
     let motions = motions(&instances);
-    Snapshot { origin: LocalOrigin::near([0.0; 3]), meshes: meshes.into(), instances, motions }
+    Snapshot {
+        origin: LocalOrigin::near([0.0; 3]),
+        meshes: meshes.into(),
+        instances,
+        cabins: Vec::new(),
+        motions,
+    }
 }
 
 fn motions(instances: &[Instance]) -> Vec<ObjectMotion> {

@@ -52,6 +52,7 @@ impl WorldBuilder {
             origin,
             meshes: self.meshes.clone().into(),
             instances: self.instances.iter().map(instance).collect(),
+            cabins: Vec::new(),
             motions: Vec::new(),
         }
     }

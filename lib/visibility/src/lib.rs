@@ -36,6 +36,7 @@
 //!         lights: 0,
 //!         glow: [1.0; 3],
 //!     }],
+//!     cabins: Vec::new(),
 //!     motions: Vec::new(),
 //! };
 //! let scene = cpu.place(&snapshot)?;

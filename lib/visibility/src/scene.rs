@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use renderer::{
     Alone, AloneRays, Hits, PinholeCamera, RayBatch, RenderError, Scene, VisibilityBuffer, pose_before,
 };
-use schema::geometry::Snapshot;
+use schema::geometry::{Instance, Snapshot};
 
 use crate::bvh::{Bvh, QUICK, Stack};
 use crate::meshes::Meshes;
@@ -25,8 +25,11 @@ const RAYS_PER_TASK: usize = 1024;
 #[derive(Debug)]
 pub(crate) struct CpuScene<'a> {
     snapshot: &'a Snapshot,
+    /// The instances, and after them what stands behind panes.
     placed: Vec<Option<Placed<'a>>>,
     tree: Bvh,
+    /// Over what stands behind panes.
+    cabins: Bvh,
     split: OnceLock<Split>,
 }
 
@@ -34,6 +37,7 @@ pub(crate) struct CpuScene<'a> {
 #[derive(Debug)]
 struct Split {
     still: Bvh,
+    still_cabins: Bvh,
     /// Numbers of the others.
     moving: Vec<u32>,
 }
@@ -59,7 +63,7 @@ impl Scene for CpuScene<'_> {
     }
 
     fn look(&self, cameras: &[PinholeCamera]) -> Result<Vec<VisibilityBuffer>, RenderError> {
-        let all = || (0..).zip(&self.placed);
+        let all = || self.instances();
         Ok(cameras.par_iter().map(|camera| rasterize(all(), camera)).collect())
     }
 
@@ -70,7 +74,7 @@ impl Scene for CpuScene<'_> {
 
     fn depths(&self, camera: &PinholeCamera, among: Option<&[u32]>) -> Result<Vec<f32>, RenderError> {
         Ok(match among {
-            None => depths((0..).zip(&self.placed), camera),
+            None => depths(self.instances(), camera),
             Some(some) => depths(self.numbered(some), camera),
         })
     }
@@ -95,12 +99,27 @@ impl Scene for CpuScene<'_> {
     }
 
     fn trace_before(&self, before: f32, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
+        Ok(self.trace_moment(before, self.snapshot.instances.len(), batches))
+    }
+
+    fn trace_behind(&self, before: f32, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
+        if before != 0.0 {
+            return Ok(self.trace_moment(before, self.placed.len(), batches));
+        }
+        let all = Placement { placed: &self.placed, among: Among::Trees(&[&self.tree, &self.cabins]) };
+        Ok(batches.par_iter().map(|batch| all.trace(batch)).collect())
+    }
+}
+
+impl CpuScene<'_> {
+    /// The closest surface along every ray at a moment, of those numbered below `end`.
+    fn trace_moment(&self, before: f32, end: usize, batches: &[RayBatch<'_>]) -> Vec<Hits> {
         let split = self.split.get_or_init(|| self.split());
         let mut placed = self.placed.clone();
         let (mut numbers, mut boxes) = (Vec::new(), Vec::new());
-        for &number in &split.moving {
+        for &number in split.moving.iter().filter(|number| (**number as usize) < end) {
             let Some(there) = &mut placed[number as usize] else { continue };
-            let instance = &self.snapshot.instances[number as usize];
+            let Some(instance) = self.snapshot.behind(number) else { continue };
             let pose = pose_before(&instance.previous_local_from_object, &instance.local_from_object, before);
             let around = around(there, &pose);
             // Of many that drive about a town few are within a lidar's reach.
@@ -111,8 +130,10 @@ impl Scene for CpuScene<'_> {
             }
         }
         let moving = tree_over(&numbers, &boxes);
-        let then = Placement { placed: &placed, among: Among::Trees(&[&split.still, &moving]) };
-        Ok(batches.par_iter().map(|batch| then.trace(batch)).collect())
+        let with_cabins = [&split.still, &moving, &split.still_cabins];
+        let trees = if end > self.snapshot.instances.len() { &with_cabins[..] } else { &with_cabins[..2] };
+        let then = Placement { placed: &placed, among: Among::Trees(trees) };
+        batches.par_iter().map(|batch| then.trace(batch)).collect()
     }
 }
 
@@ -141,26 +162,26 @@ fn tree_over(numbers: &[u32], boxes: &[Aabb]) -> Bvh {
 impl<'a> CpuScene<'a> {
     /// Puts the instances of a snapshot over meshes, which are at least those of its list.
     pub(crate) fn new(meshes: &'a Meshes, snapshot: &'a Snapshot) -> Self {
-        let mut boxes = Vec::with_capacity(snapshot.instances.len());
-        let mut numbers = Vec::with_capacity(snapshot.instances.len());
-        let placed: Vec<Option<Placed<'a>>> = snapshot
-            .instances
-            .iter()
-            .enumerate()
-            .map(|(number, instance)| {
-                let pose = instance.local_from_object;
-                let mesh = meshes.get(instance.mesh)?;
-                if mesh.bvh.nodes.is_empty() || !pose.is_finite() {
-                    return None;
+        let mut placed = Vec::with_capacity(snapshot.instances.len() + snapshot.cabins.len());
+        let [tree, cabins] = [&snapshot.instances, &snapshot.cabins].map(|instances| {
+            let (mut numbers, mut boxes) = (Vec::with_capacity(instances.len()), Vec::new());
+            boxes.reserve_exact(instances.len());
+            for instance in instances {
+                let there = place(meshes, instance);
+                if let Some(there) = &there {
+                    boxes.push(around(there, &instance.local_from_object));
+                    numbers.push(placed.len() as u32);
                 }
-                let placed = Placed::new(mesh, &pose);
-                boxes.push(around(&placed, &pose));
-                numbers.push(number as u32);
-                Some(placed)
-            })
-            .collect();
-        let tree = tree_over(&numbers, &boxes);
-        Self { snapshot, placed, tree, split: OnceLock::new() }
+                placed.push(there);
+            }
+            tree_over(&numbers, &boxes)
+        });
+        Self { snapshot, placed, tree, cabins, split: OnceLock::new() }
+    }
+
+    /// The instances with their numbers, without what stands behind panes.
+    fn instances<'s>(&'s self) -> impl Iterator<Item = (u32, &'s Option<Placed<'a>>)> {
+        (0..).zip(&self.placed[..self.snapshot.instances.len()])
     }
 
     /// Some of the instances, with their numbers.
@@ -169,20 +190,34 @@ impl<'a> CpuScene<'a> {
     }
 
     fn split(&self) -> Split {
-        let (mut moving, mut numbers, mut boxes) = (Vec::new(), Vec::new(), Vec::new());
-        for ((number, placed), instance) in (0..).zip(&self.placed).zip(&self.snapshot.instances) {
-            let Some(placed) = placed else { continue };
-            let (now, previous) = (&instance.local_from_object, &instance.previous_local_from_object);
-            // From a pose that is not finite nothing came.
-            if now == previous || !previous.is_finite() {
-                numbers.push(number);
-                boxes.push(around(placed, now));
-            } else {
-                moving.push(number);
+        let mut moving = Vec::new();
+        let mut number = 0;
+        let [still, still_cabins] = [&self.snapshot.instances, &self.snapshot.cabins].map(|instances| {
+            let (mut numbers, mut boxes) = (Vec::new(), Vec::new());
+            for instance in instances {
+                if let Some(placed) = &self.placed[number as usize] {
+                    let (now, previous) = (&instance.local_from_object, &instance.previous_local_from_object);
+                    // From a pose that is not finite nothing came.
+                    if now == previous || !previous.is_finite() {
+                        numbers.push(number);
+                        boxes.push(around(placed, now));
+                    } else {
+                        moving.push(number);
+                    }
+                }
+                number += 1;
             }
-        }
-        Split { still: tree_over(&numbers, &boxes), moving }
+            tree_over(&numbers, &boxes)
+        });
+        Split { still, still_cabins, moving }
     }
+}
+
+/// An instance over its mesh; none if there is nothing to be seen of it.
+fn place<'a>(meshes: &'a Meshes, instance: &Instance) -> Option<Placed<'a>> {
+    let mesh = meshes.get(instance.mesh)?;
+    let pose = &instance.local_from_object;
+    (!mesh.bvh.nodes.is_empty() && pose.is_finite()).then(|| Placed::new(mesh, pose))
 }
 
 impl Placement<'_, '_> {

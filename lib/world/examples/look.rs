@@ -138,7 +138,13 @@ fn sheet(models: &[(String, [f64; 3], u32)], columns: usize, pitch: f32) -> Snap
             actor_mesh(model, *size, *variant).unwrap().pieces.iter().map(|p| p.mesh.triangles.len()).sum();
         println!("{name}: {count} triangles");
     }
-    Snapshot { origin: LocalOrigin::near([0.0; 3]), meshes: meshes.into(), instances, motions: Vec::new() }
+    Snapshot {
+        origin: LocalOrigin::near([0.0; 3]),
+        meshes: meshes.into(),
+        instances,
+        cabins: Vec::new(),
+        motions: Vec::new(),
+    }
 }
 
 fn main() -> Result<(), Box<dyn Error>> {

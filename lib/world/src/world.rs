@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use actors::{ActorMesh, Coarser, Joint, Piece, Posture, Rig, actor_mesh};
+use actors::{ActorMesh, Cabin, Coarser, Joint, Piece, Posture, Rig, actor_mesh};
 use frames::math::f32::pow;
 use frames::{LocalOrigin, Object, Pose, World};
 use glam::{Affine3A, Mat3A, Quat, Vec3A};
@@ -53,6 +53,23 @@ struct Fixed {
     glow: [f32; 3],
 }
 
+impl Fixed {
+    fn placed(&self, origin: &LocalOrigin, lights: u32) -> Instance {
+        let zero = origin.world_xyz();
+        let translation = Vec3A::from_array([0, 1, 2].map(|k| (self.origin_m[k] - zero[k]) as f32));
+        let pose = Affine3A { matrix3: self.rotation, translation };
+        Instance {
+            mesh: self.mesh,
+            object: self.object,
+            local_from_object: pose,
+            previous_local_from_object: pose,
+            paint: self.paint,
+            lights,
+            glow: self.glow,
+        }
+    }
+}
+
 /// Bounding sphere in the world, metres; kept apart from [`Fixed`] so that culling reads little memory.
 #[derive(Clone, Copy, Debug)]
 struct Sphere {
@@ -88,6 +105,8 @@ impl Range {
 struct Pieces {
     pieces: Arc<[(u32, Joint, Range)]>,
     rig: Option<Arc<Rig>>,
+    /// What is behind its panes: what nobody drives has the first, others all.
+    cabin: Vec<u32>,
     reach_m: f64,
 }
 
@@ -122,6 +141,8 @@ pub struct SceneWorld {
     meshes: Arc<[Arc<TriMesh>]>,
     fixed: Vec<Fixed>,
     spheres: Vec<Sphere>,
+    /// What is behind the panes of what never moves.
+    fixed_cabins: Vec<Fixed>,
     /// By object id.
     movers: BTreeMap<ObjectId, Mover>,
 }
@@ -184,7 +205,12 @@ impl Library {
             });
             pieces.push((index, piece.joint, seen));
         }
-        let entry = Pieces { pieces: pieces.into(), rig: made.rig, reach_m: reach };
+        let mut cabin = Vec::new();
+        if let Some(Cabin { seats, driver }) = made.cabin {
+            cabin.push(self.add(seats));
+            cabin.extend(driver.map(|driver| self.add(driver)));
+        }
+        let entry = Pieces { pieces: pieces.into(), rig: made.rig, cabin, reach_m: reach };
         self.models.insert(key, entry.clone());
         Some(entry)
     }
@@ -206,8 +232,13 @@ impl SceneWorld {
         rows.retain(|actor| actor.kind != ActorKind::Surface);
         rows.iter().try_for_each(|actor| check(actor))?;
         let mut library = Library::with_models_of(&rows);
-        let mut world =
-            Self { meshes: Arc::new([]), fixed: Vec::new(), spheres: Vec::new(), movers: BTreeMap::new() };
+        let mut world = Self {
+            meshes: Arc::new([]),
+            fixed: Vec::new(),
+            spheres: Vec::new(),
+            fixed_cabins: Vec::new(),
+            movers: BTreeMap::new(),
+        };
         world.add_ground(&layers, ground, &mut library);
         for actor in rows {
             let unknown = || WorldError::UnknownModel { id: actor.id, model: actor.model.clone() };
@@ -282,6 +313,19 @@ impl SceneWorld {
             };
             self.push_fixed(fixed, &library.meshes[*mesh as usize]);
         }
+        if let Some(mesh) = model.cabin.first() {
+            self.fixed_cabins.push(Fixed {
+                mesh: *mesh,
+                object: actor.id,
+                object_m: actor.xyz_m,
+                seen: Range { from_m: 0.0, to_m: Cabin::UNTIL_M },
+                origin_m: actor.xyz_m,
+                rotation,
+                paint,
+                lights,
+                glow,
+            });
+        }
     }
 
     fn push_fixed(&mut self, fixed: Fixed, mesh: &TriMesh) {
@@ -342,6 +386,8 @@ impl SceneWorld {
         let mut states: Vec<&StateRow> = moment.states.iter().collect();
         states.sort_by_key(|s| s.id);
         states.dedup_by_key(|s| s.id);
+        let parked = self.fixed_cabins.iter().filter(|cabin| level(cabin));
+        let mut cabins: Vec<Instance> = parked.map(|cabin| cabin.placed(&origin, 0)).collect();
         let mut motions = Vec::new();
         for state in states {
             let Some(mover) = self.movers.get(&state.id) else { continue };
@@ -379,8 +425,20 @@ impl SceneWorld {
                     glow: [0.0; 3],
                 });
             }
+            if distance_m < Cabin::UNTIL_M {
+                cabins.extend(mover.model.cabin.iter().map(|mesh| Instance {
+                    mesh: *mesh,
+                    object: state.id,
+                    local_from_object: now,
+                    previous_local_from_object: then,
+                    paint: mover.paint,
+                    lights: 0,
+                    glow: [0.0; 3],
+                }));
+            }
         }
-        Snapshot { origin, meshes: self.meshes(), instances, motions }
+        cabins.sort_by_key(|cabin| cabin.object);
+        Snapshot { origin, meshes: self.meshes(), instances, cabins, motions }
     }
 
     /// What never moves within `radius_m` (by bounding spheres) of a place, by id and piece, as detailed as it is at
@@ -390,7 +448,7 @@ impl SceneWorld {
         let origin = LocalOrigin::near(centre_world_m);
         let instances =
             self.fixed_around(&origin, centre_world_m, radius_m, |fixed| fixed.seen.holds(STILL_M), |_| 0);
-        Snapshot { origin, meshes: self.meshes(), instances, motions: Vec::new() }
+        Snapshot { origin, meshes: self.meshes(), instances, cabins: Vec::new(), motions: Vec::new() }
     }
 
     /// Whether an object may move; if not it is among what stands [`still`](Self::still).
@@ -407,22 +465,9 @@ impl SceneWorld {
         level: impl Fn(&Fixed) -> bool,
         burning: impl Fn(&Fixed) -> u32,
     ) -> Vec<Instance> {
-        let zero = origin.world_xyz();
         let near = self.fixed.iter().zip(&self.spheres);
         near.filter(|(fixed, sphere)| sphere.reaches(centre_world_m, radius_m) && level(fixed))
-            .map(|(fixed, _)| {
-                let translation = Vec3A::from_array([0, 1, 2].map(|k| (fixed.origin_m[k] - zero[k]) as f32));
-                let pose = Affine3A { matrix3: fixed.rotation, translation };
-                Instance {
-                    mesh: fixed.mesh,
-                    object: fixed.object,
-                    local_from_object: pose,
-                    previous_local_from_object: pose,
-                    paint: fixed.paint,
-                    lights: burning(fixed),
-                    glow: fixed.glow,
-                }
-            })
+            .map(|(fixed, _)| fixed.placed(origin, burning(fixed)))
             .collect()
     }
 }

@@ -22,6 +22,7 @@ fn name_of(surface: &Surface) -> &'static str {
         Surface::Plain => "plain",
         Surface::Paint => "paint",
         Surface::Glass => "glass",
+        Surface::Window => "window",
         Surface::Metal => "metal",
         Surface::Rubber => "rubber",
         Surface::Cloth => "cloth",

@@ -14,6 +14,7 @@ mod looking;
 mod model;
 mod mounted;
 mod noise;
+mod panes;
 pub(crate) mod picture;
 mod rain;
 mod shade;

@@ -3,12 +3,12 @@
 use glam::Vec3;
 use lanes::{LANES, Lanes, STEPS, Vec3s, exp_neg};
 use rayon::prelude::*;
-use renderer::{Bend, Facet as Triangle, SurfacePoints, Surfaces, VisibilityBuffer};
-use schema::geometry::Snapshot;
+use renderer::{Bend, Facet as Triangle, RenderError, Scene, SurfacePoints, Surfaces, VisibilityBuffer};
 
 use super::antialias::smooth_edges;
 use super::bloom::{blocks, bloom, gather};
 use super::film::Film;
+use super::panes::{Behind, Panes};
 use super::picture::Picture;
 use super::rain::{Rain, draw_rain};
 use super::view::CameraView;
@@ -17,14 +17,17 @@ use crate::light::{Lighting, Lit};
 use crate::look::{Facet, Gloss, Points, Stuff, look};
 
 impl Picture {
-    /// Lights and colours what was seen.
-    #[must_use]
+    /// Lights and colours what was seen, and what is behind panes.
+    ///
+    /// # Errors
+    /// The renderer failed.
     pub fn new(
-        snapshot: &Snapshot,
+        scene: &dyn Scene,
         view: &CameraView,
         buffer: &VisibilityBuffer,
         lighting: &Lighting,
-    ) -> Self {
+    ) -> Result<Self, RenderError> {
+        let snapshot = scene.snapshot();
         let width = buffer.width as usize;
         let mut rgb = vec![0u8; 3 * buffer.instance.len()];
         let blocks = blocks(width);
@@ -33,7 +36,6 @@ impl Picture {
         let mut ambient = lighting.sky.ambient;
         ambient[0] += lighting.sky.bounced_klx();
         let shader = Shader {
-            snapshot,
             buffer,
             lighting,
             stuff: Stuff::get(),
@@ -49,18 +51,29 @@ impl Picture {
             key: lighting.sky.key_klx * (exposure / std::f32::consts::PI),
         };
         let surfaces = Surfaces::new(buffer, snapshot);
+        let panes = Panes::of(scene);
         let rows = rgb.par_chunks_mut(3 * width).zip(bright.par_chunks_mut(blocks));
-        rows.enumerate().for_each(|(y, (row, bright))| {
+        rows.enumerate().try_for_each(|(y, (row, bright))| {
             let row = row.as_chunks_mut::<3>().0;
+            let behind = panes.as_ref().map_or(Ok(Vec::new()), |panes| panes.behind(buffer, y as u32))?;
+            let mut behind = behind.as_slice();
             surfaces.for_each_span(y as u32, |columns, triangle| {
                 let pixels = &mut row[columns.start as usize..columns.end as usize];
                 let span = Span { first: columns.start, y: y as u32, pixels, bright };
+                let is_pane =
+                    |t: &Triangle<'_, '_>| panes.as_ref().is_some_and(|p| p.is_pane(t.instance, t.triangle));
                 match triangle {
+                    Some(triangle) if is_pane(triangle) => {
+                        let (here, others) = behind.split_at(columns.len());
+                        behind = others;
+                        shader.paint_pane(span, triangle, &surfaces, here);
+                    }
                     Some(triangle) => shader.paint(span, triangle),
                     None => shader.paint_sky(span),
                 }
             });
-        });
+            Ok::<(), RenderError>(())
+        })?;
         let electrons = lighting.exposure.electrons();
         let mut picture = Self { width: buffer.width, height: buffer.height, rgb, electrons };
         bloom(&mut picture, &shader.film, &bright, view.settings.bloom as f32);
@@ -70,7 +83,7 @@ impl Picture {
             let rain = Rain { strength: lighting.rain, frame: lighting.frame, world_from_local_m };
             draw_rain(&mut picture, view, buffer, rain);
         }
-        picture
+        Ok(picture)
     }
 }
 
@@ -152,6 +165,9 @@ struct Knots {
 /// Shade from above may differ by this at the ends of an even stretch.
 const ALIKE: f32 = 0.06;
 
+/// Share of the light of the sky that reaches what is in a cabin, at least: its roof is close above, but panes are all around.
+const OPEN_IN_CABINS: f32 = 0.55;
+
 /// How far leaves' normals are bent upwards.
 const LEAF_LEAN: f32 = 0.6;
 
@@ -161,7 +177,6 @@ fn leaning(normal: Vec3) -> Vec3 {
 }
 
 struct Shader<'a> {
-    snapshot: &'a Snapshot,
     buffer: &'a VisibilityBuffer,
     lighting: &'a Lighting,
     stuff: Stuff,
@@ -186,20 +201,82 @@ struct Shader<'a> {
 impl Shader<'_> {
     /// Paints what shows the sky.
     fn paint_sky(&self, mut span: Span<'_>) {
-        let camera = &self.buffer.camera;
-        let turn = glam::Mat3::from(camera.local_from_optical.matrix3);
         for from in (0..span.pixels.len()).step_by(LANES) {
-            let columns = span.columns(from, 1);
-            let optical = Vec3s::from_fn(|i| self.buffer.direction_optical(columns[i], span.y));
-            let direction = optical.turned(&turn);
-            let direction = direction * (1.0 / direction.length_squared().sqrt());
-            let mut seen = self.lighting.sky.seen(&direction) * Lanes::splat(self.exposure);
-            if self.hazy {
-                let passes = self.lighting.fog.passes_sky(self.camera.z, direction.z);
-                seen = Vec3s::splat(self.veil).lerp(seen, passes.fast_min(Lanes::ONE));
-            }
+            let seen = self.sky(&span.columns(from, 1), span.y);
             self.develop(seen, &mut span, from);
         }
+    }
+
+    /// Film values of pixels that show the sky.
+    fn sky(&self, columns: &[u32; LANES], y: u32) -> Vec3s {
+        let turn = glam::Mat3::from(self.buffer.camera.local_from_optical.matrix3);
+        let optical = Vec3s::from_fn(|i| self.buffer.direction_optical(columns[i], y));
+        let direction = optical.turned(&turn);
+        let direction = direction * (1.0 / direction.length_squared().sqrt());
+        let seen = self.lighting.sky.seen(&direction) * Lanes::splat(self.exposure);
+        if !self.hazy {
+            return seen;
+        }
+        let passes = self.lighting.fog.passes_sky(self.camera.z, direction.z);
+        Vec3s::splat(self.veil).lerp(seen, passes.fast_min(Lanes::ONE))
+    }
+
+    /// Paints a pane and what is behind each of its pixels.
+    fn paint_pane(
+        &self,
+        mut span: Span<'_>,
+        triangle: &Triangle<'_, '_>,
+        surfaces: &Surfaces<'_>,
+        behind: &[Behind],
+    ) {
+        let run = self.begin(triangle);
+        for (group, behind) in behind.chunks(LANES).enumerate() {
+            let from = group * LANES;
+            let columns = span.columns(from, 1);
+            let here = triangle.points(self.buffer, &columns, span.y);
+            let light = self.light(&run, &here).light;
+            let seen = self.behind(surfaces, &columns, span.y, behind, light.passes);
+            self.develop(self.surface(&run, &here, &light, Some(seen)), &mut span, from);
+        }
+    }
+
+    /// Film values of what is behind up to eight pixels of a pane, as bright as it shows through it; so much light passes the fog
+    /// before the pane.
+    fn behind(
+        &self,
+        surfaces: &Surfaces<'_>,
+        columns: &[u32; LANES],
+        y: u32,
+        behind: &[Behind],
+        passes: Lanes,
+    ) -> Vec3s {
+        let mut seen = Vec3s::default();
+        let mut shares = [0.0; LANES];
+        for (share, behind) in shares.iter_mut().zip(behind) {
+            *share = behind.passes;
+        }
+        for (lane, first) in behind.iter().enumerate() {
+            let same = |other: &Behind| (other.instance, other.triangle) == (first.instance, first.triangle);
+            if behind[..lane].iter().any(same) {
+                continue;
+            }
+            let value = match surfaces.facet(first.instance, first.triangle) {
+                None => self.sky(columns, y),
+                Some(facet) => {
+                    let run = self.begin(&facet);
+                    let there = facet.points(self.buffer, columns, y);
+                    let mut light = self.light(&run, &there).light;
+                    light.passes = (light.passes / passes.fast_max(Lanes::splat(1e-6))).fast_min(Lanes::ONE);
+                    if surfaces.is_behind_panes(first.instance) {
+                        light.open = light.open.fast_max(Lanes::splat(OPEN_IN_CABINS));
+                    }
+                    self.surface(&run, &there, &light, None)
+                }
+            };
+            let mask = std::array::from_fn(|i| if behind.get(i).is_some_and(same) { 1.0 } else { 0.0 });
+            seen = value.or(Lanes::new(mask).simd_gt(0.5), seen);
+        }
+        seen * Lanes::new(shares)
     }
 
     /// Paints what shows a triangle. Of long spans the light is worked out at every eighth pixel, and between these only what
@@ -212,7 +289,7 @@ impl Shader<'_> {
         if length <= LANES {
             let here = points(&span, 0, 1);
             let light = self.light(&run, &here).light;
-            self.develop(self.surface(&run, &here, &light), &mut span, 0);
+            self.develop(self.surface(&run, &here, &light, None), &mut span, 0);
             return;
         }
         for stretch in (0..length).step_by(LANES * (LANES - 1)) {
@@ -224,7 +301,7 @@ impl Shader<'_> {
                 }
                 let here = points(&span, from, 1);
                 let light = self.between(&run, &knots, knot, (length - 1 - from).min(LANES), &here);
-                self.develop(self.surface(&run, &here, &light), &mut span, from);
+                self.develop(self.surface(&run, &here, &light, None), &mut span, from);
             }
         }
     }
@@ -316,9 +393,9 @@ impl Shader<'_> {
         }
     }
 
-    /// Film values of pixels that show a surface.
+    /// Film values of pixels that show a surface; of a pane, with what is to be seen through it.
     #[inline]
-    fn surface(&self, run: &Run<'_>, here: &SurfacePoints, light: &Light) -> Vec3s {
+    fn surface(&self, run: &Run<'_>, here: &SurfacePoints, light: &Light, behind: Option<Vec3s>) -> Vec3s {
         let around = &self.lighting.around;
         let points = Points {
             object_m: here.position_object,
@@ -337,7 +414,7 @@ impl Shader<'_> {
             ambient += Vec3s::splat(sa) * a + Vec3s::splat(sb) * b;
         }
         let received = Vec3s::splat(self.key) * (facing * light.sunlit) + ambient * light.open + light.lamps;
-        let mut out = look.albedo * received;
+        let mut out = behind.unwrap_or(look.albedo * received);
         if let Some(emission) = look.emission {
             out += emission;
         }
@@ -356,10 +433,9 @@ impl Shader<'_> {
     }
 
     fn begin<'p>(&self, triangle: &Triangle<'_, 'p>) -> Run<'p> {
-        let instance = &self.snapshot.instances[triangle.instance as usize];
         let n = triangle.normal_local;
         let to_key = self.lighting.sky.key_direction;
-        let facet = Facet::new(instance, triangle);
+        let facet = Facet::new(triangle.placed(), triangle);
         let relief = self.relief(&facet);
         let bend = triangle.bend();
         let turned = self.turned(facet.is_leaf(), &Vec3s::splat(n));

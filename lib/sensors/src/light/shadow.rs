@@ -240,6 +240,7 @@ mod tests {
                 place(1, -30.0, 8.0),
                 place(2, 60.0, -40.0),
             ],
+            cabins: Vec::new(),
             motions: Vec::new(),
         }
     }
@@ -306,6 +307,9 @@ mod tests {
         }
         fn trace_before(&self, before: f32, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
             self.0.trace_before(before, batches)
+        }
+        fn trace_behind(&self, before: f32, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
+            self.0.trace_behind(before, batches)
         }
     }
 

@@ -146,7 +146,13 @@ pub(crate) fn town() -> Snapshot {
             add(mesh, street + beside, along, PI / 2.0);
         }
     }
-    Snapshot { origin: LocalOrigin::near([0.0; 3]), meshes: meshes.into(), instances, motions: Vec::new() }
+    Snapshot {
+        origin: LocalOrigin::near([0.0; 3]),
+        meshes: meshes.into(),
+        instances,
+        cabins: Vec::new(),
+        motions: Vec::new(),
+    }
 }
 
 /// Six cameras on the roof of a car at the crossing, 60 degrees apart.

@@ -155,3 +155,39 @@ fn both_hit_the_same_triangles_between_frames() {
     }
     assert!(found > 300 && moved > 100, "{found} {moved}");
 }
+
+#[test]
+fn both_meet_what_stands_behind_panes_if_asked_to() {
+    let (mut behind, mut before_it) = (0, 0);
+    for number in 30..33 {
+        let mut world = world(number);
+        let mut s = stream("seam/behind", number);
+        // A third of all, every other one of which moves.
+        world.cabins = world.instances.split_off(40);
+        for instance in world.cabins.iter_mut().step_by(2) {
+            let step = glam::Affine3A::from_translation(point(&mut s, 2.0));
+            instance.previous_local_from_object = instance.local_from_object * step;
+        }
+        let directions: Vec<Vec3> = (0..400).map(|_| unit(&mut s)).collect();
+        let fan = [RayBatch {
+            origin: point(&mut s, 10.0),
+            directions: &directions,
+            range_m: [0.0, 15.0],
+            nearest_m: &[],
+        }];
+        let alone = Snapshot { cabins: Vec::new(), ..world.clone() };
+        with_both(&world, |cpu, brute| {
+            let without = cpu.trace(&fan).unwrap().remove(0);
+            with_both(&alone, |cpu, _| assert_eq!(cpu.trace(&fan).unwrap().remove(0), without));
+            assert_eq!(cpu.trace_before(0.0, &fan).unwrap().remove(0), without);
+            for before in [0.0, 0.4, 1.0] {
+                let ours = cpu.trace_behind(before, &fan).unwrap().remove(0);
+                let theirs = brute.trace_behind(before, &fan).unwrap().remove(0);
+                assert_eq!((&ours.instance, &ours.triangle), (&theirs.instance, &theirs.triangle));
+                behind += ours.instance.iter().filter(|i| (40..SKY).contains(i)).count();
+                before_it += ours.instance.iter().filter(|i| **i < 40).count();
+            }
+        });
+    }
+    assert!(behind > 50 && before_it > 50, "{behind} {before_it}");
+}

@@ -1,0 +1,79 @@
+//! Colour looks through panes; nothing else does.
+
+mod common;
+
+use common::{at, block, instance, optics, set_view, sight, snapshot, with_scene};
+use schema::Tag;
+use schema::geometry::{Instance, Snapshot, Surface};
+use schema::lights;
+use schema::settings::CameraSettings;
+use schema::tables::Weather;
+use sensors::{Picture, Sight};
+
+const SHELL: u16 = 7;
+
+/// In the dark, a shell of glass ten metres ahead; behind it a wall that glows, and within it, to the right, a block that does.
+fn shell(glowing: bool) -> Snapshot {
+    let lit = |mesh, object, pose| Instance {
+        lights: if glowing { lights::STREET_LAMP } else { 0 },
+        ..instance(mesh, object, pose)
+    };
+    let scene = snapshot(
+        vec![
+            block([4.0, 3.0, 3.0], Tag::Car, Surface::Window),
+            block([1.0, 30.0, 30.0], Tag::Building, Surface::Lamp(lights::STREET_LAMP)),
+            block([1.0, 1.0, 2.8], Tag::Car, Surface::Lamp(lights::STREET_LAMP)),
+        ],
+        vec![instance(0, SHELL, at(12.0, 0.0, 0.0, 0.0)), lit(1, 8, at(25.0, 0.0, -10.0, 0.0))],
+    );
+    Snapshot { cabins: vec![lit(2, SHELL, at(12.0, -0.8, 0.1, 0.0))], ..scene }
+}
+
+fn seen(scene: &Snapshot) -> Sight {
+    let settings = CameraSettings { bloom: 0.0, ..CameraSettings::default() };
+    let view = set_view([0.0; 3], [0.0; 3], optics(160, 90), &settings);
+    let night = Weather { sun_altitude_deg: -40.0, ..Weather::default() };
+    with_scene(scene, |scene| sight(scene, &view, &night))
+}
+
+/// Film values of the pixel at a share of the width, halfway up: the inverse of the filmic curve (Narkowicz 2015) and the sRGB code.
+fn film(picture: &Picture, x: f64) -> [f64; 3] {
+    let at = (picture.height / 2 * picture.width) as usize + (x * f64::from(picture.width)) as usize;
+    [0, 1, 2].map(|c| {
+        let code = f64::from(picture.rgb[3 * at + c]) / 255.0;
+        let l = if code <= 0.040_45 { code / 12.92 } else { frames::math::pow((code + 0.055) / 1.055, 2.4) };
+        let (a, b, c) = (2.51 - 2.43 * l, 0.03 - 0.59 * l, -0.14 * l);
+        (-b + (b * b - 4.0 * a * c).sqrt()) / (2.0 * a)
+    })
+}
+
+#[test]
+fn light_passes_each_pane() {
+    let through = seen(&shell(true)).picture.expect("in colour");
+    let bare = Snapshot { instances: shell(true).instances.split_off(1), cabins: Vec::new(), ..shell(true) };
+    let bare = seen(&bare).picture.expect("in colour");
+    // Right of the middle the block is behind one pane, left of it the wall behind two; at the edge nothing is before the wall.
+    let ratio = |x: f64| film(&through, x)[1] / film(&bare, x)[1];
+    assert!((ratio(0.02) - 1.0).abs() < 0.01, "{}", ratio(0.02));
+    // A pane mirrors some six percent of the dark sky's light, which is none.
+    assert!((ratio(0.45) - 0.49 * 0.94).abs() < 0.03, "{}", ratio(0.45));
+    assert!((ratio(0.545) - 0.7 * 0.94).abs() < 0.04, "{}", ratio(0.545));
+}
+
+#[test]
+fn a_shell_without_a_cabin_is_dark_glass() {
+    let dark = Snapshot { cabins: Vec::new(), ..shell(true) };
+    let [dark, clear] = [dark, shell(true)].map(|scene| seen(&scene).picture.expect("in colour"));
+    assert!(film(&dark, 0.45)[1] < 0.2 * film(&clear, 0.45)[1]);
+}
+
+#[test]
+fn labels_stop_at_the_glass() {
+    let [with, without] =
+        [shell(true), Snapshot { cabins: Vec::new(), ..shell(true) }].map(|s| seen(&s).seen);
+    assert_eq!((&with.instance, &with.triangle), (&without.instance, &without.triangle));
+    assert_eq!(with.depth_m, without.depth_m);
+    let middle = with.index(80, 45);
+    assert_eq!(with.instance[middle], 0);
+    assert!((with.depth_m[middle] - 9.4).abs() < 1e-3, "{}", with.depth_m[middle]);
+}
