@@ -48,12 +48,15 @@ pub(crate) struct ScanConfig {
     pub(crate) returns: u64,
     /// Whether rain and fog send light back.
     pub(crate) weather: bool,
+    /// Whether light passes panes.
+    pub(crate) glass: bool,
 }
 
 fn scan(lidar: &Value) -> ScanConfig {
     let (rolling, beam) = (&lidar["rolling"], &lidar["beam"]);
     let many = beam["rays"].as_u64().unwrap_or(1) > 1;
     let weather = lidar["weather"].is_object();
+    let glass = lidar["glass"] == Value::Bool(true);
     let kinds = ["first", "strongest", "last"];
     let returned = kinds.iter().filter(|kind| beam["returned"][**kind] == Value::Bool(true)).count() as u64;
     ScanConfig {
@@ -61,10 +64,11 @@ fn scan(lidar: &Value) -> ScanConfig {
         horizontal_fov_rad: number(&lidar["scan"], "horizontal_fov_rad"),
         slices: rolling.is_object().then(|| number(rolling, "slices")),
         compensated: rolling["compensated"].as_bool().unwrap_or(true),
-        tells_returns: many || weather,
+        tells_returns: many || weather || glass,
         beam_rad: if many { 0.5 * number(beam, "divergence_rad") } else { 0.0 },
         returns: returned,
         weather,
+        glass,
     }
 }
 

@@ -113,7 +113,7 @@ impl<T> Source<T> {
 fn of_surfaces(row: &LidarReturns) -> [Vec<f32>; 3] {
     [&row.x, &row.y, &row.z].map(|axis| {
         let kinds = axis.iter().zip(&row.return_kind);
-        kinds.filter(|(_, kind)| **kind == ReturnKind::Surface as u8).map(|(value, _)| *value).collect()
+        kinds.filter(|(_, kind)| ReturnKind::is_of_surface(**kind)).map(|(value, _)| *value).collect()
     })
 }
 

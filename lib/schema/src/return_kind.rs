@@ -11,9 +11,17 @@ pub enum ReturnKind {
     Fog = 1,
     /// A drop of rain, likewise.
     Rain = 2,
+    /// A surface behind a pane of glass.
+    BehindGlass = 3,
 }
 
 impl ReturnKind {
     /// All kinds, by number.
-    pub const ALL: [Self; 3] = [Self::Surface, Self::Fog, Self::Rain];
+    pub const ALL: [Self; 4] = [Self::Surface, Self::Fog, Self::Rain, Self::BehindGlass];
+
+    /// Whether an object sent it back, not the air.
+    #[must_use]
+    pub fn is_of_surface(kind: u8) -> bool {
+        kind == Self::Surface as u8 || kind == Self::BehindGlass as u8
+    }
 }

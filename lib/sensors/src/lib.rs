@@ -89,6 +89,7 @@ mod motion;
 mod noise;
 mod observation;
 mod painter;
+mod panes;
 mod radar;
 mod registry;
 mod sensor;

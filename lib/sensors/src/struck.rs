@@ -10,6 +10,8 @@ use schema::geometry::{Part, Snapshot};
 pub(crate) struct Struck<'a> {
     pub(crate) part: &'a Part,
     pub(crate) object: ObjectId,
+    /// Colour of what is painted, linear RGB.
+    pub(crate) paint: [f32; 3],
     /// Unit normal, either side, local frame.
     pub(crate) normal_local: Vec3,
     /// First corner and the edges from there, object's frame, metres.
@@ -24,7 +26,7 @@ impl<'a> Struck<'a> {
 
     /// At a moment between the previous frame (1) and this one (0).
     pub(crate) fn before(snapshot: &'a Snapshot, hit: &Hit, before: f32) -> Option<Self> {
-        let instance = snapshot.instances.get(hit.instance as usize)?;
+        let instance = snapshot.behind(hit.instance)?;
         let pose = pose_before(&instance.previous_local_from_object, &instance.local_from_object, before);
         let mesh = snapshot.mesh(instance);
         let [a, b, c] = mesh.corners(hit.triangle as usize);
@@ -33,6 +35,7 @@ impl<'a> Struck<'a> {
         Some(Self {
             part: mesh.part(hit.triangle as usize),
             object: instance.object,
+            paint: instance.paint,
             normal_local: normal.normalize_or_zero(),
             corner: a,
             edges,

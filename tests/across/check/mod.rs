@@ -70,6 +70,7 @@ noise_m = 0
 rolling = true
 rolling_slices = 32
 beam_rays = 7
+glass = true
 ";
     let config = TINY
         .replace("flow = true\n", "flow = true\nboxes_2d = true\n")

@@ -237,6 +237,9 @@ pub(super) const OF_SENSORS: &[Plant] = &[
     ("returns", "that the lidar does not feel", |store| {
         change::<UInt8Type>(sensor(store, "SEG-TURNING"), "return_kind", FRAME, |all| all[0] = 1);
     }),
+    ("returns", "is from behind glass, and the lidar does not", |store| {
+        change::<UInt8Type>(sensor(store, "TURNING"), "return_kind", FRAME, |all| all[0] = 3);
+    }),
     ("point ids", "from object 0, which the log has not", |store| {
         let at = a_backscatter(store);
         change::<UInt8Type>(sensor(store, "TURNING"), "return_kind", FRAME, move |all| all[at] = 0);

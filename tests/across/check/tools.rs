@@ -300,14 +300,14 @@ pub(super) fn raise(store: &Path, by_m: f32) {
     });
 }
 
-/// The place in the list of a return of the turning lidar at [`FRAME`] that is no surface's.
+/// The place in the list of a return of the turning lidar at [`FRAME`] that is the air's.
 pub(super) fn a_backscatter(store: &Path) -> usize {
     let file = File::open(sensor(store, "TURNING")).expect("opens");
     let reader = ParquetRecordBatchReaderBuilder::try_new(file).expect("is a table");
     let rows = reader.with_batch_size(1).build().expect("opens").nth(FRAME).expect("a frame").expect("reads");
     let kinds = rows.column_by_name("return_kind").expect("is there").as_list::<i32>().value(0);
     let kinds = kinds.as_primitive::<UInt8Type>().values().to_vec();
-    kinds.iter().position(|kind| *kind != 0).expect("there is fog")
+    kinds.iter().position(|kind| [1, 2].contains(kind)).expect("there is fog")
 }
 
 pub(super) fn sensor(store: &Path, name: &str) -> PathBuf {

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use arrow_array::types::{Float32Type, UInt8Type, UInt16Type};
+use schema::ReturnKind;
 
 use super::boxes::{AROUND_M, DOOR_M, Labelled, is_part};
 use crate::config::{AgentConfig, LidarConfig, Mounted, ScanConfig};
@@ -243,13 +244,16 @@ impl Cloud<'_> {
 
     /// The same without what the air sent back.
     pub(crate) fn surfaces_in_world(&self) -> impl Iterator<Item = V3> + '_ {
-        self.in_world().zip(&self.kinds).filter(|(_, kind)| **kind == 0).map(|(point, _)| point)
+        self.in_world()
+            .zip(&self.kinds)
+            .filter(|(_, kind)| ReturnKind::is_of_surface(**kind))
+            .map(|(point, _)| point)
     }
 
     /// The returns from surfaces, where these are at the frame's time.
     pub(crate) fn surfaces(&self) -> impl Iterator<Item = OfSurface> + '_ {
         let beam_rad = self.ranger.scan.map_or(0.0, |scan| scan.beam_rad);
-        (0..self.points.len()).filter(|&k| self.kinds[k] == 0).map(move |k| OfSurface {
+        (0..self.points.len()).filter(|&k| ReturnKind::is_of_surface(self.kinds[k])).map(move |k| OfSurface {
             point: self.now[k],
             id: self.ids[k],
             tag: self.tags[k],

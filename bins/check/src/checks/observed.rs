@@ -2,6 +2,8 @@
 
 use std::collections::HashSet;
 
+use schema::ReturnKind;
+
 use super::clouds::{Cloud, Kind};
 use crate::config::GridConfig;
 use crate::files::{Npz, Unreadable};
@@ -162,6 +164,6 @@ fn rays_of<'a>(cloud: &'a Cloud<'_>) -> impl Iterator<Item = Ray> + 'a {
     let agent_from_sensor = &cloud.ranger.agent_from_sensor;
     let from = agent_from_sensor.origin;
     // Rays that fog or rain ended are left out.
-    let points = cloud.points.iter().zip(&cloud.kinds).filter(|(_, kind)| **kind == 0);
+    let points = cloud.points.iter().zip(&cloud.kinds).filter(|(_, kind)| ReturnKind::is_of_surface(**kind));
     points.map(move |(point, _)| Ray { from, to: agent_from_sensor.outward(*point) })
 }

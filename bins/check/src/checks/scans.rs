@@ -106,6 +106,10 @@ fn check_returns(
         }
         let there = match cloud.kinds[k] {
             kind if kind == ReturnKind::Surface as u8 => return None,
+            kind if kind == ReturnKind::BehindGlass as u8 => {
+                return (!scan.glass)
+                    .then_some("is from behind glass, and the lidar does not see through any");
+            }
             kind if kind == ReturnKind::Fog as u8 => fog > 0.0,
             kind if kind == ReturnKind::Rain as u8 => rain > 0.0,
             _ => return Some("is of no known kind"),
@@ -140,6 +144,7 @@ mod tests {
             beam_rad: 0.0,
             returns: 1,
             weather: false,
+            glass: false,
         };
         // Ahead is the middle of the turn: 25 ms before the frame; half a slice is 0.5 ms, a column as much.
         let late = |y: f64, offset: f64| late_by(&scan, 50.0, [10.0, y, 1.0], offset);

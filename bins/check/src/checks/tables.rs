@@ -41,7 +41,7 @@ const RANGES: &[(&str, &str, f64, f64)] = &[
     ("sensors/", "time_offset_s", -FRAME_PERIOD_S, 0.0),
     ("sensors/", "return_number", 1.0, 3.0),
     ("sensors/", "return_count", 1.0, 3.0),
-    ("sensors/", "return_kind", 0.0, 2.0),
+    ("sensors/", "return_kind", 0.0, 3.0),
     ("sensors/", "altitude", -1.570_796_4, 1.570_796_4),
     ("sensors/", "azimuth", -1.570_796_4, 1.570_796_4),
     ("sensors/", "velocity", -200.0, 200.0),

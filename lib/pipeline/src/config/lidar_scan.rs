@@ -25,7 +25,7 @@ pub(super) fn rolling(s: &Section<'_>, columns: u32) -> Option<RollingScan> {
     rolls.then_some(RollingScan { slices, compensated })
 }
 
-pub(super) fn beam(s: &Section<'_>, d: &BeamSpec, has_weather: bool) -> BeamSpec {
+pub(super) fn beam(s: &Section<'_>, d: &BeamSpec, has_echoes: bool) -> BeamSpec {
     let doc = "rays a beam: 1 along its axis, or 7 over its cross-section, whose surfaces 1 m apart make echoes of their own";
     let rays = s.integer("beam_rays", d.rays.into(), 1, 7, doc) as u32;
     if !BeamSpec::RAYS.contains(&rays) {
@@ -48,18 +48,24 @@ pub(super) fn beam(s: &Section<'_>, d: &BeamSpec, has_weather: bool) -> BeamSpec
         s.fault_at("returns", format!("`{path}`: `{word}` is none of first, strongest, last"));
     } else if words.is_empty() {
         s.fault_at("returns", format!("`{path}` is empty: the lidar would return nothing"));
-    } else if returned != d.returned && rays == 1 && !has_weather {
-        let message = format!("`{path}`: a beam has one echo; set beam_rays = 7 or weather = true, too");
+    } else if returned != d.returned && rays == 1 && !has_echoes {
+        let message =
+            format!("`{path}`: a beam has one echo; set beam_rays = 7, weather = true or glass = true, too");
         s.fault_at("returns", message);
     }
     BeamSpec { rays, divergence_rad: 1e-3 * divergence_mrad, returned }
 }
 
 pub(super) fn weather(s: &Section<'_>) -> Option<WeatherSpec> {
-    let doc =
-        "rain and fog of the scene weaken echoes and send light back themselves; not for the semantic lidar";
+    let doc = "rain and fog of the scene weaken echoes and send light back themselves, and wet ground sends back less; not for the \
+               semantic lidar";
     let feels = s.flag("weather", false, doc);
     let doc = "with `weather`: reflectance of the surface, met straight on in clear air at `range_m`, whose echo is just detected";
     let detected = s.number("weather_detected", DETECTED, 0.001, 1.0, doc);
     feels.then_some(WeatherSpec { detected })
+}
+
+pub(super) fn glass(s: &Section<'_>) -> bool {
+    let doc = "light passes the panes of vehicles within 50 m of the agent; returns from behind them are of a kind of their own";
+    s.flag("glass", false, doc)
 }

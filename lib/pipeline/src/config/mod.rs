@@ -383,6 +383,8 @@ mod tests {
             assert!(faults.len() == 1 && faults[0].contains(fault), "{faults:?}");
         }
         assert!(with("returns = [\"last\"]\nweather = true").is_ok());
+        let through = with("returns = [\"last\"]\nglass = true").expect("is good").vehicle_rig.lidars;
+        assert!(through.iter().all(|lidar| lidar.glass && lidar.tells_returns()));
     }
 
     #[test]

@@ -156,7 +156,8 @@ fn lidar(s: &Section<'_>, d: &LidarSpec) -> Vec<LidarSpec> {
         s.fault_at_any(&["columns", "channels"], format!("`{}`: {problem}", s.path()));
     }
     let weather = lidar_scan::weather(s);
-    let beam = lidar_scan::beam(s, &d.beam, weather.is_some());
+    let glass = lidar_scan::glass(s);
+    let beam = lidar_scan::beam(s, &d.beam, weather.is_some() || glass);
     let lidar = LidarSpec {
         name: d.name.clone(),
         mount: mount(s, &d.mount),
@@ -188,6 +189,7 @@ fn lidar(s: &Section<'_>, d: &LidarSpec) -> Vec<LidarSpec> {
         semantic: false,
         every_n_frames: every_n_frames(s, "it sweeps"),
         rolling: lidar_scan::rolling(s, columns),
+        glass,
         beam,
         weather,
     };

@@ -121,8 +121,10 @@ pub struct LidarSpec {
     pub rolling: Option<RollingScan>,
     /// The beams.
     pub beam: BeamSpec,
-    /// Rain and fog; none sees through them.
+    /// Rain, fog and wet ground; none sees through them.
     pub weather: Option<WeatherSpec>,
+    /// Whether light passes the panes of vehicles, and returns from behind them are told apart (no).
+    pub glass: bool,
 }
 
 impl LidarSpec {
@@ -154,6 +156,7 @@ impl LidarSpec {
                 returned: Returned { first: false, strongest: true, last: false },
             },
             weather: None,
+            glass: false,
         }
     }
 
@@ -187,10 +190,10 @@ impl LidarSpec {
         }
     }
 
-    /// Whether a beam can have several echoes, or some that are no surface's: then the table says of each return which it is.
+    /// Whether a beam can have several echoes, or some that are no surface's or from behind glass: then the table says of each return which it is.
     #[must_use]
     pub fn tells_returns(&self) -> bool {
-        self.beam.rays > 1 || self.weather.is_some()
+        self.beam.rays > 1 || self.weather.is_some() || self.glass
     }
 }
 

@@ -117,14 +117,14 @@ table! {
 }
 
 table! {
-    /// Further columns of the tables of lidars and semantic lidars with `beam_rays` above 1 or `weather`; of others every return
+    /// Further columns of the tables of lidars and semantic lidars with `beam_rays` above 1, `weather` or `glass`; of others every return
     /// is the only one of its beam, from a surface. Returns of a beam stand together, the nearest first.
     LidarReturnsRow in "sensors/{agent}/{lidar}" by "render-sensors" {
         /// Number of the return among those of its beam, from 1.
         return_number: Vec<u8>,
         /// Returns of its beam.
         return_count: Vec<u8>,
-        /// What sent the light back: 0 a surface, 1 fog, 2 a drop of rain. Fog and rain have object id, tag and `cos_angle` 0.
+        /// What sent the light back: 0 a surface, 1 fog, 2 a drop of rain, 3 a surface behind a pane. Fog and rain have object id, tag and `cos_angle` 0.
         return_kind: Vec<u8>,
     }
 }

@@ -14,7 +14,6 @@ mod looking;
 mod model;
 mod mounted;
 mod noise;
-mod panes;
 pub(crate) mod picture;
 mod rain;
 mod shade;

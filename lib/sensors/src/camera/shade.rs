@@ -3,18 +3,18 @@
 use glam::Vec3;
 use lanes::{LANES, Lanes, STEPS, Vec3s, exp_neg};
 use rayon::prelude::*;
-use renderer::{Bend, Facet as Triangle, RenderError, Scene, SurfacePoints, Surfaces, VisibilityBuffer};
+use renderer::{Bend, Facet as Triangle, RenderError, SKY, Scene, SurfacePoints, Surfaces, VisibilityBuffer};
 
 use super::antialias::smooth_edges;
 use super::bloom::{blocks, bloom, gather};
 use super::film::Film;
-use super::panes::{Behind, Panes};
 use super::picture::Picture;
 use super::rain::{Rain, draw_rain};
 use super::view::CameraView;
 use super::vignette::Vignette;
 use crate::light::{Lighting, Lit};
 use crate::look::{Facet, Gloss, Points, Stuff, look};
+use crate::panes::{Behind, PASSES, Panes, Passing};
 
 impl Picture {
     /// Lights and colours what was seen, and what is behind panes.
@@ -55,7 +55,8 @@ impl Picture {
         let rows = rgb.par_chunks_mut(3 * width).zip(bright.par_chunks_mut(blocks));
         rows.enumerate().try_for_each(|(y, (row, bright))| {
             let row = row.as_chunks_mut::<3>().0;
-            let behind = panes.as_ref().map_or(Ok(Vec::new()), |panes| panes.behind(buffer, y as u32))?;
+            let behind =
+                panes.as_ref().map_or(Ok(Vec::new()), |panes| behind_row(panes, buffer, y as u32))?;
             let mut behind = behind.as_slice();
             surfaces.for_each_span(y as u32, |columns, triangle| {
                 let pixels = &mut row[columns.start as usize..columns.end as usize];
@@ -85,6 +86,23 @@ impl Picture {
         }
         Ok(picture)
     }
+}
+
+/// What is behind the pixels of a row that show panes, from left to right.
+fn behind_row(panes: &Panes<'_>, buffer: &VisibilityBuffer, y: u32) -> Result<Vec<Behind>, RenderError> {
+    let camera = &buffer.camera;
+    let turn = glam::Mat3::from(camera.local_from_optical.matrix3);
+    let mut rays = Passing::default();
+    for x in 0..buffer.width {
+        let at = buffer.index(x, y);
+        if panes.is_pane(buffer.instance[at], buffer.triangle[at]) {
+            let direction = turn * buffer.direction_optical(x, y);
+            let length = direction.length();
+            rays.directions.push(direction / length);
+            rays.panes_m.push(buffer.depth_m[at] * length);
+        }
+    }
+    panes.behind(0.0, camera.local_from_optical.translation.into(), f32::INFINITY, rays)
 }
 
 /// Neighbours in a row that show one triangle, or the sky.
@@ -253,21 +271,23 @@ impl Shader<'_> {
         let mut seen = Vec3s::default();
         let mut shares = [0.0; LANES];
         for (share, behind) in shares.iter_mut().zip(behind) {
-            *share = behind.passes;
+            *share = (0..behind.panes).fold(1.0, |share, _| share * PASSES);
         }
         for (lane, first) in behind.iter().enumerate() {
-            let same = |other: &Behind| (other.instance, other.triangle) == (first.instance, first.triangle);
+            let seen_of = |behind: &Behind| behind.hit.map_or((SKY, SKY), |hit| (hit.instance, hit.triangle));
+            let (instance, triangle) = seen_of(first);
+            let same = |other: &Behind| seen_of(other) == (instance, triangle);
             if behind[..lane].iter().any(same) {
                 continue;
             }
-            let value = match surfaces.facet(first.instance, first.triangle) {
+            let value = match surfaces.facet(instance, triangle) {
                 None => self.sky(columns, y),
                 Some(facet) => {
                     let run = self.begin(&facet);
                     let there = facet.points(self.buffer, columns, y);
                     let mut light = self.light(&run, &there).light;
                     light.passes = (light.passes / passes.fast_max(Lanes::splat(1e-6))).fast_min(Lanes::ONE);
-                    if surfaces.is_behind_panes(first.instance) {
+                    if surfaces.is_behind_panes(instance) {
                         light.open = light.open.fast_max(Lanes::splat(OPEN_IN_CABINS));
                     }
                     self.surface(&run, &there, &light, None)

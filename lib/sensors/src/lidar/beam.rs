@@ -39,18 +39,20 @@ pub(super) fn beside(axis: Vec3, [left, up]: [f32; 2]) -> Vec3 {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Met {
     pub(super) range_m: f32,
-    /// Share of light that the surface sends back when it is met straight on.
-    pub(super) reflectance: f32,
+    /// Share of light that comes back from the surface, if all of the beam had met it.
+    pub(super) share: f32,
     pub(super) cos_angle: f32,
     pub(super) id: ObjectId,
     pub(super) tag: u8,
     pub(super) is_axis: bool,
+    /// Whether it is behind a pane.
+    pub(super) is_behind: bool,
 }
 
 impl Met {
     /// Intensity of an echo of the bare intensity `bare` that all of the beam had from here.
     pub(super) fn intensity(&self, bare: f32) -> f32 {
-        bare * self.reflectance * (0.25 + 0.75 * self.cos_angle)
+        bare * self.share
     }
 }
 
@@ -79,15 +81,17 @@ pub(super) fn echoes_of(met: &mut [Met], rays: usize, air: Option<&Air>, echoes:
             continue;
         }
         let Met { range_m, cos_angle, id, tag, .. } = shown;
-        echoes.push(Echo { range_m, intensity, power, cos_angle, id, tag, kind: ReturnKind::Surface });
+        let kind = if shown.is_behind { ReturnKind::BehindGlass } else { ReturnKind::Surface };
+        echoes.push(Echo { range_m, intensity, power, cos_angle, id, tag, kind });
     }
 }
 
 /// The ray that stands for an echo: of the surface that sends most of its light, the axis, or else the ray that met it nearest
 /// to its mean distance.
 fn shown_of(cluster: &[Met]) -> Option<Met> {
+    let surface = |met: &Met| (met.id, met.tag, met.is_behind);
     let light_of = |one: &Met| -> f32 {
-        cluster.iter().filter(|m| (m.id, m.tag) == (one.id, one.tag)).map(|m| m.intensity(1.0)).sum()
+        cluster.iter().filter(|m| surface(m) == surface(one)).map(|m| m.intensity(1.0)).sum()
     };
     let mut brightest = *cluster.first()?;
     for met in cluster {
@@ -95,7 +99,7 @@ fn shown_of(cluster: &[Met]) -> Option<Met> {
             brightest = *met;
         }
     }
-    let same = || cluster.iter().filter(|m| (m.id, m.tag) == (brightest.id, brightest.tag));
+    let same = || cluster.iter().filter(|m| surface(m) == surface(&brightest));
     if let Some(axis) = same().find(|m| m.is_axis) {
         return Some(*axis);
     }

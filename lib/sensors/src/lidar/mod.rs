@@ -14,21 +14,23 @@ use std::marker::PhantomData;
 use glam::Vec3;
 use random::Stream;
 use rayon::prelude::*;
-use renderer::{RayBatch, Scene};
+use renderer::{Hits, RayBatch, Scene};
 use schema::measures::sensors::LIDAR_POINTS;
 use schema::settings::LidarSpec;
 
 use self::air::Air;
-use self::fire::Gun;
+use self::fire::{Gun, Volley};
 use self::patch::{Slice, slices};
 pub use self::path::{LidarMoment, SensorPath};
 use self::receive::Receiver;
+use self::reflectance::wetness;
 pub(crate) use self::sweep::SweepRow;
 pub use self::sweep::{LidarSweep, OfBeam};
 use self::sweep::{Part, joined};
 use crate::error::SensorError;
 use crate::metadata::sensor_metadata;
 use crate::observation::Observation;
+use crate::panes::{Behind, Panes, Passing};
 use crate::sensor::{Amount, Carrier, Layout, Sensor, SensorTable};
 
 /// A lidar with its beams worked out, for all sweeps of all agents that carry it.
@@ -108,18 +110,22 @@ impl Lidar {
         stream: &Stream,
     ) -> Result<LidarSweep, SensorError> {
         let air = Air::of(&self.spec, &at.weather);
-        let swept =
-            self.slices.par_iter().map(|slice| self.sweep_slice(scene, at, stream, air.as_ref(), slice));
+        let panes = if self.spec.glass { Panes::of(scene) } else { None };
+        let air = (air.as_ref(), self.spec.weather.as_ref().map_or(0.0, |_| wetness(&at.weather)));
+        let swept = self
+            .slices
+            .par_iter()
+            .map(|slice| self.sweep_slice((scene, panes.as_ref()), at, stream, air, slice));
         Ok(joined(&swept.collect::<Result<Vec<_>, _>>()?, self.spec.tells_returns()))
     }
 
     /// The returns of a slice, patch by patch.
     fn sweep_slice(
         &self,
-        scene: &dyn Scene,
+        (scene, panes): (&dyn Scene, Option<&Panes<'_>>),
         at: &LidarMoment,
         stream: &Stream,
-        air: Option<&Air>,
+        (air, wetness): (Option<&Air>, f32),
         slice: &Slice,
     ) -> Result<Vec<Part>, SensorError> {
         let local_from_sensor = at.path.before(slice.before);
@@ -142,11 +148,40 @@ impl Lidar {
             before: slice.before,
             now_from_then: compensated.then(|| at.path.local_from_sensor.inverse() * local_from_sensor),
             air,
+            wetness,
             stream,
             frame: at.frame,
         };
         let received = slice.patches.par_iter().zip(&fired).zip(&hits);
-        Ok(received.map(|((patch, volley), hits)| receiver.receive(patch, volley, hits)).collect())
+        let parts = received.map(|((patch, volley), hits)| {
+            let behind = match panes {
+                Some(panes) => self.behind(panes, slice.before, origin, volley, hits)?,
+                None => Vec::new(),
+            };
+            Ok(receiver.receive(patch, volley, hits, &behind))
+        });
+        parts.collect()
+    }
+
+    /// What those rays of a volley met, by their numbers, that passed panes.
+    fn behind(
+        &self,
+        panes: &Panes<'_>,
+        before: f32,
+        origin: Vec3,
+        volley: &Volley,
+        hits: &Hits,
+    ) -> Result<Vec<(u32, Behind)>, SensorError> {
+        let (mut numbers, mut rays) = (Vec::new(), Passing::default());
+        for (ray, hit) in (0..).zip(hits.iter()) {
+            if let Some(hit) = hit.filter(|hit| panes.is_pane(hit.instance, hit.triangle)) {
+                numbers.push(ray);
+                rays.directions.push(volley.directions[ray as usize]);
+                rays.panes_m.push(hit.t);
+            }
+        }
+        let behind = panes.behind(before, origin, self.spec.range_m as f32, rays)?;
+        Ok(numbers.into_iter().zip(behind).collect())
     }
 }
 

@@ -13,8 +13,9 @@ use super::air::Air;
 use super::beam::{Echo, Met, add_air, echoes_of, keep};
 use super::fire::{Volley, words_index};
 use super::patch::Patch;
-use super::reflectance::reflectance;
+use super::reflectance::{Reflectance, reflectance};
 use super::sweep::{LidarSweep, Part, Return};
+use crate::panes::{Behind, PASSES};
 use crate::struck::Struck;
 
 /// Returns within this distance ahead or behind and [`CROP_LEFT_M`] to the sides are of the agent's own body.
@@ -25,6 +26,8 @@ const CROP_LEFT_M: f32 = 1.04;
 const FURTHER: u32 = 1;
 /// See [`FURTHER`].
 const OF_AIR: u32 = 4;
+/// Ground lies open to the rain: surfaces whose normals rise by more than this.
+const LEVEL: f32 = 0.8;
 
 /// Turns hits of rays that were fired at one moment into returns.
 pub(super) struct Receiver<'a> {
@@ -37,6 +40,8 @@ pub(super) struct Receiver<'a> {
     /// Sensor frame of the moment to that of the frame, where points are given in the latter.
     pub(super) now_from_then: Option<Affine3A>,
     pub(super) air: Option<&'a Air>,
+    /// How wet the ground is.
+    pub(super) wetness: f32,
     pub(super) stream: &'a Stream,
     pub(super) frame: u32,
 }
@@ -57,14 +62,20 @@ struct Face {
     triangle: u32,
     /// Unit normal, either side, local frame.
     normal_local: Vec3,
-    reflectance: f32,
+    reflectance: Reflectance,
     id: ObjectId,
     tag: u8,
 }
 
 impl Receiver<'_> {
-    /// The returns of a patch, beam by beam.
-    pub(super) fn receive(&self, patch: &Patch, volley: &Volley, hits: &Hits) -> Part {
+    /// The returns of a patch, beam by beam: of what its rays met, and of what those met (by their numbers, ascending) that passed panes.
+    pub(super) fn receive(
+        &self,
+        patch: &Patch,
+        volley: &Volley,
+        hits: &Hits,
+        behind: &[(u32, Behind)],
+    ) -> Part {
         let tells_returns = self.spec.tells_returns();
         let mut sweep = LidarSweep::with_capacity(volley.directions.len() / volley.rays, tells_returns);
         let mut beams = volley.places.iter().zip(&volley.words);
@@ -77,7 +88,7 @@ impl Receiver<'_> {
                 }
                 let own = place as usize * volley.rays..(place as usize + 1) * volley.rays;
                 if tells_returns {
-                    self.echoed(ray as u32, words, (own, volley, hits), &mut desk);
+                    self.echoed(ray as u32, words, (own, volley, hits, behind), &mut desk);
                     desk.returns.iter().for_each(|back| sweep.push(back));
                 } else if let Some(hit) = hits.get(own.start) {
                     let direction_local = volley.directions[own.start];
@@ -121,7 +132,7 @@ impl Receiver<'_> {
         &self,
         ray: u32,
         words: [u32; 4],
-        (own, volley, hits): (Range<usize>, &Volley, &Hits),
+        (own, volley, hits, behind): (Range<usize>, &Volley, &Hits, &[(u32, Behind)]),
         desk: &mut Desk,
     ) {
         let Desk { face, met, echoes, returns } = desk;
@@ -132,6 +143,15 @@ impl Receiver<'_> {
             own.clone()
                 .filter_map(|at| self.met(volley.directions[at], &hits.get(at)?, at == own.start, face)),
         );
+        let first = behind.partition_point(|(ray, _)| (*ray as usize) < own.start);
+        for (ray, passed) in behind[first..].iter().take_while(|(ray, _)| (*ray as usize) < own.end) {
+            let at = *ray as usize;
+            let Some(hit) = &passed.hit else { continue };
+            let seen = self.met(volley.directions[at], hit, at == own.start, face);
+            // There and back.
+            let share = (0..2 * passed.panes).fold(1.0, |share, _| share * PASSES);
+            met.extend(seen.map(|seen| Met { share: share * seen.share, is_behind: true, ..seen }));
+        }
         echoes_of(met, volley.rays, self.air, echoes);
         if let Some(air) = self.air {
             let nearest_m = met.first().map_or(f32::INFINITY, |met| met.range_m);
@@ -144,7 +164,7 @@ impl Receiver<'_> {
                 0 => words,
                 further => self.further_words(ray, FURTHER + further - 1),
             };
-            let is_surface = echo.kind == ReturnKind::Surface;
+            let is_surface = ReturnKind::is_of_surface(echo.kind as u8);
             let Some((point_m, bare)) = self.place(ray, words, echo.range_m, is_surface) else { continue };
             let Echo { intensity, id, tag, cos_angle, kind, .. } = *echo;
             let (intensity, number) = (bare * intensity, (returns.len() + 1) as u8);
@@ -168,7 +188,8 @@ impl Receiver<'_> {
         };
         let cos_angle = face.normal_local.dot(direction_local).abs().min(1.0);
         let Face { reflectance, id, tag, .. } = face;
-        Some(Met { range_m: hit.t, reflectance, cos_angle, id, tag, is_axis })
+        let share = reflectance.at(cos_angle);
+        Some(Met { range_m: hit.t, share, cos_angle, id, tag, is_axis, is_behind: false })
     }
 
     fn face(&self, hit: &Hit) -> Option<Face> {
@@ -177,7 +198,12 @@ impl Receiver<'_> {
             instance: hit.instance,
             triangle: hit.triangle,
             normal_local: struck.normal_local,
-            reflectance: reflectance(struck.part),
+            reflectance: reflectance(
+                struck.part,
+                struck.paint,
+                struck.normal_local.z.abs() > LEVEL,
+                self.wetness,
+            ),
             id: struck.object,
             tag: struck.part.tag as u8,
         })

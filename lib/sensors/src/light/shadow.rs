@@ -331,16 +331,14 @@ mod tests {
     fn what_moves_within_a_finer_map_need_not_be_in_a_coarser_one() {
         // A swarm around the place: within each map, across its edges, beyond it.
         let mut snapshot = scene_of([40.0, 8.0, 0.0]);
-        let roof = snapshot.instances[1].clone();
+        let roof = snapshot.instances[1];
         snapshot.instances.truncate(1);
         snapshot.instances[0].object = 0;
         for i in 0..400u16 {
             let (sin, cos) = frames::math::f32::sin_cos(2.4 * f32::from(i));
             let away_m = 0.4 * f32::from(i);
             let at = Vec3::new(away_m * cos, away_m * sin, 1.0);
-            snapshot
-                .instances
-                .push(Instance { local_from_object: Affine3A::from_translation(at), ..roof.clone() });
+            snapshot.instances.push(Instance { local_from_object: Affine3A::from_translation(at), ..roof });
         }
         let mut renderer = CpuRenderer::default();
         renderer.prepare(&snapshot.meshes).expect("has no device");

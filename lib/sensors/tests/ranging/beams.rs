@@ -2,7 +2,7 @@
 
 use glam::Affine3A;
 use renderer::Renderer;
-use schema::geometry::{Instance, Surface};
+use schema::geometry::{Instance, Snapshot, Surface};
 use schema::settings::{BeamSpec, LidarSpec, Returned, ScanPattern};
 use schema::{ReturnKind, Tag};
 use sensors::{Lidar, LidarMoment, LidarSweep, OfBeam};
@@ -30,7 +30,7 @@ fn beam(returned: Returned) -> LidarSpec {
     }
 }
 
-/// A painted board (object 4) that covers all to the left of the beam's axis and ends a hair before it, and a concrete wall
+/// A grey board (object 4) that covers all to the left of the beam's axis and ends a hair before it, and a concrete wall
 /// (object 5) behind it.
 fn sweep(board_m: f32, wall_m: f32, returned: Returned) -> LidarSweep {
     let behind = |m: f32, left: f32| at(m + 0.05, left, -20.0, 0.0);
@@ -38,7 +38,7 @@ fn sweep(board_m: f32, wall_m: f32, returned: Returned) -> LidarSweep {
         vec![instance(0, 4, behind(board_m, 10.001)), instance(1, 5, behind(wall_m, 0.0))];
     let world = snapshot(
         vec![
-            block([0.1, 20.0, 40.0], Tag::Car, Surface::Paint),
+            block([0.1, 20.0, 40.0], Tag::Car, Surface::Plain),
             block([0.1, 40.0, 40.0], Tag::Building, Surface::Concrete),
         ],
         instances,
@@ -68,7 +68,7 @@ fn a_half_covered_beam_gives_two_returns() {
     near(&both.x_m, &[20.0, 40.0]);
     assert_eq!(both.y_m, [0.0; 2], "a lidar does not know where in its beam a surface was");
     // Three of seven rays go to the left; the axis and three others pass the board.
-    let board = 0.45 * 3.0 / 7.0 * frames::math::exp(-0.004 * 20.0);
+    let board = 0.39 * 3.0 / 7.0 * frames::math::exp(-0.004 * 20.0);
     let wall = 0.35 * 4.0 / 7.0 * frames::math::exp(-0.004 * 40.0);
     near(&both.intensity, &[board, wall]);
     assert_eq!(both.tag, [Tag::Car as u8, Tag::Building as u8]);
@@ -80,7 +80,7 @@ fn echoes_are_chosen_by_distance_and_power() {
     let of = |returned| (sweep(20.0, 40.0, returned).id, sweep(20.0, 22.0, returned).id);
     assert_eq!(of(Returned { first: true, ..none }), (vec![4], vec![4]));
     assert_eq!(of(Returned { last: true, ..none }), (vec![5], vec![5]));
-    // Light over squared distance: 0.193 / 400 against 0.2 / 1600 or 0.2 / 484.
+    // Light over squared distance: 0.167 / 400 against 0.2 / 1600 or 0.2 / 484.
     assert_eq!(of(Returned { strongest: true, ..none }), (vec![4], vec![4]));
     assert_eq!(of(Returned { first: true, strongest: true, ..none }), (vec![4], vec![4]), "once");
     assert_eq!(sweep(20.0, 40.0, Returned { strongest: true, ..none }).of_beam, of_beam(&[1]));
@@ -92,7 +92,7 @@ fn surfaces_less_than_a_metre_apart_make_one_echo() {
     // The wall sends more of the light (0.2 against 0.193): its place and name, and the light of both.
     assert_eq!((one.id.as_slice(), &one.of_beam), ([5].as_slice(), &of_beam(&[1])));
     near(&one.x_m, &[20.2]);
-    near(&one.intensity, &[(0.45 * 3.0 + 0.35 * 4.0) / 7.0 * frames::math::exp(-0.004 * 20.2)]);
+    near(&one.intensity, &[(0.39 * 3.0 + 0.35 * 4.0) / 7.0 * frames::math::exp(-0.004 * 20.2)]);
 }
 
 #[test]
@@ -127,4 +127,56 @@ fn seven_rays_find_what_one_does_and_more() {
     // A beam too narrow to meet two things is a ray.
     let narrow = of(LidarSpec { beam: BeamSpec { rays: 7, divergence_rad: 1e-9, returned: ALL }, ..base });
     assert_eq!((&narrow.x_m, &narrow.id), (&one.x_m, &one.id));
+}
+
+/// A shell of glass (object 6) from 10 to 14 m ahead, with a seat in it from 11.5 m on unless it stands aside, and a wall (object 5)
+/// 25 m ahead.
+fn through_glass(spec: &LidarSpec, seat_left_m: f32) -> LidarSweep {
+    let world = snapshot(
+        vec![
+            block([4.0, 3.0, 3.0], Tag::Car, Surface::Window),
+            block([1.0, 1.0, 2.0], Tag::Car, Surface::Rubber),
+            block([0.1, 40.0, 40.0], Tag::Building, Surface::Concrete),
+        ],
+        vec![instance(0, 6, at(12.0, 0.0, -1.5, 0.0)), instance(2, 5, at(25.05, 0.0, -20.0, 0.0))],
+    );
+    let world = Snapshot { cabins: vec![instance(1, 6, at(12.0, seat_left_m, -1.0, 0.0))], ..world };
+    let renderer = prepared(&world);
+    let scene = &*renderer.place(&world).expect("all meshes are prepared");
+    let lidar = Lidar::new(spec).expect("is small");
+    lidar.sweep(scene, &LidarMoment::standing(0, Affine3A::IDENTITY), &stream()).expect("has no device")
+}
+
+#[test]
+fn light_passes_panes_there_and_back() {
+    let bare = |range_m: f64| frames::math::exp(-0.004 * range_m);
+    // Mirrored straight back, and what little glass scatters.
+    let glass = bare(10.0) * 0.35;
+    for rays in BeamSpec::RAYS {
+        let mut spec = beam(ALL);
+        spec.beam.rays = rays;
+        spec.glass = true;
+        let seat = through_glass(&spec, 0.0);
+        near(&seat.x_m, &[10.0, 11.5]);
+        if rays == 1 {
+            near(&seat.intensity, &[glass, bare(11.5) * 0.06 * 0.49]);
+        }
+        let told = seat.of_beam.expect("returns are told apart");
+        assert_eq!((told.number, told.kind), (vec![1, 2], vec![0, ReturnKind::BehindGlass as u8]));
+        assert_eq!((seat.id, seat.tag), (vec![6, 6], vec![Tag::Car as u8; 2]));
+
+        // Nothing in the way: the wall behind two panes, of which only the first is seen.
+        let wall = through_glass(&spec, 1.0);
+        near(&wall.x_m, &[10.0, 25.0]);
+        if rays == 1 {
+            near(&wall.intensity, &[glass, bare(25.0) * 0.35 * 0.49 * 0.49]);
+        }
+        assert_eq!((wall.id, wall.of_beam.expect("told").kind), (vec![6, 5], vec![0, 3]));
+    }
+    // Who does not see through glass sees a shell of it.
+    let mut spec = beam(ALL);
+    spec.beam.rays = 1;
+    let shell = through_glass(&spec, 0.0);
+    near(&shell.x_m, &[10.0]);
+    assert_eq!((shell.id, shell.of_beam), (vec![6], None));
 }

@@ -284,28 +284,29 @@ fn the_own_body_is_looked_through() {
 
 #[test]
 fn brightness_is_the_surfaces_reflectance_at_905_nm() {
-    // Walls 10 m ahead, seen straight and at 60 degrees: intensity = exp(-0.004 d) r (1/4 + 3/4 cos).
+    // Walls 10 m ahead, seen straight and at 60 degrees: intensity = exp(-0.004 d) (r (1/4 + 3/4 cos) + what is mirrored straight
+    // back, of which nothing is left at 60 degrees).
     let dark = [0.0; 3];
     let cases = [
-        (Tag::Road, Surface::Asphalt, dark, 0.15),
-        (Tag::RoadLine, Surface::RoadMarking, dark, 0.8),
-        (Tag::Sidewalk, Surface::Concrete, dark, 0.35),
-        (Tag::Building, Surface::Facade(Wall::Brick), dark, 0.35),
-        (Tag::Vegetation, Surface::Foliage, dark, 0.5),
-        (Tag::Terrain, Surface::Grass, dark, 0.5),
-        (Tag::Car, Surface::Glass, [1.0; 3], 0.05),
-        // Clear coat: the pigment does not matter.
-        (Tag::Car, Surface::Paint, dark, 0.45),
-        (Tag::Car, Surface::Paint, [1.0; 3], 0.45),
-        (Tag::Car, Surface::Rubber, dark, 0.06),
+        (Tag::Road, Surface::Asphalt, dark, 0.15, 0.0),
+        (Tag::RoadLine, Surface::RoadMarking, dark, 0.8, 0.0),
+        (Tag::Sidewalk, Surface::Concrete, dark, 0.35, 0.0),
+        (Tag::Building, Surface::Facade(Wall::Brick), dark, 0.35, 0.0),
+        (Tag::Vegetation, Surface::Foliage, dark, 0.5, 0.0),
+        (Tag::Terrain, Surface::Grass, dark, 0.5, 0.0),
+        (Tag::Car, Surface::Glass, [1.0; 3], 0.05, 0.3),
+        // The pigment of the paint counts, not the part's own colour, and the clear coat.
+        (Tag::Car, Surface::Paint, dark, 0.12 + 0.5 * 0.5, 0.3),
+        (Tag::Car, Surface::Paint, [1.0; 3], 0.12 + 0.5 * 0.5, 0.3),
+        (Tag::Car, Surface::Rubber, dark, 0.06, 0.0),
         // Cloth: it does, green most.
-        (Tag::Pedestrian, Surface::Cloth, dark, 0.15),
-        (Tag::Pedestrian, Surface::Cloth, [0.0, 1.0, 0.0], 0.15 + 0.6 * 0.7152),
-        (Tag::Pedestrian, Surface::Cloth, [9.0; 3], 0.75),
-        (Tag::Wall, Surface::Plain, [1.0; 3], 0.75),
+        (Tag::Pedestrian, Surface::Cloth, dark, 0.15, 0.0),
+        (Tag::Pedestrian, Surface::Cloth, [0.0, 1.0, 0.0], 0.15 + 0.6 * 0.7152, 0.0),
+        (Tag::Pedestrian, Surface::Cloth, [9.0; 3], 0.75, 0.0),
+        (Tag::Wall, Surface::Plain, [1.0; 3], 0.75, 0.0),
         // Faces of signs send light back where it came from, their poles do not.
-        (Tag::TrafficSign, Surface::Plain, dark, 1.0),
-        (Tag::TrafficSign, Surface::Metal, dark, 0.4),
+        (Tag::TrafficSign, Surface::Plain, dark, 1.0, 0.0),
+        (Tag::TrafficSign, Surface::Metal, dark, 0.4, 0.2),
     ];
     let one_ray = LidarSpec {
         scan: ScanPattern {
@@ -320,7 +321,7 @@ fn brightness_is_the_surfaces_reflectance_at_905_nm() {
         noise_m: 0.0,
         ..LidarSpec::vehicle()
     };
-    for (tag, surface, rgb, reflectance) in cases {
+    for (tag, surface, rgb, reflectance, mirrored) in cases {
         for turn_deg in [0.0, 60.0] {
             let mut wall = common::Builder::default();
             let part = wall.part(tag, surface, rgb);
@@ -330,7 +331,8 @@ fn brightness_is_the_surfaces_reflectance_at_905_nm() {
             let sweep = with_scene(&snapshot, |scene| sweep(&one_ray, scene, Affine3A::IDENTITY, 0));
             assert_eq!(sweep.len(), 1);
             let cosine = frames::math::cos(turn);
-            let want = frames::math::exp(-0.004 * 10.0) * reflectance * (0.25 + 0.75 * cosine);
+            let mirrored: f64 = if turn_deg == 0.0 { mirrored } else { 0.0 };
+            let want = frames::math::exp(-0.004 * 10.0) * (reflectance * (0.25 + 0.75 * cosine) + mirrored);
             let got = f64::from(sweep.intensity[0]);
             assert!((got - want).abs() < 1e-5, "{tag:?} {surface:?} {turn_deg}: {got} {want}");
         }

@@ -290,3 +290,33 @@ fn weather_is_the_same_on_any_number_of_threads() {
     assert!(clear.intensity.iter().zip(&blind.intensity).all(|(a, b)| (a - b).abs() < 1e-6));
     assert!(LidarSweep { of_beam: None, intensity: blind.intensity.clone(), ..clear } == blind);
 }
+
+#[test]
+fn soaked_ground_sends_back_half_and_walls_what_they_did() {
+    let looking_down = LidarSpec {
+        scan: ScanPattern { upper_rad: -0.5, lower_rad: -0.5, horizontal_fov_rad: 0.0, ..one_beam().scan },
+        ..one_beam()
+    };
+    let intensity = |surface, wetness: f64| {
+        let world = snapshot(
+            vec![block([400.0, 400.0, 1.0], Tag::Road, surface)],
+            vec![instance(0, 1, at(0.0, 0.0, -3.0, 0.0))],
+        );
+        let renderer = prepared(&world);
+        let scene = &*renderer.place(&world).expect("all meshes are prepared");
+        let weather = Weather { wetness, ..Weather::default() };
+        let moment = LidarMoment { weather, ..LidarMoment::standing(5, Affine3A::IDENTITY) };
+        let swept = Lidar::new(&looking_down).expect("is small").sweep(scene, &moment, &stream());
+        f64::from(swept.expect("has no device").intensity[0])
+    };
+    let range_m = 2.0 / sin(0.5);
+    let dry = 0.15 * exp(-0.004 * range_m) * (0.25 + 0.75 * sin(0.5));
+    assert!((intensity(Surface::Asphalt, 0.0) / dry - 1.0).abs() < 1e-4);
+    let share = |surface, wetness| intensity(surface, wetness) / intensity(surface, 0.0);
+    assert!((share(Surface::Asphalt, 100.0) - 0.5).abs() < 1e-4);
+    assert!((share(Surface::Concrete, 50.0) - 0.75).abs() < 1e-4);
+    assert!((share(Surface::RoadMarking, 100.0) - 0.3).abs() < 1e-4);
+    assert_eq!(share(Surface::Grass, 100.0), 1.0);
+    let wall = |wetness| sweep(&one_beam(), Some(30.0), Weather { wetness, ..Weather::default() }).intensity;
+    assert_eq!(wall(0.0), wall(100.0));
+}
