@@ -36,8 +36,8 @@ pub(crate) fn coarser(figure: &Figure, tag: Tag, seat: &[Piece]) -> Vec<Coarser>
     LEVELS.map(level).into()
 }
 
-/// Somebody so tall that, sitting, the head's highest point is at a height.
-pub(crate) fn fitted(mut figure: Figure, seat: impl Fn(&Figure) -> Seat, top_m: f32) -> Figure {
+/// Somebody so tall that the head's highest point is at a height, counted from what they sit or stand on.
+pub(crate) fn fitted(mut figure: Figure, seat: impl Fn(&Figure) -> Seat, on_z: f32, top_m: f32) -> Figure {
     for _ in 0..8 {
         let sits = seat(&figure);
         let bones = figure.seated(&sits);
@@ -45,7 +45,7 @@ pub(crate) fn fitted(mut figure: Figure, seat: impl Fn(&Figure) -> Seat, top_m: 
         let meshes = figure.meshes(Tag::Rider, Detail::Full);
         let points = meshes.iter().filter(|(bone, _)| *bone == Bone::Head).flat_map(|(_, m)| &m.positions);
         let high = points.map(|p| head.transform_point3(*p).z).fold(f32::NEG_INFINITY, f32::max);
-        let by = (top_m - sits.hips.z) / (high - sits.hips.z).max(0.1);
+        let by = (top_m - on_z) / (high - on_z).max(0.1);
         figure = Figure::new(figure.look, figure.stature * by);
     }
     figure

@@ -13,6 +13,7 @@
 //! ```
 
 mod bodies;
+mod brigade;
 mod building;
 mod bus;
 mod cabin;
@@ -21,6 +22,8 @@ mod cones;
 mod decal;
 mod heavy;
 mod hull;
+mod load;
+mod lorry;
 mod motorcycle;
 mod nature;
 mod pieces;
@@ -31,6 +34,7 @@ mod rig;
 mod sign;
 mod skin;
 mod street;
+mod tanks;
 mod two_wheeler;
 mod warning;
 mod wheel;

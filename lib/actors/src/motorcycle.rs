@@ -7,7 +7,7 @@ use schema::{Tag, lights};
 use solids::{Detail, MeshBuilder};
 
 use crate::decal::disc;
-use crate::pod::{mudguard, pod, tube};
+use crate::pod::{mudguard, pod, rounded, tube};
 
 /// Where things are on a motorcycle, metres.
 pub(crate) struct Places {
@@ -22,6 +22,8 @@ pub(crate) struct Places {
     /// Rear end and highest place.
     pub(crate) back: f32,
     pub(crate) top: f32,
+    /// Whole width.
+    pub(crate) wide: f32,
 }
 
 struct Parts {
@@ -46,7 +48,9 @@ pub(crate) fn body(b: &mut MeshBuilder, model: &Model, places: &Places, detail: 
     };
     let machine = Machine { b, p: places, parts, detail };
     match model.name {
-        "motorcycle.scooter" => machine.scooter(),
+        "motorcycle.scooter" => machine.scooter(false),
+        "motorcycle.moped" => machine.scooter(true),
+        "motorcycle.police" => machine.police(),
         "motorcycle.sport" => machine.sport(),
         _ => machine.cruiser(),
     }
@@ -183,7 +187,119 @@ impl Machine<'_> {
         self.mirrors();
     }
 
-    fn scooter(mut self) {
+    /// One of the police: a tourer behind a screen, with cases and blue lamps.
+    fn police(mut self) {
+        let (seat, radius, grip) = (self.p.seat, self.p.radius, self.p.grip);
+        let (paint, metal, dark, glass) =
+            (self.parts.paint, self.parts.metal, self.parts.dark, self.parts.glass);
+        let (plain, back) = (|rgb: [f32; 3]| Part::new(Tag::Motorcycle, Surface::Plain, rgb), self.p.back);
+        self.pod(
+            paint,
+            &[
+                (0.40, seat + 0.0, 0.06, 0.04),
+                (0.48, seat + 0.05, 0.14, 0.10),
+                (0.62, seat + 0.08, 0.17, 0.13),
+                (0.76, seat + 0.08, 0.11, 0.09),
+            ],
+        );
+        self.pod(
+            dark,
+            &[
+                (-0.04, seat + 0.02, 0.10, 0.03),
+                (0.10, seat + 0.0, 0.15, 0.05),
+                (0.26, seat - 0.04, 0.16, 0.06),
+                (0.43, seat - 0.03, 0.09, 0.05),
+            ],
+        );
+        // The fairing beside the engine and around the lamp, a blue band on it, the screen.
+        self.pod(
+            paint,
+            &[
+                (0.44, 1.05 * radius, 0.10, 0.12),
+                (0.56, 1.15 * radius, 0.19, 0.20),
+                (0.74, 1.45 * radius, 0.22, 0.26),
+                (0.85, 1.85 * radius, 0.17, 0.18),
+            ],
+        );
+        self.pod(
+            paint,
+            &[
+                (0.68, grip.z - 0.22, 0.15, 0.14),
+                (0.80, grip.z - 0.15, 0.24, 0.18),
+                (0.92, grip.z - 0.18, 0.20, 0.16),
+                (1.03, grip.z - 0.25, 0.09, 0.08),
+            ],
+        );
+        self.pod(
+            plain([0.03, 0.10, 0.34]),
+            &[
+                (0.58, 1.2 * radius, 0.205, 0.05),
+                (0.74, 1.45 * radius, 0.228, 0.06),
+                (0.82, 1.7 * radius, 0.192, 0.05),
+            ],
+        );
+        let screen = |b: f32, z: f32, wide: f32| Vec3::new(grip.x + b, wide, z);
+        let ring = |b: f32, z: f32, wide: f32| -> Vec<Vec3> {
+            [
+                screen(b + 0.05, z, 0.0),
+                screen(b, z, wide),
+                screen(b - 0.02, z, wide),
+                screen(b + 0.03, z, 0.0),
+                screen(b - 0.02, z, -wide),
+                screen(b, z, -wide),
+            ]
+            .to_vec()
+        };
+        self.b.loft(
+            &[ring(0.15, grip.z - 0.06, 0.19), ring(0.03, grip.z + 0.25, 0.15)],
+            |_, _| glass,
+            [glass; 2],
+        );
+        self.frame();
+        self.engine(metal, metal);
+        self.exhaust(self.parts.chrome, -0.02, 0.85 * radius);
+        // Cases beside and behind the seat.
+        let x = [back + 0.06, back + 0.56];
+        for side in [1.0, -1.0] {
+            let (a, c) = (side * 0.17, side * (0.5 * self.p.wide - 0.01));
+            let (min, max) =
+                (Vec3::new(x[0] + 0.04, a.min(c), seat - 0.36), Vec3::new(x[1], a.max(c), seat + 0.02));
+            rounded(self.b, paint, min, max, 0.04);
+            let band = [c - 0.004, c + 0.004].map(|y| y - side * 0.0035);
+            self.b.cuboid(
+                plain([0.03, 0.10, 0.34]),
+                Vec3::new(min.x + 0.06, band[0], seat - 0.22),
+                Vec3::new(max.x - 0.06, band[1], seat - 0.10),
+            );
+        }
+        rounded(
+            self.b,
+            paint,
+            Vec3::new(x[0] - 0.02, -0.20, seat + 0.07),
+            Vec3::new(x[0] + 0.34, 0.20, seat + 0.33),
+            0.04,
+        );
+        // Lamps on a pole and beside the screen.
+        let pole = Vec3::new(x[0] + 0.02, 0.0, seat + 0.30);
+        self.tube(dark, &[(pole, 0.014), (pole.with_z(self.p.top - 0.06), 0.012)]);
+        let lamp = |bits: u32| Part::new(Tag::Motorcycle, Surface::Lamp(bits), [0.05, 0.1, 0.8]);
+        let head = pole.with_z(self.p.top - 0.08);
+        self.b.stack(
+            lamp(lights::EMERGENCY),
+            &[(head, 0.045, 0.045), (head.with_z(self.p.top), 0.035, 0.035)],
+            8,
+        );
+        for (side, bits) in [(1.0, lights::EMERGENCY), (-1.0, lights::EMERGENCY_OTHER)] {
+            let at = Vec3::new(grip.x + 0.14, side * 0.20, grip.z - 0.08);
+            self.b.cuboid(lamp(bits), at - Vec3::new(0.02, 0.045, 0.025), at + Vec3::new(0.03, 0.045, 0.025));
+        }
+        self.running_gear(0.09);
+        self.lamps(0.07, Vec3::new(self.p.front + 0.06, 0.0, grip.z - 0.25));
+        self.mirrors();
+    }
+
+    /// With a box for what it delivers, or without.
+    fn scooter(mut self, delivers: bool) {
         let (seat, radius, grip) = (self.p.seat, self.p.radius, self.p.grip);
         let (paint, dark, plastic) = (self.parts.paint, self.parts.dark, self.parts.plastic);
         self.pod(
@@ -233,6 +349,19 @@ impl Machine<'_> {
         self.running_gear(0.06);
         self.lamps(0.065, Vec3::new(grip.x + 0.12, 0.0, grip.z - 0.07));
         self.mirrors();
+        if delivers {
+            let back = self.p.back + 0.05;
+            let (min, max) = (Vec3::new(back, -0.19, seat - 0.02), Vec3::new(back + 0.36, 0.19, seat + 0.34));
+            rounded(self.b, paint, min, max, 0.02);
+            let lid = Vec3::Z * (seat + 0.26);
+            rounded(
+                self.b,
+                dark,
+                min.with_z(lid.z) - Vec3::splat(0.006).with_z(0.0),
+                max.with_z(lid.z + 0.03) + Vec3::splat(0.006).with_z(0.0),
+                0.01,
+            );
+        }
     }
 
     /// Crankcase, two cylinders with fins, and a cover on each side.

@@ -59,3 +59,25 @@ pub(crate) fn mudguard(
         .collect();
     b.loft(&rings, |_, _| part, [part; 2]);
 }
+
+/// A box whose edges are bevelled.
+pub(crate) fn rounded(b: &mut MeshBuilder, part: Part, min: Vec3, max: Vec3, bevel: f32) {
+    let ring = |x: f32, inset: f32| -> Vec<Vec3> {
+        let (y0, y1) = (min.y + inset, max.y - inset);
+        let (z0, z1) = (min.z + inset, max.z - inset);
+        [
+            (y0 + bevel, z0),
+            (y1 - bevel, z0),
+            (y1, z0 + bevel),
+            (y1, z1 - bevel),
+            (y1 - bevel, z1),
+            (y0 + bevel, z1),
+            (y0, z1 - bevel),
+            (y0, z0 + bevel),
+        ]
+        .map(|(y, z)| Vec3::new(x, y, z))
+        .to_vec()
+    };
+    let rings = [ring(min.x, bevel), ring(min.x + bevel, 0.0), ring(max.x - bevel, 0.0), ring(max.x, bevel)];
+    b.loft(&rings, |_, _| part, [part; 2]);
+}

@@ -53,7 +53,8 @@ pub(crate) fn disc(tag: Tag, radius: f32, width: f32, rim: Rim, detail: Detail) 
         }
         return b.finish();
     }
-    let sides = 24;
+    // A lorry has more of them.
+    let sides = if rim == Rim::Heavy { 18 } else { 24 };
     let profile = [
         (0.60 * radius, -0.9 * half),
         (0.94 * radius, -half),
@@ -127,10 +128,10 @@ fn cover(b: &mut MeshBuilder, part: Part, gap: Part, edge: f32, half: f32) {
 /// A dished disc with a ring of bolts about a hub that stands out.
 fn hub(b: &mut MeshBuilder, part: Part, gap: Part, edge: f32, half: f32) {
     let rings: Vec<Vec<Vec3>> = [(0.90, 0.1), (0.89, 0.35), (0.70, 0.30), (0.36, 0.5), (0.30, 0.92)]
-        .map(|(r, y)| ring(r * edge, y * half, 14))
+        .map(|(r, y)| ring(r * edge, y * half, 12))
         .to_vec();
     b.loft(&rings, |k, j| if k == 1 && j % 4 < 2 { gap } else { part }, [part; 2]);
-    for (c, s) in circle(6) {
+    for (c, s) in circle(5) {
         let at = Vec3::new(0.5 * edge * s, 0.42 * half, 0.5 * edge * c);
         b.bar(gap, at, at + Vec3::Y * 0.04, [0.017, 0.014], 3);
     }
@@ -243,10 +244,12 @@ impl Wheels<'_> {
     fn stand(&self, b: &mut MeshBuilder) {
         let tyre = Part::new(self.tag, Surface::Rubber, TYRE);
         let rim = Part::new(self.tag, Surface::Rubber, [0.07, 0.07, 0.072]);
+        // Where there are six of them each has fewer corners.
+        let sides = if self.axles.len() > 2 { 6 } else { 8 };
         for x in self.axles {
             for side in [1.0, -1.0] {
                 let place = |y: f32| {
-                    ring(self.radius, side * y, 8)
+                    ring(self.radius, side * y, sides)
                         .into_iter()
                         .map(|p| p + Vec3::new(*x, 0.0, self.radius))
                         .collect()

@@ -78,7 +78,7 @@ pub(crate) fn wheelchair(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
         knees: Vec3::new(1.0, 0.0, 1.0),
         elbows: Vec3::new(-1.0, 0.10, -0.2),
     };
-    let figure = fitted(Figure::new(Look::new(model, variant).seated(), 1.65), |_| sits, size.z);
+    let figure = fitted(Figure::new(Look::new(model, variant).seated(), 1.65), |_| sits, sits.hips.z, size.z);
     let coarser = coarser(&figure, Tag::Pedestrian, &pieces);
     pieces.extend(body(&figure, Tag::Pedestrian, Detail::Full));
     let pusher = Pusher { figure, seat: sits, axle, rim_m: radius - 0.02, aside_m: wheel_y - 0.045 };

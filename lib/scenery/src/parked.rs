@@ -8,8 +8,8 @@ use frames::{OrientedRect, wrap_pi};
 use nalgebra::{Point3, Vector3};
 use opendrive::{LaneInfo, LaneType};
 use random::Stream;
-use schema::ActorKind;
 use schema::models::{self, BaseType, Model};
+use schema::{ActorKind, fleet};
 
 use crate::claims::{Candidate, Rank, rank, settle};
 use crate::draft::Draft;
@@ -130,6 +130,7 @@ impl Models {
             matches!(m.base, BaseType::Car | BaseType::Van) || m.base == BaseType::Truck && !is_long(m)
         };
         let motorcycles = models::PARKED_TWO_WHEELERS.iter().filter(|m| m.base == BaseType::Motorcycle);
+        let motorcycles = motorcycles.filter(|m| m.special != "emergency");
         Self {
             ordinary: civil().filter(ordinary).collect(),
             trucks: civil().filter(is_long).collect(),
@@ -308,7 +309,7 @@ fn motorcycles(
 
 /// Some vehicle about the middle of a place.
 fn drawn(random: &mut Stream, models: &[&'static Model], bay: &Bay) -> Option<Stand> {
-    let model = random.choose(models).copied()?;
+    let model = random.choose_weighted(models, |m| fleet::weight(m)).copied()?;
     let colour = random.choose(&COLOURS).copied().unwrap_or([128; 3]);
     let shift = random.uniform(-0.25, 0.25);
     let turn_rad = random.normal(0.0, 0.012);

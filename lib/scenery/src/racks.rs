@@ -47,7 +47,7 @@ struct Rack {
 /// Puts racks where nothing else stands, on sidewalks beside slow streets.
 pub(crate) fn racks(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_>, drafts: &mut Vec<Draft>) {
     let bicycles: Vec<&'static Model> =
-        PARKED_TWO_WHEELERS.iter().filter(|m| m.base == BaseType::Bicycle).collect();
+        PARKED_TWO_WHEELERS.iter().filter(|m| m.base == BaseType::Bicycle && m.size_m[0] < STEP_M).collect();
     let mut candidates = Vec::new();
     for front in fronts.iter().filter(|f| !f.track && f.length_m() > SHORTEST_M) {
         let mut random = Stream::new(site.rules.seed, 0, "world/racks", front.entity);

@@ -1,7 +1,7 @@
 //! Which vehicles there are on the roads: how common each model is, and its paints.
 //!
-//! The published datasets draw uniformly from a library of 44 models. Ours has fewer; kinds keep their shares of that
-//! library, and the models of a kind share alike.
+//! The published datasets draw uniformly from a library of 44 models. Kinds keep their shares of that library; the models of
+//! a kind share as they are common on roads.
 
 use crate::models::{BaseType, Model, vehicles};
 
@@ -71,15 +71,40 @@ pub fn is_emergency(model: &Model) -> bool {
     model.special == "emergency"
 }
 
+/// So many of the library's motorcycles are with the police; it has none.
+const POLICE_MOTORCYCLES: f64 = 0.2;
+
+/// How common a model is among those of its kind, the most common ones 1: rough shares of what registers of vehicles count.
+fn commonness(model: &Model) -> f64 {
+    match model.name.trim_end_matches(".parked") {
+        "car.coupe" | "car.offroad" | "car.offroad_large" | "car.liftback" => 0.6,
+        "car.sports" | "car.micro" | "car.limousine" | "car.taxi" => 0.4,
+        "car.cab" => 0.2,
+        "van.passenger" => 0.7,
+        "van.camper" | "van.minibus" | "van.parcel" => 0.3,
+        "van.motorhome" => 0.15,
+        "truck.heavy" | "truck.curtain" => 0.8,
+        "truck.dropside" | "truck.flatbed" | "truck.tipper" => 0.4,
+        "truck.mixer" | "truck.tanker" | "truck.refuse" | "truck.ladder" => 0.25,
+        "truck.tow" | "truck.sweeper" => 0.12,
+        "bus.coach" => 0.35,
+        "bus.school" => 0.2,
+        "motorcycle.moped" | "bicycle.kick" => 0.5,
+        "bicycle.cargo" => 0.2,
+        _ => 1.0,
+    }
+}
+
 /// How many models of its kind the library has: ordinary ones or those of emergency services.
 fn of_kind(model: &Model) -> f64 {
     match (is_emergency(model), model.base) {
         (false, BaseType::Car) => 26.0,
         (false, BaseType::Truck | BaseType::Van | BaseType::Bicycle) => 3.0,
-        (false, BaseType::Motorcycle) => 4.0,
+        (false, BaseType::Motorcycle) => 4.0 - POLICE_MOTORCYCLES,
         (false, BaseType::Bus) => 1.0,
         (true, BaseType::Car) => 2.0,
         (true, BaseType::Truck | BaseType::Van) => 1.0,
+        (true, BaseType::Motorcycle) => POLICE_MOTORCYCLES,
         _ => 0.0,
     }
 }
@@ -88,17 +113,20 @@ fn of_kind(model: &Model) -> f64 {
 #[must_use]
 pub fn weight(model: &Model) -> f64 {
     let alike = |other: &&Model| other.base == model.base && is_emergency(other) == is_emergency(model);
-    of_kind(model) / vehicles().filter(alike).count().max(1) as f64
+    let of_all = vehicles().filter(alike).map(commonness).sum::<f64>().max(f64::MIN_POSITIVE);
+    of_kind(model) * commonness(model) / of_all
 }
 
 /// The colours that a model comes in (sRGB), each as often as it is common.
 #[must_use]
 pub fn paints(model: &Model) -> &'static [[u8; 3]] {
     match model.name {
-        "truck.fire" => &[[178, 22, 22]],
-        "car.police" => &[[238, 240, 242]],
+        "truck.fire" | "truck.ladder" => &[[178, 22, 22]],
+        "car.police" | "motorcycle.police" => &[[238, 240, 242]],
         "van.ambulance" => &[[240, 240, 236], [232, 206, 44]],
-        "car.taxi" => &[[236, 184, 28], [238, 232, 208], [24, 24, 26]],
+        "bus.school" => &[[226, 150, 10]],
+        "truck.refuse" | "truck.sweeper" => &[[222, 96, 16], [236, 236, 230], [70, 132, 60]],
+        "car.taxi" | "car.cab" => &[[236, 184, 28], [238, 232, 208], [24, 24, 26]],
         _ => &PAINTS,
     }
 }
@@ -116,8 +144,16 @@ mod tests {
         {
             assert!((sum(&|m| m.base == base) - models).abs() < 1e-9, "{base:?}");
         }
-        assert!((sum(&is_emergency) - 4.0).abs() < 1e-9);
+        assert!((sum(&is_emergency) - 4.0 - POLICE_MOTORCYCLES).abs() < 1e-9);
         assert!(vehicles().all(|m| weight(m) > 0.0 && !paints(m).is_empty()));
+        // What one seldom meets is seldom.
+        let all = sum(&|_| true);
+        for name in
+            ["truck.sweeper", "truck.tow", "truck.mixer", "van.motorhome", "bicycle.cargo", "truck.ladder"]
+        {
+            let rare = crate::models::find(name).map(weight);
+            assert!(rare.is_some_and(|weight| weight < 0.007 * all), "{name}: {rare:?} of {all}");
+        }
     }
 
     #[test]

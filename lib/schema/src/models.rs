@@ -82,13 +82,24 @@ pub struct Model {
 }
 
 impl Model {
-    /// Doors that open: the two in front, or four; none of trucks, buses and two-wheelers.
+    /// Doors that open: the two in front, or four; none of trucks, buses, large vans and two-wheelers.
     #[must_use]
     pub fn doors(&self) -> usize {
         match (self.base, self.name) {
+            // Theirs slide, or are too high to be told from the body.
+            (BaseType::Van, "van.parcel" | "van.motorhome") => 0,
             (BaseType::Car, "car.coupe" | "car.sports" | "car.mini" | "car.micro") | (BaseType::Van, _) => 2,
             (BaseType::Car, _) | (_, "truck.pickup") => 4,
             _ => 0,
+        }
+    }
+
+    /// Axles of a vehicle: heavy lorries have two at the rear.
+    #[must_use]
+    pub fn axles(&self) -> usize {
+        match self.name {
+            "truck.heavy" | "truck.tipper" | "truck.mixer" | "truck.tanker" | "truck.refuse" => 3,
+            _ => 2,
         }
     }
 
@@ -130,7 +141,7 @@ impl Model {
             _ => {
                 let wheels = match self.base {
                     BaseType::Motorcycle | BaseType::Bicycle => 2,
-                    _ => 4,
+                    _ => 2 * self.axles(),
                 };
                 facts
                     .with(Attribute::NumberOfWheels, wheels)
@@ -206,6 +217,33 @@ pub const MODELS: &[Model] = {
         model("barrier.wooden", Barrier, [1.50, 0.60, 1.05], 0.0, 0.0, ""),
         model("walker.teen", Pedestrian, [0.38, 0.52, 1.60], 0.0, 0.0, ""),
         model("walker.wheelchair", Pedestrian, [1.10, 0.66, 1.32], 0.0, 0.31, "wheelchair"),
+        model("car.city", Car, [3.60, 1.66, 1.50], 2.42, 0.29, ""),
+        model("car.compact", Car, [4.46, 1.77, 1.45], 2.67, 0.31, ""),
+        model("car.liftback", Car, [4.96, 1.96, 1.44], 2.96, 0.36, "electric"),
+        model("car.crossover", Car, [4.43, 1.84, 1.61], 2.67, 0.35, ""),
+        model("car.offroad_large", Car, [5.06, 2.02, 1.87], 3.00, 0.40, ""),
+        model("car.mpv", Car, [4.53, 1.83, 1.66], 2.79, 0.33, ""),
+        model("car.cab", Car, [4.70, 1.84, 1.58], 2.78, 0.33, "taxi"),
+        model("van.compact", Van, [4.49, 1.86, 1.86], 2.79, 0.33, ""),
+        model("van.minibus", Van, [6.97, 2.02, 2.64], 4.33, 0.35, ""),
+        model("van.parcel", Van, [7.10, 2.30, 3.05], 4.00, 0.40, ""),
+        model("van.motorhome", Van, [6.99, 2.32, 2.92], 4.04, 0.35, ""),
+        model("truck.curtain", Truck, [9.60, 2.55, 3.80], 5.80, 0.50, ""),
+        model("truck.dropside", Truck, [6.60, 2.20, 2.50], 3.85, 0.40, ""),
+        model("truck.flatbed", Truck, [8.90, 2.50, 2.95], 5.20, 0.48, ""),
+        model("truck.tipper", Truck, [7.90, 2.50, 3.10], 4.30, 0.50, ""),
+        model("truck.mixer", Truck, [8.70, 2.50, 3.75], 4.90, 0.50, ""),
+        model("truck.tanker", Truck, [9.30, 2.50, 3.30], 5.50, 0.50, ""),
+        model("truck.refuse", Truck, [9.20, 2.50, 3.45], 4.70, 0.50, ""),
+        model("truck.tow", Truck, [7.60, 2.40, 2.80], 4.30, 0.44, ""),
+        model("truck.sweeper", Truck, [6.60, 2.30, 2.85], 3.50, 0.42, ""),
+        model("truck.ladder", Truck, [9.70, 2.50, 3.40], 5.10, 0.50, "emergency"),
+        model("bus.coach", Bus, [12.00, 2.55, 3.65], 6.10, 0.50, ""),
+        model("bus.school", Bus, [10.60, 2.45, 3.10], 5.50, 0.48, ""),
+        model("motorcycle.moped", Motorcycle, [1.74, 0.66, 1.72], 1.20, 0.25, ""),
+        model("motorcycle.police", Motorcycle, [2.24, 0.90, 1.80], 1.52, 0.32, "emergency"),
+        model("bicycle.cargo", Bicycle, [2.46, 0.68, 1.86], 1.84, 0.30, "electric"),
+        model("bicycle.kick", Bicycle, [1.16, 0.60, 1.90], 0.90, 0.12, "electric"),
     ]
 };
 
@@ -218,6 +256,10 @@ pub const PARKED_TWO_WHEELERS: &[Model] = {
         model("motorcycle.scooter.parked", Motorcycle, [1.85, 0.72, 1.16], 1.29, 0.23, "electric"),
         model("bicycle.city.parked", Bicycle, [1.80, 0.62, 1.06], 1.08, 0.35, ""),
         model("bicycle.road.parked", Bicycle, [1.70, 0.60, 1.02], 1.00, 0.34, ""),
+        model("motorcycle.moped.parked", Motorcycle, [1.74, 0.66, 1.10], 1.20, 0.25, ""),
+        model("motorcycle.police.parked", Motorcycle, [2.24, 0.90, 1.38], 1.52, 0.32, "emergency"),
+        model("bicycle.cargo.parked", Bicycle, [2.46, 0.68, 1.10], 1.84, 0.30, "electric"),
+        model("bicycle.kick.parked", Bicycle, [1.16, 0.60, 1.18], 0.90, 0.12, "electric"),
     ]
 };
 
@@ -270,6 +312,8 @@ mod tests {
         let fact =
             |name: &str, attribute| find(name).expect("a model").facts().get(&attribute).map(str::to_owned);
         assert_eq!(fact("bicycle.city", Attribute::NumberOfWheels).as_deref(), Some("2"));
+        assert_eq!(fact("truck.box", Attribute::NumberOfWheels).as_deref(), Some("4"));
+        assert_eq!(fact("truck.heavy", Attribute::NumberOfWheels).as_deref(), Some("6"));
         assert_eq!(fact("bicycle.city", Attribute::HasLights).as_deref(), Some("false"));
         assert_eq!(fact("bus.city", Attribute::HasDynamicDoors).as_deref(), Some("false"));
         assert_eq!(fact("car.police", Attribute::SpecialType).as_deref(), Some("emergency"));

@@ -82,7 +82,10 @@ impl Plan {
         let aside = 0.2 * 2.0 * hull.half_width;
         let mut rows = vec![Row { x: front_x, z: hips_z, seats: Seats::Two(aside) }];
         let behind: &[Seats] = match model.name {
-            "van.delivery" | "van.ambulance" | "car.micro" | "car.sports" => &[],
+            "van.delivery" | "van.compact" | "van.parcel" | "van.ambulance" | "car.micro" | "car.sports" => {
+                &[]
+            }
+            "van.minibus" => &[Seats::Bench(0.66); 4],
             "car.coupe" | "car.mini" => &[Seats::Two(0.36)],
             "van.passenger" => &[Seats::Bench(0.62), Seats::Bench(0.62)],
             _ => &[Seats::Bench(0.62)],
@@ -93,7 +96,15 @@ impl Plan {
         }
         let last_x = rows[rows.len() - 1].x - BEHIND_M;
         // A wall behind the seats of those that carry goods.
-        let walled = matches!(model.name, "van.delivery" | "van.ambulance" | "truck.pickup");
+        let walled = matches!(
+            model.name,
+            "van.delivery"
+                | "van.compact"
+                | "van.parcel"
+                | "van.motorhome"
+                | "van.ambulance"
+                | "truck.pickup"
+        );
         let rear_x = if walled {
             last_x.min(hull.x_of(style.windows.1))
         } else {
@@ -143,10 +154,11 @@ impl Plan {
 
     fn bus(room: &Room<'_>) -> Self {
         let (hull, style) = (room.hull, &room.hull.style);
-        let cowl_x = hull.x_of(0.0) - 0.02;
+        let cowl_x = hull.x_of(style.cowl.0) - 0.02;
         let belt_z = hull.section(style.windows.0 + 0.03).belt_z;
-        let hips_z = belt_z + 0.14;
-        let floor_z = room.least_z() + 0.06;
+        let hips_z = belt_z + 0.10;
+        // Those of a coach sit over their luggage.
+        let floor_z = (room.least_z() + 0.06).max(belt_z - 0.74);
         let (front_x, aside) = (cowl_x - 1.0, 0.62 * hull.half_width);
         let rear_x = hull.x_of(1.0) + 0.10;
         let middle_door = 0.5 * (hull.axles[0] + hull.axles[1]);
@@ -154,7 +166,8 @@ impl Plan {
         let count = ((first - rear_x - 0.6) / 0.80) as usize;
         let rows = (0..count).map(|k| {
             let x = first - 0.80 * k as f32;
-            let over = room.over_wheels(x).map_or(0.0, |(z, _)| z + 0.18);
+            let under = [-0.2, 0.0, 0.15, 0.3].into_iter().filter_map(|ahead| room.over_wheels(x + ahead));
+            let over = under.map(|(z, _)| z + 0.18).fold(0.0, f32::max);
             let right = (x - middle_door).abs() > 1.0;
             Row { x, z: (floor_z + 0.45).max(over), seats: Seats::Aisle { right } }
         });

@@ -54,12 +54,7 @@ pub(crate) fn seat(b: &mut MeshBuilder, s: &Stuffs, hips: Vec3, half_y: f32, lea
     );
     for y in heads {
         let at = foot + up * 0.66 + Vec3::Y * *y;
-        cushion(
-            b,
-            s.cloth,
-            &[(at, 0.03, 0.10), (at + up * 0.10, 0.05, 0.13), (at + up * 0.18, 0.03, 0.10)],
-            forward,
-        );
+        cushion(b, s.cloth, &[(at, 0.045, 0.12), (at + up * 0.17, 0.035, 0.11)], forward);
     }
 }
 

@@ -137,7 +137,7 @@ impl End<'_, '_> {
 }
 
 impl Car<'_> {
-    fn white(&self) -> Part {
+    pub(super) fn white(&self) -> Part {
         Part::new(self.looks.tag, Surface::Plain, [0.78, 0.78, 0.76])
     }
 

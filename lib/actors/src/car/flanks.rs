@@ -64,7 +64,10 @@ impl Car<'_> {
             }
         }
         self.wipers(b);
-        if matches!(self.model.name, "van.delivery" | "van.camper" | "van.passenger" | "car.offroad") {
+        if matches!(
+            self.model.name,
+            "van.delivery" | "van.compact" | "van.minibus" | "van.camper" | "van.passenger" | "car.offroad"
+        ) {
             self.rub_strips(b);
         }
     }
@@ -131,7 +134,16 @@ impl Car<'_> {
             _ => {}
         }
         self.third_brake_lamp(b);
-        let has_rails = matches!(self.model.name, "car.wagon" | "car.suv" | "car.offroad" | "van.camper");
+        let has_rails = matches!(
+            self.model.name,
+            "car.wagon"
+                | "car.suv"
+                | "car.crossover"
+                | "car.offroad_large"
+                | "car.mpv"
+                | "car.offroad"
+                | "van.camper"
+        );
         if has_rails && detail != Detail::Coarse {
             self.rails(b, looks.trim);
         }

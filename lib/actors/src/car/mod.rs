@@ -3,6 +3,7 @@
 mod doors;
 mod ends;
 mod flanks;
+mod livery;
 mod style;
 
 use glam::Vec3;
@@ -45,12 +46,13 @@ pub(crate) fn vehicle(model: &Model, size: Vec3) -> ActorMesh {
 /// The rims of a model.
 fn rim(model: &Model) -> Rim {
     match model.name {
-        "car.coupe" | "car.electric" => Rim::Dark(5),
+        "car.coupe" | "car.electric" | "car.liftback" => Rim::Dark(5),
         "car.sports" => Rim::Dark(10),
-        "car.hatchback" | "car.limousine" | "car.taxi" => Rim::Spokes(10),
-        "car.wagon" | "van.camper" => Rim::Spokes(7),
-        "car.offroad" | "truck.pickup" => Rim::Dark(6),
-        "car.micro" | "car.police" | "van.delivery" | "van.ambulance" => Rim::Steel,
+        "car.hatchback" | "car.limousine" | "car.taxi" | "car.crossover" => Rim::Spokes(10),
+        "car.wagon" | "car.mpv" | "car.cab" | "van.camper" | "van.motorhome" => Rim::Spokes(7),
+        "car.offroad" | "car.offroad_large" | "truck.pickup" => Rim::Dark(6),
+        "car.micro" | "car.city" | "car.police" | "van.delivery" | "van.ambulance" | "van.compact"
+        | "van.minibus" | "van.parcel" => Rim::Steel,
         _ => Rim::Spokes(5),
     }
 }
@@ -115,6 +117,7 @@ impl Car<'_> {
         self.nose(&mut b, detail);
         self.tail(&mut b, detail);
         self.flanks(&mut b, detail);
+        self.livery(&mut b, detail);
         self.on_the_roof(&mut b, detail);
         let bottom = hull.style.clearance * hull.height;
         let (half_l, half_w) = (hull.x[1], hull.half_width);
@@ -177,7 +180,10 @@ impl Car<'_> {
             self.hull.axles.iter().any(|axle| (x - axle).abs() < 1.003 * self.hull.arch)
         };
         let cut = cuts.iter().any(|c| (f - c).abs() < self.hull.share(LINE_M));
-        let clad = matches!(self.model.name, "car.offroad" | "car.suv" | "truck.pickup");
+        let clad = matches!(
+            self.model.name,
+            "car.offroad" | "car.offroad_large" | "car.suv" | "car.crossover" | "truck.pickup"
+        );
         match place {
             Place::Under => looks.under,
             Place::Side(row) if row < 0.0 => looks.under,
