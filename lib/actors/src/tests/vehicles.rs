@@ -185,3 +185,11 @@ fn wheels_turn_and_steer_clear_of_the_body() {
         }
     }
 }
+
+#[test]
+fn the_readme_names_every_vehicle() {
+    let readme = include_str!("../../README.md");
+    for model in vehicles() {
+        assert!(readme.contains(&format!("`{}`", model.name)), "{} is not in README.md", model.name);
+    }
+}
