@@ -74,7 +74,9 @@ fn stations(room: &Room<'_>, plan: &Plan) -> Vec<f32> {
     let near = hull.share(0.03);
     let mut f =
         vec![cowl, 0.5 * (cowl + roof.0), roof.0 + near, 0.5 * (roof.0 + roof.1), roof.1 - near, deck];
-    f.extend(REAR_PANE.map(|share| roof.1 + share * (deck - roof.1)));
+    if !style.rear_glass {
+        f.extend(REAR_PANE.map(|share| roof.1 + share * (deck - roof.1)));
+    }
     f.extend([style.windows.0, style.windows.1, last]);
     f.extend(style.pillars.iter().flat_map(|p| [p - 0.009, p + 0.009]));
     for axle in &hull.axles {

@@ -79,13 +79,16 @@ fn whoever_looks_through_a_pane_sees_the_cabin_or_out_of_another_one() {
             hits.min_by(|p, q| p.0.total_cmp(&q.0))
         };
         let (mut looks, mut leaks) = (0, Vec::new());
+        let (mut whole_m2, mut behind_m2) = (0.0, 0.0);
         for pane in &panes {
             let [a, b, c] = body.corners(*pane);
             let middle = (a + b + c) / 3.0;
-            let outward = (b - a).cross(c - a).normalize_or_zero();
+            let twice = (b - a).cross(c - a);
+            let outward = twice.normalize_or_zero();
             for aside in [Vec3::new(0.0, 0.0, 0.25), Vec3::new(0.4, 0.1, 0.1), Vec3::new(-0.4, -0.1, 0.05)] {
                 let along = -(outward + aside).normalize();
                 looks += 1;
+                whole_m2 += twice.length();
                 let seen = nearest(&mut inside.iter().copied(), middle, along, true);
                 // What of the body would be seen from inside.
                 let reach = seen.map_or(f32::INFINITY, |(t, _)| t);
@@ -96,6 +99,9 @@ fn whoever_looks_through_a_pane_sees_the_cabin_or_out_of_another_one() {
                     // Lining and skin are a little apart where a pane ends.
                     (_, Some((t, _))) => out.is_some_and(|pane| pane.0 < t + 0.1),
                     (Some((t, from_front)), None) => {
+                        if !from_front {
+                            behind_m2 += twice.length();
+                        }
                         from_front || t < 0.12 || out.is_some_and(|pane| pane.0 < t + 0.1)
                     }
                     (None, None) => out.is_some(),
@@ -106,6 +112,9 @@ fn whoever_looks_through_a_pane_sees_the_cabin_or_out_of_another_one() {
             }
         }
         assert!(looks > 30, "{} has no panes", model.name);
+        // No lining hangs before a pane.
+        let hung = behind_m2 / whole_m2;
+        assert!(hung < 0.06, "{}: {hung:.3} of its panes", model.name);
         let share = leaks.len() as f64 / f64::from(looks);
         let some: Vec<_> = leaks.iter().step_by(1 + leaks.len() / 6).collect();
         assert!(share < 0.03, "{}: {share:.3} of {looks}: {some:?}", model.name);
