@@ -7,6 +7,7 @@ use std::error::Error;
 use std::path::Path;
 
 use actors::Posture;
+use schema::fleet;
 use schema::models::{Model, PARKED_TWO_WHEELERS, vehicles};
 
 use stage::{Stage, at};
@@ -25,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let all = vehicles().chain(PARKED_TWO_WHEELERS);
     let chosen = all.filter(|m| wanted.is_empty() || wanted.iter().any(|w| m.name.starts_with(w.as_str())));
     for (k, model) in chosen.enumerate() {
-        let (paint, folder) = (PAINTS[k % PAINTS.len()], Path::new(&folder));
+        let (paint, folder) = (paint(model, k), Path::new(&folder));
         let counts =
             if of_cabins { cabin(model, paint, folder)? } else { sheet(model, paint, folder, of_levels)? };
         let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
@@ -35,6 +36,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
+}
+
+/// A paint that a model comes in: one of its own if it has few.
+fn paint(model: &Model, number: usize) -> [f32; 3] {
+    match fleet::paints(model) {
+        few if few.len() < PAINTS.len() => {
+            few[0].map(|byte| frames::math::f32::pow(f32::from(byte) / 255.0, 2.2))
+        }
+        _ => PAINTS[number % PAINTS.len()],
+    }
 }
 
 /// Draws a model without its panes and counts the triangles behind them.

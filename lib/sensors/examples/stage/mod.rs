@@ -12,7 +12,7 @@ use actors::{Piece, Posture, actor_mesh};
 use glam::Affine3A;
 use people::Walker;
 use schema::Tag;
-use schema::geometry::{Instance, Surface, TriMesh};
+use schema::geometry::{Instance, Snapshot, Surface, TriMesh};
 use schema::models::{BaseType, Model};
 use schema::settings::{CameraSettings, Optics};
 use schema::tables::Weather;
@@ -22,6 +22,8 @@ use schema::tables::Weather;
 pub(crate) struct Stage {
     meshes: Vec<Arc<TriMesh>>,
     instances: Vec<Instance>,
+    /// What stands behind panes.
+    cabins: Vec<Instance>,
 }
 
 impl Stage {
@@ -64,6 +66,11 @@ impl Stage {
             self.instances.push(Instance { paint, ..instance });
             self.meshes.push(Arc::clone(&piece.mesh));
             triangles += piece.mesh.triangles.len();
+        }
+        let behind = if level < 2 { made.cabin } else { None };
+        for mesh in behind.into_iter().flat_map(|cabin| [Some(cabin.seats), cabin.driver]).flatten() {
+            self.cabins.push(common::instance(self.meshes.len() as u32, object, at));
+            self.meshes.push(mesh);
         }
         triangles
     }
@@ -110,7 +117,7 @@ impl Stage {
             cloudiness: 30.0,
             ..Weather::default()
         };
-        let snapshot = common::snapshot(self.meshes, self.instances);
+        let snapshot = Snapshot { cabins: self.cabins, ..common::snapshot(self.meshes, self.instances) };
         let optics = Optics::pinhole(size[0], size[1], frames::deg(fov_deg));
         let view =
             common::set_view(eye, [0.0, down_rad, frames::deg(90.0)], optics, &CameraSettings::default());
