@@ -73,6 +73,8 @@ pub(crate) struct OfSurface {
     pub(crate) tag: u8,
     /// How far from there the beam's light may have met it, m.
     pub(crate) around_m: f64,
+    /// Whether the light came through a pane.
+    pub(crate) behind_glass: bool,
 }
 
 /// Opens the tables of all lidars and radars of an agent.
@@ -257,6 +259,7 @@ impl Cloud<'_> {
             point: self.now[k],
             id: self.ids[k],
             tag: self.tags[k],
+            behind_glass: self.kinds[k] == ReturnKind::BehindGlass as u8,
             around_m: if beam_rad > 0.0 { beam_rad * norm(self.fired[k]) } else { 0.0 },
         })
     }
@@ -284,7 +287,7 @@ impl Cloud<'_> {
             });
         }
         let by_id: BTreeMap<u16, &Labelled> = boxes.iter().map(|b| (b.id, b)).collect();
-        for OfSurface { point, id, tag, around_m } in self.surfaces() {
+        for OfSurface { point, id, tag, around_m, .. } in self.surfaces() {
             let Some(labelled) = by_id.get(&id).filter(|b| is_part(b, tag)) else { continue };
             let doors = if labelled.open_door { DOOR_M } else { 0.0 };
             let around = AROUND_M + doors + SIGMAS * self.ranger.noise_m + around_m;

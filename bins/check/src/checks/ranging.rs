@@ -23,7 +23,9 @@ const VELOCITY_MPS: f64 = 0.05;
 pub(crate) fn check_depth(sight: &Sight<'_>, cloud: &Cloud<'_>, own: u16, frame: usize, ledger: &mut Ledger) {
     let (Some(depth), camera) = (&sight.depth, sight.camera) else { return };
     let mut judged: BTreeMap<u16, (u64, u64, f64)> = BTreeMap::new();
-    for OfSurface { point, id, tag, .. } in cloud.surfaces() {
+    // Pictures of depth stop at the pane.
+    let met_first = cloud.surfaces().filter(|of| !of.behind_glass);
+    for OfSurface { point, id, tag, .. } in met_first {
         let seen = sight.world_from_optical.inward(point);
         let at_m = camera.optics.depth_of(seen);
         if id == own || at_m < 0.2 {

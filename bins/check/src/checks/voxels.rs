@@ -147,7 +147,12 @@ impl Grid<'_> {
     ) {
         let GridConfig { range_m, voxel_m, lower_m, ignore_self, .. } = *self.config;
         let low = [-range_m, -range_m, lower_m];
-        for OfSurface { point, id, tag, around_m } in cloud.surfaces() {
+        for OfSurface { point, id, tag, around_m, behind_glass } in cloud.surfaces() {
+            if behind_glass && VEHICLES.contains(&tag) {
+                let why = "from behind glass: no voxel has seats and who sits there";
+                ledger.skip(Rule::VoxelPoints, format!("{}: {why}", cloud.ranger.name));
+                continue;
+            }
             if cloud.rolls && scene.actors.get(&id).is_none_or(|actor| !actor.fixed) {
                 let why = "of what moves: its rays are fired over the frame, and wheels and limbs go on by themselves";
                 ledger.skip(Rule::VoxelPoints, format!("{}: {why}", cloud.ranger.name));
@@ -175,6 +180,9 @@ impl Grid<'_> {
         }
     }
 }
+
+/// Tags of what has panes with something behind them.
+const VEHICLES: [u8; 3] = [Tag::Car as u8, Tag::Truck as u8, Tag::Bus as u8];
 
 /// Whether a voxel with a tag may hold a surface of another tag: the one that goes before is written.
 fn stands_for(voxel: u8, surface: u8) -> bool {
