@@ -5,7 +5,7 @@ use crate::common::{
 };
 use frames::math::{atan, sin_cos};
 use opendrive::Map;
-use schema::tables::{PlanAgentRow, StateRow};
+use schema::tables::{PlanAgentRow, PlanSceneRow, StateRow};
 use schema::{ActorKind, models};
 use traffic::SimulationLog;
 
@@ -87,13 +87,21 @@ fn vehicles_go_as_fast_as_their_drivers_wish_on_any_map() {
     let town = town::generate(&town::named("convoy/demo").expect("our town")).expect("a town");
     let real = testkit::real_maps(&["Town10HD", "Town04", "Town06"]);
     for (name, map) in std::iter::once(("convoy/demo", Map::new(town))).chain(real) {
-        let mut scene = scene(40.0);
-        scene.background_vehicles = Some(80);
-        let log = run(&map, &scene, &agents_on(&map, 4, 7), &settings());
-        assert_eq!(collisions(&log, false), [], "{name}");
-        let [braking, acceleration] = extremes(&log);
-        assert!(braking > -8.05 && acceleration < 3.05, "{name}: {braking} {acceleration}");
-        let [all, even] = speeds_over_wishes(&map, &log);
+        // Who rides a bicycle before a queue decides what one scene's vehicles do.
+        let mut found = [Vec::new(), Vec::new()];
+        for seed in [28, 29, 30] {
+            let scene = PlanSceneRow { background_vehicles: Some(80), seed, ..scene(40.0) };
+            let log = run(&map, &scene, &agents_on(&map, 4, 7), &settings());
+            assert_eq!(collisions(&log, false), [], "{name} {seed}");
+            let [braking, acceleration] = extremes(&log);
+            assert!(braking > -8.05 && acceleration < 3.05, "{name} {seed}: {braking} {acceleration}");
+            let of_seed = speeds_over_wishes(&map, &log);
+            for (all, new) in found.iter_mut().zip(of_seed) {
+                all.extend(new);
+            }
+        }
+        found.iter_mut().for_each(|ratios| ratios.sort_by(f64::total_cmp));
+        let [all, even] = found;
         let below = |ratios: &[f64], share: f64| ratios[(share * (ratios.len() - 1) as f64) as usize];
         // Nobody goes faster, but for a moment where a lower limit begins.
         let fastest = [0.999, 1.0].map(|share| below(&all, share));

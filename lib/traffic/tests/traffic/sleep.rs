@@ -16,7 +16,7 @@ fn awake_within(distance_m: f64) -> SimulationSettings {
 
 /// Two and a half kilometres of road with traffic and walkers all along it.
 fn long_road() -> PlanSceneRow {
-    PlanSceneRow { spawn_radius_m: 4000.0, background_vehicles: Some(60), walkers: 100, ..scene(40.0) }
+    PlanSceneRow { spawn_radius_m: 4000.0, background_vehicles: Some(60), walkers: 200, ..scene(40.0) }
 }
 
 /// Positions of the agents, frame by frame.
