@@ -18,6 +18,7 @@ declare -A allowed=(
     [opendrive]="frames"
     [mapview]="frames opendrive"
     [pictures]="frames mapview schema"
+    [packs]="frames schema"
     [town]="frames opendrive random"
     [surfaces]="frames opendrive schema"
     [scenery]="frames opendrive random schema surfaces"
@@ -56,12 +57,12 @@ declare -A allowed=(
     [forecast]="plan schema"
     [mapstore]="opendrive store"
     [framewise]="counts formats pipeline scene schema store"
-    [replay]="mapstore opendrive scene schema world"
+    [replay]="actors mapstore opendrive packs scene schema store world"
 )
 # What every program may use: it reads, calls a core and commits. Then its cores.
 readers="frames pipeline scene schema store"
 declare -A cores=(
-    [spawn-planner]="forecast mapstore opendrive plan town vectormap"
+    [spawn-planner]="forecast mapstore opendrive packs plan town vectormap"
     [simulate-and-log]="annotation counts mapstore opendrive people random scenery surfaces tiles tilestore traffic"
     [render-sensors]="counts framewise renderer replay sensors visibility"
     [bev-gt]="bev bevmap counts formats framewise replay"

@@ -14,6 +14,7 @@ mod help;
 mod maps;
 mod masks;
 mod merge;
+mod packs;
 mod pipeline;
 mod plain;
 mod python;

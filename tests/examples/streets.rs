@@ -51,7 +51,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let here = map.lane_point(hit.lane, hit.s, 0.0).ok_or("the lane has no such point")?;
     let centre: [f64; 3] = here.position.coords.into();
     let rules = SceneryRules::default();
-    let Surroundings { actors, ground } = TileMaker::new(&map, &rules).around(&[centre], 300.0, 1)?;
+    let Surroundings { actors, ground } =
+        TileMaker::new(&map, &rules, schema::catalogue::Catalogue::built_in()).around(&[centre], 300.0, 1)?;
     let world = SceneWorld::new(&actors, ground)?;
     let mut renderer = CpuRenderer::default();
     renderer.prepare(&world.meshes())?;

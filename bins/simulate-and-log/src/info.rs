@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use opendrive::Map;
 use pipeline::{At, Place, StageError};
-use schema::scene_info::{AgentInfo, SceneInfo};
+use schema::scene_info::{AgentInfo, PackedModelInfo, SceneInfo};
 use schema::settings::stages::SimulationSettings;
-use schema::tables::{PlanAgentRow, PlanSceneRow, Weather};
+use schema::tables::{ActorRow, PlanAgentRow, PlanModelRow, PlanSceneRow, Weather};
 use schema::{ActorRole, HazardKind};
 use traffic::SimulationLog;
 
@@ -52,6 +52,7 @@ pub(crate) fn scene_info(
         split: plan.split.clone(),
         map: plan.map.clone(),
         map_hash: plan.map_hash.clone(),
+        models: Vec::new(),
         geo_reference: map.network().header.geo_reference.clone().unwrap_or_default(),
         seed: plan.seed,
         duration_s: plan.duration_s,
@@ -83,6 +84,17 @@ pub(crate) fn scene_info(
         drivers: log.drivers.clone(),
         signal_groups: log.signal_groups.clone(),
     })
+}
+
+/// The models of packs that some actor has.
+pub(crate) fn models(rows: &[PlanModelRow], actors: &[ActorRow]) -> Vec<PackedModelInfo> {
+    let is_here = |row: &&PlanModelRow| actors.iter().any(|actor| actor.model == row.name);
+    let info = |row: &PlanModelRow| PackedModelInfo {
+        name: row.name.clone(),
+        page: row.page.clone(),
+        hash: row.hash.clone(),
+    };
+    rows.iter().filter(is_here).map(info).collect()
 }
 
 fn by_name(values: [f64; Weather::COUNT]) -> BTreeMap<String, f64> {

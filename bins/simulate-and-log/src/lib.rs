@@ -14,6 +14,7 @@ use std::ops::ControlFlow;
 
 use pipeline::{At, Job, Place, Progress, Stage, StageError};
 use random::Stream;
+use schema::catalogue::Catalogue;
 use schema::settings::stages::SimulationSettings;
 use schema::tables::{PlanSceneRow, TILE_STAGE};
 use schema::{ActorKind, Attribute, ObjectId};
@@ -34,7 +35,8 @@ pub const STAGE: Stage<SimulationSettings> = Stage::new(run);
 const VARIANTS: u32 = people::LOOKS;
 
 fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
-    let ScenePlan { scene: plan, agents, hazards } = ScenePlan::read(job)?;
+    let ScenePlan { scene: plan, agents, hazards, models } = ScenePlan::read(job)?;
+    let catalogue = Catalogue::with(&models);
     let map = mapstore::read(job.store(), &plan.map, &plan.map_hash).at(|| job.place())?;
     let (settings, store) = (job.settings().clone(), job.store().clone());
     let scene = job.scene();
@@ -42,12 +44,13 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     let (progress, place) = (job.progress(), job.place());
     let Some(mut unit) = job.unit("scene")? else { return Ok(()) };
     let code_version = pipeline::code_version(TILE_STAGE);
-    let tiles = TileStore::new(&store, (&map, &plan.map_hash), &settings.scenery, code_version);
+    let tiles = TileStore::new(&store, (&map, &plan.map_hash), (&settings.scenery, &catalogue), code_version);
     let tiles = tiles.map_err(|error| failed(error, &place))?;
     let nearby = Nearby::new(&tiles, settings.reach_m);
     let simulated = simulate(
         &SceneInput {
             map: &map,
+            catalogue: &catalogue,
             scene: &plan,
             agents: &agents,
             hazards: &hazards,
@@ -84,7 +87,8 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     let grounds = world.indices().map(|index| tiles.surfaces(index));
     ground::stand(grounds, &mut actors, &mut log.states).map_err(|error| failed(error, &place))?;
 
-    let info = info::scene_info(&plan, &agents, &log, &map, &settings)?;
+    let mut info = info::scene_info(&plan, &agents, &log, &map, &settings)?;
+    info.models = info::models(&models, &actors);
     let labels = Labels::collect(&map, &actors, &log, &info, settings.box_radius_m)?;
     let json = serde_json::to_vec_pretty(&info).at(|| place.clone())?;
     let key = |name: &str| keys::scene(scene, name);

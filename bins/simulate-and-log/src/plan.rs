@@ -3,7 +3,7 @@
 use pipeline::{At, Job, StageError};
 use schema::settings::stages::SimulationSettings;
 use schema::table::Row;
-use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
+use schema::tables::{PlanAgentRow, PlanHazardRow, PlanModelRow, PlanSceneRow};
 use store::keys;
 
 use crate::error::LogError;
@@ -13,6 +13,8 @@ pub(crate) struct ScenePlan {
     pub(crate) scene: PlanSceneRow,
     pub(crate) agents: Vec<PlanAgentRow>,
     pub(crate) hazards: Vec<PlanHazardRow>,
+    /// The models of packs, of all scenes.
+    pub(crate) models: Vec<PlanModelRow>,
 }
 
 impl ScenePlan {
@@ -29,6 +31,8 @@ impl ScenePlan {
         agents.retain(|a| a.scene == number);
         let mut hazards: Vec<PlanHazardRow> = store.read_rows(manifest, keys::PLAN_HAZARDS)?;
         hazards.retain(|h| h.scene == number);
-        Ok(Self { scene, agents, hazards })
+        let has_models = manifest.output(keys::PLAN_MODELS).is_some();
+        let models = if has_models { store.read_rows(manifest, keys::PLAN_MODELS)? } else { Vec::new() };
+        Ok(Self { scene, agents, hazards, models })
     }
 }

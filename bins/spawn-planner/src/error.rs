@@ -31,3 +31,26 @@ pub(crate) enum MapError {
     #[error("missing, and older scenes stand on this map")]
     Gone,
 }
+
+/// A pack of models cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ModelError {
+    /// It is not there.
+    #[error(
+        "models.packs: there is no folder `{written}`, neither below the maps folder nor from where the program runs"
+    )]
+    NoFolder {
+        /// As it is written.
+        written: String,
+    },
+    /// Two packs have a model of one name.
+    #[error("models.packs: `{first}` and `{second}` both have a model `{name}`: remove one of them")]
+    SameName {
+        /// The model.
+        name: String,
+        /// The first pack.
+        first: String,
+        /// The second pack.
+        second: String,
+    },
+}

@@ -2,15 +2,18 @@
 
 mod error;
 mod maps;
+mod models;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use packs::PackModel;
 use pipeline::{At, Job, Place, Stage, StageError, StageSettings};
 use plan::{Plan, PlanMap, Roster, SceneSlot};
+use schema::catalogue::Catalogue;
 use schema::settings::stages::PlanSettings;
 use schema::table::Row;
-use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
+use schema::tables::{PlanAgentRow, PlanHazardRow, PlanModelRow, PlanSceneRow};
 use store::{Scope, Store, keys};
 
 use crate::maps::MapSource;
@@ -18,7 +21,11 @@ use crate::maps::MapSource;
 /// The stage.
 pub const STAGE: Stage<PlanSettings> = Stage {
     run,
-    sources: maps::digests,
+    sources: |settings, folder| {
+        let mut all = maps::digests(settings, folder);
+        all.extend(models::digests(settings, folder));
+        all
+    },
     // Plans without writing, and says what that would come to.
     forecast: Some(|all, folder, store| {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -33,6 +40,7 @@ struct Planned {
     roster: Roster,
     texts: BTreeMap<String, MapSource>,
     maps: BTreeMap<String, PlanMap>,
+    models: Vec<PackModel>,
     plan: Plan,
 }
 
@@ -51,18 +59,22 @@ fn make(as_written: &PlanSettings, folder: Option<&Path>, store: &Store) -> Resu
         let hash = store::hash_bytes(&source.text);
         maps.insert(name.clone(), PlanMap { map: maps::parse(source)?, hash });
     }
-    let plan = plan::plan_slots(&settings, &roster.slots, &maps).at(Place::default)?;
+    let models = models::read(&settings, folder)?;
+    let rows: Vec<PlanModelRow> = models.iter().map(|model| model.row.clone()).collect();
+    let plan =
+        plan::plan_slots(&settings, &roster.slots, &maps, &Catalogue::with(&rows)).at(Place::default)?;
     for warning in roster.warnings.iter().chain(&plan.warnings) {
         tracing::warn!("{warning}");
     }
-    Ok(Planned { roster, texts, maps, plan })
+    Ok(Planned { roster, texts, maps, models, plan })
 }
 
 fn run(job: &mut Job<'_, PlanSettings>) -> Result<(), StageError> {
     let as_written = job.settings().clone();
-    let Planned { roster, texts, maps, plan } = make(&as_written, job.maps_folder(), job.store())?;
+    let Planned { roster, texts, maps, models, plan } = make(&as_written, job.maps_folder(), job.store())?;
+    let rows: Vec<PlanModelRow> = models.iter().map(|model| model.row.clone()).collect();
     for scene in &plan.scenes {
-        job.plan_scene(scene.scene, scene_digest(scene, &plan));
+        job.plan_scene(scene.scene, scene_digest(scene, &plan, &rows));
     }
     let store = job.store().clone();
     if let Some(mut unit) = job.unit("plan")? {
@@ -80,6 +92,10 @@ fn run(job: &mut Job<'_, PlanSettings>) -> Result<(), StageError> {
         unit.rows(keys::PLAN_SCENES, &plan.scenes)?;
         unit.rows(keys::PLAN_AGENTS, &plan.agents)?;
         unit.rows(keys::PLAN_HAZARDS, &plan.hazards)?;
+        if !models.is_empty() {
+            unit.rows(keys::PLAN_MODELS, &rows)?;
+            models::put(&models, &mut unit)?;
+        }
         unit.finish()?;
     }
     Ok(())
@@ -100,12 +116,17 @@ fn enrol(store: &Store, settings: &PlanSettings) -> Result<Roster, StageError> {
 }
 
 /// Digest of everything the plan says about one scene: the simulation of a scene depends on nothing else of it.
-fn scene_digest(scene: &PlanSceneRow, plan: &Plan) -> String {
+fn scene_digest(scene: &PlanSceneRow, plan: &Plan, models: &[PlanModelRow]) -> String {
     let number = scene.scene;
     let agents: Vec<PlanAgentRow> = plan.agents.iter().filter(|a| a.scene == number).cloned().collect();
     let hazards: Vec<PlanHazardRow> = plan.hazards.iter().filter(|h| h.scene == number).cloned().collect();
     let scene = PlanSceneRow::to_columns(std::slice::from_ref(scene));
     // Debug prints every bit of every number that matters: shortest text that reads back the same.
     let (agents, hazards) = (PlanAgentRow::to_columns(&agents), PlanHazardRow::to_columns(&hazards));
-    store::hash_bytes(format!("{scene:?}\n{agents:?}\n{hazards:?}").as_bytes())
+    let mut all = format!("{scene:?}\n{agents:?}\n{hazards:?}");
+    if !models.is_empty() {
+        // Any of them may drive or stand in any scene.
+        all.push_str(&format!("\n{:?}", PlanModelRow::to_columns(models)));
+    }
+    store::hash_bytes(all.as_bytes())
 }

@@ -49,6 +49,13 @@ pub enum Joint {
         /// Number of the door: front left, front right, rear left, rear right.
         door: usize,
     },
+    /// A door that is there when it is closed, too: turns outward about its hinge.
+    Leaf {
+        /// Hinge, object frame, metres.
+        at: Vec3,
+        /// Number of the door.
+        door: usize,
+    },
     /// What shows behind a door that stands open.
     Doorway {
         /// Number of the door.
@@ -161,12 +168,8 @@ impl Joint {
                 let arm = about_y(gear * posture.phase_rad) * Vec3A::from(arm);
                 Affine3A::from_translation(at + Vec3::from(arm))
             }
-            Self::Door { at, door } => {
-                // From the hinge the leaf reaches back: outward is clockwise on the left, counter-clockwise on the right.
-                let angle = open(door)?;
-                let turn = if at.y > 0.0 { -angle } else { angle };
-                Affine3A { matrix3: about_z(turn), translation: Vec3A::from(at) }
-            }
+            Self::Door { at, door } => swung(at, open(door)?),
+            Self::Leaf { at, door } => swung(at, open(door).unwrap_or(0.0)),
             Self::Doorway { door } => open(door).map(|_| Affine3A::IDENTITY)?,
         })
     }
@@ -183,9 +186,16 @@ impl Joint {
         match *self {
             Self::Wheel { at, .. }
             | Self::Door { at, .. }
+            | Self::Leaf { at, .. }
             | Self::Crank { at, .. }
             | Self::Pedal { at, .. } => at,
             Self::Fixed | Self::Bone(_) | Self::Doorway { .. } => Vec3::ZERO,
         }
     }
+}
+
+/// A door's leaf, swung open. From the hinge it reaches back: outward is clockwise on the left, counter-clockwise on the right.
+fn swung(at: Vec3, angle_rad: f32) -> Affine3A {
+    let turn = if at.y > 0.0 { -angle_rad } else { angle_rad };
+    Affine3A { matrix3: about_z(turn), translation: Vec3A::from(at) }
 }

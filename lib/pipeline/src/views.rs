@@ -28,6 +28,7 @@ impl StageSettings for PlanSettings {
             scenes: all.scenes.clone(),
             redraw: all.redraw.clone(),
             agents: all.agents.clone(),
+            models: all.models.clone(),
             timing: all.timing.clone(),
             traffic: all.traffic.clone(),
             walkers: all.walkers.clone(),

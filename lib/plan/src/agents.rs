@@ -8,7 +8,8 @@ use nalgebra::Point3;
 use opendrive::Map;
 use random::Stream;
 use schema::AgentId;
-use schema::models::{Model, find};
+use schema::catalogue::Catalogue;
+use schema::models::Model;
 use schema::settings::stages::PlanSettings;
 use schema::settings::{AgentSettings, SpawnMode, TrafficSettings};
 use schema::tables::PlanAgentRow;
@@ -160,7 +161,10 @@ fn overlap(a: &SpawnPoint, a_size: [f64; 3], b: &SpawnPoint, b_size: [f64; 3]) -
 }
 
 /// The catalogue entries of the configured vehicle models.
-pub(crate) fn vehicle_models(settings: &AgentSettings) -> Result<Vec<&'static Model>, PlanError> {
+pub(crate) fn vehicle_models(
+    settings: &AgentSettings,
+    catalogue: &Catalogue,
+) -> Result<Vec<&'static Model>, PlanError> {
     let bad = |setting, problem: &str| PlanError::BadSetting { setting, problem: problem.into() };
     if settings.vehicle_models.is_empty() {
         return Err(bad("agents.vehicle_models", "is empty"));
@@ -169,7 +173,8 @@ pub(crate) fn vehicle_models(settings: &AgentSettings) -> Result<Vec<&'static Mo
         return Err(bad("agents.vehicle_colors", "is empty"));
     }
     let known = |name: &String| {
-        find(name)
+        catalogue
+            .find(name)
             .filter(|m| m.wheelbase_m > 0.0)
             .ok_or_else(|| PlanError::UnknownModel { model: name.clone() })
     };

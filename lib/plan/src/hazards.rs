@@ -6,7 +6,8 @@
 use nalgebra::Point3;
 use opendrive::{LanePos, Map};
 use random::Stream;
-use schema::models::{Model, vehicles};
+use schema::catalogue::Catalogue;
+use schema::models::Model;
 use schema::settings::HazardSettings;
 use schema::tables::PlanHazardRow;
 use schema::{HazardKind, fleet};
@@ -28,6 +29,8 @@ const LARGE: usize = 7;
 pub(crate) struct Surroundings<'a> {
     pub(crate) map: &'a Map,
     pub(crate) pool: &'a SpawnPool,
+    /// The models that vehicles of accidents are drawn from.
+    pub(crate) catalogue: &'a Catalogue,
     /// Where data-collection vehicles start.
     pub(crate) agents: Vec<Point3<f64>>,
     /// Hazards lie within this distance of an agent, metres.
@@ -113,8 +116,8 @@ impl Surroundings<'_> {
         let with_emergency = stream.chance(settings.emergency_share);
         let pick = |stream: &mut Stream, emergency: bool| {
             let fit: Vec<&'static Model> =
-                vehicles().filter(|m| fleet::is_emergency(m) == emergency).collect();
-            stream.choose_weighted(&fit, |m| fleet::weight(m)).copied()
+                self.catalogue.vehicles().filter(|m| fleet::is_emergency(m) == emergency).collect();
+            stream.choose_weighted(&fit, |m| self.catalogue.weight(m)).copied()
         };
         let mut models = vec![pick(stream, false)?, pick(stream, false)?];
         if with_emergency {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use opendrive::Map;
 use random::Stream;
+use schema::catalogue::Catalogue;
 use schema::settings::SpawnMode;
 use schema::settings::stages::PlanSettings;
 use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
@@ -52,15 +53,15 @@ pub struct PlannedScene {
     pub warnings: Vec<String>,
 }
 
-/// Plans a new dataset.
+/// Plans a new dataset with the built-in models.
 ///
 /// # Errors
 /// When a map is missing or has no place for vehicles, or a setting cannot be followed.
 pub fn plan(settings: &PlanSettings, maps: &BTreeMap<String, PlanMap>) -> Result<Plan, PlanError> {
-    plan_slots(settings, &scene_slots(settings)?, maps)
+    plan_slots(settings, &scene_slots(settings)?, maps, Catalogue::built_in())
 }
 
-/// Plans the scenes of a roster.
+/// Plans the scenes of a roster with the models of a catalogue.
 ///
 /// # Errors
 /// As [`plan`].
@@ -68,6 +69,7 @@ pub fn plan_slots(
     settings: &PlanSettings,
     slots: &[SceneSlot],
     maps: &BTreeMap<String, PlanMap>,
+    catalogue: &Catalogue,
 ) -> Result<Plan, PlanError> {
     let mut pools: BTreeMap<&str, SpawnPool> = BTreeMap::new();
     let mut plan = Plan::default();
@@ -78,7 +80,7 @@ pub fn plan_slots(
         };
         let pool =
             pools.entry(name).or_insert_with(|| SpawnPool::new(&map.map, settings.agents.spawn_separation_m));
-        let planned = plan_scene(settings, slot, map, pool)?;
+        let planned = plan_scene(settings, slot, map, pool, catalogue)?;
         plan.scenes.push(planned.scene);
         plan.agents.extend(planned.agents);
         plan.hazards.extend(planned.hazards);
@@ -138,9 +140,10 @@ pub fn plan_scene(
     slot: &SceneSlot,
     map: &PlanMap,
     pool: &SpawnPool,
+    catalogue: &Catalogue,
 ) -> Result<PlannedScene, PlanError> {
     check_pool(pool, &slot.map)?;
-    let models = vehicle_models(&settings.agents)?;
+    let models = vehicle_models(&settings.agents, catalogue)?;
     let number = slot.scene;
     let seed = slot.seed(settings.seed);
     let stream = |topic, entity| Stream::new(seed, u64::from(number), topic, entity);
@@ -178,6 +181,7 @@ pub fn plan_scene(
     let surroundings = Surroundings {
         map: &map.map,
         pool,
+        catalogue,
         agents: placement.starts.iter().map(|start| start.xyz_m).collect(),
         radius_m: radius,
         clearance_m: 0.5 * settings.agents.spawn_separation_m,

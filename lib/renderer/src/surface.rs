@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
-use glam::{DVec3, Mat3, Vec3};
+use glam::{DVec3, Mat3, Vec2, Vec3};
 use lanes::{LANES, Lanes, Vec3s};
 use schema::geometry::{Instance, Part, Snapshot, TriMesh};
+use schema::skin::Skin;
 
 use crate::bend::Bend;
 use crate::buffer::VisibilityBuffer;
@@ -131,6 +132,13 @@ impl<'v, 'a> Facet<'v, 'a> {
     #[must_use]
     pub fn camera_object_m(&self) -> Vec3 {
         self.view.origin
+    }
+
+    /// The pictures on its mesh, if it has some, and where its corners are in them.
+    #[must_use]
+    pub fn skin(&self) -> Option<(&'a Skin, [Vec2; 3])> {
+        let skin = self.view.mesh.skin.as_deref()?;
+        Some((skin, *skin.corners.get(self.triangle as usize)?))
     }
 
     /// How light bends over it; `None` where it is flat.

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod models;
 mod replay;
 
 pub use replay::{Replay, ReplayError};

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::models::{self, ModelError};
 use opendrive::Map;
 use scene::{SceneError, SceneLog, SceneReader, read_ground};
 use schema::ObjectId;
@@ -15,6 +16,9 @@ pub enum ReplayError {
     /// Its log cannot be read.
     #[error("{0}")]
     Scene(#[from] SceneError),
+    /// A model of a pack cannot be read.
+    #[error("{0}")]
+    Model(#[from] ModelError),
     /// Its map cannot be read.
     #[error("{0}")]
     Map(#[from] mapstore::MapError),
@@ -45,9 +49,10 @@ impl Replay {
     pub fn open(scene: &SceneReader) -> Result<Self, ReplayError> {
         let log = SceneLog::read(scene)?;
         let map = mapstore::read(scene.store(), &log.info.map, &log.info.map_hash)?;
+        let models = models::read(scene.store(), &log.info.models)?;
         let number = scene.scene();
         let wrong = |source| ReplayError::World { scene: number, source };
-        let mut world = SceneWorld::new(&log.actors, read_ground(scene)?).map_err(wrong)?;
+        let mut world = SceneWorld::with_models(&log.actors, read_ground(scene)?, &models).map_err(wrong)?;
         world.set_lamps(&log.lamps);
         Ok(Self { log, map, world })
     }

@@ -17,6 +17,7 @@ mod site;
 mod swept;
 mod trees;
 
+use schema::catalogue::Catalogue;
 use schema::settings::SceneryRules;
 use schema::tables::TileObjectRow;
 use surfaces::{AreaGround, Ground};
@@ -30,15 +31,15 @@ use land::Land;
 use site::Site;
 
 /// What stands in an area: traffic lights and signs of the map, parked vehicles, buildings, street lamps, fences, trees,
-/// street furniture, racks with bicycles and the signs that roads have besides, in this order. It follows from the map, the rules
-/// and the area alone; areas side by side have each thing once, as it would be if they were one.
+/// street furniture, racks with bicycles and the signs that roads have besides, in this order. It follows from the map, the rules,
+/// the models that may be parked and the area alone; areas side by side have each thing once, as it would be if they were one.
 ///
 /// Rows of lights and signs describe the housing or board alone (origin: centre of its bottom face, x: the way it faces);
 /// their poles belong to the same mesh and reach down to the ground, whose height is the attribute `ground_z_m`.
 #[must_use]
-pub fn place(ground: &AreaGround<'_>, rules: &SceneryRules) -> Vec<TileObjectRow> {
+pub fn place(ground: &AreaGround<'_>, rules: &SceneryRules, catalogue: &Catalogue) -> Vec<TileObjectRow> {
     let tracks = ground.sections.iter().flat_map(|s| &s.strips).any(|s| s.ground == Ground::Track);
-    let site = Site { map: ground.map(), rules, ground };
+    let site = Site { map: ground.map(), rules, catalogue, ground };
     let fronts = frontage::frontages(ground.map(), &ground.sections);
     let islands = Islands::new(&ground.levels.cover, &ground.around);
     let mut drafts: Vec<Draft> = Vec::new();
@@ -81,7 +82,7 @@ mod tests {
         let rules = SceneryRules::default();
         let place_in = |x: f64, y: f64, side: f64| {
             let area = Region { min: [x, y], max: [x + side, y + side] };
-            place(&atlas.ground(&area), &rules)
+            place(&atlas.ground(&area), &rules, Catalogue::built_in())
         };
         let whole = sorted(place_in(corner[0], corner[1], 384.0));
         let parts = (0..9).flat_map(|k| {
@@ -102,7 +103,7 @@ mod tests {
 
     fn all_of(map: &Map, corner: [f64; 2], side: f64) -> Vec<TileObjectRow> {
         let area = Region { min: corner, max: corner.map(|v| v + side) };
-        place(&Atlas::new(map).ground(&area), &SceneryRules::default())
+        place(&Atlas::new(map).ground(&area), &SceneryRules::default(), Catalogue::built_in())
     }
 
     fn yaw(object: &TileObjectRow) -> f64 {

@@ -8,6 +8,7 @@ use frames::{OrientedRect, wrap_pi};
 use nalgebra::{Point3, Vector3};
 use opendrive::{LaneInfo, LaneType};
 use random::Stream;
+use schema::catalogue::Catalogue;
 use schema::models::{self, BaseType, Model};
 use schema::{ActorKind, fleet};
 
@@ -43,6 +44,8 @@ const BUSES: f64 = 0.006;
 const MOTORCYCLES: f64 = 0.012;
 /// Trucks and buses stand out of their places towards the road by at most this, metres, where traffic has room for that.
 const OUT_M: f64 = 0.25;
+/// The longest vehicle that parks, metres: [`reach_m::PARKED`] counts on it.
+const LONGEST_M: f64 = 12.5;
 /// Distance between motorcycles side by side, metres.
 const SIDE_BY_SIDE_M: f64 = 1.05;
 /// Places in a row: their middles are a length apart within this, metres, and they point the same way within this, radians.
@@ -92,7 +95,7 @@ pub(crate) fn keep_spaces(site: &Site<'_>, land: &mut Land<'_>) {
 }
 
 pub(crate) fn parked(site: &Site<'_>, land: &mut Land<'_>, drafts: &mut Vec<Draft>) {
-    let models = Models::new();
+    let models = Models::of(site.catalogue);
     let near = |bay: &Bay| site.near(bay.at.x, bay.at.y, reach_m::PARKED + 1.0);
     let mut candidates = Vec::new();
     for row in [marked_bays(site), lane_bays(site)] {
@@ -114,17 +117,22 @@ pub(crate) fn parked(site: &Site<'_>, land: &mut Land<'_>, drafts: &mut Vec<Draf
     }
 }
 
+/// A model, and how common it is among those that stand alike.
+type Common = (&'static Model, f64);
+
 /// What is parked, by how it stands.
 struct Models {
-    ordinary: Vec<&'static Model>,
-    trucks: Vec<&'static Model>,
-    buses: Vec<&'static Model>,
-    motorcycles: Vec<&'static Model>,
+    ordinary: Vec<Common>,
+    trucks: Vec<Common>,
+    buses: Vec<Common>,
+    motorcycles: Vec<Common>,
 }
 
 impl Models {
-    fn new() -> Self {
-        let civil = || models::vehicles().filter(|m| m.special != "emergency");
+    fn of(catalogue: &Catalogue) -> Self {
+        let fits = |m: &&'static Model| m.special != "emergency" && m.size_m[0] <= LONGEST_M;
+        let civil = || catalogue.vehicles().filter(fits);
+        let common = |m: &'static Model| -> Common { (m, catalogue.weight(m)) };
         let is_long = |m: &&'static Model| m.base == BaseType::Truck && m.size_m[0] > PLACE_M;
         let ordinary = |m: &&'static Model| {
             matches!(m.base, BaseType::Car | BaseType::Van) || m.base == BaseType::Truck && !is_long(m)
@@ -132,10 +140,10 @@ impl Models {
         let motorcycles = models::PARKED_TWO_WHEELERS.iter().filter(|m| m.base == BaseType::Motorcycle);
         let motorcycles = motorcycles.filter(|m| m.special != "emergency");
         Self {
-            ordinary: civil().filter(ordinary).collect(),
-            trucks: civil().filter(is_long).collect(),
-            buses: civil().filter(|m| m.base == BaseType::Bus).collect(),
-            motorcycles: motorcycles.collect(),
+            ordinary: civil().filter(ordinary).map(common).collect(),
+            trucks: civil().filter(is_long).map(common).collect(),
+            buses: civil().filter(|m| m.base == BaseType::Bus).map(common).collect(),
+            motorcycles: motorcycles.map(|m| (m, fleet::weight(m))).collect(),
         }
     }
 }
@@ -308,8 +316,8 @@ fn motorcycles(
 }
 
 /// Some vehicle about the middle of a place.
-fn drawn(random: &mut Stream, models: &[&'static Model], bay: &Bay) -> Option<Stand> {
-    let model = random.choose_weighted(models, |m| fleet::weight(m)).copied()?;
+fn drawn(random: &mut Stream, models: &[Common], bay: &Bay) -> Option<Stand> {
+    let (model, _) = random.choose_weighted(models, |(_, weight)| *weight).copied()?;
     let colour = random.choose(&COLOURS).copied().unwrap_or([128; 3]);
     let shift = random.uniform(-0.25, 0.25);
     let turn_rad = random.normal(0.0, 0.012);

@@ -1,6 +1,7 @@
 //! What placing rules look at.
 
 use opendrive::Map;
+use schema::catalogue::Catalogue;
 use schema::settings::SceneryRules;
 use surfaces::{AreaGround, GroundLevels};
 
@@ -13,6 +14,7 @@ pub(crate) const POLE_M: f64 = 0.14;
 pub(crate) struct Site<'a> {
     pub(crate) map: &'a Map,
     pub(crate) rules: &'a SceneryRules,
+    pub(crate) catalogue: &'a Catalogue,
     pub(crate) ground: &'a AreaGround<'a>,
 }
 

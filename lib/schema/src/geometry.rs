@@ -5,6 +5,7 @@ use std::sync::Arc;
 use frames::{Aabb, LocalOrigin};
 use glam::{Affine3A, Vec3};
 
+use crate::skin::{Finish, Skin};
 use crate::{Layer, Normal, ObjectId, Tag};
 
 /// What a part of a mesh is made of; shading decides from it how the part looks.
@@ -44,6 +45,8 @@ pub enum Surface {
     Facade(Wall),
     /// Emits light while one of these [`crate::lights`] bits is set on its instance.
     Lamp(u32),
+    /// As the mesh's own [`Skin`] shows it; the part's colour is its mean.
+    Skin(Finish),
 }
 
 impl Surface {
@@ -101,6 +104,8 @@ pub struct TriMesh {
     pub parts: Vec<Part>,
     /// Normals for light at the corners of each triangle ; empty where all are flat.
     pub corner_normals: Vec<[Normal; 3]>,
+    /// Pictures on it, where it has some of its own.
+    pub skin: Option<Arc<Skin>>,
 }
 
 impl TriMesh {

@@ -20,6 +20,24 @@ pub enum BaseType {
 }
 
 impl BaseType {
+    /// All of them.
+    pub const ALL: [Self; 9] = {
+        use BaseType::*;
+        [Car, Van, Truck, Bus, Motorcycle, Bicycle, Pedestrian, Cone, Barrier]
+    };
+
+    /// The type of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|base| base.name() == name)
+    }
+
+    /// Whether it drives, and so has wheels and an engine or pedals.
+    #[must_use]
+    pub fn is_driven(self) -> bool {
+        !matches!(self, Self::Pedestrian | Self::Cone | Self::Barrier)
+    }
+
     /// Name in attributes.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -79,12 +97,28 @@ pub struct Model {
     pub wheel_radius_m: f64,
     /// `emergency`, `taxi`, `electric`, of people `police`, `worker`, `wheelchair`; or empty.
     pub special: &'static str,
+    /// What a pack says of its model, which follows from kind and name of all others.
+    pub own: Option<OwnFacts>,
+}
+
+/// What only the maker of a model knows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OwnFacts {
+    /// Doors that open: none, the two in front, or four.
+    pub doors: u8,
+    /// Wheels.
+    pub wheels: u8,
+    /// Whether it has lamps.
+    pub has_lights: bool,
 }
 
 impl Model {
     /// Doors that open: the two in front, or four; none of trucks, buses, large vans and two-wheelers.
     #[must_use]
     pub fn doors(&self) -> usize {
+        if let Some(own) = self.own {
+            return own.doors.into();
+        }
         match (self.base, self.name) {
             // Theirs slide, or are too high to be told from the body.
             (BaseType::Van, "van.parcel" | "van.motorhome") => 0,
@@ -139,13 +173,15 @@ impl Model {
             }
             BaseType::Cone | BaseType::Barrier => facts,
             _ => {
-                let wheels = match self.base {
-                    BaseType::Motorcycle | BaseType::Bicycle => 2,
+                let wheels = match (self.own, self.base) {
+                    (Some(own), _) => own.wheels.into(),
+                    (None, BaseType::Motorcycle | BaseType::Bicycle) => 2,
                     _ => 2 * self.axles(),
                 };
+                let has_lights = self.own.map_or(self.base != BaseType::Bicycle, |own| own.has_lights);
                 facts
                     .with(Attribute::NumberOfWheels, wheels)
-                    .with(Attribute::HasLights, self.base != BaseType::Bicycle)
+                    .with(Attribute::HasLights, has_lights)
                     .with(Attribute::HasDynamicDoors, self.doors() > 0)
                     .with(Attribute::Generation, GENERATION)
             }
@@ -164,7 +200,7 @@ const fn model(
     wheel_radius_m: f64,
     special: &'static str,
 ) -> Model {
-    Model { name, base, size_m, wheelbase_m, wheel_radius_m, special }
+    Model { name, base, size_m, wheelbase_m, wheel_radius_m, special, own: None }
 }
 
 /// All models, in catalogue order.

@@ -22,6 +22,9 @@ pub struct SceneInfo {
     pub map: String,
     /// BLAKE3 of the map's OpenDRIVE text: the map is `maps/MAP.xodr.zst` in the store.
     pub map_hash: String,
+    /// Models of packs that are in the scene, by name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub models: Vec<PackedModelInfo>,
     /// The map's geographic reference, as written in the map.
     pub geo_reference: String,
     /// Seed of the scene's random streams.
@@ -83,6 +86,17 @@ pub struct SceneInfo {
     pub drivers: Vec<DriverInfo>,
     /// The programs of the traffic lights: signals that show the same, one entry.
     pub signal_groups: Vec<SignalGroupInfo>,
+}
+
+/// A model of a pack that is in a scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PackedModelInfo {
+    /// Its name; its files are in `models/NAME` of the store.
+    pub name: String,
+    /// The file among these that describes it.
+    pub page: String,
+    /// BLAKE3 of its files.
+    pub hash: String,
 }
 
 /// The driver of a background vehicle.
@@ -176,6 +190,7 @@ mod tests {
             hazards: vec![HazardInfo::default()],
             drivers: vec![DriverInfo::default()],
             signal_groups: vec![SignalGroupInfo::default()],
+            models: vec![PackedModelInfo::default()],
             ..SceneInfo::default()
         };
         let mut found = Vec::new();

@@ -47,6 +47,7 @@ fn reflectivity(part: &Part) -> f64 {
         Surface::Paint | Surface::Metal => 0.5,
         Surface::Lamp(_) | Surface::Glass | Surface::Window => 0.25,
         Surface::Concrete | Surface::Facade(_) => 0.2,
+        Surface::Skin(finish) => 0.15 + 0.35 * f64::from(finish.metallic),
         Surface::Plain | Surface::Gravel | Surface::RoofTiles => 0.15,
         Surface::Cloth => 0.1,
         Surface::Rubber | Surface::Wood => 0.08,

@@ -86,6 +86,8 @@ pub const ROSTER: &str = "plan/roster.json";
 pub const PLAN_SCENES: &str = "plan/scenes.parquet";
 /// Planned hazards.
 pub const PLAN_HAZARDS: &str = "plan/hazards.parquet";
+/// Models of packs.
+pub const PLAN_MODELS: &str = "plan/models.parquet";
 /// Planned agents.
 pub const PLAN_AGENTS: &str = "plan/agents.parquet";
 
@@ -99,6 +101,12 @@ pub fn map(name: &str) -> String {
 #[must_use]
 pub fn vector_map(name: &str) -> String {
     format!("maps/{name}.vector.parquet")
+}
+
+/// A file of a model of a pack, by the model's name and its path in the pack.
+#[must_use]
+pub fn model_file(model: &str, path: &str) -> String {
+    format!("models/{model}/{path}")
 }
 
 /// A file of a scene, by its name in the scene's folder.

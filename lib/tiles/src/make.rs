@@ -1,6 +1,7 @@
 //! Making tiles.
 
 use opendrive::Map;
+use schema::catalogue::Catalogue;
 use schema::geometry::SurfaceMesh;
 use schema::settings::SceneryRules;
 use schema::tables::{ActorRow, TileObjectRow};
@@ -32,13 +33,14 @@ pub struct Surroundings {
 pub struct TileMaker<'a> {
     atlas: Atlas<'a>,
     rules: &'a SceneryRules,
+    catalogue: &'a Catalogue,
 }
 
 impl<'a> TileMaker<'a> {
-    /// A maker for a map and the rules of its scenery.
+    /// A maker for a map, the rules of its scenery, and the models that may be parked.
     #[must_use]
-    pub fn new(map: &'a Map, rules: &'a SceneryRules) -> Self {
-        Self { atlas: Atlas::new(map), rules }
+    pub fn new(map: &'a Map, rules: &'a SceneryRules, catalogue: &'a Catalogue) -> Self {
+        Self { atlas: Atlas::new(map), rules, catalogue }
     }
 
     /// A tile.
@@ -46,7 +48,7 @@ impl<'a> TileMaker<'a> {
     pub fn make(&self, index: TileIndex) -> Tile {
         let min = index.low_m();
         let ground = self.atlas.ground(&Region { min, max: min.map(|v| v + TILE_M) });
-        Tile { surfaces: ground.surfaces(), objects: scenery::place(&ground, self.rules) }
+        Tile { surfaces: ground.surfaces(), objects: scenery::place(&ground, self.rules, self.catalogue) }
     }
 
     /// The tiles within reach of some places, numbered from `first_id` on.

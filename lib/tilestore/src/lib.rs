@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use opendrive::Map;
 use rayon::prelude::*;
 use schema::Layer;
+use schema::catalogue::Catalogue;
 use schema::geometry::SurfaceMesh;
 use schema::settings::SceneryRules;
 use schema::tables::{SurfaceRow, TILE_STAGE, TileObjectRow};
@@ -50,6 +51,7 @@ pub struct TileStore<'a> {
     store: &'a Store,
     map: &'a Map,
     rules: &'a SceneryRules,
+    catalogue: &'a Catalogue,
     set: u64,
     code_version: &'a str,
     config_hash: String,
@@ -59,17 +61,23 @@ pub struct TileStore<'a> {
 }
 
 impl<'a> TileStore<'a> {
-    /// The tiles of a map (with the BLAKE3 of its text) by some rules, as code of a version makes them.
+    /// The tiles of a map (with the BLAKE3 of its text) by some rules and with the models of a catalogue, as code of a version makes
+    /// them.
     ///
     /// # Errors
     /// The rules cannot be written down.
     pub fn new(
         store: &'a Store,
         (map, map_hash): (&'a Map, &'a str),
-        rules: &'a SceneryRules,
+        (rules, catalogue): (&'a SceneryRules, &'a Catalogue),
         code_version: &'a str,
     ) -> Result<Self, TileError> {
-        let config_hash = store::hash_bytes(&serde_json::to_vec(rules).map_err(TileError::Rules)?);
+        let mut config = serde_json::to_vec(rules).map_err(TileError::Rules)?;
+        if !catalogue.is_built_in() {
+            // Who is parked and how large that is. (Debug prints every bit of numbers that matters.)
+            config.extend(format!("{catalogue:?}").into_bytes());
+        }
+        let config_hash = store::hash_bytes(&config);
         let all = store::hash_bytes(format!("{map_hash} {config_hash} {code_version}").as_bytes());
         // The first 64 of its 256 bits; the manifests hold the parts themselves.
         let set = all
@@ -77,7 +85,7 @@ impl<'a> TileStore<'a> {
             .take(16)
             .fold(0, |set, digit| set << 4 | u64::from((digit as char).to_digit(16).unwrap_or_default()));
         let (maker, known) = (OnceLock::new(), Mutex::default());
-        Ok(Self { store, map, rules, set, code_version, config_hash, map_hash, maker, known })
+        Ok(Self { store, map, rules, catalogue, set, code_version, config_hash, map_hash, maker, known })
     }
 
     /// The number of the set: that of its folder.
@@ -152,7 +160,8 @@ impl<'a> TileStore<'a> {
                 return Ok((manifest, None));
             }
         };
-        let tile = self.maker.get_or_init(|| TileMaker::new(self.map, self.rules)).make(index);
+        let tile =
+            self.maker.get_or_init(|| TileMaker::new(self.map, self.rules, self.catalogue)).make(index);
         if let Some(mut unit) = attempt.unit("tile")? {
             let surfaces: Vec<SurfaceRow> = tile.surfaces.iter().map(SurfaceRow::from).collect();
             unit.rows(&keys::tile(self.set, index, "surfaces"), &surfaces)?;

@@ -7,6 +7,7 @@ use std::ops::ControlFlow;
 use nalgebra::Point3;
 use opendrive::Map;
 use schema::ObjectId;
+use schema::catalogue::Catalogue;
 use schema::scene_info::{DriverInfo, HazardInfo, SignalGroupInfo};
 use schema::settings::stages::SimulationSettings;
 use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, SignalRow, StateRow};
@@ -19,6 +20,7 @@ use schema::tile::TileIndex;
 ///
 /// use opendrive::Map;
 /// use schema::AgentId;
+/// use schema::catalogue::Catalogue;
 /// use schema::settings::stages::SimulationSettings;
 /// use schema::tables::{PlanAgentRow, PlanSceneRow};
 /// use traffic::{SceneInput, simulate};
@@ -43,6 +45,7 @@ use schema::tile::TileIndex;
 /// };
 /// let input = SceneInput {
 ///     map: &map,
+///     catalogue: Catalogue::built_in(),
 ///     scene: &scene,
 ///     agents: &[agent],
 ///     hazards: &[],
@@ -60,6 +63,8 @@ use schema::tile::TileIndex;
 pub struct SceneInput<'a> {
     /// The scene's map.
     pub map: &'a Map,
+    /// The models that there are.
+    pub catalogue: &'a Catalogue,
     /// The scene's plan.
     pub scene: &'a PlanSceneRow,
     /// Its agents: vehicles, then RSUs, each in the order of their numbers.

@@ -240,7 +240,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let centre: [f64; 3] = here.position.coords.into();
     let rules = SceneryRules::default();
     let clock = std::time::Instant::now();
-    let Surroundings { actors, ground } = TileMaker::new(&map, &rules).around(&[centre], 300.0, 1)?;
+    let Surroundings { actors, ground } =
+        TileMaker::new(&map, &rules, schema::catalogue::Catalogue::built_in()).around(&[centre], 300.0, 1)?;
     println!("tiles {:?}: {} actors", clock.elapsed(), actors.len());
     let clock = std::time::Instant::now();
     let world = SceneWorld::new(&actors, ground)?;

@@ -32,4 +32,4 @@ mod error;
 mod world;
 
 pub use error::WorldError;
-pub use world::{Moment, SceneWorld};
+pub use world::{Moment, OwnModels, SceneWorld};

@@ -147,6 +147,9 @@ pub struct SceneWorld {
     movers: BTreeMap<ObjectId, Mover>,
 }
 
+/// Models that are not made by rule, by name: they stand for the built-in ones of that name.
+pub type OwnModels = BTreeMap<String, ActorMesh>;
+
 /// Meshes while they are gathered: identical models share theirs.
 #[derive(Default)]
 struct Library {
@@ -156,11 +159,13 @@ struct Library {
     models: BTreeMap<ModelKey, Pieces>,
 }
 
-fn model_key(actor: &ActorRow) -> ModelKey {
+fn model_key(actor: &ActorRow, own: &OwnModels) -> ModelKey {
     // Road-side units may carry any model name: their body is a pole.
     let model = if actor.kind == ActorKind::Rsu { "pole.rsu" } else { actor.model.as_str() };
     let size = [actor.length_m, actor.width_m, actor.height_m];
-    (model.to_owned(), size.map(f64::to_bits), street_lamps::shape_variant(actor))
+    // A model of a pack has one shape.
+    let variant = if own.contains_key(model) { 0 } else { street_lamps::shape_variant(actor) };
+    (model.to_owned(), size.map(f64::to_bits), variant)
 }
 
 impl Library {
@@ -170,18 +175,21 @@ impl Library {
     }
 
     /// A library with the models of some rows at hand: they are made side by side, and numbered when they are asked for.
-    fn with_models_of(rows: &[&ActorRow]) -> Self {
-        let keys: BTreeSet<ModelKey> = rows.iter().map(|actor| model_key(actor)).collect();
+    fn with_models_of(rows: &[&ActorRow], own: &OwnModels) -> Self {
+        let keys: BTreeSet<ModelKey> = rows.iter().map(|actor| model_key(actor, own)).collect();
         let make = |key: ModelKey| {
-            let made = actor_mesh(&key.0, key.1.map(f64::from_bits), key.2)?;
+            let made = match own.get(&key.0) {
+                Some(own) => own.clone(),
+                None => actor_mesh(&key.0, key.1.map(f64::from_bits), key.2)?,
+            };
             Some((key, made))
         };
         let keys: Vec<ModelKey> = keys.into_iter().collect();
         Self { made: keys.into_par_iter().filter_map(make).collect(), ..Self::default() }
     }
 
-    fn pieces(&mut self, actor: &ActorRow) -> Option<Pieces> {
-        let key = model_key(actor);
+    fn pieces(&mut self, actor: &ActorRow, own: &OwnModels) -> Option<Pieces> {
+        let key = model_key(actor, own);
         if let Some(known) = self.models.get(&key) {
             return Some(known.clone());
         }
@@ -223,6 +231,18 @@ impl SceneWorld {
     /// # Errors
     /// An id is used twice, a model is unknown, or a row has numbers that are not usable.
     pub fn new(actors: &[ActorRow], ground: Vec<SurfaceMesh>) -> Result<Self, WorldError> {
+        Self::with_models(actors, ground, &OwnModels::new())
+    }
+
+    /// The same, with models of packs.
+    ///
+    /// # Errors
+    /// As [`SceneWorld::new`].
+    pub fn with_models(
+        actors: &[ActorRow],
+        ground: Vec<SurfaceMesh>,
+        own: &OwnModels,
+    ) -> Result<Self, WorldError> {
         let mut rows: Vec<&ActorRow> = actors.iter().collect();
         rows.sort_by_key(|a| a.id);
         if let Some(pair) = rows.windows(2).find(|p| p[0].id == p[1].id) {
@@ -231,7 +251,7 @@ impl SceneWorld {
         let layers = layers(&rows)?;
         rows.retain(|actor| actor.kind != ActorKind::Surface);
         rows.iter().try_for_each(|actor| check(actor))?;
-        let mut library = Library::with_models_of(&rows);
+        let mut library = Library::with_models_of(&rows, own);
         let mut world = Self {
             meshes: Arc::new([]),
             fixed: Vec::new(),
@@ -242,7 +262,7 @@ impl SceneWorld {
         world.add_ground(&layers, ground, &mut library);
         for actor in rows {
             let unknown = || WorldError::UnknownModel { id: actor.id, model: actor.model.clone() };
-            let model = library.pieces(actor).ok_or_else(unknown)?;
+            let model = library.pieces(actor, own).ok_or_else(unknown)?;
             let paint = linear_rgb(&actor.color);
             if actor.fixed {
                 world.add_fixed(actor, &model, paint, &library);

@@ -36,6 +36,7 @@ fn name_of(surface: &Surface) -> &'static str {
         Surface::RoofTiles => "roof tiles",
         Surface::Facade(_) => "facade",
         Surface::Lamp(_) => "lamp",
+        Surface::Skin(_) => "skin",
     }
 }
 

@@ -89,6 +89,8 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
     let annotation = annotation(&root.section("annotation", "which objects are annotated"));
     let tracks = tracks(&root.section("tracks", "objects followed over a scene"));
     let bev = bev(&root.section("bev", "bird's-eye-view masks"));
+    let models = scenario::models(&root.section("models", "models besides the built-in ones"));
+    let has_packs = !models.is_built_in();
     let [(vehicle_rig, vehicle_occupancy), (rsu_rig, rsu_occupancy)] = rigs::of_kinds(root);
     let own_rigs = rigs::own(root);
     let settings = DatasetSettings {
@@ -97,7 +99,8 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
         seed,
         scenes,
         redraw,
-        agents: scenario::agents(&root.section("agents", "data-collection vehicles and RSUs")),
+        models,
+        agents: scenario::agents(&root.section("agents", "data-collection vehicles and RSUs"), !has_packs),
         timing: scenario::timing(&root.section("timing", "warm-up and durations")),
         traffic: scenario::traffic(&root.section("traffic", "background vehicles and drivers")),
         walkers: scenario::walkers(&root.section("walkers", "pedestrians")),

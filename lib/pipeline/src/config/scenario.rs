@@ -2,8 +2,8 @@
 
 use frames::deg;
 use schema::settings::{
-    AgentSettings, GivenStart, HazardSettings, LightSettings, SceneCount, SceneryRules, SpawnMode, Split,
-    TimingSettings, TrafficSettings, WalkerSettings, WeatherSettings, WorldSettings,
+    AgentSettings, GivenStart, HazardSettings, LightSettings, ModelSettings, SceneCount, SceneryRules,
+    SpawnMode, Split, TimingSettings, TrafficSettings, WalkerSettings, WeatherSettings, WorldSettings,
 };
 use schema::tables::Weather;
 
@@ -53,7 +53,23 @@ fn redraw(scenes: &Section<'_>) -> Vec<(u32, u32)> {
     draws.into_iter().filter_map(read).collect()
 }
 
-pub(crate) fn agents(s: &Section<'_>) -> AgentSettings {
+pub(crate) fn models(s: &Section<'_>) -> ModelSettings {
+    let packs = s.texts(
+        "packs",
+        &[],
+        "folders with glTF models (docs/packs.md), below the maps folder or from where the program runs",
+    );
+    for (i, pack) in packs.iter().enumerate() {
+        if pack.is_empty() || packs[..i].contains(pack) {
+            let problem = if pack.is_empty() { "is empty" } else { "is named twice" };
+            s.fault_at("packs", format!("`models.packs`: folder `{pack}` {problem}"));
+        }
+    }
+    ModelSettings { packs }
+}
+
+/// `all_known`: there are no models but the built-in ones.
+pub(crate) fn agents(s: &Section<'_>, all_known: bool) -> AgentSettings {
     let d = AgentSettings::default();
     let settings = AgentSettings {
         min_vehicles: s.integer(
@@ -124,7 +140,7 @@ pub(crate) fn agents(s: &Section<'_>) -> AgentSettings {
     ordered(s, "min_vehicles", settings.min_vehicles, "max_vehicles", settings.max_vehicles);
     ordered(s, "min_rsus", settings.min_rsus, "max_rsus", settings.max_rsus);
     for model in &settings.vehicle_models {
-        if schema::models::find(model).is_none_or(|m| m.wheelbase_m <= 0.0) {
+        if all_known && schema::models::find(model).is_none_or(|m| m.wheelbase_m <= 0.0) {
             s.fault_at("vehicle_models", format!("`agents.vehicle_models`: no vehicle model `{model}`"));
         }
     }

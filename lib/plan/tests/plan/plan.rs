@@ -6,6 +6,7 @@ use nalgebra::Point3;
 use opendrive::{Cubic, Lane, LaneSection, LaneType, Map};
 use plan::{PlanError, PlanMap, SceneSlot, SpawnPool, plan, plan_scene, scene_slots};
 use proptest::prelude::*;
+use schema::catalogue::Catalogue;
 use schema::settings::stages::PlanSettings;
 use schema::settings::{GivenStart, SceneCount, SpawnMode, Split};
 use testkit::{real_map, road, straight_road};
@@ -103,7 +104,7 @@ fn a_scene_planned_alone_is_the_same() {
     for slot in scene_slots(&settings).expect("few scenes").iter().rev() {
         let map = &maps[&slot.map];
         let pool = SpawnPool::new(&map.map, settings.agents.spawn_separation_m);
-        let alone = plan_scene(&settings, slot, map, &pool).expect("a scene");
+        let alone = plan_scene(&settings, slot, map, &pool, Catalogue::built_in()).expect("a scene");
         assert_eq!(alone.scene, whole.scenes[slot.scene as usize]);
         let agents: Vec<_> = whole.agents.iter().filter(|a| a.scene == slot.scene).cloned().collect();
         assert_eq!(alone.agents, agents);
@@ -254,7 +255,7 @@ proptest! {
         let map = PlanMap { map: straight(length, LaneType::Driving), hash: String::new() };
         let pool = SpawnPool::new(&map.map, 24.0);
         let slot = SceneSlot { scene: 5, split: Split::Val, map: "road".into(), draw: 0 };
-        let planned = plan_scene(&settings, &slot, &map, &pool).expect("a scene");
+        let planned = plan_scene(&settings, &slot, &map, &pool, Catalogue::built_in()).expect("a scene");
         let at = positions(&planned);
         prop_assert!(!at.is_empty() && at.len() <= count as usize);
         prop_assert_eq!(at.len() < count as usize, planned.warnings.iter().any(|w| w.contains(" vehicles: ")));

@@ -5,8 +5,8 @@ use serde::Serialize;
 
 use super::{
     AgentSettings, AnnotationSettings, BevSettings, CardSettings, HazardSettings, LightSettings,
-    OccupancySettings, PerAgent, Rig, SceneCount, TimingSettings, TrackSettings, TrafficSettings,
-    WalkerSettings, WeatherSettings, WorldSettings,
+    ModelSettings, OccupancySettings, PerAgent, Rig, SceneCount, TimingSettings, TrackSettings,
+    TrafficSettings, WalkerSettings, WeatherSettings, WorldSettings,
 };
 /// Everything that determines a dataset, besides maps and code.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -23,6 +23,9 @@ pub struct DatasetSettings {
     pub redraw: Vec<(u32, u32)>,
     /// Data-collection vehicles and RSUs.
     pub agents: AgentSettings,
+    /// Models besides the built-in ones.
+    #[serde(skip_serializing_if = "ModelSettings::is_built_in")]
+    pub models: ModelSettings,
     /// Warm-up and durations.
     pub timing: TimingSettings,
     /// Background vehicles and drivers.
@@ -66,6 +69,7 @@ impl DatasetSettings {
             scenes,
             redraw: Vec::new(),
             agents: AgentSettings::default(),
+            models: ModelSettings::default(),
             timing: TimingSettings::default(),
             traffic: TrafficSettings::default(),
             walkers: WalkerSettings::default(),

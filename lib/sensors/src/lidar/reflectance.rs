@@ -55,6 +55,11 @@ pub(super) fn reflectance(part: &Part, paint: [f32; 3], level: bool, wetness: f3
         Surface::Plain | Surface::Gravel | Surface::RoofTiles | Surface::Cloth => {
             (0.15 + 0.6 * brightness(part.rgb), 0.0)
         }
+        // What is neither metal nor plastic lies between them.
+        Surface::Skin(finish) => {
+            let plain = 0.15 + 0.6 * brightness(part.rgb);
+            (plain + finish.metallic * (0.4 - plain), 0.2 * finish.metallic)
+        }
         Surface::Paint => (0.12 + 0.5 * brightness(paint), 0.3),
         Surface::Glass | Surface::Window => (0.05, 0.3),
         Surface::Metal => (0.4, 0.2),

@@ -8,6 +8,7 @@ use schema::{ObjectId, Tag};
 
 use super::front::Front;
 use super::lane::Across;
+use super::skin::Draped;
 
 /// What is the same for all points of one triangle.
 pub(crate) struct Facet<'a> {
@@ -24,6 +25,8 @@ pub(crate) struct Facet<'a> {
     pub(super) tangents_object: [Vec3; 2],
     /// How it is divided, if it is a house front.
     pub(super) front: Option<Front>,
+    /// The picture on it, if it has one of its own.
+    pub(super) draped: Option<Draped<'a>>,
     /// Where on its lane it lies, if it is a piece of one.
     pub(super) lane: Option<Across>,
 }
@@ -104,6 +107,7 @@ impl<'a> Facet<'a> {
             eye_object_m: triangle.camera_object_m(),
             tangents_object,
             front,
+            draped: Draped::new(part.surface, triangle.skin(), corners_object_m),
             lane: if is_road { Across::new(corners_object_m) } else { None },
         }
     }

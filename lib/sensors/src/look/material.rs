@@ -5,11 +5,12 @@
 use glam::Vec3;
 use lanes::{Lanes, Vec3s};
 use schema::geometry::Surface;
+use schema::skin::Finish;
 use schema::{Tag, lights};
 use textures::{Noise, Texture, Textures};
 
 use super::facade::facade;
-use super::facet::{Facet, Look, Points, Surroundings, shades};
+use super::facet::{Facet, Gloss, Look, Points, Surroundings, shades};
 use super::ground;
 use super::pattern::{Width, bars};
 
@@ -42,6 +43,13 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
         }
         Surface::Metal if facet.part.tag == Tag::Building => sheeting(noise, facet, rgb, p),
         Surface::Metal => Look::glossy(shades(rgb * 0.75, speckle(noise, p, 0.1)), 0.15, 0.45),
+        Surface::Skin(finish) => {
+            let rgb = facet
+                .draped
+                .as_ref()
+                .map_or_else(|| Vec3s::splat(rgb), |draped| draped.at(&p.object_m, p.footprint_m));
+            finished(finish, rgb)
+        }
         Surface::Asphalt => ground::asphalt(both, around, facet, p),
         Surface::RoadMarking => ground::marking(both, around, rgb, p),
         Surface::Concrete if facet.is_ground() && facet.part.tag != Tag::Building => {
@@ -74,6 +82,17 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
             }
         }
     }
+}
+
+/// How a finish of some colour sends light back: plastic mirrors a twenty-fifth, metal more and scatters less (as `Surface::Metal` does).
+fn finished(finish: Finish, rgb: Vec3s) -> Look {
+    let Finish { roughness, metallic, .. } = finish;
+    let gloss =
+        Gloss { mirror: Lanes::splat(0.04 + 0.16 * metallic), roughness: Lanes::splat(roughness.max(0.02)) };
+    let albedo = rgb * Lanes::splat(1.0 - 0.25 * metallic);
+    // What is as rough as can be mirrors nothing that would be seen.
+    let gloss = (roughness < 0.95 || metallic > 0.0).then_some(gloss);
+    Look { albedo, gloss, ..Look::default() }
 }
 
 /// Slight unevenness: 1 on average, `strength` from end to end.

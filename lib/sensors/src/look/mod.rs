@@ -8,6 +8,7 @@ mod lane;
 mod material;
 mod pattern;
 mod room;
+mod skin;
 
 pub(crate) use facet::{Facet, Gloss, Points, Surroundings};
 pub(crate) use material::{Stuff, look};

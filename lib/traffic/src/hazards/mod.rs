@@ -40,7 +40,12 @@ impl Hazards {
             let (settings, scene) = (&input.settings.hazards, input.scene);
             let stream =
                 |topic| Stream::new(scene.seed, u64::from(scene.scene), topic, u64::from(row.hazard));
-            let mut site = Site::new(stretch, stream("traffic/hazard"), settings.missing_cone_share, taken);
+            let mut site = Site::new(
+                stretch,
+                stream("traffic/hazard"),
+                settings.missing_cone_share,
+                (taken, input.catalogue),
+            );
             let Some(warning) = site.fill(row) else { continue };
             let sign = warning.and_then(|(way_m, sign)| {
                 let at = site.stretch.pos(way_m)?;

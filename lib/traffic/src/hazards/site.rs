@@ -1,6 +1,7 @@
 //! Setting up one hazard.
 
 use random::Stream;
+use schema::catalogue::Catalogue;
 use schema::models::{self, BaseType, Model};
 use schema::tables::PlanHazardRow;
 use schema::works::{self, Item};
@@ -52,11 +53,18 @@ pub(super) struct Site<'m, 't> {
     missing_cones: f64,
     pub(super) things: Vec<Thing>,
     taken: &'t Taken,
+    catalogue: &'t Catalogue,
 }
 
 impl<'m, 't> Site<'m, 't> {
-    pub(super) fn new(stretch: Stretch<'m>, draw: Stream, missing_cones: f64, taken: &'t Taken) -> Self {
-        Self { stretch, draw, missing_cones, things: Vec::new(), taken }
+    /// Among what is `taken`, with the models that there are.
+    pub(super) fn new(
+        stretch: Stretch<'m>,
+        draw: Stream,
+        missing_cones: f64,
+        (taken, catalogue): (&'t Taken, &'t Catalogue),
+    ) -> Self {
+        Self { stretch, draw, missing_cones, things: Vec::new(), taken, catalogue }
     }
 
     /// Puts everything in its place. None where the hazard does not fit; else the sign that warns of it, if one does, and
@@ -85,12 +93,13 @@ impl<'m, 't> Site<'m, 't> {
 
     /// Front vehicle, rear vehicle, perhaps an emergency vehicle; people in the gaps between them; cones beside.
     fn accident(&mut self, row: &PlanHazardRow) -> Option<Option<Warning>> {
-        let models: Vec<&'static Model> = row.models.iter().filter_map(|name| models::find(name)).collect();
+        let models: Vec<&'static Model> =
+            row.models.iter().filter_map(|name| self.catalogue.find(name)).collect();
         let [front, rear, others @ ..] = models.as_slice() else { return None };
         let emergency = others.first().copied();
         let meet_m = self.stretch.length_m - front.base.stretch_m();
         let [front_m, rear_m] = [meet_m + 0.5 * front.base.stretch_m(), meet_m - 0.5 * rear.base.stretch_m()];
-        let cone = self.draw.choose(&ACCIDENT_CONES).copied()?;
+        let cone = self.drawn(&ACCIDENT_CONES, BaseType::Cone)?;
         self.vehicle(front, front_m)?;
         self.vehicle(rear, rear_m)?;
         let mut gaps_m = vec![self.stretch.length_m, meet_m];
@@ -115,6 +124,17 @@ impl<'m, 't> Site<'m, 't> {
         self.side_cones(cone, front_m);
         self.side_cones(cone, rear_m);
         Some(emergency.map(|_| (meet_m, works::ACCIDENT_SIGN)))
+    }
+
+    /// Some cone or barrier: all alike but those of packs, which are as common as these say.
+    fn drawn(&mut self, names: &[&'static str], base: BaseType) -> Option<&'static str> {
+        let added = self.catalogue.added_of(base);
+        if added.is_empty() {
+            return self.draw.choose(names).copied();
+        }
+        let added = added.into_iter().map(|(model, weight)| (model.name, weight));
+        let all: Vec<(&str, f64)> = names.iter().map(|name| (*name, 1.0)).chain(added).collect();
+        self.draw.choose_weighted(&all, |(_, weight)| *weight).map(|(name, _)| *name)
     }
 
     fn vehicle(&mut self, model: &'static Model, way_m: f64) -> Option<()> {
@@ -160,7 +180,7 @@ impl<'m, 't> Site<'m, 't> {
     }
 
     fn cone(&mut self, name: &'static str, way_m: f64, left: f64, push_m: [f64; 2]) {
-        if let (Some(model), Some(place)) = (models::find(name), self.stretch.at(way_m, left)) {
+        if let (Some(model), Some(place)) = (self.catalogue.find(name), self.stretch.at(way_m, left)) {
             // Barriers in place of cones lie along the lane.
             let lies = model.base == BaseType::Barrier;
             let turn_rad = if lies { 0.0 } else { std::f64::consts::FRAC_PI_2 };
@@ -183,8 +203,8 @@ impl<'m, 't> Site<'m, 't> {
         // The plan says how far the last barrier is; the steps share that way among them.
         let room_m = (self.stretch.length_m - FIRST_ITEM_M).max(0.0);
         let scale = room_m / steps_m.iter().sum::<f64>().max(1e-9);
-        let barrier = self.draw.choose(&BARRIERS).copied()?;
-        let cone = self.draw.choose(&WORKS_CONES).copied()?;
+        let barrier = self.drawn(&BARRIERS, BaseType::Barrier)?;
+        let cone = self.drawn(&WORKS_CONES, BaseType::Cone)?;
         self.model(barrier, 0.0);
         self.model(barrier, self.stretch.length_m);
         let mut way_m = FIRST_ITEM_M;
@@ -207,7 +227,7 @@ impl<'m, 't> Site<'m, 't> {
 
     /// A barrier or a worker, turned anyhow.
     fn model(&mut self, name: &str, way_m: f64) {
-        if let (Some(model), Some(spot)) = (models::find(name), self.any_spot(way_m)) {
+        if let (Some(model), Some(spot)) = (self.catalogue.find(name), self.any_spot(way_m)) {
             let (kind, color) = match model.base {
                 BaseType::Pedestrian => (ActorKind::Walker, ORANGE),
                 _ => (ActorKind::Prop, if name == "barrier.concrete" { CONCRETE } else { RED }),
@@ -219,7 +239,7 @@ impl<'m, 't> Site<'m, 't> {
     fn item(&mut self, drawn: usize, way_m: f64) {
         let item = works::SMALL.iter().chain(&works::LARGE).nth(drawn);
         match item {
-            Some(&(name, _)) if models::find(name).is_some() => self.model(name, way_m),
+            Some(&(name, _)) if self.catalogue.find(name).is_some() => self.model(name, way_m),
             Some(&item) => {
                 if let Some(spot) = self.any_spot(way_m) {
                     self.add(Thing::item(item, &spot));

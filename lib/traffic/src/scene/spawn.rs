@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use nalgebra::Point3;
 use opendrive::{LanePos, Map};
 use random::Stream;
-use schema::models::{self, Model};
+use schema::models::Model;
 use schema::tables::ActorRow;
 use schema::{ActorRole, AgentKind, fleet};
 
@@ -43,7 +43,7 @@ pub(crate) fn vehicle_starts(
     let mut taken = Taken::parked(fixed);
     let mut starts = Vec::new();
     for agent in input.agents.iter().filter(|a| a.signal.is_none() && a.agent.kind == AgentKind::Vehicle) {
-        let model = models::find(&agent.model).filter(|m| m.wheelbase_m > 0.0).ok_or_else(|| {
+        let model = input.catalogue.find(&agent.model).filter(|m| m.wheelbase_m > 0.0).ok_or_else(|| {
             TrafficError::UnknownModel { scene: scene.scene, agent: agent.agent, model: agent.model.clone() }
         })?;
         let (lane, along_m) = nearest_place(input.map, net, agent.xyz_m.into(), agent.rpy_rad[2])
@@ -98,11 +98,11 @@ fn background(
     });
     let drawn = stream("traffic/count", 0).int_inclusive(0, (points.len() as i64 - 3).max(0));
     let wanted = scene.background_vehicles.map_or(drawn, i64::from).max(0) as usize;
-    let catalogue: Vec<&'static Model> = models::vehicles().collect();
+    let catalogue: Vec<&'static Model> = input.catalogue.vehicles().collect();
     let order = stream("traffic/order", 0).sample_indices(points.len(), wanted);
     for (i, &(lane, along)) in order.into_iter().map(|k| &points[k]).enumerate() {
         let mut draw = stream("traffic/vehicle", i as u64);
-        let Some(&model) = draw.choose_weighted(&catalogue, |m| fleet::weight(m)) else { return };
+        let Some(&model) = draw.choose_weighted(&catalogue, |m| input.catalogue.weight(m)) else { return };
         let Some(paint) = draw.choose(fleet::paints(model)) else { return };
         let reckless = draw.chance(traffic.reckless_background);
         let distracted = draw.chance(traffic.distracted_background) && !reckless;

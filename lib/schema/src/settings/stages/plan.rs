@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::settings::{
-    AgentSettings, HazardSettings, LightSettings, SceneCount, TimingSettings, TrafficSettings,
+    AgentSettings, HazardSettings, LightSettings, ModelSettings, SceneCount, TimingSettings, TrafficSettings,
     WalkerSettings, WeatherSettings,
 };
 
@@ -18,6 +18,9 @@ pub struct PlanSettings {
     pub redraw: Vec<(u32, u32)>,
     /// Data-collection vehicles and RSUs.
     pub agents: AgentSettings,
+    /// Models besides the built-in ones.
+    #[serde(skip_serializing_if = "ModelSettings::is_built_in")]
+    pub models: ModelSettings,
     /// Warm-up and durations.
     pub timing: TimingSettings,
     /// Background vehicles and drivers.
@@ -41,6 +44,7 @@ impl PlanSettings {
             scenes,
             redraw: Vec::new(),
             agents: AgentSettings::default(),
+            models: ModelSettings::default(),
             timing: TimingSettings::default(),
             traffic: TrafficSettings::default(),
             walkers: WalkerSettings::default(),

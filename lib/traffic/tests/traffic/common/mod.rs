@@ -436,7 +436,16 @@ pub(crate) fn run_beside(
         actor.id = id;
     }
     let first_id = fixed.len() as u16 + 1;
-    let input = SceneInput { map, scene, agents, hazards, settings, fixed: &fixed, first_id };
+    let input = SceneInput {
+        catalogue: schema::catalogue::Catalogue::built_in(),
+        map,
+        scene,
+        agents,
+        hazards,
+        settings,
+        fixed: &fixed,
+        first_id,
+    };
     simulate(&input, &mut |_, _| ControlFlow::Continue(())).expect("a log")
 }
 

@@ -1,0 +1,26 @@
+//! What a model may have at most. `docs/packs.md` states these numbers.
+
+/// Bytes of a file.
+pub(crate) const FILE_BYTES: u64 = 64 << 20;
+/// Bytes of a model's page.
+pub(crate) const SHEET_BYTES: u64 = 256 << 10;
+/// Bytes of the JSON of a glTF file.
+pub(crate) const JSON_BYTES: usize = 16 << 20;
+/// Bytes of all files of a model.
+pub(crate) const MODEL_BYTES: u64 = 128 << 20;
+/// Triangles of a level of detail.
+pub(crate) const TRIANGLES: usize = 60_000;
+/// Nodes of a file.
+pub(crate) const NODES: usize = 4096;
+/// Nodes below one another.
+pub(crate) const DEPTH: usize = 64;
+/// Texels along a side of a picture.
+pub(crate) const IMAGE_SIDE: usize = 2048;
+/// Texels of all pictures of a model, each counted for every colour and wrapping that it is used with.
+pub(crate) const TEXELS: usize = 16 << 20;
+/// Parts of different looks.
+pub(crate) const PARTS: usize = 250;
+/// Coarser levels of detail.
+pub(crate) const LEVELS: usize = 4;
+/// Models and other files of a folder.
+pub(crate) const FOLDER_FILES: usize = 1000;

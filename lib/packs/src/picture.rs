@@ -1,0 +1,163 @@
+//! Pictures: decoded, coloured, with coarser copies.
+
+use std::io::Cursor;
+
+use frames::math;
+use png::{ColorType, Decoder, Limits, Transformations};
+use schema::skin::{Image, Level, Wrap};
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
+
+use crate::limits::IMAGE_SIDE;
+
+/// sRGB bytes and linear light, by tables.
+pub(crate) struct Curve {
+    linear: [f32; 256],
+    /// Bytes of linear light in steps of a 4095th.
+    bytes: Vec<u8>,
+}
+
+impl Curve {
+    /// IEC 61966-2-1.
+    pub(crate) fn new() -> Self {
+        let linear = std::array::from_fn(|byte| {
+            let v = byte as f64 / 255.0;
+            (if v <= 0.040_45 { v / 12.92 } else { math::pow((v + 0.055) / 1.055, 2.4) }) as f32
+        });
+        let byte = |step: u32| {
+            let v = f64::from(step) / 4095.0;
+            let v = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * math::pow(v, 1.0 / 2.4) - 0.055 };
+            (255.0 * v).round() as u8
+        };
+        Self { linear, bytes: (0..=4095).map(byte).collect() }
+    }
+
+    pub(crate) fn linear(&self, rgb: [u8; 3]) -> [f32; 3] {
+        rgb.map(|byte| self.linear[usize::from(byte)])
+    }
+
+    pub(crate) fn bytes(&self, rgb: [f32; 3]) -> [u8; 3] {
+        rgb.map(|v| self.bytes[(v.clamp(0.0, 1.0) * 4095.0).round() as usize])
+    }
+}
+
+/// Decodes a PNG or JPEG. Its size is looked at before anything is decoded.
+pub(crate) fn decode(bytes: &[u8]) -> Result<Level, String> {
+    if bytes.starts_with(b"\x89PNG") {
+        png(bytes)
+    } else if bytes.starts_with(&[0xff, 0xd8]) {
+        jpeg(bytes)
+    } else {
+        Err("is neither PNG nor JPEG".into())
+    }
+}
+
+fn check(width: usize, height: usize) -> Result<(), String> {
+    if width == 0 || height == 0 || width > IMAGE_SIDE || height > IMAGE_SIDE {
+        return Err(format!("is {width} x {height} pixels: at most {IMAGE_SIDE} x {IMAGE_SIDE} are read"));
+    }
+    Ok(())
+}
+
+fn png(bytes: &[u8]) -> Result<Level, String> {
+    // Room for eight bytes a pixel and the decoder's own buffers.
+    let limits = Limits { bytes: 16 * IMAGE_SIDE * IMAGE_SIDE };
+    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_transformations(Transformations::EXPAND | Transformations::STRIP_16);
+    let header = decoder.read_header_info().map_err(|e| e.to_string())?;
+    check(header.width as usize, header.height as usize)?;
+    let mut reader = decoder.read_info().map_err(|e| e.to_string())?;
+    let size = reader.output_buffer_size().ok_or("is too large")?;
+    let mut data = vec![0; size];
+    let info = reader.next_frame(&mut data).map_err(|e| e.to_string())?;
+    let pixels = &data[..info.buffer_size()];
+    let texels: Vec<[u8; 3]> = match info.color_type {
+        ColorType::Rgb => pixels.as_chunks::<3>().0.to_vec(),
+        ColorType::Rgba => pixels.as_chunks::<4>().0.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect(),
+        ColorType::Grayscale => pixels.iter().map(|v| [*v; 3]).collect(),
+        ColorType::GrayscaleAlpha => pixels.as_chunks::<2>().0.iter().map(|[v, _]| [*v; 3]).collect(),
+        ColorType::Indexed => return Err("has a palette that was not expanded".into()),
+    };
+    level(info.width, info.height, texels)
+}
+
+fn jpeg(bytes: &[u8]) -> Result<Level, String> {
+    let options = DecoderOptions::default()
+        .jpeg_set_out_colorspace(ColorSpace::RGB)
+        .set_max_width(IMAGE_SIDE)
+        .set_max_height(IMAGE_SIDE);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    decoder.decode_headers().map_err(|e| e.to_string())?;
+    let (width, height) = decoder.dimensions().ok_or("has no size")?;
+    check(width, height)?;
+    let data = decoder.decode().map_err(|e| e.to_string())?;
+    level(width as u32, height as u32, data.as_chunks::<3>().0.to_vec())
+}
+
+fn level(width: u32, height: u32, texels: Vec<[u8; 3]>) -> Result<Level, String> {
+    let whole = texels.len() == width as usize * height as usize;
+    whole.then_some(Level { width, height, texels }).ok_or_else(|| "has not as many pixels as it says".into())
+}
+
+/// A picture in a colour, with its coarser copies: means of up to two by two texels, of their light.
+pub(crate) fn image(picture: &Level, rgb: [f32; 3], wrap: [Wrap; 2], curve: &Curve) -> Image {
+    let mut first = picture.clone();
+    if rgb != [1.0; 3] {
+        for texel in &mut first.texels {
+            let seen = curve.linear(*texel);
+            *texel = curve.bytes([0, 1, 2].map(|k| seen[k] * rgb[k]));
+        }
+    }
+    let mut levels = vec![first];
+    while let Some(last) = levels.last().filter(|last| last.width > 1 || last.height > 1) {
+        let next = halved(last, curve);
+        levels.push(next);
+    }
+    Image { levels, wrap }
+}
+
+fn halved(from: &Level, curve: &Curve) -> Level {
+    let [width, height] = [from.width.div_ceil(2), from.height.div_ceil(2)];
+    let mut texels = Vec::with_capacity((width * height) as usize);
+    for y in 0..height {
+        for x in 0..width {
+            let mut sum = [0.0_f32; 3];
+            for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                let [x, y] = [(2 * x + dx).min(from.width - 1), (2 * y + dy).min(from.height - 1)];
+                let seen = curve.linear(from.texels[(y * from.width + x) as usize]);
+                (0..3).for_each(|k| sum[k] += 0.25 * seen[k]);
+            }
+            texels.push(curve.bytes(sum));
+        }
+    }
+    Level { width, height, texels }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_survive_the_way_to_light_and_back() {
+        let curve = Curve::new();
+        for byte in 0..=255_u8 {
+            let there = curve.bytes(curve.linear([byte; 3]))[0];
+            // Steps of a 4095th are coarser than the darkest bytes.
+            assert!(there.abs_diff(byte) <= u8::from(byte < 16), "{byte} {there}");
+        }
+    }
+
+    #[test]
+    fn coarser_copies_have_the_mean_light() {
+        let curve = Curve::new();
+        let texels = (0..15).map(|i| if i % 2 == 0 { [255, 0, 0] } else { [0, 0, 255] }).collect();
+        let image = image(&Level { width: 5, height: 3, texels }, [1.0; 3], [Wrap::Repeat; 2], &curve);
+        let sizes: Vec<_> = image.levels.iter().map(|l| (l.width, l.height)).collect();
+        assert_eq!(sizes, [(5, 3), (3, 2), (2, 1), (1, 1)]);
+        // A chequerboard: half of each; half the light is byte 188.
+        assert_eq!(image.levels[1].texels[0], [188, 0, 188]);
+    }
+}

@@ -1,0 +1,6 @@
+//! Packs as people make them, whole and damaged.
+
+mod example;
+mod faults;
+mod gltf;
+mod reading;

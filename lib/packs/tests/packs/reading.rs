@@ -1,0 +1,192 @@
+//! What is read of a pack.
+
+use frames::Aabb;
+use glam::Vec3;
+use packs::{Hang, PackModel, read_folder};
+use schema::Tag;
+use schema::geometry::{Surface, TriMesh};
+use schema::lights;
+use schema::skin::Wrap;
+
+use crate::example;
+
+fn example() -> Vec<PackModel> {
+    read_folder(&example::folder()).expect("is a pack")
+}
+
+fn van() -> PackModel {
+    example().into_iter().find(|model| model.row.name == "van.kiosk").expect("has a van")
+}
+
+/// The box around the finest level at rest.
+fn around(model: &PackModel) -> Aabb {
+    let places =
+        model.levels[0].pieces.iter().flat_map(|p| p.mesh.positions.iter().map(|v| *v + p.hang.at()));
+    Aabb::from_points(&places.collect::<Vec<_>>())
+}
+
+/// Six times the volume that a mesh encloses: positive when its triangles look outward.
+fn volume(mesh: &TriMesh) -> f32 {
+    (0..mesh.triangles.len())
+        .map(|t| {
+            let [a, b, c] = mesh.corners(t);
+            a.dot(b.cross(c))
+        })
+        .sum()
+}
+
+#[test]
+fn a_model_is_as_its_page_says() {
+    let models = example();
+    assert_eq!(
+        models.iter().map(|m| m.row.name.as_str()).collect::<Vec<_>>(),
+        ["cone.bollard", "van.kiosk"]
+    );
+    let van = van();
+    let row = &van.row;
+    assert_eq!(
+        (row.base_type.as_str(), row.weight, row.doors, row.wheels, row.has_lights),
+        ("van", 6.0, 2, 4, true)
+    );
+    assert!((row.wheelbase_m - 3.3).abs() < 1e-5 && (row.wheel_radius_m - 0.36).abs() < 1e-5, "{row:?}");
+    assert_eq!(row.page, "van.toml");
+    assert_eq!(van.files.keys().collect::<Vec<_>>(), ["van.glb", "van.toml"]);
+    for model in &models {
+        let bounds = around(model);
+        let size = Vec3::from_array(model.row.size_m.map(|v| v as f32));
+        let centre = 0.5 * (bounds.min + bounds.max);
+        assert!(centre.truncate().length() < 1e-5 && bounds.min.z.abs() < 1e-5, "{bounds:?}");
+        let over = size - (bounds.max - bounds.min);
+        assert!(over.cmpge(Vec3::splat(-1e-5)).all() && over.cmple(Vec3::splat(0.0011)).all(), "{over}");
+        for piece in model.levels.iter().flat_map(|level| &level.pieces) {
+            assert!(volume(&piece.mesh) > 0.0, "{}: {:?} is inside out", model.row.name, piece.hang);
+        }
+    }
+}
+
+#[test]
+fn wheels_doors_and_levels_hang_where_they_are() {
+    let van = van();
+    let hangs: Vec<Hang> = van.levels[0].pieces.iter().map(|piece| piece.hang).collect();
+    let wheels: Vec<(Vec3, bool)> = hangs
+        .iter()
+        .filter_map(|hang| if let Hang::Wheel { at, steered } = *hang { Some((at, steered)) } else { None })
+        .collect();
+    // The van reaches 4 mm farther on both ends than its boxes: their middle is the origin.
+    let want = [(1.8, 0.86, true), (1.8, -0.86, true), (-1.5, 0.86, false), (-1.5, -0.86, false)];
+    for (x, y, steered) in want {
+        let at = Vec3::new(x, y, 0.36);
+        assert!(wheels.iter().any(|(there, s)| (*there - at).length() < 1e-4 && *s == steered), "{wheels:?}");
+    }
+    let doors = hangs
+        .iter()
+        .filter_map(|hang| if let Hang::Door { at, door } = *hang { Some((door, at)) } else { None });
+    let mut doors: Vec<(usize, Vec3)> = doors.collect();
+    doors.sort_by_key(|(door, _)| *door);
+    assert_eq!(doors.iter().map(|(door, _)| *door).collect::<Vec<_>>(), [0, 1]);
+    assert!((doors[0].1 - Vec3::new(2.3, 0.94, 0.45)).length() < 1e-4, "{doors:?}");
+    assert!((doors[1].1 - Vec3::new(2.3, -0.94, 0.45)).length() < 1e-4, "{doors:?}");
+    // A coarser level replaces what it has a version of, and keeps the rest.
+    assert_eq!(van.levels.iter().map(|level| level.from_m).collect::<Vec<_>>(), [0.0, 30.0]);
+    let count = |level: usize, hang: Hang| {
+        let piece = van.levels[level].pieces.iter().find(|piece| piece.hang == hang);
+        piece.map_or(0, |piece| piece.mesh.triangles.len())
+    };
+    assert_eq!(van.levels[1].pieces.len(), van.levels[0].pieces.len());
+    assert!(count(1, Hang::Body) < count(0, Hang::Body));
+    assert!(hangs.iter().filter(|h| **h != Hang::Body).all(|h| count(0, *h) == count(1, *h)));
+}
+
+#[test]
+fn parts_have_surfaces_lamps_and_pictures() {
+    let van = van();
+    let body = &van.levels[0].pieces[0];
+    assert_eq!(body.hang, Hang::Body);
+    let parts = &body.mesh.parts;
+    assert!(parts.iter().all(|part| part.tag == Tag::Truck));
+    let has = |surface: Surface| parts.iter().any(|part| part.surface == surface);
+    assert!(has(Surface::Glass));
+    for bits in [
+        lights::LOW_BEAM | lights::HIGH_BEAM | lights::POSITION,
+        lights::POSITION | lights::FOG,
+        lights::BRAKE,
+        lights::BLINK_LEFT,
+        lights::BLINK_RIGHT,
+    ] {
+        assert!(has(Surface::Lamp(bits)), "{bits}");
+    }
+    // The picture: yellow and blue, of which triangles see shares.
+    let skin = body.mesh.skin.as_deref().expect("has a picture");
+    assert_eq!((skin.images.len(), skin.corners.len()), (1, body.mesh.triangles.len()));
+    let finest = &skin.images[0].levels[0];
+    assert_eq!((finest.width, finest.height, finest.texels[0]), (128, 64, [244, 190, 20]));
+    let livery = parts.iter().find(|part| matches!(part.surface, Surface::Skin(f) if f.image == Some(0)));
+    let [r, g, b] = livery.expect("is there").rgb;
+    assert!(r > g && g > b && b < 0.2, "{r} {g} {b}");
+    let wheel = van.levels[0]
+        .pieces
+        .iter()
+        .find(|piece| matches!(piece.hang, Hang::Wheel { .. }))
+        .expect("has wheels");
+    let rim = wheel.mesh.parts.iter().find(|part| matches!(part.surface, Surface::Skin(_))).expect("a rim");
+    let Surface::Skin(finish) = rim.surface else { unreachable!() };
+    assert_eq!((finish.image, finish.metallic), (None, 1.0));
+    assert!(wheel.mesh.parts.iter().any(|part| part.surface == Surface::Rubber));
+}
+
+#[test]
+fn files_of_their_own_and_normals_by_creases() {
+    let models = example();
+    let bollard = models.iter().find(|model| model.row.name == "cone.bollard").expect("has a bollard");
+    let files: Vec<&str> = bollard.files.keys().map(String::as_str).collect();
+    assert_eq!(files, ["bollard.bin", "bollard.gltf", "bollard.toml", "stripes.png"]);
+    let mesh = &bollard.levels[0].pieces[0].mesh;
+    assert_eq!(mesh.skin.as_ref().expect("a picture").images[0].wrap, [Wrap::Repeat, Wrap::Clamp]);
+    // Round about, flat on top: the normal of the wall points away from the axis.
+    let mut round = 0;
+    for t in 0..mesh.triangles.len() {
+        let Some(normals) = mesh.bent(t) else { continue };
+        for (corner, normal) in mesh.corners(t).into_iter().zip(normals) {
+            let away = corner.truncate().normalize().extend(0.0);
+            assert!(away.dot(normal) > 0.999, "{corner} {normal}");
+            round += 1;
+        }
+    }
+    assert_eq!(round, 3 * 2 * 16);
+}
+
+#[test]
+fn a_store_reads_what_the_folder_has() {
+    // The same page and files by another way have the same digest; another byte gives another.
+    struct Kept(std::collections::BTreeMap<String, Vec<u8>>);
+    impl packs::Files for Kept {
+        fn read(&self, path: &str, _: u64) -> Result<Option<Vec<u8>>, String> {
+            Ok(self.0.get(path).cloned())
+        }
+        fn location(&self, path: &str) -> String {
+            path.to_owned()
+        }
+    }
+    let van = van();
+    let mut kept = Kept(van.files.clone());
+    let again = packs::read_model("van.toml", &kept).expect("reads");
+    assert_eq!(again.row, van.row);
+    kept.0.get_mut("van.toml").expect("is there").extend(b"\n# more\n");
+    let other = packs::read_model("van.toml", &kept).expect("reads");
+    assert!(other.row.hash != van.row.hash && other.row.size_m == van.row.size_m);
+}
+
+#[test]
+fn axes_and_scale_are_those_of_the_page() {
+    // The bollard lying along z of the file, in centimetres, with the names turned.
+    let page = "name = \"barrier.log\"\nbase = \"barrier\"\nfile = \"bollard.gltf\"\nsize_m = [0.12, 0.5, 0.12]\nscale = 0.5\nup = \"-x\"\nforward = \"+z\"\n";
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, bytes) in example::files() {
+        std::fs::write(folder.path().join(name), bytes).expect("writes");
+    }
+    std::fs::write(folder.path().join("log.toml"), page).expect("writes");
+    let models = read_folder(folder.path()).expect("is a pack");
+    // y of the file is up in glTF; with -x up and z ahead, left is -x cross z = y.
+    assert_eq!(models[0].row.size_m, [0.12, 0.5, 0.12]);
+    assert!(volume(&models[0].levels[0].pieces[0].mesh) > 0.0);
+}

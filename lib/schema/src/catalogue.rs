@@ -1,0 +1,162 @@
+//! The models of a dataset: the built-in ones, and those of packs in their place or beside them.
+
+use std::sync::{Mutex, PoisonError};
+
+use crate::fleet;
+use crate::models::{BaseType, MODELS, Model, OwnFacts};
+use crate::tables::PlanModelRow;
+
+/// The models that a dataset is planned and simulated with. Whoever draws models takes it as an argument.
+#[derive(Debug, Default, PartialEq)]
+pub struct Catalogue {
+    /// Those of packs, by name, with their weights.
+    own: Vec<(&'static Model, f64)>,
+}
+
+static BUILT_IN: Catalogue = Catalogue { own: Vec::new() };
+
+impl Catalogue {
+    /// The built-in models alone.
+    #[must_use]
+    pub fn built_in() -> &'static Self {
+        &BUILT_IN
+    }
+
+    /// The built-in models with those of a plan's packs. Rows of an unknown base type are passed over.
+    #[must_use]
+    pub fn with(rows: &[PlanModelRow]) -> Self {
+        let of = |row: &PlanModelRow| Some((kept(row)?, row.weight));
+        let mut own: Vec<(&'static Model, f64)> = rows.iter().filter_map(of).collect();
+        own.sort_by_key(|(model, _)| model.name);
+        Self { own }
+    }
+
+    /// Whether no pack adds to the built-in models.
+    #[must_use]
+    pub fn is_built_in(&self) -> bool {
+        self.own.is_empty()
+    }
+
+    fn own(&self, name: &str) -> Option<&(&'static Model, f64)> {
+        self.own.iter().find(|(model, _)| model.name == name)
+    }
+
+    /// The model with a name.
+    #[must_use]
+    pub fn find(&self, name: &str) -> Option<&'static Model> {
+        self.own(name).map(|(model, _)| *model).or_else(|| crate::models::find(name))
+    }
+
+    /// All models: the built-in ones in their order, or what replaces them, then those that packs add, by name.
+    pub fn models(&self) -> impl Iterator<Item = &'static Model> {
+        let built_in = MODELS.iter().map(|model| self.own(model.name).map_or(model, |(own, _)| own));
+        built_in.chain(self.added().map(|(model, _)| model))
+    }
+
+    /// Models with names that no built-in one has, with their weights.
+    fn added(&self) -> impl Iterator<Item = (&'static Model, f64)> {
+        self.own.iter().copied().filter(|(model, _)| crate::models::find(model.name).is_none())
+    }
+
+    /// Models of a base type that packs add to the built-in ones, with their weights.
+    #[must_use]
+    pub fn added_of(&self, base: BaseType) -> Vec<(&'static Model, f64)> {
+        self.added().filter(|(model, _)| model.base == base).collect()
+    }
+
+    /// Models that drive in background traffic.
+    pub fn vehicles(&self) -> impl Iterator<Item = &'static Model> {
+        self.models().filter(|m| m.wheelbase_m > 0.0)
+    }
+
+    /// How common a model is: as its pack says, or [`fleet::weight`].
+    #[must_use]
+    pub fn weight(&self, model: &Model) -> f64 {
+        self.own(model.name).map_or_else(|| fleet::weight(model), |(_, weight)| *weight)
+    }
+}
+
+/// A model that stays for as long as the process does: models are handed about as `&'static` all over traffic, and a pack has few.
+/// Equal ones are kept once, however many scenes ask for them; nothing but memory depends on what is kept.
+fn kept(row: &PlanModelRow) -> Option<&'static Model> {
+    static KEPT: Mutex<Vec<&'static Model>> = Mutex::new(Vec::new());
+    let own = OwnFacts {
+        doors: row.doors.min(4) as u8,
+        wheels: row.wheels.min(u32::from(u8::MAX)) as u8,
+        has_lights: row.has_lights,
+    };
+    let base = BaseType::from_name(&row.base_type)?;
+    let [wheelbase_m, wheel_radius_m] = [row.wheelbase_m, row.wheel_radius_m];
+    let mut all = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    let wanted = |name, special| Model {
+        name,
+        base,
+        size_m: row.size_m,
+        wheelbase_m,
+        wheel_radius_m,
+        special,
+        own: Some(own),
+    };
+    let is_it = |model: &&&'static Model| {
+        (model.name, model.special) == (&row.name, &row.special)
+            && ***model == wanted(model.name, model.special)
+    };
+    if let Some(model) = all.iter().find(is_it) {
+        return Some(model);
+    }
+    let leaked = |text: &str| -> &'static str { Box::leak(text.to_owned().into_boxed_str()) };
+    let model: &'static Model = Box::leak(Box::new(wanted(leaked(&row.name), leaked(&row.special))));
+    all.push(model);
+    Some(model)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(name: &str, base: &str, weight: f64) -> PlanModelRow {
+        PlanModelRow {
+            name: name.into(),
+            base_type: base.into(),
+            size_m: [4.0, 2.0, 1.5],
+            wheelbase_m: 2.5,
+            doors: 2,
+            wheels: 6,
+            weight,
+            ..PlanModelRow::default()
+        }
+    }
+
+    #[test]
+    fn packs_replace_and_add() {
+        let all = Catalogue::with(&[row("van.kiosk", "van", 3.0), row("car.sedan", "car", 0.5)]);
+        let names: Vec<&str> = all.models().map(|m| m.name).collect();
+        let built_in: Vec<&str> = MODELS.iter().map(|m| m.name).collect();
+        assert_eq!(names[..built_in.len()], built_in);
+        assert_eq!(names[built_in.len()..], ["van.kiosk"]);
+        let sedan = all.find("car.sedan").expect("a model");
+        assert_eq!((sedan.size_m[0], sedan.doors(), all.weight(sedan)), (4.0, 2, 0.5));
+        let (van, coupe) =
+            (all.find("van.kiosk").expect("a model"), all.find("car.coupe").expect("a model"));
+        assert_eq!((all.weight(van), all.weight(coupe)), (3.0, fleet::weight(coupe)));
+        assert_eq!(all.vehicles().filter(|m| m.name == "van.kiosk").count(), 1);
+        assert_eq!(all.added_of(BaseType::Van), [(van, 3.0)]);
+        assert_eq!(all.added_of(BaseType::Car), []);
+        let wheels = van.facts().get(&crate::Attribute::NumberOfWheels).map(str::to_owned);
+        assert_eq!(wheels.as_deref(), Some("6"));
+    }
+
+    #[test]
+    fn without_packs_it_is_the_table() {
+        let all = Catalogue::built_in();
+        assert!(all.is_built_in() && all.models().eq(MODELS.iter()));
+        assert!(all.vehicles().eq(crate::models::vehicles()));
+        assert!(all.vehicles().all(|m| all.weight(m) == fleet::weight(m)));
+    }
+
+    #[test]
+    fn equal_models_are_kept_once() {
+        let find = || Catalogue::with(&[row("van.twice", "van", 1.0)]).find("van.twice").expect("a model");
+        assert!(std::ptr::eq(find(), find()));
+    }
+}
