@@ -136,8 +136,7 @@ mod tests {
         assert_eq!(names[built_in.len()..], ["van.kiosk"]);
         let sedan = all.find("car.sedan").expect("a model");
         assert_eq!((sedan.size_m[0], sedan.doors(), all.weight(sedan)), (4.0, 2, 0.5));
-        let (van, coupe) =
-            (all.find("van.kiosk").expect("a model"), all.find("car.coupe").expect("a model"));
+        let (van, coupe) = (all.find("van.kiosk").expect("a model"), all.find("car.coupe").expect("a model"));
         assert_eq!((all.weight(van), all.weight(coupe)), (3.0, fleet::weight(coupe)));
         assert_eq!(all.vehicles().filter(|m| m.name == "van.kiosk").count(), 1);
         assert_eq!(all.added_of(BaseType::Van), [(van, 3.0)]);

@@ -38,10 +38,7 @@ fn volume(mesh: &TriMesh) -> f32 {
 #[test]
 fn a_model_is_as_its_page_says() {
     let models = example();
-    assert_eq!(
-        models.iter().map(|m| m.row.name.as_str()).collect::<Vec<_>>(),
-        ["cone.bollard", "van.kiosk"]
-    );
+    assert_eq!(models.iter().map(|m| m.row.name.as_str()).collect::<Vec<_>>(), ["cone.bollard", "van.kiosk"]);
     let van = van();
     let row = &van.row;
     assert_eq!(
