@@ -118,9 +118,13 @@ fn a_towns_pictures_are_what_rays_see() {
         let found = rays.compare(&world, &seen, &hits).unwrap_or_else(|why| panic!("{name}: {why}"));
         assert!(found.seen > 40_000, "{name}: {found:?}");
         eprintln!("{name}: {found:?}");
-        all += found;
+        // Through a telephoto lens of 6 degrees rounding is twenty times as wide, and what is far off has triangles of a pixel: there
+        // only what differs is judged (above), as everywhere.
+        if name != "distant" {
+            all += found;
+        }
     }
-    eprintln!("all: {all:?}");
+    eprintln!("all but the distant: {all:?}");
     // What rounding may decide is rare: how rare depends on how small the triangles are that are seen from above.
     assert!(all.on_edges * 50 < all.seen, "{all:?}");
 }
