@@ -39,6 +39,7 @@ pub(crate) struct Baker<'a, 'f> {
     place: String,
     curve: Curve,
     decoded: BTreeMap<usize, Level>,
+    read_texels: usize,
     pictures: BTreeMap<Use, Arc<Image>>,
     texels: usize,
     looks: Vec<(PartKey, Look)>,
@@ -61,6 +62,7 @@ impl<'a, 'f> Baker<'a, 'f> {
             place,
             curve: Curve::new(),
             decoded: BTreeMap::new(),
+            read_texels: 0,
             pictures: BTreeMap::new(),
             texels: 0,
             looks: Vec::new(),
@@ -78,10 +80,19 @@ impl<'a, 'f> Baker<'a, 'f> {
             let bytes = self.document.picture(self.bag, index)?;
             let picture = decode(&bytes)
                 .map_err(|problem| PackError::file(&self.place, Problem::Picture { index, problem }))?;
+            self.read_texels += picture.texels.len();
+            if self.read_texels > limits::TEXELS {
+                return Err(self.too_many_texels(index));
+            }
             self.decoded.insert(index, picture);
         }
         // Just put there, if it was not.
         self.decoded.get(&index).ok_or_else(|| PackError::file(&self.place, Problem::NoData(index)))
+    }
+
+    fn too_many_texels(&self, index: usize) -> PackError {
+        let problem = format!("the model's pictures have more than {} pixels together", limits::TEXELS);
+        PackError::file(&self.place, Problem::Picture { index, problem })
     }
 
     /// The picture of a texture in a colour.
@@ -100,8 +111,7 @@ impl<'a, 'f> Baker<'a, 'f> {
         let picture = self.decoded(index)?;
         let texels = picture.texels.len();
         if self.texels + texels > limits::TEXELS {
-            let problem = format!("the model's pictures have more than {} pixels together", limits::TEXELS);
-            return Err(PackError::file(&self.place, Problem::Picture { index, problem }));
+            return Err(self.too_many_texels(index));
         }
         self.texels += texels;
         let made = self.decoded.get(&index).map(|picture| Arc::new(image(picture, rgb, wrap, &self.curve)));

@@ -59,14 +59,16 @@ impl Document {
         let at = |problem| PackError::file(&place, problem);
         let bytes = bag.get(path, limits::FILE_BYTES).map_err(at)?.ok_or_else(|| at(Problem::Missing))?;
         let (json, binary) = split(bytes).map_err(at)?;
-        let binary = binary.to_vec();
+        let mut binary = binary.to_vec();
         let root: Root = serde_json::from_slice(json).map_err(|e| at(Problem::Broken(e.to_string())))?;
         check(&root).map_err(at)?;
         let mut buffers = Vec::new();
+        // Many may name one file, and each holds its own copy.
+        let mut held = 0;
         for (number, buffer) in root.buffers.iter().enumerate() {
             let mut bytes = match &buffer.uri {
                 // The first may be the chunk of a .glb.
-                None if number == 0 && !binary.is_empty() => binary.clone(),
+                None if number == 0 && !binary.is_empty() => std::mem::take(&mut binary),
                 None => return Err(at(Problem::NoBuffer(number))),
                 Some(uri) => external(bag, path, uri)?,
             };
@@ -75,6 +77,11 @@ impl Document {
                 return Err(at(Problem::NoBuffer(number)));
             }
             bytes.truncate(length);
+            bytes.shrink_to_fit();
+            held += length as u64;
+            if held > limits::MODEL_BYTES {
+                return Err(at(Problem::ModelTooLarge(limits::MODEL_BYTES)));
+            }
             buffers.push(bytes);
         }
         Ok(Self { root, path: path.to_owned(), buffers })
@@ -146,6 +153,9 @@ fn check(root: &Root) -> Result<(), Problem> {
     }
     if root.nodes.len() > limits::NODES {
         return Err(Problem::TooManyNodes(limits::NODES));
+    }
+    if root.buffers.len() > limits::BUFFERS {
+        return Err(Problem::Broken(format!("it has more than {} buffers", limits::BUFFERS)));
     }
     if !root.asset.version.starts_with("2.") {
         return Err(Problem::Broken("its version is not 2".into()));

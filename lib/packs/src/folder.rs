@@ -1,6 +1,7 @@
 //! A folder of models.
 
 use std::collections::BTreeMap;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use crate::error::{PackError, Problem};
@@ -13,15 +14,16 @@ use crate::model::{PackModel, read_model};
 fn listed(folder: &Path) -> Result<Vec<PathBuf>, PackError> {
     let place = folder.display().to_string();
     let mut files = Vec::new();
-    let mut open = vec![(folder.to_owned(), 0)];
-    while let Some((at, depth)) = open.pop() {
+    let mut open = vec![folder.to_owned()];
+    while let Some(at) = open.pop() {
         let unreadable =
             |e: std::io::Error| PackError::file(at.display().to_string(), Problem::Unreadable(e.to_string()));
         for entry in std::fs::read_dir(&at).map_err(unreadable)? {
             let entry = entry.map_err(unreadable)?;
             let kind = entry.file_type().map_err(unreadable)?;
-            if kind.is_dir() && depth < 4 {
-                open.push((entry.path(), depth + 1));
+            // Links are no folders: this ends.
+            if kind.is_dir() {
+                open.push(entry.path());
             } else if kind.is_file() {
                 files.push(entry.path());
             }
@@ -58,17 +60,17 @@ pub fn read_folder(folder: &Path) -> Result<Vec<PackModel>, PackError> {
     Ok(models)
 }
 
-/// A digest of everything in a folder, as far as it can be read: whether it changed since it was last asked for.
+/// A digest of everything in a folder: whether it changed since it was last asked for. What cannot be read counts as such; `None`: the
+/// folder is none, or has too many files, which [`read_folder`] says.
 #[must_use]
 pub fn digest(folder: &Path) -> Option<String> {
-    let files = Folder(folder.to_owned());
     let mut contents = BTreeMap::new();
-    let mut room = 16 * limits::MODEL_BYTES;
     for path in listed(folder).ok()? {
-        let name = path.strip_prefix(folder).ok()?.to_str()?.to_owned();
-        let bytes = files.read(&name, limits::FILE_BYTES).ok()??;
-        room = room.checked_sub(bytes.len() as u64)?;
-        contents.insert(name, blake3::hash(&bytes).as_bytes().to_vec());
+        let name = path.strip_prefix(folder).unwrap_or(&path).to_string_lossy().into_owned();
+        let mut hasher = blake3::Hasher::new();
+        let read = File::open(&path).and_then(|file| hasher.update_reader(file).map(|_| ()));
+        let what = read.map_or_else(|_| Vec::new(), |()| hasher.finalize().as_bytes().to_vec());
+        contents.insert(name, what);
     }
     Some(hash_of(&contents))
 }

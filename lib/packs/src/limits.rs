@@ -10,13 +10,17 @@ pub(crate) const JSON_BYTES: usize = 16 << 20;
 pub(crate) const MODEL_BYTES: u64 = 128 << 20;
 /// Triangles of a level of detail.
 pub(crate) const TRIANGLES: usize = 60_000;
+/// Buffers of a file.
+pub(crate) const BUFFERS: usize = 64;
+/// Height of a model, metres: shadows of what is higher would need wider margins.
+pub(crate) const HEIGHT_M: f64 = 5.0;
 /// Nodes of a file.
 pub(crate) const NODES: usize = 4096;
 /// Nodes below one another.
 pub(crate) const DEPTH: usize = 64;
 /// Texels along a side of a picture.
 pub(crate) const IMAGE_SIDE: usize = 2048;
-/// Texels of all pictures of a model, each counted for every colour and wrapping that it is used with.
+/// Texels of all pictures of a model as they are read, and again of all that are used: each for every colour and wrapping.
 pub(crate) const TEXELS: usize = 16 << 20;
 /// Parts of different looks.
 pub(crate) const PARTS: usize = 250;

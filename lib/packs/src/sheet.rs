@@ -205,6 +205,7 @@ impl Written {
         for v in self.size_m {
             between("size_m", v, 0.02, 30.0)?;
         }
+        between("size_m", self.size_m[2], 0.02, limits::HEIGHT_M)?;
         let weight = match (self.weight, replaced) {
             (Some(weight), _) => between("weight", weight, 0.0, 1000.0)?,
             (None, Some(model)) if base.is_driven() => schema::fleet::weight(model),

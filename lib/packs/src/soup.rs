@@ -44,7 +44,8 @@ impl Soup {
     pub(crate) fn new(document: &Document, graph: &Graph, levels: usize) -> Result<Self, At> {
         let mut soup = Self { levels: vec![vec![Vec::new(); graph.hung.len()]; levels], parts: Vec::new() };
         let mut counts = vec![0; levels];
-        for placed in &graph.placed {
+        // What a coarser version replaces at every level is nowhere to be seen.
+        for placed in graph.placed.iter().filter(|placed| placed.levels.contains(&true)) {
             let at = |problem| (Some(placed.node), problem);
             let missing = |what: &str, number| at(Problem::Broken(format!("there is no {what} {number}")));
             let mesh = document.root.meshes.get(placed.mesh).ok_or_else(|| missing("mesh", placed.mesh))?;

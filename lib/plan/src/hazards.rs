@@ -115,8 +115,10 @@ impl Surroundings<'_> {
     ) -> Option<Area> {
         let with_emergency = stream.chance(settings.emergency_share);
         let pick = |stream: &mut Stream, emergency: bool| {
-            let fit: Vec<&'static Model> =
-                self.catalogue.vehicles().filter(|m| fleet::is_emergency(m) == emergency).collect();
+            // Room is kept by what a model is: a pack may have longer ones.
+            let fits = |m: &&'static Model| m.size_m[0] <= m.base.stretch_m();
+            let alike = |m: &&'static Model| fleet::is_emergency(m) == emergency && fits(m);
+            let fit: Vec<&'static Model> = self.catalogue.vehicles().filter(alike).collect();
             stream.choose_weighted(&fit, |m| self.catalogue.weight(m)).copied()
         };
         let mut models = vec![pick(stream, false)?, pick(stream, false)?];

@@ -91,6 +91,16 @@ fn missing_files_and_buffers() {
         &fault(|m| m.json["buffers"].as_array_mut().expect("a list").push(json!({ "byteLength": 4 }))),
         &["buffer 1 has no data"],
     );
+    let many = json!(vec![json!({ "byteLength": 0, "uri": "data:application/octet-stream;base64," }); 64]);
+    says(
+        &fault(|m| {
+            m.json["buffers"]
+                .as_array_mut()
+                .expect("a list")
+                .extend(many.as_array().cloned().expect("a list"))
+        }),
+        &["it has more than 64 buffers"],
+    );
 }
 
 #[test]

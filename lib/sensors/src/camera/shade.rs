@@ -220,13 +220,13 @@ impl Shader<'_> {
     /// Paints what shows the sky.
     fn paint_sky(&self, mut span: Span<'_>) {
         for from in (0..span.pixels.len()).step_by(LANES) {
-            let seen = self.sky(&span.columns(from, 1), span.y);
+            let seen = self.sky(&span.columns(from, 1), span.y, Lanes::ONE);
             self.develop(seen, &mut span, from);
         }
     }
 
-    /// Film values of pixels that show the sky.
-    fn sky(&self, columns: &[u32; LANES], y: u32) -> Vec3s {
+    /// Film values of pixels that show the sky, from behind fog that so much light passes.
+    fn sky(&self, columns: &[u32; LANES], y: u32, before: Lanes) -> Vec3s {
         let turn = glam::Mat3::from(self.buffer.camera.local_from_optical.matrix3);
         let optical = Vec3s::from_fn(|i| self.buffer.direction_optical(columns[i], y));
         let direction = optical.turned(&turn);
@@ -235,7 +235,7 @@ impl Shader<'_> {
         if !self.hazy {
             return seen;
         }
-        let passes = self.lighting.fog.passes_sky(self.camera.z, direction.z);
+        let passes = self.lighting.fog.passes_sky(self.camera.z, direction.z) / before;
         Vec3s::splat(self.veil).lerp(seen, passes.fast_min(Lanes::ONE))
     }
 
@@ -268,6 +268,7 @@ impl Shader<'_> {
         behind: &[Behind],
         passes: Lanes,
     ) -> Vec3s {
+        let passes = passes.fast_max(Lanes::splat(1e-6));
         let mut seen = Vec3s::default();
         let mut shares = [0.0; LANES];
         for (share, behind) in shares.iter_mut().zip(behind) {
@@ -281,12 +282,12 @@ impl Shader<'_> {
                 continue;
             }
             let value = match surfaces.facet(instance, triangle) {
-                None => self.sky(columns, y),
+                None => self.sky(columns, y, passes),
                 Some(facet) => {
                     let run = self.begin(&facet);
                     let there = facet.points(self.buffer, columns, y);
                     let mut light = self.light(&run, &there).light;
-                    light.passes = (light.passes / passes.fast_max(Lanes::splat(1e-6))).fast_min(Lanes::ONE);
+                    light.passes = (light.passes / passes).fast_min(Lanes::ONE);
                     if surfaces.is_behind_panes(instance) {
                         light.open = light.open.fast_max(Lanes::splat(OPEN_IN_CABINS));
                     }

@@ -152,36 +152,43 @@ impl Lidar {
             stream,
             frame: at.frame,
         };
-        let received = slice.patches.par_iter().zip(&fired).zip(&hits);
-        let parts = received.map(|((patch, volley), hits)| {
-            let behind = match panes {
-                Some(panes) => self.behind(panes, slice.before, origin, volley, hits)?,
-                None => Vec::new(),
-            };
-            Ok(receiver.receive(patch, volley, hits, &behind))
-        });
-        parts.collect()
+        let behind = match panes {
+            Some(panes) => self.behind(panes, slice.before, origin, &fired, &hits)?,
+            None => vec![Vec::new(); fired.len()],
+        };
+        let received = slice.patches.par_iter().zip(&fired).zip(&hits).zip(&behind);
+        let receive = |(((patch, volley), hits), behind): (((_, _), _), &Vec<_>)| {
+            receiver.receive(patch, volley, hits, behind)
+        };
+        Ok(received.map(receive).collect())
     }
 
-    /// What those rays of a volley met, by their numbers, that passed panes.
+    /// Of each volley, what those rays met (by their numbers) that passed panes. All are followed at once: between frames to place
+    /// what moves costs more than the rays do.
     fn behind(
         &self,
         panes: &Panes<'_>,
         before: f32,
         origin: Vec3,
-        volley: &Volley,
-        hits: &Hits,
-    ) -> Result<Vec<(u32, Behind)>, SensorError> {
-        let (mut numbers, mut rays) = (Vec::new(), Passing::default());
-        for (ray, hit) in (0..).zip(hits.iter()) {
-            if let Some(hit) = hit.filter(|hit| panes.is_pane(hit.instance, hit.triangle)) {
-                numbers.push(ray);
-                rays.directions.push(volley.directions[ray as usize]);
-                rays.panes_m.push(hit.t);
+        volleys: &[Volley],
+        hits: &[Hits],
+    ) -> Result<Vec<Vec<(u32, Behind)>>, SensorError> {
+        let (mut places, mut rays) = (Vec::new(), Passing::default());
+        for (number, (volley, hits)) in volleys.iter().zip(hits).enumerate() {
+            for (ray, hit) in (0..).zip(hits.iter()) {
+                if let Some(hit) = hit.filter(|hit| panes.is_pane(hit.instance, hit.triangle)) {
+                    places.push((number, ray));
+                    rays.directions.push(volley.directions[ray as usize]);
+                    rays.panes_m.push(hit.t);
+                }
             }
         }
-        let behind = panes.behind(before, origin, self.spec.range_m as f32, rays)?;
-        Ok(numbers.into_iter().zip(behind).collect())
+        let mut behind = vec![Vec::new(); volleys.len()];
+        let passed = panes.behind(before, origin, self.spec.range_m as f32, rays)?;
+        for ((number, ray), passed) in places.into_iter().zip(passed) {
+            behind[number].push((ray, passed));
+        }
+        Ok(behind)
     }
 }
 

@@ -26,7 +26,7 @@ const CROP_LEFT_M: f32 = 1.04;
 const FURTHER: u32 = 1;
 /// See [`FURTHER`].
 const OF_AIR: u32 = 4;
-/// Ground lies open to the rain: surfaces whose normals rise by more than this.
+/// Level are surfaces whose normals rise by more than this.
 const LEVEL: f32 = 0.8;
 
 /// Turns hits of rays that were fired at one moment into returns.

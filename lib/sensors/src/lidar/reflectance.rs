@@ -43,8 +43,8 @@ pub(super) fn wetness(weather: &Weather) -> f32 {
 /// Round figures of the usual measurements for dry surfaces: asphalt 0.15, concrete 0.35, plants 0.5, dark glass 0.05.
 /// Signs and road markings are retroreflective: signs as bright as can be at any angle that they are read from. Cloth and surfaces that
 /// are nothing in particular follow the brightness of their colour; so does car paint, whose dark pigments swallow this light as well,
-/// but for its clear coat, which mirrors. `paint` is the colour of what is painted, `level` whether the surface lies open to
-/// the rain, `wetness` how wet such is.
+/// but for its clear coat, which mirrors. `paint` is the colour of what is painted, `level` whether the surface is
+/// (roofs above it are not looked for), `wetness` how wet such is.
 pub(super) fn reflectance(part: &Part, paint: [f32; 3], level: bool, wetness: f32) -> Reflectance {
     let brightness = |[r, g, b]: [f32; 3]| (0.2126 * r + 0.7152 * g + 0.0722 * b).clamp(0.0, 1.0);
     if part.tag == Tag::TrafficSign && !matches!(part.surface, Surface::Metal) {

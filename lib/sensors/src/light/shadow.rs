@@ -19,8 +19,8 @@ const LOWEST_UP: f32 = 0.035;
 
 /// Nobody asks a map what a finer one tells. What lies wholly within a finer map is left out of it, if it lies at least so
 /// far from that map's edge (beside what readers reach around), metres: directions of two maps differ by 0.014, and shadows of
-/// what is 4 m high are 115 m long.
-const ASLANT_M: f32 = 1.6;
+/// what is 5 m high, and nothing that moves is higher, are 143 m long.
+const ASLANT_M: f32 = 2.0;
 
 /// A light that casts shadows.
 #[derive(Clone, Copy, Debug)]
