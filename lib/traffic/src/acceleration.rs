@@ -17,6 +17,8 @@ const TOUCHING_GAP_M: f64 = 0.6;
 const LINE_GAP_M: f64 = 0.2;
 /// Braking for a place to pull out behind a wreck, m/s2: who needs more stops nearer to it.
 const FIRM_BRAKING: f64 = 4.0;
+/// Time gap that drivers keep there, seconds.
+const LINE_HEADWAY_S: f64 = 0.6;
 /// Gap to the rear of a vehicle that is being passed, metres, and free space beside it.
 const PASSED_GAP_M: f64 = 0.5;
 const PASSED_ASIDE_M: f64 = 0.3;
@@ -45,6 +47,11 @@ impl Wish {
     fn acceleration_mps2(&self) -> f64 {
         if self.seen < -COMFORT_BRAKING { self.seen } else { self.careless }
     }
+}
+
+/// How a driver comes to rest before a line.
+pub(crate) fn before_line(idm: &Idm) -> Idm {
+    Idm { standstill_gap_m: LINE_GAP_M, headway_s: LINE_HEADWAY_S, ..*idm }
 }
 
 /// A driver with its wished speed on the way to the next line, m/s.
@@ -151,7 +158,7 @@ pub(crate) fn wished_acceleration(
     ];
     for (gap, sight) in ends {
         if let Some(gap) = gap {
-            wish.limit(sight, behind.following(gap, 0.0, LINE_GAP_M, 0.6));
+            wish.limit(sight, before_line(&idm).following(speed, wished, gap, 0.0));
         }
     }
     wish.acceleration_mps2()
