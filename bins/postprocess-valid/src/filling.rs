@@ -3,7 +3,7 @@
 use counts::PartialCounts;
 use fill::Filler;
 use formats::{Array, Scalar};
-use framewise::{FrameArray, FrameArrays, write_arrays};
+use framewise::{FrameArray, FrameArrays, Labelled, write_labels};
 use pipeline::{At, Job, Place, StageError};
 use scene::{ArrayReader, SceneReader};
 use schema::AgentId;
@@ -15,24 +15,25 @@ use voxelgrid::{Filling, VoxelGrid};
 
 use crate::error::InputError;
 
-/// Fills every grid of an agent, those at the frames of `0..frames` that have one.
+/// Fills every grid of some agents, those at the frames of `0..frames` that have one.
 ///
 /// # Errors
 /// The grids are missing or broken, or the store cannot be written.
-pub(crate) fn fill_agent(
-    job: &mut Job<'_, ValiditySettings>,
+pub(crate) fn fill_agents(
+    job: &Job<'_, ValiditySettings>,
     scene: &SceneReader,
-    agent: AgentId,
-    (settings, frames): (&OccupancySettings, u32),
+    agents: &[AgentId],
+    frames: u32,
 ) -> Result<(), StageError> {
-    let grids = FilledGrids { scene, agent, settings };
-    let progress = job.progress();
-    let Some(mut unit) = job.unit(&format!("occupancy.{agent}"))? else { return Ok(()) };
-    let counts = write_arrays(&mut unit, (scene.scene(), agent), frames, &progress, &grids)?;
-    let stats = format!("{}.{agent}", FILLED_VOXEL_GRIDS.stage);
-    unit.rows(&keys::partial_stats(scene.scene(), &stats), &counts.rows())?;
-    unit.finish()?;
-    Ok(())
+    let number = scene.scene();
+    let labels = agents.iter().filter_map(|&agent| {
+        let label = FilledGrids { scene, agent, settings: job.settings().occupancy.of(agent) };
+        let stats = format!("{}.{agent}", FILLED_VOXEL_GRIDS.stage);
+        let counted = Some(keys::partial_stats(number, &stats));
+        let unit = job.unit(&format!("occupancy.{agent}")).transpose()?;
+        Some(unit.map(|unit| Labelled { unit, scene: number, agent, counted, label }))
+    });
+    write_labels(labels, frames, &job.progress())
 }
 
 /// Room for the largest grid and its header.

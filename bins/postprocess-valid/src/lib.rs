@@ -11,6 +11,7 @@ use pipeline::{At, Job, Stage, StageError};
 use rayon::prelude::*;
 use scene::{FrameRanges, SceneError, SceneLog, SceneReader};
 use schema::AgentId;
+use schema::settings::OccupancySettings;
 use schema::settings::stages::{RangeRig, ValiditySettings};
 use schema::table::Row;
 use schema::tables::{BoxRow, VISIBLE_TABLE, ValidBoxRow, VisibleRow};
@@ -28,27 +29,19 @@ fn run(job: &mut Job<'_, ValiditySettings>) -> Result<(), StageError> {
     let scene = SceneReader::new(job.store(), job.scene(), job.inputs());
     let log = SceneLog::read(&scene).at(|| place.clone())?;
     let agents = log.agent_ids();
-    let has_grid = |agent: &&AgentId| {
-        let grid = settings.occupancy.of(**agent);
-        grid.enabled && grid.is_filled()
+    let with = |wanted: &dyn Fn(&OccupancySettings) -> bool| -> Vec<AgentId> {
+        let has = |agent: &&AgentId| {
+            let grid = settings.occupancy.of(**agent);
+            grid.enabled && wanted(grid)
+        };
+        agents.iter().filter(has).copied().collect()
     };
-    let occupied: Vec<&AgentId> = agents.iter().filter(has_grid).collect();
-    let has_sight = |agent: &&AgentId| {
-        let grid = settings.occupancy.of(**agent);
-        grid.enabled && grid.observed
-    };
-    let observing: Vec<&AgentId> = agents.iter().filter(has_sight).collect();
+    let (occupied, observing) = (with(&OccupancySettings::is_filled), with(&|grid| grid.observed));
     let passes = (agents.len() + occupied.len() + observing.len()) as u64;
     job.progress().set_total(u64::from(log.frame_count()) * passes);
 
-    for agent in &occupied {
-        let grid = settings.occupancy.of(**agent);
-        filling::fill_agent(job, &scene, **agent, (grid, log.frame_count()))?;
-    }
-    for agent in observing {
-        let (grid, rig) = (settings.occupancy.of(*agent), settings.rigs.of(*agent));
-        observing::observe_agent(job, &scene, *agent, (grid, rig), log.frame_count())?;
-    }
+    filling::fill_agents(job, &scene, &occupied, log.frame_count())?;
+    observing::observe_agents(job, &scene, &observing, log.frame_count())?;
     let valid = validate_all(job, &scene, &log, &settings)?;
     if let Some(mut unit) = job.unit("boxes")? {
         unit.rows(&keys::scene(scene.scene(), "boxes_valid.parquet"), &valid)?;

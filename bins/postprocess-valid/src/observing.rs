@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use carve::{Lattice, Sweep, carve};
 use counts::PartialCounts;
 use formats::Scalar;
-use framewise::{FrameArray, FrameArrays, write_arrays};
+use framewise::{FrameArray, FrameArrays, Labelled, write_labels};
 use pipeline::{At, Job, Place, StageError};
 use scene::{SceneError, SceneReader};
 use schema::arrays::{ArrayKind, OBSERVED_VOXELS};
@@ -16,28 +16,25 @@ use schema::{AgentId, rate};
 
 use crate::clouds::{Clouds, Readings};
 
-/// Writes what an agent's lidars saw of every grid.
+/// Writes what the lidars of some agents saw of every grid.
 ///
 /// # Errors
-/// Its lidar tables are missing or broken, or the store cannot be written.
-pub(crate) fn observe_agent(
-    job: &mut Job<'_, ValiditySettings>,
+/// Lidar tables are missing or broken, or the store cannot be written.
+pub(crate) fn observe_agents(
+    job: &Job<'_, ValiditySettings>,
     scene: &SceneReader,
-    agent: AgentId,
-    (grid, rig): (&OccupancySettings, &RangeRig),
+    agents: &[AgentId],
     frames: u32,
 ) -> Result<(), StageError> {
-    let progress = job.progress();
-    let Some(mut unit) = job.unit(&format!("observed.{agent}"))? else { return Ok(()) };
-    let place = Place::scene(scene.scene()).agent(agent);
-    let lidars = RangeRig { radars: Vec::new(), ..rig.clone() };
-    let clouds = Clouds::open(scene, agent, &lidars, frames).at(|| place.clone())?;
-    let every_n_frames = grid.every_n_frames;
-    let ahead = Mutex::new(Ahead { clouds, next: 0, every_n_frames, waiting: BTreeMap::new() });
-    let observed = Observed { place, grid, ahead };
-    write_arrays(&mut unit, (scene.scene(), agent), frames, &progress, &observed)?;
-    unit.finish()?;
-    Ok(())
+    let number = scene.scene();
+    let labels = agents.iter().filter_map(|&agent| {
+        let labelled = |unit| {
+            let label = Observed::open(job.settings(), scene, agent, frames)?;
+            Ok(Labelled { unit, scene: number, agent, counted: None, label })
+        };
+        Some(job.unit(&format!("observed.{agent}")).transpose()?.and_then(labelled))
+    });
+    write_labels(labels, frames, &job.progress())
 }
 
 /// Readings in the order of their tables, for threads that ask for neighbouring frames in any order.
@@ -70,6 +67,23 @@ struct Observed<'a> {
     place: Place,
     grid: &'a OccupancySettings,
     ahead: Mutex<Ahead>,
+}
+
+impl<'a> Observed<'a> {
+    fn open(
+        settings: &'a ValiditySettings,
+        scene: &SceneReader,
+        agent: AgentId,
+        frames: u32,
+    ) -> Result<Self, StageError> {
+        let place = Place::scene(scene.scene()).agent(agent);
+        let (grid, rig) = (settings.occupancy.of(agent), settings.rigs.of(agent));
+        let lidars = RangeRig { radars: Vec::new(), ..rig.clone() };
+        let clouds = Clouds::open(scene, agent, &lidars, frames).at(|| place.clone())?;
+        let every_n_frames = grid.every_n_frames;
+        let ahead = Mutex::new(Ahead { clouds, next: 0, every_n_frames, waiting: BTreeMap::new() });
+        Ok(Self { place, grid, ahead })
+    }
 }
 
 impl FrameArrays for Observed<'_> {

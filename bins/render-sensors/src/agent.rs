@@ -8,7 +8,7 @@ use schema::ObjectId;
 use schema::geometry::Snapshot;
 use sensors::{AgentState, Cameras, FrameWeather, Motion, Observation, Painter, StillWorld};
 
-use crate::recorder::{Channel, Recorder};
+use crate::recorder::{Channel, Channels};
 
 /// Everything within this distance is handed to the sensors: scenery reaches no further, lidars see less.
 const SIGHT_M: f64 = 1000.0;
@@ -39,15 +39,16 @@ pub(crate) struct AgentRig<'a> {
     pub(crate) eyes: Eyes<'a>,
     /// Its place in the log's list of agents.
     pub(crate) position: usize,
-    pub(crate) cameras: &'a Cameras,
+    pub(crate) cameras: Cameras,
+    pub(crate) channels: Channels,
 }
 
 impl AgentRig<'_> {
-    /// Reads all sensors that are due at a frame; the recorder keeps the readings until they are written.
+    /// Reads all sensors that are due at a frame; their channels keep the readings until they are written.
     ///
     /// # Errors
     /// The renderer failed or an encoder refused; the message names scene, frame, agent and sensor.
-    pub(crate) fn sense(&self, frame: u32, recorder: &Recorder) -> Result<(), StageError> {
+    pub(crate) fn sense(&self, frame: u32) -> Result<(), StageError> {
         let log = &self.replay.log;
         let now = log.world_from_agent(self.position, frame);
         let snapshot = self.replay.snapshot(frame, now.xyz(), SIGHT_M);
@@ -65,8 +66,8 @@ impl AgentRig<'_> {
             motion: Motion::from_row(log.agent(self.position, frame)),
             previous: self.previous_motion(frame),
         };
-        let at = Observation::new(&*scene, Some(self.eyes.painter), self.cameras, &when, agent).at(here)?;
-        let channels: Vec<&dyn Channel> = recorder.channels_at(frame).collect();
+        let at = Observation::new(&*scene, Some(self.eyes.painter), &self.cameras, &when, agent).at(here)?;
+        let channels: Vec<&dyn Channel> = self.channels.at(frame).collect();
         let sensed: Vec<Result<(), StageError>> = channels
             .par_iter()
             .map(|channel| channel.sense(&at).at(|| self.place(frame).sensor(channel.name())))

@@ -3,15 +3,13 @@
 mod agent;
 mod recorder;
 
-use counts::PartialCounts;
-use framewise::in_frame_order;
+use framewise::{Part, Taking, in_turn};
 use pipeline::{At, Job, Place, Stage, StageError};
 use renderer::Renderer;
 use replay::Replay;
 use scene::SceneReader;
 use schema::settings::stages::SensorSettings;
 use sensors::{Cameras, Carrier, CpuPainter, GeoOrigin};
-use store::keys;
 use visibility::CpuRenderer;
 
 use crate::agent::{AgentRig, Eyes, Standing};
@@ -37,25 +35,33 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
     let progress = job.progress();
     progress.set_total(u64::from(frames) * agents.len() as u64);
 
-    for (position, agent) in agents.iter().enumerate() {
-        let rig = settings.rigs.of(*agent);
-        let Some(mut unit) = job.unit(&agent.to_string())? else { continue };
-        let carrier = Carrier { seed: settings.seed, scene, agent: *agent, geo_origin };
-        let recorder = Recorder::open(&unit, rig, &carrier)?;
-        let cameras = Cameras::of(rig).at(|| Place::scene(scene).agent(*agent))?;
-        let agent_rig = AgentRig { replay: &replay, eyes, position, cameras: &cameras };
-        let mut counts = PartialCounts::new();
-        let sense = |frame| agent_rig.sense(frame, &recorder);
-        let due = recorder.due_frames(frames);
-        in_frame_order((&due, frames), &progress, sense, |frame, ()| recorder.write(frame, &mut counts))?;
-        let (finished, counts) = recorder.finish(counts)?;
-        for shard in finished {
-            unit.add(shard);
-        }
-        unit.rows(&keys::partial_stats(scene, &format!("{}.{agent}", NAME)), &counts)?;
-        unit.finish()?;
+    let job = &*job;
+    let parts = agents.iter().enumerate().filter_map(|(position, agent)| {
+        let unit = job.unit(&agent.to_string()).transpose()?;
+        let part = |unit| {
+            let rig = settings.rigs.of(*agent);
+            let carrier = Carrier { seed: settings.seed, scene, agent: *agent, geo_origin };
+            let (channels, writer) = recorder::open(unit, rig, &carrier)?;
+            let cameras = Cameras::of(rig).at(|| Place::scene(scene).agent(*agent))?;
+            let due = channels.due_frames(frames);
+            Ok(Part { due, seen: AgentRig { replay: &replay, eyes, position, cameras, channels }, writer })
+        };
+        Some(unit.and_then(part))
+    });
+    in_turn(parts, frames, &progress, |rig: &AgentRig<'_>, frame| rig.sense(frame), Recording)
+}
+
+/// Writes what agents sensed.
+struct Recording;
+
+impl Taking<Recorder<'_>, ()> for Recording {
+    fn take(&mut self, recorder: &mut Recorder<'_>, frame: u32, _: ()) -> Result<(), StageError> {
+        recorder.write(frame)
     }
-    Ok(())
+
+    fn finish(&mut self, recorder: Recorder<'_>) -> Result<(), StageError> {
+        recorder.finish()
+    }
 }
 
 /// Where the map's origin is on the globe, as far as its projection text says (`+lat_0`, `+lon_0`).

@@ -1,26 +1,31 @@
-//! The sensors of one agent with their tables: readings are made in any order and written frame by frame.
+//! The sensors of one agent, and their tables: readings are made in any order and written frame by frame.
 
 use std::collections::BTreeMap;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use counts::PartialCounts;
 use pipeline::{Place, StageError};
 use schema::calibration::METADATA_KEY;
 use schema::measures::sensors::{IMAGES, SENSOR_BYTES, SWEEPS};
 use schema::settings::Rig;
-use schema::tables::PartialRow;
 use schema::{AgentId, rate};
 use sensors::{Carrier, Layout, Observation, Sensor, SensorError, SensorTable, SensorVisitor};
 use store::{Finished, TableOptions, TableWriter, Unit, keys};
 
-/// All sensors of one agent.
-pub(crate) struct Recorder {
+/// All sensors of one agent; any thread reads them.
+pub(crate) struct Channels(Vec<Arc<dyn Channel>>);
+
+/// The tables of one agent's sensors, with the unit that they belong to.
+pub(crate) struct Recorder<'u> {
+    unit: Unit<'u>,
+    scene: u32,
     agent: AgentId,
-    channels: Vec<Box<dyn Channel>>,
+    tables: Vec<Box<dyn Table>>,
+    counts: PartialCounts,
 }
 
-/// A sensor and its open table, whatever its rows are.
-pub(crate) trait Channel: Sync {
+/// A sensor that keeps what it read until it is written, whatever its rows are.
+pub(crate) trait Channel: Send + Sync {
     /// Name of the table.
     fn name(&self) -> &str;
 
@@ -29,28 +34,32 @@ pub(crate) trait Channel: Sync {
 
     /// Reads the sensor and keeps the rows.
     fn sense(&self, at: &Observation<'_>) -> Result<(), SensorError>;
+}
 
-    /// Appends what was kept of a frame to the table.
-    fn write(&self, frame: u32, agent: &str, counts: &mut PartialCounts) -> Result<(), StageError>;
+/// The open table of a sensor.
+trait Table {
+    /// Appends what was kept of a frame.
+    fn write(&mut self, frame: u32, agent: &str, counts: &mut PartialCounts) -> Result<(), StageError>;
 
     /// Ends the table; tells what its bytes are counted as.
     fn finish(self: Box<Self>) -> Result<(String, Finished), StageError>;
 }
 
-struct Open<S: Sensor> {
+struct Reading<S: Sensor> {
     sensor: S,
     about: SensorTable,
     /// Rows that wait for those of earlier frames, by frame.
     waiting: Mutex<BTreeMap<u32, Vec<S::Row>>>,
-    table: Mutex<TableWriter<S::Row>>,
 }
 
-/// What a panic elsewhere left is never written: the unit is not finished.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+impl<S: Sensor> Reading<S> {
+    /// What a panic elsewhere left is never written: the unit is not finished.
+    fn waiting(&self) -> MutexGuard<'_, BTreeMap<u32, Vec<S::Row>>> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
-impl<S: Sensor> Channel for Open<S> {
+impl<S: Sensor> Channel for Reading<S> {
     fn name(&self) -> &str {
         &self.about.name
     }
@@ -61,25 +70,32 @@ impl<S: Sensor> Channel for Open<S> {
 
     fn sense(&self, at: &Observation<'_>) -> Result<(), SensorError> {
         let rows = self.sensor.sense(at)?;
-        lock(&self.waiting).insert(at.frame, rows);
+        self.waiting().insert(at.frame, rows);
         Ok(())
     }
+}
 
-    fn write(&self, frame: u32, agent: &str, counts: &mut PartialCounts) -> Result<(), StageError> {
-        let Some(rows) = lock(&self.waiting).remove(&frame) else { return Ok(()) };
-        if let Some(amount) = self.sensor.amount(&rows) {
-            counts.add(agent, amount.measure, &self.about.counted_as, 0, amount.count);
+struct Written<S: Sensor> {
+    reading: Arc<Reading<S>>,
+    table: TableWriter<S::Row>,
+}
+
+impl<S: Sensor> Table for Written<S> {
+    fn write(&mut self, frame: u32, agent: &str, counts: &mut PartialCounts) -> Result<(), StageError> {
+        let Some(rows) = self.reading.waiting().remove(&frame) else { return Ok(()) };
+        if let Some(amount) = self.reading.sensor.amount(&rows) {
+            let counted_as = &self.reading.about.counted_as;
+            counts.add(agent, amount.measure, counted_as, 0, amount.count);
             if amount.measure != IMAGES {
-                counts.add(agent, SWEEPS, &self.about.counted_as, 0, 1);
+                counts.add(agent, SWEEPS, counted_as, 0, 1);
             }
         }
-        lock(&self.table).push(&rows)?;
+        self.table.push(&rows)?;
         Ok(())
     }
 
     fn finish(self: Box<Self>) -> Result<(String, Finished), StageError> {
-        let table = self.table.into_inner().unwrap_or_else(PoisonError::into_inner);
-        Ok((self.about.counted_as, table.finish()?))
+        Ok((self.reading.about.counted_as.clone(), self.table.finish()?))
     }
 }
 
@@ -88,7 +104,8 @@ struct Opening<'a, 'u> {
     unit: &'a Unit<'u>,
     scene: u32,
     agent: AgentId,
-    channels: Vec<Box<dyn Channel>>,
+    channels: Vec<Arc<dyn Channel>>,
+    tables: Vec<Box<dyn Table>>,
 }
 
 /// Why a sensor has no table.
@@ -106,7 +123,7 @@ impl From<SensorError> for Unopened {
 impl SensorVisitor for Opening<'_, '_> {
     type Error = Unopened;
 
-    fn visit<S: Sensor>(&mut self, sensor: S) -> Result<(), Unopened> {
+    fn visit<S: Sensor + 'static>(&mut self, sensor: S) -> Result<(), Unopened> {
         let about = sensor.table();
         let metadata: Vec<(String, String)> =
             about.metadata.iter().map(|json| (METADATA_KEY.to_owned(), json.clone())).collect();
@@ -117,63 +134,69 @@ impl SensorVisitor for Opening<'_, '_> {
         };
         let key = keys::sensor(self.scene, self.agent, &about.name);
         let table = self.unit.table(&key, options).map_err(|e| Unopened::Stage(e.into()))?;
-        let (waiting, table) = (Mutex::default(), Mutex::new(table));
-        self.channels.push(Box::new(Open { sensor, about, waiting, table }));
+        let reading = Arc::new(Reading { sensor, about, waiting: Mutex::default() });
+        self.channels.push(Arc::clone(&reading) as Arc<dyn Channel>);
+        self.tables.push(Box::new(Written { reading, table }));
         Ok(())
     }
 }
 
-impl Recorder {
-    /// Opens a table for every sensor of a rig.
-    ///
-    /// # Errors
-    /// A sensor's settings are impossible, or the store cannot be written.
-    pub(crate) fn open(unit: &Unit<'_>, rig: &Rig, carrier: &Carrier) -> Result<Self, StageError> {
-        let Carrier { scene, agent, .. } = *carrier;
-        let mut opening = Opening { unit, scene, agent, channels: Vec::new() };
-        sensors::visit_sensors(rig, carrier, &mut opening).map_err(|e| match e {
-            Unopened::Sensor(e) => {
-                StageError::Failed { place: Box::new(Place::scene(scene).agent(agent)), source: e.into() }
-            }
-            Unopened::Stage(e) => e,
-        })?;
-        Ok(Self { agent, channels: opening.channels })
-    }
+/// Opens a table for every sensor of a rig.
+///
+/// # Errors
+/// A sensor's settings are impossible, or the store cannot be written.
+pub(crate) fn open<'u>(
+    unit: Unit<'u>,
+    rig: &Rig,
+    carrier: &Carrier,
+) -> Result<(Channels, Recorder<'u>), StageError> {
+    let Carrier { scene, agent, .. } = *carrier;
+    let mut opening = Opening { unit: &unit, scene, agent, channels: Vec::new(), tables: Vec::new() };
+    sensors::visit_sensors(rig, carrier, &mut opening).map_err(|e| match e {
+        Unopened::Sensor(e) => {
+            StageError::Failed { place: Box::new(Place::scene(scene).agent(agent)), source: e.into() }
+        }
+        Unopened::Stage(e) => e,
+    })?;
+    let Opening { channels, tables, .. } = opening;
+    Ok((Channels(channels), Recorder { unit, scene, agent, tables, counts: PartialCounts::new() }))
+}
 
+impl Channels {
     /// The sensors that are to be read at a frame, each once.
-    pub(crate) fn channels_at(&self, frame: u32) -> impl Iterator<Item = &dyn Channel> {
-        self.channels.iter().map(Box::as_ref).filter(move |channel| channel.is_due(frame))
+    pub(crate) fn at(&self, frame: u32) -> impl Iterator<Item = &dyn Channel> {
+        self.0.iter().map(AsRef::as_ref).filter(move |channel| channel.is_due(frame))
     }
 
     /// Those of the frames `0..frames` at which some sensor is read.
     pub(crate) fn due_frames(&self, frames: u32) -> Vec<u32> {
-        (0..frames).filter(|&frame| self.channels_at(frame).next().is_some()).collect()
+        (0..frames).filter(|&frame| self.at(frame).next().is_some()).collect()
     }
+}
 
+impl Recorder<'_> {
     /// Writes a frame's readings, which must have been made, after those of all earlier frames.
     ///
     /// # Errors
     /// The store cannot be written.
-    pub(crate) fn write(&self, frame: u32, counts: &mut PartialCounts) -> Result<(), StageError> {
+    pub(crate) fn write(&mut self, frame: u32) -> Result<(), StageError> {
         let agent = self.agent.to_string();
-        self.channels.iter().try_for_each(|channel| channel.write(frame, &agent, counts))
+        self.tables.iter_mut().try_for_each(|table| table.write(frame, &agent, &mut self.counts))
     }
 
-    /// Ends all tables and counts their bytes.
+    /// Ends all tables, counts their bytes, and ends the unit.
     ///
     /// # Errors
     /// The store cannot be written.
-    pub(crate) fn finish(
-        self,
-        mut counts: PartialCounts,
-    ) -> Result<(Vec<Finished>, Vec<PartialRow>), StageError> {
-        let agent = self.agent.to_string();
-        let mut shards = Vec::with_capacity(self.channels.len());
-        for channel in self.channels {
-            let (counted_as, shard) = channel.finish()?;
-            counts.add(&agent, SENSOR_BYTES, &counted_as, 0, shard.output().bytes);
-            shards.push(shard);
+    pub(crate) fn finish(self) -> Result<(), StageError> {
+        let Self { mut unit, scene, agent, tables, mut counts } = self;
+        for table in tables {
+            let (counted_as, shard) = table.finish()?;
+            counts.add(&agent.to_string(), SENSOR_BYTES, &counted_as, 0, shard.output().bytes);
+            unit.add(shard);
         }
-        Ok((shards, counts.rows()))
+        unit.rows(&keys::partial_stats(scene, &format!("{}.{agent}", crate::NAME)), &counts.rows())?;
+        unit.finish()?;
+        Ok(())
     }
 }

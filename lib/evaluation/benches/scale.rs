@@ -164,7 +164,7 @@ fn stage(
         config_hash: "bench".into(),
         inputs: BTreeMap::new(),
     };
-    let mut attempt = Attempt::start(store, identity, false)?;
+    let attempt = Attempt::start(store, identity, false)?;
     if let Some(mut unit) = attempt.unit("all")? {
         write(&mut unit)?;
         unit.finish()?;

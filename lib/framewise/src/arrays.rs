@@ -3,14 +3,14 @@
 use std::borrow::Cow;
 
 use counts::PartialCounts;
-use formats::{DEFAULT_LEVEL, NpzError, NpzWriter, Scalar, encode_member, frame_member};
+use formats::{DEFAULT_LEVEL, EncodedMember, NpzError, NpzWriter, Scalar, encode_member, frame_member};
 use pipeline::{At, Job, Place, Progress, StageError, StageSettings};
 use scene::SceneLog;
 use schema::arrays::ArrayKind;
 use schema::{AgentId, rate};
 use store::{FileWriter, StoreError, Unit, keys};
 
-use crate::order::in_frame_order;
+use crate::order::{Part, Taking, in_turn};
 use crate::pool::BufferPool;
 
 /// An array of one frame.
@@ -87,72 +87,135 @@ fn failed(location: &str, frame: Option<u32>, error: NpzError) -> StageError {
     }
 }
 
-/// Writes the arrays of those of the frames `0..frames` at which an agent has some, an archive of each kind among a unit's
-/// files. Returns what was counted.
-///
-/// # Errors
-/// The first error in frame order, a wish to stop, or an archive cannot be written.
-pub fn write_arrays<A: FrameArrays>(
-    unit: &mut Unit<'_>,
-    (scene, agent): (u32, AgentId),
-    frames: u32,
-    progress: &Progress,
-    arrays: &A,
-) -> Result<PartialCounts, StageError> {
-    let (kinds, comment) = (arrays.kinds(), arrays.comment()?);
-    let mut archives = Vec::with_capacity(kinds.len());
-    for kind in &kinds {
-        archives.push(Archive::start(unit, &keys::array(scene, kind, agent), &comment)?);
-    }
-    let locations: Vec<String> = archives.iter().map(|archive| archive.location.clone()).collect();
-    let pool = BufferPool::default();
-    let one = |frame: u32| {
-        let mut memory = pool.take(|| arrays.memory())?;
+/// An agent's label with the unit that its archives belong to.
+#[derive(Debug)]
+pub struct Labelled<'u, L> {
+    /// A unit of its own.
+    pub unit: Unit<'u>,
+    /// The scene.
+    pub scene: u32,
+    /// The agent.
+    pub agent: AgentId,
+    /// Key of the table of what is counted, where that is wanted.
+    pub counted: Option<String>,
+    /// The label.
+    pub label: L,
+}
+
+/// What any thread sees of an agent's label.
+struct Seen<L: FrameArrays> {
+    label: L,
+    locations: Vec<String>,
+    pool: BufferPool<L::Memory>,
+}
+
+impl<L: FrameArrays> Seen<L> {
+    fn frame(&self, frame: u32) -> Result<OfFrame, StageError> {
+        let mut memory = self.pool.take(|| self.label.memory())?;
         let mut counts = PartialCounts::new();
-        let mut members = Vec::with_capacity(locations.len());
-        for (array, location) in arrays.arrays(&mut memory, frame, &mut counts)?.into_iter().zip(&locations) {
+        let mut members = Vec::with_capacity(self.locations.len());
+        let arrays = self.label.arrays(&mut memory, frame, &mut counts)?;
+        for (array, location) in arrays.into_iter().zip(&self.locations) {
             let FrameArray { scalar, shape, bytes } = array;
             let member = encode_member(&frame_member(frame), scalar, &shape, &bytes, DEFAULT_LEVEL);
             members.push(member.at(|| Place::file(location).frame(frame))?);
         }
-        pool.give(memory);
+        self.pool.give(memory);
         Ok((members, counts))
-    };
-    let mut counts = PartialCounts::new();
-    let due: Vec<u32> = rate::due(frames, arrays.every_n_frames()).collect();
-    in_frame_order((&due, frames), progress, one, |number, (members, of_frame)| {
-        counts.merge(of_frame);
-        for (archive, member) in archives.iter_mut().zip(members) {
-            archive.writer.append(member).map_err(|e| failed(&archive.location, Some(number), e))?;
+    }
+}
+
+/// Compressed arrays of a frame, and what was counted of it.
+type OfFrame = (Vec<EncodedMember>, PartialCounts);
+
+/// The open archives of an agent.
+struct Archives<'u> {
+    unit: Unit<'u>,
+    archives: Vec<Archive>,
+    frames: u64,
+    counts: PartialCounts,
+    counted: Option<String>,
+}
+
+/// Starts the archives of a label.
+fn open<L: FrameArrays>(
+    labelled: Labelled<'_, L>,
+    frames: u32,
+) -> Result<Part<Seen<L>, Archives<'_>>, StageError> {
+    let Labelled { unit, scene, agent, counted, label } = labelled;
+    let (kinds, comment) = (label.kinds(), label.comment()?);
+    let mut archives = Vec::with_capacity(kinds.len());
+    for kind in &kinds {
+        archives.push(Archive::start(&unit, &keys::array(scene, kind, agent), &comment)?);
+    }
+    let locations = archives.iter().map(|archive| archive.location.clone()).collect();
+    let due: Vec<u32> = rate::due(frames, label.every_n_frames()).collect();
+    let seen = Seen { label, locations, pool: BufferPool::default() };
+    let (frames, counts) = (due.len() as u64, PartialCounts::new());
+    Ok(Part { due, seen, writer: Archives { unit, archives, frames, counts, counted } })
+}
+
+struct Appending;
+
+impl Taking<Archives<'_>, OfFrame> for Appending {
+    fn take(
+        &mut self,
+        writer: &mut Archives<'_>,
+        frame: u32,
+        (members, counts): OfFrame,
+    ) -> Result<(), StageError> {
+        writer.counts.merge(counts);
+        for (archive, member) in writer.archives.iter_mut().zip(members) {
+            archive.writer.append(member).map_err(|e| failed(&archive.location, Some(frame), e))?;
         }
         Ok(())
-    })?;
-    for Archive { writer, location } in archives {
-        let file = writer.finish().map_err(|e| failed(&location, None, e))?;
-        unit.add(file.finish(due.len() as u64)?);
     }
-    Ok(counts)
+
+    fn finish(&mut self, writer: Archives<'_>) -> Result<(), StageError> {
+        let Archives { mut unit, archives, frames, counts, counted } = writer;
+        for Archive { writer, location } in archives {
+            let file = writer.finish().map_err(|e| failed(&location, None, e))?;
+            unit.add(file.finish(frames)?);
+        }
+        if let Some(key) = counted {
+            unit.rows(&key, &counts.rows())?;
+        }
+        unit.finish()?;
+        Ok(())
+    }
+}
+
+/// Writes labels one after the other: the arrays of those of the frames `0..frames` at which each has some, an archive of each
+/// kind among its unit's files, and what was counted.
+///
+/// # Errors
+/// The first error in order, a wish to stop, or an archive cannot be written.
+pub fn write_labels<'u, L: FrameArrays + Send>(
+    labels: impl IntoIterator<Item = Result<Labelled<'u, L>, StageError>>,
+    frames: u32,
+    progress: &Progress,
+) -> Result<(), StageError> {
+    let parts = labels.into_iter().map(|labelled| open(labelled?, frames));
+    in_turn(parts, frames, progress, Seen::frame, Appending)
 }
 
 /// A label stage: the arrays of every agent, each agent's archives and counts a unit of their own. `label` gives an agent's
 /// label by its position in the log, or `None` where it is not wanted.
 ///
 /// # Errors
-/// As [`write_arrays`].
-pub fn label_agents<S: StageSettings, L: FrameArrays>(
-    job: &mut Job<'_, S>,
+/// As [`write_labels`].
+pub fn label_agents<S: StageSettings, L: FrameArrays + Send>(
+    job: &Job<'_, S>,
     log: &SceneLog,
     mut label: impl FnMut(usize, AgentId) -> Option<L>,
 ) -> Result<(), StageError> {
     let (scene, frames, progress) = (job.scene(), log.frame_count(), job.progress());
     progress.set_total(u64::from(frames) * log.agent_ids().len() as u64);
-    for (position, &agent) in log.agent_ids().iter().enumerate() {
-        let Some(label) = label(position, agent) else { continue };
-        let Some(mut unit) = job.unit(&agent.to_string())? else { continue };
-        let counts = write_arrays(&mut unit, (scene, agent), frames, &progress, &label)?;
-        let stats = keys::partial_stats(scene, &format!("{}.{agent}", S::STAGE));
-        unit.rows(&stats, &counts.rows())?;
-        unit.finish()?;
-    }
-    Ok(())
+    let labels = log.agent_ids().iter().enumerate().filter_map(|(position, &agent)| {
+        let label = label(position, agent)?;
+        let counted = Some(keys::partial_stats(scene, &format!("{}.{agent}", S::STAGE)));
+        let labelled = |unit| Labelled { unit, scene, agent, counted, label };
+        job.unit(&agent.to_string()).map(|unit| unit.map(labelled)).transpose()
+    });
+    write_labels(labels, frames, &progress)
 }

@@ -4,5 +4,5 @@ mod arrays;
 mod order;
 mod pool;
 
-pub use arrays::{FrameArray, FrameArrays, label_agents, write_arrays};
-pub use order::in_frame_order;
+pub use arrays::{FrameArray, FrameArrays, Labelled, label_agents, write_labels};
+pub use order::{Part, Taking, in_turn};

@@ -5,13 +5,15 @@ use std::sync::Arc;
 
 use counts::PartialCounts;
 use formats::{NpzReader, Scalar, frame_member};
-use framewise::{FrameArray, FrameArrays};
+use framewise::{FrameArray, FrameArrays, Labelled};
 use pipeline::{At, Place, Progress, ProgressMode, StageError};
 use schema::AgentId;
 use schema::arrays::{ArrayKind, BEV_IDS, BEV_MASKS};
+use schema::tables::PartialRow;
 use store::{Attempt, Identity, Manifest, Memory, Scope, Store, StoreError};
 
 const KEY: &str = "scenes/0007/bev/vehicle_0.npz";
+const COUNTS: &str = "scenes/0007/stats/vehicle_0.parquet";
 const FRAMES: u32 = 9;
 
 fn grid(frame: u32) -> Vec<u8> {
@@ -57,10 +59,10 @@ impl FrameArrays for Grids {
 }
 
 fn archive(store: &Store, broken: Option<u32>) -> Result<Manifest, StageError> {
-    write(store, &Grids { broken, every: 1 })
+    write(store, Grids { broken, every: 1 })
 }
 
-fn write(store: &Store, grids: &Grids) -> Result<Manifest, StageError> {
+fn write(store: &Store, label: Grids) -> Result<Manifest, StageError> {
     let identity = Identity {
         stage: "bev-gt".into(),
         scope: Scope::Scene(7),
@@ -68,13 +70,12 @@ fn write(store: &Store, grids: &Grids) -> Result<Manifest, StageError> {
         config_hash: "c".into(),
         inputs: BTreeMap::new(),
     };
-    let mut attempt = Attempt::start(store, identity, false)?;
-    let Some(mut unit) = attempt.unit("vehicle_0")? else { return Ok(attempt.commit()?) };
+    let attempt = Attempt::start(store, identity, false)?;
+    let Some(unit) = attempt.unit("vehicle_0")? else { return Ok(attempt.commit()?) };
     let progress = Progress::start(ProgressMode::None, "test".into(), 0);
-    let counts = framewise::write_arrays(&mut unit, (7, AgentId::vehicle(0)), FRAMES, &progress, grids)?;
-    let rows: Vec<i32> = counts.rows().iter().map(|row| row.bin).collect();
-    assert!(rows.iter().copied().eq((0..FRAMES as i32).step_by(grids.every as usize)), "{rows:?}");
-    unit.finish()?;
+    let counted = Some(COUNTS.to_owned());
+    let labelled = Labelled { unit, scene: 7, agent: AgentId::vehicle(0), counted, label };
+    framewise::write_labels([Ok(labelled)], FRAMES, &progress)?;
     Ok(attempt.commit()?)
 }
 
@@ -96,12 +97,14 @@ fn frames_come_back_in_order() {
 #[test]
 fn frames_between_have_no_member() {
     let store = Store::open("memory:").expect("is a place");
-    let manifest = write(&store, &Grids { broken: None, every: 4 }).expect("writes");
+    let manifest = write(&store, Grids { broken: None, every: 4 }).expect("writes");
     let mut reader =
         NpzReader::new(store.stream_output(&manifest, KEY).expect("opens")).expect("is an archive");
     assert_eq!(reader.members().collect::<Vec<_>>(), [0, 4, 8].map(frame_member));
     assert_eq!(reader.read(&frame_member(8)).expect("reads").bytes, grid(8));
     assert_eq!(manifest.outputs.iter().find(|o| o.key == KEY).map(|o| o.rows), Some(3));
+    let counts: Vec<PartialRow> = store.read_rows(&manifest, COUNTS).expect("reads");
+    assert_eq!(counts.iter().map(|row| row.bin).collect::<Vec<_>>(), [0, 4, 8]);
 }
 
 #[test]

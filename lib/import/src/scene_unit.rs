@@ -85,7 +85,7 @@ pub(crate) fn import(order: &Order<'_>, scene: &Scene) -> Result<(), ImportError
 fn stage(
     order: &Order<'_>,
     name: &str,
-    make: impl FnOnce(&mut Attempt) -> Result<(), ImportError>,
+    make: impl FnOnce(&Attempt) -> Result<(), ImportError>,
 ) -> Result<(), ImportError> {
     let scene = order.entry.number;
     if !order.force && is_done(order.store, scene, name, order.digest)? {
@@ -99,15 +99,15 @@ fn stage(
         config_hash: order.digest.to_owned(),
         inputs: BTreeMap::new(),
     };
-    let mut attempt = Attempt::start(order.store, identity, order.force)?;
-    make(&mut attempt)?;
+    let attempt = Attempt::start(order.store, identity, order.force)?;
+    make(&attempt)?;
     attempt.commit()?;
     Ok(())
 }
 
 /// Makes a unit that a killed run has not finished.
 fn unit(
-    attempt: &mut Attempt,
+    attempt: &Attempt,
     name: &str,
     make: impl FnOnce(&mut Unit<'_>) -> Result<(), ImportError>,
 ) -> Result<(), ImportError> {
@@ -120,7 +120,7 @@ fn unit(
 
 /// A unit for each agent, with its counts; no unit where nothing is made.
 fn by_agent(
-    attempt: &mut Attempt,
+    attempt: &Attempt,
     work: &Work<'_>,
     stage: &str,
     mut make: impl FnMut(usize, &mut Unit<'_>) -> Result<Option<PartialCounts>, ImportError>,

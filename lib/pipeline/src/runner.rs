@@ -112,11 +112,11 @@ impl<S: StageSettings> Job<'_, S> {
         }
     }
 
-    /// Opens a unit of work, or `None` when a killed run finished it already. A signal stops here.
+    /// Opens a unit of work, or `None` when a killed run finished it already; several may be open at once. A signal stops here.
     ///
     /// # Errors
     /// A signal came, or the store cannot be read.
-    pub fn unit(&mut self, name: &str) -> Result<Option<Unit<'_>>, StageError> {
+    pub fn unit(&self, name: &str) -> Result<Option<Unit<'_>>, StageError> {
         if interrupt::stopped() {
             return Err(StageError::Stopped);
         }
@@ -444,10 +444,11 @@ impl<S: StageSettings> Run<'_, S> {
             Scope::Scene(_) => format!("{}/", scope.folder()),
             Scope::Plan | Scope::Tile { .. } | Scope::Stats => String::new(),
         };
-        let is_stray = |key: &&str| !key.strip_prefix(&folder).is_some_and(|path| self.spec.may_write(path));
-        match attempt.keys().find(is_stray) {
+        let is_stray =
+            |key: &String| !key.strip_prefix(&folder).is_some_and(|path| self.spec.may_write(path));
+        match attempt.keys().into_iter().find(is_stray) {
             None => Ok(()),
-            Some(key) => Err(StageError::Unlisted { stage: S::STAGE, key: key.to_owned() }),
+            Some(key) => Err(StageError::Unlisted { stage: S::STAGE, key }),
         }
     }
 

@@ -32,7 +32,7 @@ fn stage(store: &Store, name: &str, write: impl FnOnce(&mut Unit<'_>)) {
         config_hash: "c".into(),
         inputs: BTreeMap::new(),
     };
-    let mut attempt = Attempt::start(store, identity, false).expect("starts");
+    let attempt = Attempt::start(store, identity, false).expect("starts");
     let mut unit = attempt.unit("all").expect("a unit").expect("fresh");
     write(&mut unit);
     unit.finish().expect("finishes");

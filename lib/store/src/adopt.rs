@@ -113,7 +113,7 @@ mod tests {
             config_hash: "c".into(),
             inputs: BTreeMap::new(),
         };
-        let mut attempt = Attempt::start(&store, identity, false).expect("starts");
+        let attempt = Attempt::start(&store, identity, false).expect("starts");
         let mut unit = attempt.unit("all").expect("reads").expect("is new");
         unit.bytes(SHARD, bytes, 1).expect("writes");
         unit.finish().expect("finishes");

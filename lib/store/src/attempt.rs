@@ -1,6 +1,7 @@
 //! One try of a stage at one scope: units of work, shards, the manifest last.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use schema::table::{Column, Row};
 
@@ -40,7 +41,7 @@ pub struct Identity {
 ///     config_hash: "c".into(),
 ///     inputs: BTreeMap::new(),
 /// };
-/// let mut attempt = Attempt::start(&store, identity, false)?;
+/// let attempt = Attempt::start(&store, identity, false)?;
 /// if let Some(mut unit) = attempt.unit("vehicle_0")? {
 ///     unit.rows("scenes/0007/GNSS.parquet", &[GnssRow { frame: 3, ..GnssRow::default() }])?;
 ///     unit.finish()?;
@@ -60,9 +61,17 @@ pub struct Attempt {
     store: Store,
     identity: Identity,
     redo: Redo,
-    old_stands: bool,
-    outputs: Vec<Output>,
+    so_far: Mutex<SoFar>,
     sections: BTreeMap<String, String>,
+}
+
+/// How far a try has come.
+#[derive(Debug)]
+struct SoFar {
+    /// The manifest of the try before is still there.
+    old_stands: bool,
+    /// Shards of all finished units.
+    outputs: Vec<Output>,
 }
 
 impl Attempt {
@@ -84,8 +93,13 @@ impl Attempt {
             },
             None => sound(store.read_json(&scope.redo(stage)))?.unwrap_or_default(),
         };
-        let (outputs, sections) = (Vec::new(), BTreeMap::new());
-        Ok(Self { store: store.clone(), identity, redo, old_stands, outputs, sections })
+        let so_far = Mutex::new(SoFar { old_stands, outputs: Vec::new() });
+        Ok(Self { store: store.clone(), identity, redo, so_far, sections: BTreeMap::new() })
+    }
+
+    fn so_far(&self) -> MutexGuard<'_, SoFar> {
+        // Whoever panicked within left a state that holds: outputs are told of when they stand.
+        self.so_far.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Starts a try where none of the same identity has ended: what is named by its content is made once. Its manifest comes
@@ -97,7 +111,7 @@ impl Attempt {
     pub fn start_once(store: &Store, identity: Identity) -> Result<Result<Self, Manifest>, StoreError> {
         let attempt = Self::start(store, identity, false)?;
         // Where none stood at the start, one that another process has put there since is never taken away.
-        if attempt.old_stands
+        if attempt.so_far().old_stands
             && let Some(manifest) = sound(store.manifest(attempt.identity.scope, &attempt.identity.stage))?
             && manifest.code_version == attempt.identity.code_version
             && manifest.config_hash == attempt.identity.config_hash
@@ -149,26 +163,27 @@ impl Attempt {
     }
 
     /// Takes the old manifest away: from here on its shards are replaced one by one.
-    fn set_old_aside(&mut self) -> Result<(), StoreError> {
-        if self.old_stands {
+    fn set_old_aside(&self, so_far: &mut SoFar) -> Result<(), StoreError> {
+        if so_far.old_stands {
             let (scope, stage) = (self.identity.scope, self.identity.stage.as_str());
             self.store.write_json(&scope.redo(stage), stage, &self.redo)?;
             self.store.backend().remove(&scope.manifest(stage))?;
-            self.old_stands = false;
+            so_far.old_stands = false;
         }
         Ok(())
     }
 
-    /// Opens a unit of work (an agent, say), or `None` when an earlier try of the same identity finished it.
+    /// Opens a unit of work (an agent, say), or `None` when an earlier try of the same identity finished it. Several may be open
+    /// at once.
     ///
     /// # Errors
     /// The store cannot be read.
-    pub fn unit(&mut self, name: &str) -> Result<Option<Unit<'_>>, StoreError> {
+    pub fn unit(&self, name: &str) -> Result<Option<Unit<'_>>, StoreError> {
         let key = self.identity.scope.part(&self.identity.stage, name);
         if let Some(part) = sound(self.store.read_json::<Manifest>(&key))? {
             let same = Manifest { outputs: part.outputs.clone(), ..self.manifest_of(Vec::new()) };
             if part == same && self.store.outputs_present(&part)? {
-                self.outputs.extend(part.outputs);
+                self.so_far().outputs.extend(part.outputs);
                 return Ok(None);
             }
         }
@@ -176,8 +191,9 @@ impl Attempt {
     }
 
     /// Keys of the shards of all finished units.
-    pub fn keys(&self) -> impl Iterator<Item = &str> {
-        self.outputs.iter().map(|output| output.key.as_str())
+    #[must_use]
+    pub fn keys(&self) -> Vec<String> {
+        self.so_far().outputs.iter().map(|output| output.key.clone()).collect()
     }
 
     /// Remembers the digest of a part that other stages depend on singly.
@@ -190,8 +206,10 @@ impl Attempt {
     /// # Errors
     /// The store cannot be written.
     pub fn commit(mut self) -> Result<Manifest, StoreError> {
-        self.set_old_aside()?;
-        let outputs = std::mem::take(&mut self.outputs);
+        let mut so_far = self.so_far();
+        self.set_old_aside(&mut so_far)?;
+        let outputs = std::mem::take(&mut so_far.outputs);
+        drop(so_far);
         let mut manifest = self.manifest_of(outputs);
         manifest.outputs.sort_by(|a, b| a.key.cmp(&b.key));
         manifest.sections = std::mem::take(&mut self.sections);
@@ -224,7 +242,7 @@ impl Attempt {
 /// A unit of work within a try: its shards are kept once it is finished, even if the try is killed later.
 #[derive(Debug)]
 pub struct Unit<'a> {
-    attempt: &'a mut Attempt,
+    attempt: &'a Attempt,
     name: String,
     shards: Vec<Finished>,
 }
@@ -289,11 +307,12 @@ impl Unit<'_> {
     /// The store cannot be written, or two shards of the try have the same key.
     pub fn finish(self) -> Result<(), StoreError> {
         let Self { attempt, name, shards } = self;
-        let mut keys: BTreeSet<&str> = attempt.outputs.iter().map(|o| o.key.as_str()).collect();
+        let mut so_far = attempt.so_far();
+        let mut keys: BTreeSet<&str> = so_far.outputs.iter().map(|o| o.key.as_str()).collect();
         if let Some(shard) = shards.iter().find(|shard| !keys.insert(&shard.output().key)) {
             return Err(StoreError::Twice { path: attempt.store.location(&shard.output().key) });
         }
-        attempt.set_old_aside()?;
+        attempt.set_old_aside(&mut so_far)?;
         let mut outputs = Vec::with_capacity(shards.len());
         for shard in shards {
             outputs.push(shard.commit()?);
@@ -301,7 +320,7 @@ impl Unit<'_> {
         let identity = &attempt.identity;
         let part = attempt.manifest_of(outputs);
         attempt.store.write_json(&identity.scope.part(&identity.stage, &name), &identity.stage, &part)?;
-        attempt.outputs.extend(part.outputs);
+        so_far.outputs.extend(part.outputs);
         Ok(())
     }
 }

@@ -152,7 +152,7 @@ impl<'a> TileStore<'a> {
             config_hash: self.config_hash.clone(),
             inputs: BTreeMap::from([("map".to_owned(), self.map_hash.to_owned())]),
         };
-        let mut attempt = match Attempt::start_once(self.store, identity)? {
+        let attempt = match Attempt::start_once(self.store, identity)? {
             Ok(attempt) => attempt,
             Err(manifest) => {
                 // Whoever put it there may have been killed just then.

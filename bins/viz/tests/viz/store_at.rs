@@ -32,7 +32,7 @@ fn stage(store: &Store, scope: Scope, (name, code_version): (&str, &str), write:
         config_hash: "c".into(),
         inputs: BTreeMap::new(),
     };
-    let mut attempt = Attempt::start(store, identity, false).expect("starts");
+    let attempt = Attempt::start(store, identity, false).expect("starts");
     let mut unit = attempt.unit("all").expect("a unit").expect("fresh");
     write(&mut unit);
     unit.finish().expect("finishes");

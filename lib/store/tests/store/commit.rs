@@ -87,7 +87,7 @@ fn lists_keep_one_frame_per_group(bench: &Bench) {
         ..LidarRow::default()
     };
     let rows: Vec<LidarRow> = (0..5).map(sweep).collect();
-    let mut attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    let attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
     let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is new");
     let mut table = unit.table("scenes/0007/x.parquet", TableOptions::frames(Vec::new())).expect("opens");
     table.push(&rows).expect("writes");
@@ -116,7 +116,7 @@ fn some_rows_of_a_table_are_read(bench: &Bench) {
     let rows: Vec<SignalRow> = (0..150_000)
         .map(|frame| SignalRow { frame, id: (frame % 1000) as u16, ..SignalRow::default() })
         .collect();
-    let mut attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    let attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
     let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is new");
     unit.rows("scenes/0007/log/signals.parquet", &rows).expect("writes");
     unit.finish().expect("commits");
@@ -157,7 +157,7 @@ fn a_text_that_means_nothing_is_named_with_its_place(bench: &Bench) {
         panic!("states are texts");
     };
     texts[9_000] = "Blue".into();
-    let mut attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    let attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
     let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is new");
     unit.columns("scenes/0007/log/signals.parquet", columns).expect("writes");
     unit.finish().expect("commits");
@@ -175,7 +175,7 @@ fn a_killed_try_keeps_its_finished_units(broken: &Bench) {
 
     // The process dies with one unit finished and a shard in hand.
     let store = &broken.store;
-    let mut attempt = Attempt::start(store, identity("c"), false).expect("starts");
+    let attempt = Attempt::start(store, identity("c"), false).expect("starts");
     let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is new");
     unit.rows(&key("vehicle_0"), &gnss(40)).expect("writes");
     unit.finish().expect("finishes");
@@ -188,7 +188,7 @@ fn a_killed_try_keeps_its_finished_units(broken: &Bench) {
     assert!(left.len() == 1 && left[0].owner == STAGE && left[0].abandoned, "{left:?}");
     assert!(!store.backend().list("").expect("lists").contains(&key("vehicle_1")), "half is nothing");
 
-    let mut attempt = Attempt::start(store, identity("c"), false).expect("starts again");
+    let attempt = Attempt::start(store, identity("c"), false).expect("starts again");
     assert!(attempt.unit("vehicle_0").expect("asks").is_none(), "is kept");
     let mut unit = attempt.unit("vehicle_1").expect("asks").expect("was lost");
     unit.rows(&key("vehicle_1"), &gnss(40)).expect("writes");
@@ -221,7 +221,7 @@ fn leftovers_of_the_plan_are_found_all_over_the_store(bench: &Bench) {
 
 fn a_finished_unit_of_another_config_is_not_kept(bench: &Bench) {
     run_half(&bench.store, "old", false);
-    let mut attempt = Attempt::start(&bench.store, identity("new"), false).expect("starts");
+    let attempt = Attempt::start(&bench.store, identity("new"), false).expect("starts");
     assert!(attempt.unit("vehicle_0").expect("asks").is_some());
 }
 
@@ -231,7 +231,7 @@ fn forcing_changes_the_digest_once_even_when_killed_between(bench: &Bench) {
     let again = run(store, "c", false, &TWO).expect("runs");
     assert_eq!(first.digest(), again.digest());
 
-    let mut attempt = Attempt::start(store, identity("c"), true).expect("starts");
+    let attempt = Attempt::start(store, identity("c"), true).expect("starts");
     let mut unit = attempt.unit("vehicle_0").expect("asks").expect("forced");
     assert!(store.manifest(SCOPE, STAGE).expect("asks").is_some(), "the old one still stands");
     unit.rows(&key("vehicle_0"), &gnss(40)).expect("writes");
@@ -302,7 +302,7 @@ fn damaged_records_are_done_again(bench: &Bench) {
 }
 
 fn two_outputs_of_one_name_are_refused(bench: &Bench) {
-    let mut attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    let attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
     let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is to do");
     unit.rows(&key("vehicle_0"), &gnss(40)).expect("writes");
     unit.rows(&key("vehicle_0"), &gnss(20)).expect("writes");
@@ -324,7 +324,7 @@ fn of_two_that_put_one_succeeds(bench: &Bench) {
 }
 
 fn two_processes_of_one_mind_agree(bench: &Bench) {
-    let mut slow = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    let slow = Attempt::start(&bench.store, identity("c"), false).expect("starts");
     let fast = run(&bench.store, "c", false, &["vehicle_0"]).expect("runs");
     let tree = bench.tree();
     if let Some(mut unit) = slow.unit("vehicle_0").expect("asks") {
@@ -336,7 +336,7 @@ fn two_processes_of_one_mind_agree(bench: &Bench) {
 }
 
 fn two_processes_at_odds_leave_no_manifest(bench: &Bench) {
-    let mut slow = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    let slow = Attempt::start(&bench.store, identity("c"), false).expect("starts");
     run(&bench.store, "d", false, &["vehicle_0"]).expect("runs");
     let mut unit = slow.unit("vehicle_0").expect("asks").expect("is to do");
     unit.rows(&key("vehicle_0"), &gnss(20)).expect("writes");

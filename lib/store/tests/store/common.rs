@@ -90,7 +90,7 @@ pub(crate) fn key(unit: &str) -> String {
 
 /// Runs a stage of some units.
 pub(crate) fn run(store: &Store, config: &str, force: bool, units: &[&str]) -> Result<Manifest, StoreError> {
-    let mut attempt = Attempt::start(store, identity(config), force)?;
+    let attempt = Attempt::start(store, identity(config), force)?;
     for name in units {
         if let Some(mut unit) = attempt.unit(name)? {
             unit.rows(&key(name), &gnss(40))?;
@@ -102,7 +102,7 @@ pub(crate) fn run(store: &Store, config: &str, force: bool, units: &[&str]) -> R
 
 /// Starts a stage and stops after its first unit, without a manifest.
 pub(crate) fn run_half(store: &Store, config: &str, force: bool) {
-    let mut attempt = Attempt::start(store, identity(config), force).expect("starts");
+    let attempt = Attempt::start(store, identity(config), force).expect("starts");
     let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is to do");
     unit.rows(&key("vehicle_0"), &gnss(40)).expect("writes");
     unit.finish().expect("finishes");

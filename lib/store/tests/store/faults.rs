@@ -141,7 +141,7 @@ fn every_writer_names_file_and_cause(bench: &Bench) {
         for (name, write) in WRITERS {
             for fault in [Fault::Byte(0), Fault::Byte(3), Fault::Byte(1000), Fault::Commit] {
                 let store = failing(bench, fault, code);
-                let mut attempt = Attempt::start(&store, identity("c"), false).expect("starts");
+                let attempt = Attempt::start(&store, identity("c"), false).expect("starts");
                 let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is to do");
                 let written = write(&mut unit, &keys::scene(7, name)).and_then(|()| unit.finish());
                 assert_names(&written.expect_err(name), name, code);
@@ -165,7 +165,7 @@ fn a_fault_anywhere_in_a_run_loses_nothing_committed(bench: &Bench) {
     // Shards fit, the manifest does not: the units are kept for the next try.
     let error = run(&failing(bench, Fault::Put, 28), "d", false, &["vehicle_0", "vehicle_1"]);
     assert_names(&error.expect_err("is full"), &SCOPE.manifest(STAGE), 28);
-    let mut attempt = Attempt::start(&bench.store, identity("d"), false).expect("starts");
+    let attempt = Attempt::start(&bench.store, identity("d"), false).expect("starts");
     for unit in ["vehicle_0", "vehicle_1"] {
         assert!(attempt.unit(unit).expect("asks").is_none(), "{unit} is kept");
     }

@@ -53,7 +53,7 @@ fn a_try_of_the_first_format_is_taken_up() {
         bench.put(&key, &old.read(&key).expect("reads").expect("is there"));
     }
     let identity = store::Identity { scope: STOPPED, ..identity("c") };
-    let mut attempt = Attempt::start(&bench.store, identity, false).expect("starts");
+    let attempt = Attempt::start(&bench.store, identity, false).expect("starts");
     assert!(attempt.unit("vehicle_0").expect("asks").is_none(), "is kept");
     let manifest = attempt.commit().expect("commits");
     assert_eq!((manifest.generation, manifest.outputs.len()), (3, 1));
@@ -83,12 +83,12 @@ fn write_the_fixture() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     assert!(!folder.exists(), "{} is never changed", folder.display());
     let store = Store::open(folder).expect("is a folder");
-    let mut attempt = Attempt::start(&store, identity("c"), false).expect("starts");
+    let attempt = Attempt::start(&store, identity("c"), false).expect("starts");
     let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is new");
     unit.rows(&key("vehicle_0"), &gnss(5)).expect("writes");
     unit.finish().expect("finishes");
     attempt.commit().expect("commits");
-    let mut attempt = Attempt::start(&store, identity("c"), true).expect("starts");
+    let attempt = Attempt::start(&store, identity("c"), true).expect("starts");
     let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is forced");
     unit.rows(&key("vehicle_0"), &gnss(5)).expect("writes");
     unit.finish().expect("finishes");
@@ -102,7 +102,7 @@ fn write_the_fixture() {
     let redo = Redo { generation: 3, replaces: vec!["scenes/0008/old.parquet".into()] };
     store.write_json(&STOPPED.redo(STAGE), STAGE, &redo).expect("writes");
     let stopped = store::Identity { scope: STOPPED, ..identity("c") };
-    let mut attempt = Attempt::start(&store, stopped, false).expect("starts");
+    let attempt = Attempt::start(&store, stopped, false).expect("starts");
     let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is new");
     unit.rows("scenes/0008/sensors/vehicle_0/GNSS.parquet", &gnss(5)).expect("writes");
     unit.finish().expect("finishes");

@@ -97,7 +97,7 @@ fn records_that_cannot_be_read_are_named(bench: &Bench) {
     );
 
     bench.put(&place, b"{");
-    let mut attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    let attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
     let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is to do");
     unit.rows(&key("vehicle_0"), &gnss(40)).expect("writes");
     unit.finish().expect("finishes");
