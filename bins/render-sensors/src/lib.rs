@@ -3,7 +3,7 @@
 mod agent;
 mod recorder;
 
-use framewise::{Part, Taking, in_turn};
+use framewise::{Part, in_turn};
 use pipeline::{At, Job, Place, Stage, StageError};
 use renderer::Renderer;
 use replay::Replay;
@@ -13,7 +13,6 @@ use sensors::{Cameras, Carrier, CpuPainter, GeoOrigin};
 use visibility::CpuRenderer;
 
 use crate::agent::{AgentRig, Eyes, Standing};
-use crate::recorder::Recorder;
 
 /// The stage.
 pub const STAGE: Stage<SensorSettings> = Stage::new(run);
@@ -48,20 +47,7 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
         };
         Some(unit.and_then(part))
     });
-    in_turn(parts, frames, &progress, |rig: &AgentRig<'_>, frame| rig.sense(frame), Recording)
-}
-
-/// Writes what agents sensed.
-struct Recording;
-
-impl Taking<Recorder<'_>, ()> for Recording {
-    fn take(&mut self, recorder: &mut Recorder<'_>, frame: u32, _: ()) -> Result<(), StageError> {
-        recorder.write(frame)
-    }
-
-    fn finish(&mut self, recorder: Recorder<'_>) -> Result<(), StageError> {
-        recorder.finish()
-    }
+    in_turn(parts, frames, &progress, AgentRig::sense)
 }
 
 /// Where the map's origin is on the globe, as far as its projection text says (`+lat_0`, `+lon_0`).

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use counts::PartialCounts;
+use framewise::Writer;
 use pipeline::{Place, StageError};
 use schema::calibration::METADATA_KEY;
 use schema::measures::sensors::{IMAGES, SENSOR_BYTES, SWEEPS};
@@ -37,7 +38,7 @@ pub(crate) trait Channel: Send + Sync {
 }
 
 /// The open table of a sensor.
-trait Table {
+trait Table: Send {
     /// Appends what was kept of a frame.
     fn write(&mut self, frame: u32, agent: &str, counts: &mut PartialCounts) -> Result<(), StageError>;
 
@@ -174,21 +175,15 @@ impl Channels {
     }
 }
 
-impl Recorder<'_> {
+impl Writer<()> for Recorder<'_> {
     /// Writes a frame's readings, which must have been made, after those of all earlier frames.
-    ///
-    /// # Errors
-    /// The store cannot be written.
-    pub(crate) fn write(&mut self, frame: u32) -> Result<(), StageError> {
+    fn take(&mut self, frame: u32, (): ()) -> Result<(), StageError> {
         let agent = self.agent.to_string();
         self.tables.iter_mut().try_for_each(|table| table.write(frame, &agent, &mut self.counts))
     }
 
     /// Ends all tables, counts their bytes, and ends the unit.
-    ///
-    /// # Errors
-    /// The store cannot be written.
-    pub(crate) fn finish(self) -> Result<(), StageError> {
+    fn finish(self) -> Result<(), StageError> {
         let Self { mut unit, scene, agent, tables, mut counts } = self;
         for table in tables {
             let (counted_as, shard) = table.finish()?;

@@ -10,7 +10,7 @@ use schema::arrays::ArrayKind;
 use schema::{AgentId, rate};
 use store::{FileWriter, StoreError, Unit, keys};
 
-use crate::order::{Part, Taking, in_turn};
+use crate::order::{Part, Writer, in_turn};
 use crate::pool::BufferPool;
 
 /// An array of one frame.
@@ -155,24 +155,17 @@ fn open<L: FrameArrays>(
     Ok(Part { due, seen, writer: Archives { unit, archives, frames, counts, counted } })
 }
 
-struct Appending;
-
-impl Taking<Archives<'_>, OfFrame> for Appending {
-    fn take(
-        &mut self,
-        writer: &mut Archives<'_>,
-        frame: u32,
-        (members, counts): OfFrame,
-    ) -> Result<(), StageError> {
-        writer.counts.merge(counts);
-        for (archive, member) in writer.archives.iter_mut().zip(members) {
+impl Writer<OfFrame> for Archives<'_> {
+    fn take(&mut self, frame: u32, (members, counts): OfFrame) -> Result<(), StageError> {
+        self.counts.merge(counts);
+        for (archive, member) in self.archives.iter_mut().zip(members) {
             archive.writer.append(member).map_err(|e| failed(&archive.location, Some(frame), e))?;
         }
         Ok(())
     }
 
-    fn finish(&mut self, writer: Archives<'_>) -> Result<(), StageError> {
-        let Archives { mut unit, archives, frames, counts, counted } = writer;
+    fn finish(self) -> Result<(), StageError> {
+        let Self { mut unit, archives, frames, counts, counted } = self;
         for Archive { writer, location } in archives {
             let file = writer.finish().map_err(|e| failed(&location, None, e))?;
             unit.add(file.finish(frames)?);
@@ -196,7 +189,7 @@ pub fn write_labels<'u, L: FrameArrays + Send>(
     progress: &Progress,
 ) -> Result<(), StageError> {
     let parts = labels.into_iter().map(|labelled| open(labelled?, frames));
-    in_turn(parts, frames, progress, Seen::frame, Appending)
+    in_turn(parts, frames, progress, Seen::frame)
 }
 
 /// A label stage: the arrays of every agent, each agent's archives and counts a unit of their own. `label` gives an agent's

@@ -2,10 +2,10 @@
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 
-use framewise::{Part, Taking, in_turn};
+use framewise::{Part, Writer, in_turn};
 use pipeline::{At, Place, Progress, ProgressMode, StageError};
 use rayon::ThreadPoolBuilder;
 
@@ -24,9 +24,35 @@ fn progress() -> Progress {
     Progress::start(ProgressMode::None, "test".into(), 0)
 }
 
-/// Some parts with numbers of their own.
-fn parts(dues: &[&[u32]]) -> Vec<Result<Part<u32, u32>, StageError>> {
-    let part = |(number, due): (u32, &&[u32])| Ok(Part { due: due.to_vec(), seen: number, writer: number });
+/// What was taken: part and frame, or that the part was ended.
+type Taken = Mutex<Vec<(u32, Option<u32>)>>;
+
+/// Writes down what it takes of a part.
+struct Notes<'a> {
+    part: u32,
+    taken: &'a Taken,
+}
+
+impl Writer<u32> for Notes<'_> {
+    fn take(&mut self, frame: u32, result: u32) -> Result<(), StageError> {
+        assert_eq!(frame, result);
+        if (self.part, frame) == (1, 7) {
+            return Err("full").at(|| Place::scene(7).frame(frame));
+        }
+        self.taken.lock().expect("nobody panics").push((self.part, Some(frame)));
+        Ok(())
+    }
+
+    fn finish(self) -> Result<(), StageError> {
+        self.taken.lock().expect("nobody panics").push((self.part, None));
+        Ok(())
+    }
+}
+
+/// Parts with numbers, and what takes them.
+fn parts<W>(dues: &[&[u32]], writer: impl Fn(u32) -> W) -> Vec<Result<Part<u32, W>, StageError>> {
+    let part =
+        |(number, due): (u32, &&[u32])| Ok(Part { due: due.to_vec(), seen: number, writer: writer(number) });
     (0..).zip(dues).map(part).collect()
 }
 
@@ -36,39 +62,24 @@ fn slow(frame: u32) -> Result<u32, StageError> {
     Ok(frame)
 }
 
-/// What was taken: part and frame, or that the part was ended.
-#[derive(Default)]
-struct Taken(Vec<(u32, Option<u32>)>);
-
-impl Taking<u32, u32> for &mut Taken {
-    fn take(&mut self, part: &mut u32, frame: u32, result: u32) -> Result<(), StageError> {
-        assert_eq!(frame, result);
-        if (*part, frame) == (1, 7) {
-            return Err("full").at(|| Place::scene(7).frame(frame));
-        }
-        self.0.push((*part, Some(frame)));
-        Ok(())
-    }
-
-    fn finish(&mut self, part: u32) -> Result<(), StageError> {
-        self.0.push((part, None));
-        Ok(())
-    }
-}
-
 #[test]
 fn frames_are_taken_in_order() {
     let dues: [&[u32]; 4] = [&DUE, &[3, 4], &[], &[0]];
-    let wanted: Vec<(u32, Option<u32>)> = (0..)
-        .zip(dues)
-        .flat_map(|(part, due)| due.iter().map(move |f| (part, Some(*f))).chain([(part, None)]))
-        .collect();
     for threads in [None, Some(1), Some(3)] {
         on(threads, || {
-            let mut taken = Taken::default();
-            in_turn(parts(&dues), FRAMES, &progress(), |_, frame| slow(frame), &mut taken)
-                .expect("nothing fails");
-            assert_eq!(taken.0, wanted);
+            let taken = Taken::default();
+            let all = parts(&dues, |part| Notes { part, taken: &taken });
+            in_turn(all, FRAMES, &progress(), |_, frame| slow(frame)).expect("nothing fails");
+            let taken = taken.into_inner().expect("nobody panics");
+            let frames: Vec<_> = taken.iter().filter_map(|(part, frame)| Some((*part, (*frame)?))).collect();
+            let wanted = (0..).zip(dues).flat_map(|(part, due)| due.iter().map(move |frame| (part, *frame)));
+            assert!(frames.into_iter().eq(wanted));
+            // Parts are ended in their order, each when it is whole.
+            let ended: Vec<_> = taken.iter().filter(|(_, frame)| frame.is_none()).map(|t| t.0).collect();
+            assert_eq!(ended, [0, 1, 2, 3]);
+            for (at, (part, _)) in taken.iter().enumerate().filter(|(_, (_, frame))| frame.is_none()) {
+                assert!(taken[at + 1..].iter().all(|(later, _)| later > part), "{taken:?}");
+            }
         });
     }
 }
@@ -76,13 +87,13 @@ fn frames_are_taken_in_order() {
 /// Counts what is taken.
 struct Counting<'a>(&'a AtomicU32);
 
-impl Taking<u32, u32> for Counting<'_> {
-    fn take(&mut self, _: &mut u32, _: u32, _: u32) -> Result<(), StageError> {
+impl Writer<u32> for Counting<'_> {
+    fn take(&mut self, _: u32, _: u32) -> Result<(), StageError> {
         self.0.fetch_add(1, Ordering::SeqCst);
         Ok(())
     }
 
-    fn finish(&mut self, _: u32) -> Result<(), StageError> {
+    fn finish(self) -> Result<(), StageError> {
         Ok(())
     }
 }
@@ -98,8 +109,8 @@ fn few_frames_are_in_hand() {
         };
         let all: Vec<u32> = (0..FRAMES / 3).collect();
         on(Some(threads), || {
-            let three = [all.as_slice(), &all, &all];
-            in_turn(parts(&three), FRAMES, &progress(), work, Counting(&taken)).expect("nothing fails");
+            let three = parts(&[all.as_slice(), &all, &all], |_| Counting(&taken));
+            in_turn(three, FRAMES, &progress(), work).expect("nothing fails");
         });
         assert_eq!(taken.into_inner(), FRAMES);
         // The one that is being taken is still in hand.
@@ -108,63 +119,90 @@ fn few_frames_are_in_hand() {
     }
 }
 
-/// Lets the last frame of the first part be taken when a frame of the second has been begun.
-struct Waiting<'a>(&'a Mutex<Receiver<()>>);
+/// Does not end its first part before the second one's last frame was taken.
+struct Waiting<'a> {
+    part: u32,
+    all_taken: &'a (Sender<()>, Mutex<Receiver<()>>),
+}
 
-impl Taking<u32, u32> for Waiting<'_> {
-    fn take(&mut self, _: &mut u32, _: u32, _: u32) -> Result<(), StageError> {
+impl Writer<u32> for Waiting<'_> {
+    fn take(&mut self, frame: u32, _: u32) -> Result<(), StageError> {
+        if (self.part, frame) == (1, 9) {
+            self.all_taken.0.send(()).at(|| Place::scene(7))?;
+        }
         Ok(())
     }
 
-    fn finish(&mut self, part: u32) -> Result<(), StageError> {
-        if part == 0 {
-            let second_began = self.0.lock().expect("nobody panics").recv_timeout(Duration::from_secs(60));
-            second_began.at(|| Place::scene(7))?;
+    fn finish(self) -> Result<(), StageError> {
+        if self.part == 0 {
+            let told = self.all_taken.1.lock().expect("nobody panics");
+            told.recv_timeout(Duration::from_secs(60)).at(|| Place::scene(7))?;
         }
         Ok(())
     }
 }
 
 #[test]
-fn the_next_part_is_begun_while_one_is_ended() {
-    let (tell, begun) = channel();
-    let work = |part: &u32, frame| {
-        if *part == 1 {
-            let _ = tell.send(());
-        }
-        slow(frame)
-    };
-    let begun = Mutex::new(begun);
-    in_turn(parts(&[&[0, 1], &[0, 1]]), 2, &progress(), work, Waiting(&begun))
-        .expect("none waits for the other");
+fn nobody_waits_for_the_end_of_a_part() {
+    let (tell, told) = channel();
+    let all_taken = (tell, Mutex::new(told));
+    let all: Vec<u32> = (0..10).collect();
+    let two = parts(&[&all, &all], |part| Waiting { part, all_taken: &all_taken });
+    in_turn(two, 10, &progress(), |_, frame| slow(frame)).expect("the second part's frames are taken");
 }
 
 #[test]
 fn the_first_error_in_order_ends_it() {
-    let broken = |part: &u32, frame: u32| match (part, frame) {
+    let run = |dues: &[&[u32]], shut: bool, work: &(dyn Fn(u32, u32) -> Result<u32, StageError> + Sync)| {
+        let taken = Taken::default();
+        let mut all = parts(dues, |part| Notes { part, taken: &taken });
+        if shut {
+            all[1] = Err("shut").at(|| Place::scene(7).frame(44));
+        }
+        let error = in_turn(all, FRAMES, &progress(), |part, frame| work(*part, frame)).expect_err("fails");
+        (error.to_string(), taken.into_inner().expect("nobody panics"))
+    };
+    let broken = |part, frame| match (part, frame) {
         (0, 8 | 30) => Err("broken").at(|| Place::scene(7).frame(frame)),
         _ => slow(frame),
     };
-    let mut taken = Taken::default();
-    let error = in_turn(parts(&[&DUE, &DUE]), FRAMES, &progress(), broken, &mut taken)
-        .expect_err("frame 8 is broken");
-    assert!(error.to_string().contains("frame 8"), "{error}");
-    assert_eq!(taken.0, [0, 1, 7].map(|frame| (0, Some(frame))));
+    let (error, taken) = run(&[&DUE, &DUE], false, &broken);
+    assert!(error.contains("frame 8"), "{error}");
+    assert_eq!(taken, [0, 1, 7].map(|frame| (0, Some(frame))));
 
-    // The second part's frame 7 is not taken.
-    let mut taken = Taken::default();
-    let error = in_turn(parts(&[&[5], &DUE]), FRAMES, &progress(), |_, f| slow(f), &mut taken)
-        .expect_err("frame 7 is not taken");
-    assert!(error.to_string().contains("frame 7"), "{error}");
-    assert_eq!(taken.0, [(0, Some(5)), (0, None), (1, Some(0)), (1, Some(1))]);
+    // The second part's frame 7 is not taken; the first part is ended all the same.
+    let (error, mut taken) = run(&[&[5], &DUE], false, &|_, frame| slow(frame));
+    assert!(error.contains("frame 7"), "{error}");
+    taken.sort_unstable();
+    assert_eq!(taken, [(0, None), (0, Some(5)), (1, Some(0)), (1, Some(1))]);
 
     // What comes before a part that cannot be opened is taken.
-    let mut taken = Taken::default();
-    let mut all = parts(&[&[2, 3], &DUE]);
-    all[1] = Err("shut").at(|| Place::scene(7).frame(44));
-    let error = in_turn(all, FRAMES, &progress(), |_, f| slow(f), &mut taken).expect_err("is shut");
-    assert!(error.to_string().contains("frame 44"), "{error}");
-    assert_eq!(taken.0, [(0, Some(2)), (0, Some(3)), (0, None)]);
+    let (error, taken) = run(&[&[2, 3], &DUE], true, &|_, frame| slow(frame));
+    assert!(error.contains("frame 44"), "{error}");
+    assert_eq!(taken, [(0, Some(2)), (0, Some(3)), (0, None)]);
+}
+
+/// Cannot be ended.
+struct Endless(u32);
+
+impl Writer<u32> for Endless {
+    fn take(&mut self, frame: u32, _: u32) -> Result<(), StageError> {
+        if self.0 == 1 && frame == 7 { Err("full").at(|| Place::scene(7).frame(frame)) } else { Ok(()) }
+    }
+
+    fn finish(self) -> Result<(), StageError> {
+        std::thread::sleep(Duration::from_millis(50));
+        Err("no room").at(|| Place::scene(7).frame(self.0))
+    }
+}
+
+#[test]
+fn an_error_at_the_end_of_a_part_comes_before_those_of_the_next() {
+    for dues in [vec![&DUE[..]], vec![&DUE[..], &DUE[..]], vec![&[], &[7]]] {
+        let error =
+            in_turn(parts(&dues, Endless), FRAMES, &progress(), |_, frame| slow(frame)).expect_err("fails");
+        assert!(error.to_string().contains("frame 0: no room"), "{error}");
+    }
 }
 
 #[test]
@@ -173,8 +211,7 @@ fn a_panic_is_passed_on() {
         let outcome = std::panic::catch_unwind(|| {
             on(threads, || {
                 let panics = |_: &u32, frame| if frame == 7 { panic!("frame 7") } else { slow(frame) };
-                let mut taken = Taken::default();
-                let _ = in_turn(parts(&[&DUE]), FRAMES, &progress(), panics, &mut taken);
+                let _ = in_turn(parts(&[&DUE], Endless), FRAMES, &progress(), panics);
             });
         });
         assert!(outcome.is_err(), "{threads:?} threads");
