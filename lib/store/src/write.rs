@@ -274,6 +274,10 @@ fn properties(schema: &Schema, options: &TableOptions) -> WriterProperties {
             None => field.name().clone(),
         };
         let path = ColumnPath::from(path.split('.').map(str::to_owned).collect::<Vec<_>>());
+        if nested.is_some() {
+            // Nobody skips a row for the least and greatest of its list.
+            builder = builder.set_column_statistics_enabled(path.clone(), EnabledStatistics::None);
+        }
         if matches!(leaf, DataType::Float32 | DataType::Float64) {
             builder = builder
                 .set_column_dictionary_enabled(path.clone(), false)
