@@ -79,7 +79,7 @@ pub struct Paint {
 }
 
 impl Paint {
-    /// The paint of a map that lies within reach. Arrows are objects of type `roadMark` by that name.
+    /// The paint of a map that lies within reach.
     #[must_use]
     pub fn of(map: &Map, reach: &Reach) -> Self {
         let stop_lines = map.stop_lines().into_iter().map(|line| line.ends.to_vec());
@@ -90,23 +90,12 @@ impl Paint {
             if object.kind.eq_ignore_ascii_case("parkingspace") && ring.len() >= 3 && reach.touches(ring) {
                 let closed = ring.iter().chain(ring.first());
                 paint.parking.push(closed.copied().collect());
-            } else if object.kind.eq_ignore_ascii_case("roadMark") && is_arrow(&object.name) {
-                let polygon = if ring.len() >= 3 { ring.to_vec() } else { rectangle(object) };
-                paint.arrows.extend(Some(polygon).filter(|polygon| reach.touches(polygon)));
+            } else if object.is_arrow() {
+                paint.arrows.extend(object.areas().into_iter().filter(|area| reach.touches(area)));
             }
         }
         paint
     }
-}
-
-fn is_arrow(name: &str) -> bool {
-    name.to_ascii_lowercase().contains("arrow")
-}
-
-/// The ground that an object of stated length and width covers.
-fn rectangle(object: &opendrive::ObjectInfo) -> Vec<Point3<f64>> {
-    let (x, y) = (0.5 * object.size_m.x, 0.5 * object.size_m.y);
-    [[x, y], [-x, y], [-x, -y], [x, -y]].map(|[x, y]| object.pose * Point3::new(x, y, 0.0)).to_vec()
 }
 
 /// The lanes on both sides of the border that carries a stripe.

@@ -22,6 +22,7 @@ const CROWN_M: f64 = 2.5;
 enum Kind {
     Crosswalk,
     StopLine,
+    Arrow,
     ParkingSpace,
     Island,
     Building,
@@ -45,6 +46,7 @@ fn kind(object: &ObjectInfo) -> Kind {
         "barrier" | "railing" | "soundbarrier" | "wall" => Kind::Barrier,
         _ if named(&["crosswalk"]) => Kind::Crosswalk,
         _ if named(&["stopline", "stop line", "stop_line"]) => Kind::StopLine,
+        _ if object.is_arrow() => Kind::Arrow,
         _ if object.is_water() => Kind::Water,
         _ => Kind::Other,
     }
@@ -82,14 +84,14 @@ pub(crate) fn on_roads(sheet: &mut Sheet<'_>) {
     }
     for object in map.objects() {
         let kind = kind(object);
-        if !matches!(kind, Kind::StopLine | Kind::ParkingSpace | Kind::Island) {
+        if !matches!(kind, Kind::StopLine | Kind::Arrow | Kind::ParkingSpace | Kind::Island) {
             continue;
         }
         let Some(level) = sheet.level_at(object.road, object.s) else { continue };
         for ring in rings(object).into_iter().filter(|ring| page.shows(ring, 0.0)) {
             let ring = page.chain(&ring);
             let (order, paint) = match kind {
-                Kind::StopLine => (Order::Mark, Paint::sealed(style::WHITE)),
+                Kind::StopLine | Kind::Arrow => (Order::Mark, Paint::sealed(style::WHITE)),
                 Kind::Island => {
                     let edge = Paint::line(style::KERB, page.px_min(0.2, 0.5));
                     (Order::Crosswalk, Paint { fill: Some(style::ISLAND), ..edge })

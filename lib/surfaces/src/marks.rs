@@ -1,7 +1,8 @@
-//! Paint on the road: lane markings, crosswalks, stop lines, parking spaces.
+//! Paint on the road: lane markings, crosswalks, stop lines, parking spaces, arrows.
 
+use earcut::Earcut;
 use nalgebra::{Point3, Vector3};
-use opendrive::{Map, MarkColour, StopLine, Stripe};
+use opendrive::{Map, MarkColour, ObjectInfo, StopLine, Stripe};
 use schema::Tag;
 use schema::geometry::{Part, Surface};
 
@@ -19,6 +20,8 @@ const ZEBRA_M: [f64; 2] = [0.5, 0.6];
 const PIECE_M: f64 = 1.5;
 const THIN_LINE_M: f64 = 0.1;
 const MAX_DASHES: usize = 20_000;
+/// Outlines of arrows with more corners are left unpainted: cutting them up takes time by the square.
+const MAX_CORNERS: usize = 2000;
 
 const WHITE: Part = Part::new(Tag::RoadLine, Surface::RoadMarking, [0.72, 0.72, 0.70]);
 const YELLOW: Part = Part::new(Tag::RoadLine, Surface::RoadMarking, [0.72, 0.50, 0.06]);
@@ -46,6 +49,7 @@ pub(crate) fn build(
     let mut painter = Painter { area, cover, blocks };
     crosswalks(map, &mut painter);
     parking_spaces(map, &mut painter);
+    arrows(map, &mut painter);
     for line in stop_lines {
         painter.band(WHITE, line.ends[0], line.ends[1], line.width_m);
     }
@@ -275,5 +279,68 @@ fn parking_spaces(map: &Map, painter: &mut Painter<'_>) {
         for i in 0..n {
             painter.band(WHITE, ring.base[i], ring.base[(i + 1) % n], THIN_LINE_M);
         }
+    }
+}
+
+/// The arrows that the map holds as objects.
+fn arrows(map: &Map, painter: &mut Painter<'_>) {
+    let mut earcut = Earcut::new();
+    let mut corners: Vec<u32> = Vec::new();
+    for area in map.objects().iter().filter(|o| o.is_arrow()).flat_map(ObjectInfo::areas) {
+        if area.len() > MAX_CORNERS || !painter.reaches(&area) {
+            continue;
+        }
+        earcut.earcut(area.iter().map(|p| [p.x, p.y]), &[], &mut corners);
+        for triangle in corners.chunks_exact(3) {
+            let mut ends: Vec<[f64; 2]> = Vec::with_capacity(3);
+            ends.extend(triangle.iter().filter_map(|i| area.get(*i as usize)).map(|p| [p.x, p.y]));
+            let [a, b, c] = ends[..] else { continue };
+            if (b[0] - a[0]) * (c[1] - a[1]) < (b[1] - a[1]) * (c[0] - a[0]) {
+                ends.reverse();
+            }
+            let z = triangle.iter().filter_map(|i| area.get(*i as usize)).map(|p| p.z).sum::<f64>() / 3.0;
+            painter.polygon(WHITE, &ends, z);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use schema::geometry::SurfaceMesh;
+
+    use super::*;
+    use crate::Atlas;
+
+    #[test]
+    fn arrows_are_painted_as_far_as_their_outlines_go() {
+        let text = r#"<OpenDRIVE><header/><road id="1" length="60" junction="-1">
+            <planView><geometry s="0" x="0" y="0" hdg="0" length="60"><line/></geometry></planView>
+            <lanes><laneSection s="0"><center><lane id="0" type="none"/></center>
+            <right><lane id="-1" type="driving"><width sOffset="0" a="4" b="0" c="0" d="0"/></lane></right></laneSection></lanes>
+            <objects>
+            <object id="1" type="roadMark" name="ArrowStraight" s="20" t="-2" zOffset="0" hdg="0"><outlines>
+            <outline closed="true"><cornerLocal u="-2" v="-0.1" z="0" height="0"/><cornerLocal u="1" v="-0.1" z="0" height="0"/>
+            <cornerLocal u="1" v="-0.5" z="0" height="0"/><cornerLocal u="2" v="0" z="0" height="0"/>
+            <cornerLocal u="1" v="0.5" z="0" height="0"/><cornerLocal u="1" v="0.1" z="0" height="0"/>
+            <cornerLocal u="-2" v="0.1" z="0" height="0"/></outline></outlines></object>
+            <object id="2" type="roadMark" name="arrow of no outline" s="40" t="-2" zOffset="0" hdg="0" length="3" width="1"/>
+            </objects></road></OpenDRIVE>"#;
+        let map = testkit::map_from_text(text);
+        let area = Region { min: [0.0, -16.0], max: [64.0, 16.0] };
+        let painted = |from: f32, to: f32| -> f32 {
+            let area_m2 = |surface: &SurfaceMesh| -> f32 {
+                let mesh = &surface.mesh;
+                let x = |p: glam::Vec3| p.x + surface.origin_m[0] as f32;
+                let triangles = (0..mesh.triangles.len()).map(|i| mesh.corners(i));
+                let inside = triangles.filter(|t| t.iter().all(|p| (from..to).contains(&x(*p))));
+                inside.map(|[a, b, c]| 0.5 * (b - a).cross(c - a).z).sum()
+            };
+            let surfaces = Atlas::new(&map).ground(&area).surfaces();
+            surfaces.iter().filter(|s| s.layer == Layer::Marking).map(area_m2).sum()
+        };
+        // A shaft of 3 m x 0.2 m and a head of 1 m x 1 m; a rectangle.
+        assert!((painted(17.9, 22.1) - (0.6 + 0.5)).abs() < 1e-3, "{}", painted(17.9, 22.1));
+        assert!((painted(38.4, 41.6) - 3.0).abs() < 1e-3, "{}", painted(38.4, 41.6));
+        assert!((painted(0.0, 60.0) - 4.1).abs() < 1e-3, "{}", painted(0.0, 60.0));
     }
 }

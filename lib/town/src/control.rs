@@ -7,6 +7,7 @@ use opendrive::{
 use std::f64::consts::FRAC_PI_2;
 
 use crate::arm::{Arm, major, pairs, runs};
+use crate::arrow::arrows;
 use crate::ids::Ids;
 use crate::junction::Built;
 use crate::layout::{Control, NodeKind};
@@ -144,6 +145,9 @@ pub(crate) fn equip(
                 .collect();
             here.objects.extend(stop_line(ids, arm, &lanes));
         }
+        if matches!(hold, Hold::Light | Hold::Stop | Hold::Yield) && entering.len() > 1 {
+            here.objects.extend(arrows(ids, arms, index, &built.movements));
+        }
         all.push(here);
         lights.push(if *hold == Hold::Light { own } else { [None, None] });
     }
@@ -159,7 +163,7 @@ pub(crate) fn equip(
 }
 
 /// s at a distance before the end of an arm's street, and the direction of its entering traffic.
-fn before_end(arm: &Arm, distance_m: f64) -> (f64, Orientation) {
+pub(crate) fn before_end(arm: &Arm, distance_m: f64) -> (f64, Orientation) {
     match arm.contact {
         ContactPoint::End => (arm.length_m - distance_m, Orientation::Along),
         ContactPoint::Start => (distance_m, Orientation::Against),

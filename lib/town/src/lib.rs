@@ -14,6 +14,7 @@
 //! ```
 
 mod arm;
+mod arrow;
 mod assemble;
 mod banking;
 mod control;

@@ -271,6 +271,25 @@ impl ObjectInfo {
         let (kind, name) = (self.kind.to_ascii_lowercase(), self.name.to_ascii_lowercase());
         ["water", "river", "lake", "pond", "canal"].iter().any(|w| kind.contains(w) || name.contains(w))
     }
+
+    /// Whether it is an arrow painted on the road: of type `roadMark`, with `arrow` in its name.
+    #[must_use]
+    pub fn is_arrow(&self) -> bool {
+        self.kind.eq_ignore_ascii_case("roadMark") && self.name.to_ascii_lowercase().contains("arrow")
+    }
+
+    /// The areas that it covers on the ground, corners each once: its outlines, or the rectangle of its length and width.
+    #[must_use]
+    pub fn areas(&self) -> Vec<Vec<Point3<f64>>> {
+        let rings = self.outlines.iter().map(|outline| &outline.base).filter(|ring| ring.len() >= 3);
+        let mut areas: Vec<Vec<Point3<f64>>> = rings.cloned().collect();
+        if areas.is_empty() {
+            let (x, y) = (0.5 * self.size_m.x, 0.5 * self.size_m.y);
+            let corner = |[x, y]: [f64; 2]| self.pose * Point3::new(x, y, 0.0);
+            areas.push([[x, y], [-x, y], [-x, -y], [x, -y]].map(corner).to_vec());
+        }
+        areas
+    }
 }
 
 /// A traffic light or sign, in the world.

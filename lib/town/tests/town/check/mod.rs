@@ -3,6 +3,7 @@
 //! Every function returns what is wrong, one line a fault, so that a whole town can be judged at once.
 #![allow(dead_code)] // Each test program uses its part.
 
+mod arrows;
 mod curves;
 mod paving;
 mod signals;
@@ -21,6 +22,7 @@ pub(crate) fn faults(network: &Network) -> Vec<String> {
     faults.extend(surfaces::faults(&map));
     faults.extend(paving::faults(&map));
     faults.extend(signals::faults(&map));
+    faults.extend(arrows::faults(&map));
     faults
 }
 
