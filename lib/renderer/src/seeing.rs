@@ -83,6 +83,20 @@ pub trait Scene: Send + Sync {
         Ok(seen.into_iter().flat_map(|seen| seen.depth_m).collect())
     }
 
+    /// The same as a light has them that shines through panes with something behind them ([`Snapshot::has_cabin`]): these stop it,
+    /// as a chequer does, only at pixels whose column and row add up to an odd number, so that half of it passes, as about half
+    /// passes two panes of 70 % each. Who cannot tell panes from sheet metal stops it there.
+    ///
+    /// # Errors
+    /// The device failed.
+    fn depths_through_panes(
+        &self,
+        camera: &PinholeCamera,
+        among: Option<&[u32]>,
+    ) -> Result<Vec<f32>, RenderError> {
+        self.depths(camera, among)
+    }
+
     /// Those of some instances that are not wholly within a picture: whose bounds may come nearer to its edges than so many
     /// pixels, or leave its depths. Who cannot tell names them all.
     fn beyond(&self, _camera: &PinholeCamera, _inner_px: f32, instances: &[u32]) -> Vec<u32> {

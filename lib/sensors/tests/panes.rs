@@ -61,6 +61,39 @@ fn light_passes_each_pane() {
 }
 
 #[test]
+fn half_of_the_sun_passes_panes_that_one_sees_through() {
+    // A sheet of glass high over white ground, and a sun right above: what is under its middle is in its shadow.
+    let scene = |behind: bool| {
+        let scene = snapshot(
+            vec![
+                block([80.0, 80.0, 0.1], Tag::Ground, Surface::Plain),
+                block([10.0, 10.0, 0.1], Tag::Car, Surface::Window),
+                block([0.1; 3], Tag::Car, Surface::Plain),
+            ],
+            vec![instance(0, 3, at(0.0, 0.0, -0.1, 0.0)), instance(1, SHELL, at(0.0, 0.0, 9.0, 0.0))],
+        );
+        let cabins = if behind { vec![instance(2, SHELL, at(0.0, 0.0, 9.2, 0.0))] } else { Vec::new() };
+        Snapshot { cabins, ..scene }
+    };
+    let noon = Weather { sun_altitude_deg: 89.0, cloudiness: 0.0, ..Weather::default() };
+    // Light on the ground under the sheet, from a camera that looks down below it, past its edges.
+    let settings = CameraSettings { bloom: 0.0, vignetting: 0.0, ..CameraSettings::default() };
+    let view = set_view([-0.6, 0.0, 1.4], [0.0, 1.57, 0.0], optics(160, 90), &settings);
+    let light = |snapshot: &Snapshot| {
+        let picture = with_scene(snapshot, |scene| sight(scene, &view, &noon)).picture.expect("in colour");
+        let middle = |x: f64| film(&picture, x)[1];
+        [0.3, 0.4, 0.6, 0.7].map(middle).iter().sum::<f64>() / 4.0
+    };
+    let bare = Snapshot { instances: scene(false).instances[..1].to_vec(), ..scene(false) };
+    let [open, clear, dark] = [&bare, &scene(true), &scene(false)].map(light);
+    // The sky's share is hidden alike; of the sun's half is left.
+    let (sun, left) = (open - dark, clear - dark);
+    assert!(dark < 0.4 * open, "{dark} {open}");
+    let hidden_sky = 0.1 * open;
+    assert!((left - 0.5 * sun).abs() < hidden_sky, "{left} of {sun}");
+}
+
+#[test]
 fn a_shell_without_a_cabin_is_dark_glass() {
     let dark = Snapshot { cabins: Vec::new(), ..shell(true) };
     let [dark, clear] = [dark, shell(true)].map(|scene| seen(&scene).picture.expect("in colour"));

@@ -24,6 +24,8 @@ pub(crate) struct MeshData {
     pub(crate) blocks: Vec<Block>,
     /// Around those triangles.
     pub(crate) aabb: Aabb,
+    /// Which slots are panes, a bit for each lane of each block; empty where the mesh has none.
+    pub(crate) panes: Vec<u8>,
 }
 
 impl MeshData {
@@ -53,7 +55,15 @@ impl MeshData {
             }
         }
         let aabb = boxes.iter().fold(Aabb::EMPTY, |all, b| all.union(*b));
-        Self { bvh, blocks, aabb }
+        let mut panes = Vec::new();
+        if source.parts.iter().any(|part| part.surface.is_window()) {
+            panes.resize(blocks.len(), 0);
+            for (slot, &triangle) in bvh.order.iter().enumerate() {
+                let is_pane = source.part(triangle as usize).surface.is_window();
+                panes[slot / BLOCK] |= u8::from(is_pane) << (slot % BLOCK);
+            }
+        }
+        Self { bvh, blocks, aabb, panes }
     }
 }
 

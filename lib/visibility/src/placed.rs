@@ -8,6 +8,8 @@ use crate::meshes::MeshData;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed<'a> {
     pub(crate) mesh: &'a MeshData,
+    /// Whether something stands behind its panes.
+    pub(crate) has_cabin: bool,
     pub(crate) rotation: Mat3,
     pub(crate) translation: Vec3,
 }
@@ -15,6 +17,6 @@ pub(crate) struct Placed<'a> {
 impl<'a> Placed<'a> {
     /// At a pose.
     pub(crate) fn new(mesh: &'a MeshData, pose: &Affine3A) -> Self {
-        Self { mesh, rotation: pose.matrix3.into(), translation: pose.translation.into() }
+        Self { mesh, has_cabin: false, rotation: pose.matrix3.into(), translation: pose.translation.into() }
     }
 }

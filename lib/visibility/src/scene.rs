@@ -74,8 +74,19 @@ impl Scene for CpuScene<'_> {
 
     fn depths(&self, camera: &PinholeCamera, among: Option<&[u32]>) -> Result<Vec<f32>, RenderError> {
         Ok(match among {
-            None => depths(self.instances(), camera),
-            Some(some) => depths(self.numbered(some), camera),
+            None => depths(self.instances(), camera, false),
+            Some(some) => depths(self.numbered(some), camera, false),
+        })
+    }
+
+    fn depths_through_panes(
+        &self,
+        camera: &PinholeCamera,
+        among: Option<&[u32]>,
+    ) -> Result<Vec<f32>, RenderError> {
+        Ok(match among {
+            None => depths(self.instances(), camera, true),
+            Some(some) => depths(self.numbered(some), camera, true),
         })
     }
 
@@ -167,7 +178,12 @@ impl<'a> CpuScene<'a> {
             let (mut numbers, mut boxes) = (Vec::with_capacity(instances.len()), Vec::new());
             boxes.reserve_exact(instances.len());
             for instance in instances {
-                let there = place(meshes, instance);
+                let mut there = place(meshes, instance);
+                if let Some(there) = &mut there
+                    && !there.mesh.panes.is_empty()
+                {
+                    there.has_cabin = snapshot.has_cabin(instance.object);
+                }
                 if let Some(there) = &there {
                     boxes.push(around(there, &instance.local_from_object));
                     numbers.push(placed.len() as u32);

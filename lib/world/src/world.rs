@@ -468,7 +468,10 @@ impl SceneWorld {
         let origin = LocalOrigin::near(centre_world_m);
         let instances =
             self.fixed_around(&origin, centre_world_m, radius_m, |fixed| fixed.seen.holds(STILL_M), |_| 0);
-        Snapshot { origin, meshes: self.meshes(), instances, cabins: Vec::new(), motions: Vec::new() }
+        let near = self.fixed_cabins.iter().filter(|c| distance_m(c.object_m, centre_world_m) <= radius_m);
+        let mut cabins: Vec<Instance> = near.map(|cabin| cabin.placed(&origin, 0)).collect();
+        cabins.sort_by_key(|cabin| cabin.object);
+        Snapshot { origin, meshes: self.meshes(), instances, cabins, motions: Vec::new() }
     }
 
     /// Whether an object may move; if not it is among what stands [`still`](Self::still).

@@ -2,7 +2,7 @@
 
 use frames::LocalOrigin;
 use glam::{Affine3A, DVec3, Mat3A, Vec3, Vec3A};
-use renderer::PinholeCamera;
+use renderer::{PinholeCamera, RenderError, Scene};
 
 /// Distance of the stand-in for the sun, metres: far enough that its rays are within a degree of parallel, near
 /// enough that depths keep a millimetre in `f32`.
@@ -24,17 +24,20 @@ pub(super) struct Size {
     cell: u32,
     /// Directions are told apart by this share of a radian.
     steps: f32,
+    /// Whether the light shines through panes.
+    through_panes: bool,
 }
 
 /// Fine near by, coarse far away. A light's direction is rounded so that shadows of what is ten metres high move by less than
 /// half of a map's soft edge.
 pub(super) const MAPS: [Size; 3] = [
-    Size { half_m: 12.0, side: 768, cell: 256, steps: 256.0 },
-    Size { half_m: 45.0, side: 1024, cell: 384, steps: 256.0 },
-    Size { half_m: 160.0, side: 768, cell: 192, steps: 64.0 },
+    Size { half_m: 12.0, side: 768, cell: 256, steps: 256.0, through_panes: true },
+    Size { half_m: 45.0, side: 1024, cell: 384, steps: 256.0, through_panes: true },
+    Size { half_m: 160.0, side: 768, cell: 192, steps: 64.0, through_panes: true },
 ];
 /// The map from above.
-pub(super) const ABOVE: Size = Size { half_m: 56.0, side: 448, cell: 192, steps: 256.0 };
+pub(super) const ABOVE: Size =
+    Size { half_m: 56.0, side: 448, cell: 192, steps: 256.0, through_panes: false };
 /// No lens stands farther from the place that it is for, metres.
 pub(super) const ASIDE_M: f64 = 66.0;
 
@@ -78,6 +81,8 @@ pub(super) struct Lens {
     pub(super) side: u32,
     /// What it looks at, in the world.
     pub(super) centre_m: DVec3,
+    /// Whether the light shines through panes.
+    through_panes: bool,
 }
 
 /// A square of a lens's texels: the first column and row (whole blocks), and texels a side.
@@ -116,13 +121,31 @@ impl Lens {
             side: size.side,
             cell: [cell[0], cell[1], along as i64],
         };
-        let lens = Self { key, right, down, forward, texel_m, side: size.whole_side(), centre_m };
+        let (side, through_panes) = (size.whole_side(), size.through_panes);
+        let lens = Self { key, right, down, forward, texel_m, side, centre_m, through_panes };
         (lens, Window { corner, side: size.side })
     }
 
     /// All that it sees.
     pub(super) fn whole(&self) -> Window {
         Window { corner: [0, 0], side: self.side }
+    }
+
+    /// Depths of what it sees of a scene through its camera, of all instances or of some.
+    ///
+    /// # Errors
+    /// The renderer failed.
+    pub(super) fn depths(
+        &self,
+        scene: &dyn Scene,
+        camera: &PinholeCamera,
+        among: Option<&[u32]>,
+    ) -> Result<Vec<f32>, RenderError> {
+        if self.through_panes {
+            scene.depths_through_panes(camera, among)
+        } else {
+            scene.depths(camera, among)
+        }
     }
 
     /// The camera that sees a window, in the local frame of an origin.

@@ -69,9 +69,9 @@ pub(crate) fn shadows_at(
             Some(((finer, window), _)) => {
                 let inner_px = (AROUND as f32 * lens.texel_m + ASLANT_M) / finer.texel_m;
                 let beyond = scene.beyond(&finer.camera(&origin, *window), inner_px, casters);
-                scene.depths(&camera, Some(&beyond))?
+                lens.depths(scene, &camera, Some(&beyond))?
             }
-            None => scene.depths(&camera, Some(casters))?,
+            None => lens.depths(scene, &camera, Some(casters))?,
         };
         Ok(Map::new(lens, *window, &camera, depth_m, still))
     };

@@ -120,7 +120,7 @@ impl<'a> StillMaps<'a> {
     fn make(&self, lens: &Lens) -> Result<Still, RenderError> {
         let snapshot = self.world.around(lens.centre_m.to_array(), ASIDE_M);
         let camera = lens.camera(&snapshot.origin, lens.whole());
-        let depth_m = self.renderer.place(&snapshot)?.depths(&camera, None)?;
+        let depth_m = lens.depths(&*self.renderer.place(&snapshot)?, &camera, None)?;
         Ok(Map::new(lens, lens.whole(), &camera, depth_m, None).into_still())
     }
 

@@ -24,7 +24,7 @@ pub(crate) fn rasterize<'p, 'a: 'p>(
 ) -> VisibilityBuffer {
     let mut buffer = VisibilityBuffer::empty(camera);
     let Some(band) = band(camera) else { return buffer };
-    let view = View::new(placed, camera);
+    let view = View::new(placed, camera, false);
     let instances = buffer.instance.par_chunks_mut(band);
     let triangles = buffer.triangle.par_chunks_mut(band);
     let depths = buffer.depth_m.par_chunks_mut(band);
@@ -37,14 +37,15 @@ pub(crate) fn rasterize<'p, 'a: 'p>(
     buffer
 }
 
-/// Depths alone of what [`rasterize`] sees.
+/// Depths alone of what [`rasterize`] sees; `through_panes`, panes with something behind them are chequered.
 pub(crate) fn depths<'p, 'a: 'p>(
     placed: impl Iterator<Item = (u32, &'p Option<Placed<'a>>)>,
     camera: &PinholeCamera,
+    through_panes: bool,
 ) -> Vec<f32> {
     let mut depth_m = vec![f32::INFINITY; camera.width as usize * camera.height as usize];
     let Some(band) = band(camera) else { return depth_m };
-    let view = View::new(placed, camera);
+    let view = View::new(placed, camera, through_panes);
     depth_m.par_chunks_mut(band).enumerate().for_each(|(row, depth_m)| {
         for (column, tile) in tiles::<false>(&view, row) {
             tile.copy_depths(camera, column, depth_m);

@@ -147,6 +147,8 @@ struct Covering {
     inverse_range: [f32; 2],
     /// Larger inverse depths are not seen.
     inverse_limit: f32,
+    /// Whether it covers every second pixel alone, as a chequer does.
+    is_chequered: bool,
     instance: u32,
     triangle: u32,
 }
@@ -353,6 +355,7 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
             least[i] = reciprocal(farthest[i]);
             greatest[i] = reciprocal(nearest[i]);
         }
+        let panes = seen.panes.get(block).copied().unwrap_or(0);
         for i in 0..BLOCK {
             let slot = block * BLOCK + i;
             if wanted[i] == 0 || slot < first || slot >= end {
@@ -366,6 +369,7 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
                     bounds: [from[0][i] as usize, to[0][i] as usize, from[1][i] as usize, to[1][i] as usize],
                     inverse_range: [least[i], if in_front { greatest[i] } else { f32::INFINITY }],
                     inverse_limit: if in_front { f32::INFINITY } else { lens.inverse_near },
+                    is_chequered: panes >> i & 1 != 0,
                     instance: seen.number,
                     triangle: seen.mesh.bvh.order[slot],
                 },
@@ -406,6 +410,12 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
                     value[i] = w;
                     closer[i] = u32::from(inside & (w >= drawn[i]));
                     any |= closer[i];
+                }
+                if !NUMBERED && covering.is_chequered {
+                    // Tiles and groups begin at even columns and rows.
+                    for i in 0..LANES {
+                        closer[i] &= (i + y) as u32;
+                    }
                 }
                 if any == 0 {
                     continue;

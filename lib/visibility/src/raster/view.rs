@@ -17,6 +17,8 @@ const MARGIN_PX: f32 = 1.0;
 pub(super) struct Seen<'a> {
     pub(super) number: u32,
     pub(super) mesh: &'a MeshData,
+    /// As [`MeshData::panes`] has them, where these are to be chequered.
+    pub(super) panes: &'a [u8],
     /// Rows of the rotation from the object to the optical frame.
     pub(super) rows: [Vec3; 3],
     pub(super) translation: Vec3,
@@ -43,14 +45,22 @@ impl<'a> View<'a> {
     pub(super) fn new<'p>(
         placed: impl Iterator<Item = (u32, &'p Option<Placed<'a>>)>,
         camera: &PinholeCamera,
+        through_panes: bool,
     ) -> Self
     where
         'a: 'p,
     {
         let columns = (camera.width as usize).div_ceil(TILE_WIDTH);
         let rows = (camera.height as usize).div_ceil(TILE_HEIGHT);
-        let mut found: Vec<(Seen<'a>, TileRange)> =
-            placed.filter_map(|(number, placed)| look(number, placed.as_ref()?, camera)).collect();
+        let look = |(number, placed): (u32, &'p Option<Placed<'a>>)| {
+            let placed = placed.as_ref()?;
+            let (mut seen, range) = look(number, placed, camera)?;
+            if through_panes && placed.has_cabin {
+                seen.panes = &placed.mesh.panes;
+            }
+            Some((seen, range))
+        };
+        let mut found: Vec<(Seen<'a>, TileRange)> = placed.filter_map(look).collect();
         found.sort_by(|(a, _), (b, _)| {
             a.nearest_m.total_cmp(&b.nearest_m).then_with(|| a.number.cmp(&b.number))
         });
@@ -170,6 +180,7 @@ fn look<'a>(number: u32, placed: &Placed<'a>, camera: &PinholeCamera) -> Option<
     let seen = Seen {
         number,
         mesh: placed.mesh,
+        panes: &[],
         rows: [rows.x_axis, rows.y_axis, rows.z_axis],
         translation,
         nearest_m,

@@ -1,8 +1,9 @@
 //! Two renderers behind one seam: the processor's trees, tiles and packets against every triangle one by one.
 
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 use renderer::{Alone, AloneRays, RayBatch, RenderError, Renderer, SKY, Scene, Surfaces};
-use schema::geometry::Snapshot;
+use schema::Tag;
+use schema::geometry::{Snapshot, Surface};
 use testkit::BruteRenderer;
 use visibility::CpuRenderer;
 
@@ -64,6 +65,42 @@ fn both_see_the_same_ids_depths_and_surfaces() {
         });
     }
     assert!(covered > 1500 && alone > 300, "{covered} {alone}");
+}
+
+/// Half of a light passes panes with something behind them, in a chequer; all others stop it.
+#[test]
+fn panes_are_chequered_for_light() {
+    let [glass, wall, seat] =
+        [([2.0, 30.0, 30.0], Surface::Window), ([1.0, 9.0, 9.0], Surface::Plain), ([0.5; 3], Surface::Plain)]
+            .map(|(size, surface)| testkit::block(size, Tag::Car, surface));
+    // A block of glass before half of a wall, the edge in the middle of the picture.
+    let there = |mesh, object, x, y| {
+        testkit::instance(mesh, object, Affine3A::from_translation(Vec3::new(x, y, -4.0)))
+    };
+    let bare =
+        testkit::snapshot(vec![glass, wall, seat], vec![there(0, 1, 20.0, 15.0), there(1, 2, 30.0, 0.0)]);
+    let with_cabin = Snapshot { cabins: vec![there(2, 1, 20.0, 3.0)], ..bare.clone() };
+    // More than a tile.
+    let camera = look(Vec3::ZERO, Vec3::X, 150, 80, 0.3);
+    let mut renderer = CpuRenderer::default();
+    renderer.prepare(&bare.meshes).unwrap();
+    let of = |world: &Snapshot| {
+        let scene = renderer.place(world).unwrap();
+        assert_eq!(scene.depths(&camera, None).unwrap(), scene.look(&[camera]).unwrap()[0].depth_m);
+        [Some(&[0, 1][..]), None].map(|among| scene.depths_through_panes(&camera, among).unwrap())
+    };
+    let opaque = renderer.place(&bare).unwrap().depths(&camera, None).unwrap();
+    let clear = renderer.place(&bare).unwrap().depths(&camera, Some(&[1])).unwrap();
+    assert!(of(&bare).iter().all(|depths| *depths == opaque), "nothing stands behind them");
+    let [some, all] = of(&with_cabin);
+    assert!(some == all);
+    let mut behind = 0;
+    for (pixel, depth) in all.iter().enumerate() {
+        let stops = (pixel % 150 + pixel / 150) % 2 == 1;
+        assert_eq!(*depth, if stops { opaque[pixel] } else { clear[pixel] }, "{pixel}");
+        behind += u32::from(opaque[pixel] != clear[pixel]);
+    }
+    assert!(behind > 2000, "{behind}");
 }
 
 #[test]
