@@ -5,7 +5,7 @@ mod common;
 use std::fs::File;
 use std::path::PathBuf;
 
-use common::{grey_sight, optics, picture, set_view, snapshot, standing_view, street, with_scene};
+use common::{film, grey_sight, optics, picture, set_view, snapshot, standing_view, street, with_scene};
 use schema::geometry::{Snapshot, Surface, Wall};
 use schema::settings::{CameraSettings, Optics};
 use schema::tables::Weather;
@@ -25,15 +25,6 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 
 fn green(p: &Picture) -> impl Iterator<Item = f64> + '_ {
     p.rgb.iter().skip(1).step_by(3).map(|&v| f64::from(v))
-}
-
-/// Film value of an 8-bit value: the inverse of the filmic curve (Narkowicz 2015) and the sRGB code.
-fn film(value: u8) -> f64 {
-    let c = f64::from(value) / 255.0;
-    let l = if c <= 0.040_45 { c / 12.92 } else { frames::math::pow((c + 0.055) / 1.055, 2.4) };
-    // l (2.43 v^2 + 0.59 v + 0.14) = 2.51 v^2 + 0.03 v
-    let (a, b, c) = (2.51 - 2.43 * l, 0.03 - 0.59 * l, -0.14 * l);
-    (-b + (b * b - 4.0 * a * c).sqrt()) / (2.0 * a)
 }
 
 #[test]

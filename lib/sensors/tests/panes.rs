@@ -36,15 +36,10 @@ fn seen(scene: &Snapshot) -> Sight {
     with_scene(scene, |scene| sight(scene, &view, &night))
 }
 
-/// Film values of the pixel at a share of the width, halfway up: the inverse of the filmic curve (Narkowicz 2015) and the sRGB code.
+/// Film values of the pixel at a share of the width, halfway up.
 fn film(picture: &Picture, x: f64) -> [f64; 3] {
     let at = (picture.height / 2 * picture.width) as usize + (x * f64::from(picture.width)) as usize;
-    [0, 1, 2].map(|c| {
-        let code = f64::from(picture.rgb[3 * at + c]) / 255.0;
-        let l = if code <= 0.040_45 { code / 12.92 } else { frames::math::pow((code + 0.055) / 1.055, 2.4) };
-        let (a, b, c) = (2.51 - 2.43 * l, 0.03 - 0.59 * l, -0.14 * l);
-        (-b + (b * b - 4.0 * a * c).sqrt()) / (2.0 * a)
-    })
+    [0, 1, 2].map(|c| common::film(picture.rgb[3 * at + c]))
 }
 
 #[test]

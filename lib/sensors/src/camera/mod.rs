@@ -11,6 +11,7 @@ mod flow;
 mod image;
 mod labels;
 mod looking;
+mod mirror;
 mod model;
 mod mounted;
 mod noise;

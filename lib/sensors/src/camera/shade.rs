@@ -1,19 +1,20 @@
 //! The colour picture: light times surface, span by span.
 
 use glam::Vec3;
-use lanes::{LANES, Lanes, STEPS, Vec3s, exp_neg};
+use lanes::{LANES, Lanes, STEPS, Vec3s, exp_neg, smoothstep};
 use rayon::prelude::*;
 use renderer::{Bend, Facet as Triangle, RenderError, SKY, Scene, SurfacePoints, Surfaces, VisibilityBuffer};
 
 use super::antialias::smooth_edges;
 use super::bloom::{blocks, bloom, gather};
 use super::film::Film;
+use super::mirror::{Dry, Mirror, WetSpan};
 use super::picture::Picture;
 use super::rain::{Rain, draw_rain};
 use super::view::CameraView;
 use super::vignette::Vignette;
 use crate::light::{Lighting, Lit};
-use crate::look::{Facet, Gloss, Points, Stuff, look};
+use crate::look::{Facet, Gloss, Points, Stuff, gets_wet, look};
 use crate::panes::{Behind, PASSES, Panes, Passing};
 
 impl Picture {
@@ -35,7 +36,7 @@ impl Picture {
         let exposure = lighting.exposure.per_radiance(view.settings.f_stop);
         let mut ambient = lighting.sky.ambient;
         ambient[0] += lighting.sky.bounced_klx();
-        let shader = Shader {
+        let mut shader = Shader {
             buffer,
             lighting,
             stuff: Stuff::get(),
@@ -49,12 +50,15 @@ impl Picture {
             veil: lighting.fog.rgb * exposure,
             ambient: ambient.map(|a| a * (exposure / std::f32::consts::PI)),
             key: lighting.sky.key_klx * (exposure / std::f32::consts::PI),
+            mirror: None,
         };
         let surfaces = Surfaces::new(buffer, snapshot);
         let panes = Panes::of(scene);
         let rows = rgb.par_chunks_mut(3 * width).zip(bright.par_chunks_mut(blocks));
-        rows.enumerate().try_for_each(|(y, (row, bright))| {
+        let is_wet = lighting.around.are_wet();
+        let dry_row = |(y, (row, bright)): (usize, (&mut [u8], &mut [Vec3]))| {
             let row = row.as_chunks_mut::<3>().0;
+            let mut wet = Vec::new();
             let behind =
                 panes.as_ref().map_or(Ok(Vec::new()), |panes| behind_row(panes, buffer, y as u32))?;
             let mut behind = behind.as_slice();
@@ -69,12 +73,44 @@ impl Picture {
                         behind = others;
                         shader.paint_pane(span, triangle, &surfaces, here);
                     }
+                    Some(triangle) if is_wet && gets_wet(triangle.part, triangle.normal_local) => {
+                        let (instance, triangle) = (triangle.instance, triangle.triangle);
+                        wet.push(WetSpan { first: columns.start, end: columns.end, instance, triangle });
+                    }
                     Some(triangle) => shader.paint(span, triangle),
                     None => shader.paint_sky(span),
                 }
             });
-            Ok::<(), RenderError>(())
-        })?;
+            Ok(wet)
+        };
+        let wet: Result<Vec<Vec<WetSpan>>, RenderError> = rows.enumerate().map(dry_row).collect();
+        let wet = wet?;
+        if is_wet {
+            let dry = rgb.clone();
+            let dry = Dry {
+                view,
+                buffer,
+                rgb: dry.as_chunks::<3>().0,
+                wet: &wet,
+                film: &shader.film,
+                vignette: shader.vignette,
+                balance: shader.balance,
+                sky: &lighting.sky,
+                exposure,
+            };
+            let mirror = Mirror::new(&dry, &surfaces);
+            shader.mirror = Some(mirror);
+            let rows = rgb.par_chunks_mut(3 * width).zip(bright.par_chunks_mut(blocks)).zip(&wet);
+            rows.enumerate().for_each(|(y, ((row, bright), wet))| {
+                let row = row.as_chunks_mut::<3>().0;
+                for span in wet {
+                    let Some(triangle) = surfaces.facet(span.instance, span.triangle) else { continue };
+                    let pixels = &mut row[span.first as usize..span.end as usize];
+                    let (first, y, bright) = (span.first, y as u32, &mut *bright);
+                    shader.paint(Span { first, y, pixels, bright }, &triangle);
+                }
+            });
+        }
         let electrons = lighting.exposure.electrons();
         let mut picture = Self { width: buffer.width, height: buffer.height, rgb, electrons };
         bloom(&mut picture, &shader.film, &bright, view.settings.bloom as f32);
@@ -86,6 +122,24 @@ impl Picture {
         }
         Ok(picture)
     }
+}
+
+/// What wet ground mirrors at eight pixels, and whether that is known.
+#[inline]
+fn mirrored(
+    mirror: &Mirror,
+    pixels: (&[u32; LANES], u32),
+    gloss: &Gloss,
+    lean: Option<[Lanes; 2]>,
+    toward: &Vec3s,
+) -> (Vec3s, Lanes) {
+    // The axes of the texture of all ground are those of the world.
+    let [east, north] = lean.unwrap_or_default();
+    let level = (toward.x * toward.x + toward.y * toward.y).sqrt().fast_max(Lanes::splat(1e-3));
+    let away = (east * toward.x + north * toward.y) * -1.0 / level;
+    let right = (north * toward.x - east * toward.y) / level;
+    let rough = smoothstep(0.08, 0.24, gloss.roughness);
+    mirror.at(pixels, [away, right], toward.z, rough)
 }
 
 /// What is behind the pixels of a row that show panes, from left to right.
@@ -137,6 +191,8 @@ struct Run<'a> {
     /// The light on its plane.
     turned: Turned,
     relief: Relief,
+    /// Whether it mirrors what is around it.
+    gets_wet: bool,
 }
 
 /// How much more light falls on a surface whose normal leans.
@@ -214,6 +270,8 @@ struct Shader<'a> {
     ambient: [Vec3; 4],
     /// Film value of a white surface that faces the sun.
     key: Vec3,
+    /// What wet ground mirrors, when the rest is painted.
+    mirror: Option<Mirror>,
 }
 
 impl Shader<'_> {
@@ -254,7 +312,7 @@ impl Shader<'_> {
             let here = triangle.points(self.buffer, &columns, span.y);
             let light = self.light(&run, &here).light;
             let seen = self.behind(surfaces, &columns, span.y, behind, light.passes);
-            self.develop(self.surface(&run, &here, &light, Some(seen)), &mut span, from);
+            self.develop(self.surface(&run, (&columns, span.y), &here, &light, Some(seen)), &mut span, from);
         }
     }
 
@@ -291,7 +349,7 @@ impl Shader<'_> {
                     if surfaces.is_behind_panes(instance) {
                         light.open = light.open.fast_max(Lanes::splat(OPEN_IN_CABINS));
                     }
-                    self.surface(&run, &there, &light, None)
+                    self.surface(&run, (columns, y), &there, &light, None)
                 }
             };
             let mask = std::array::from_fn(|i| if behind.get(i).is_some_and(same) { 1.0 } else { 0.0 });
@@ -304,25 +362,26 @@ impl Shader<'_> {
     /// is not even.
     fn paint(&self, mut span: Span<'_>, triangle: &Triangle<'_, '_>) {
         let run = self.begin(triangle);
-        let points =
-            |span: &Span<'_>, from, apart| triangle.points(self.buffer, &span.columns(from, apart), span.y);
+        let points = |columns: &[u32; LANES], y| triangle.points(self.buffer, columns, y);
         let length = span.pixels.len();
         if length <= LANES {
-            let here = points(&span, 0, 1);
+            let columns = span.columns(0, 1);
+            let here = points(&columns, span.y);
             let light = self.light(&run, &here).light;
-            self.develop(self.surface(&run, &here, &light, None), &mut span, 0);
+            self.develop(self.surface(&run, (&columns, span.y), &here, &light, None), &mut span, 0);
             return;
         }
         for stretch in (0..length).step_by(LANES * (LANES - 1)) {
-            let knots = self.light(&run, &points(&span, stretch, LANES));
+            let knots = self.light(&run, &points(&span.columns(stretch, LANES), span.y));
             for knot in 0..LANES - 1 {
                 let from = stretch + knot * LANES;
                 if from >= length {
                     break;
                 }
-                let here = points(&span, from, 1);
+                let columns = span.columns(from, 1);
+                let here = points(&columns, span.y);
                 let light = self.between(&run, &knots, knot, (length - 1 - from).min(LANES), &here);
-                self.develop(self.surface(&run, &here, &light, None), &mut span, from);
+                self.develop(self.surface(&run, (&columns, span.y), &here, &light, None), &mut span, from);
             }
         }
     }
@@ -416,7 +475,14 @@ impl Shader<'_> {
 
     /// Film values of pixels that show a surface; of a pane, with what is to be seen through it.
     #[inline]
-    fn surface(&self, run: &Run<'_>, here: &SurfacePoints, light: &Light, behind: Option<Vec3s>) -> Vec3s {
+    fn surface(
+        &self,
+        run: &Run<'_>,
+        pixels: (&[u32; LANES], u32),
+        here: &SurfacePoints,
+        light: &Light,
+        behind: Option<Vec3s>,
+    ) -> Vec3s {
         let around = &self.lighting.around;
         let points = Points {
             object_m: here.position_object,
@@ -448,7 +514,11 @@ impl Shader<'_> {
                 normals += ta * a + tb * b;
                 normals = normals * (1.0 / normals.length_squared().sqrt());
             }
-            out = self.gloss(out, gloss, normals, toward, light);
+            let mirrored = match &self.mirror {
+                Some(mirror) if run.gets_wet => Some(mirrored(mirror, pixels, gloss, look.lean, &toward)),
+                _ => None,
+            };
+            out = self.gloss(out, gloss, normals, toward, light, mirrored);
         }
         Vec3s::splat(self.veil).lerp(out, light.passes)
     }
@@ -457,6 +527,7 @@ impl Shader<'_> {
         let n = triangle.normal_local;
         let to_key = self.lighting.sky.key_direction;
         let facet = Facet::new(triangle.placed(), triangle);
+        let gets_wet = self.mirror.is_some() && gets_wet(triangle.part, n);
         let relief = self.relief(&facet);
         let bend = triangle.bend();
         let turned = self.turned(facet.is_leaf(), &Vec3s::splat(n));
@@ -469,11 +540,12 @@ impl Shader<'_> {
                 is_lit: true,
                 turned,
                 relief,
+                gets_wet,
             };
         }
         let corners = bend.as_ref().map_or([n; 3], Bend::corner_normals);
         let is_lit = corners.iter().any(|normal| normal.dot(to_key) > 0.0);
-        Run { facet, normal: n, bend, outward: n, is_lit, turned, relief }
+        Run { facet, normal: n, bend, outward: n, is_lit, turned, relief, gets_wet }
     }
 
     fn relief(&self, facet: &Facet<'_>) -> Relief {
@@ -504,9 +576,17 @@ impl Shader<'_> {
         Turned { facing, ambient: ambient * Lanes::splat(0.8) }
     }
 
-    /// Adds what a glossy surface mirrors: the sky, and a highlight of the sun.
+    /// Adds what a glossy surface mirrors: the sky, or what else is known to be `around` it, and a highlight of the sun.
     #[inline]
-    fn gloss(&self, out: Vec3s, gloss: &Gloss, n: Vec3s, toward: Vec3s, light: &Light) -> Vec3s {
+    fn gloss(
+        &self,
+        out: Vec3s,
+        gloss: &Gloss,
+        n: Vec3s,
+        toward: Vec3s,
+        light: &Light,
+        around: Option<(Vec3s, Lanes)>,
+    ) -> Vec3s {
         let cos = toward.dot(n);
         // Schlick's form of Fresnel's reflectance; rough surfaces gain less at grazing angles.
         let grazing = 1.0 - cos.fast_clamp(Lanes::ZERO, Lanes::ONE);
@@ -523,6 +603,9 @@ impl Shader<'_> {
         let wide = Vec3s::new(wide(level.x, rise.x), wide(level.y, rise.y), wide(level.z, rise.z));
         let blur = (gloss.roughness * 2.0).fast_min(Lanes::ONE);
         let mut reflected = sharp.lerp(wide, blur) * light.open;
+        if let Some((seen, known)) = around {
+            reflected = reflected.lerp(seen, known);
+        }
         if light.sunlit.simd_gt(0.0).any() && self.lighting.sky.key_klx != Vec3::ZERO {
             let key = self.lighting.sky.key_direction;
             let off = (1.0 - mirrored.dot(Vec3s::splat(key))).fast_max(Lanes::ZERO);

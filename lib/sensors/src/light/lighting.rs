@@ -94,6 +94,8 @@ impl Lighting {
             around: Surroundings {
                 wetness: share(weather.wetness.max(weather.precipitation * 0.8)),
                 puddles: share(weather.precipitation_deposits),
+                rain: share(weather.precipitation),
+                frame: when.frame,
                 world_from_local_m: wrapped.into(),
             },
             rain: share(weather.precipitation),

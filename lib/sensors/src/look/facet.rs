@@ -71,11 +71,20 @@ pub(crate) struct Surroundings {
     pub(crate) wetness: f32,
     /// Puddles, 0 to 1.
     pub(crate) puddles: f32,
+    /// Rain, 0 to 1.
+    pub(crate) rain: f32,
+    /// Number of the frame: in each, rain falls elsewhere.
+    pub(crate) frame: u32,
     /// World coordinates of the local origin, wrapped.
     pub(crate) world_from_local_m: Vec3,
 }
 
 impl Surroundings {
+    /// Whether the ground is wet anywhere.
+    pub(crate) fn are_wet(&self) -> bool {
+        self.wetness > 0.0 || self.puddles > 0.0
+    }
+
     /// World coordinates of textures repeat after this distance, metres: a whole number of tiles at every
     /// scale, so that there is no seam.
     pub(crate) const WRAP_M: f64 = 4096.0;
@@ -119,7 +128,7 @@ impl<'a> Facet<'a> {
 
     /// Whether textures lie on it by the plan of the world, as on all ground.
     pub(super) fn is_ground(&self) -> bool {
-        self.normal_local.z > 0.8
+        is_level(self.normal_local)
     }
 
     /// The axes of its texture, local frame: x and y of the world on the ground, elsewhere (on roofs too) to the right of someone who
@@ -129,6 +138,11 @@ impl<'a> Facet<'a> {
             || matches!(self.part.surface, Surface::RoofTiles | Surface::Gravel);
         if self.is_ground() && !is_built { [Vec3::X, Vec3::Y] } else { upright(self.normal_local) }
     }
+}
+
+/// Whether a surface with such a normal is ground.
+pub(super) fn is_level(normal_local: Vec3) -> bool {
+    normal_local.z > 0.8
 }
 
 /// To the right of someone who looks at a surface, and up.

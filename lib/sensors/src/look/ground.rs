@@ -3,15 +3,18 @@
 use glam::Vec3;
 use lanes::{Lanes, Vec3s, Words, floor_words, hash2, smoothstep, unit};
 use schema::Tag;
+use schema::geometry::{Part, Surface};
 use textures::{Noise, Texels, Textures};
 
-use super::facet::{Facet, Gloss, Look, Points, Surroundings, shades};
+use super::facet::{Facet, Gloss, Look, Points, Surroundings, is_level, shades};
 use super::pattern::{Width, bars};
 
 /// Manholes: one in a square of this side (a power of two, so that the wrapped world has no seam), metres.
 const MANHOLE_CELL_M: f32 = 32.0;
 /// Share of the squares that have one.
 const MANHOLE_SHARE: f32 = 0.6;
+/// Rings of drops: one in a square of this side (a power of two again), metres.
+const RING_CELL_M: f32 = 0.125;
 /// Radius of its lid, and of the frame around it, metres.
 const LID_M: f32 = 0.3;
 const FRAME_M: f32 = 0.36;
@@ -27,10 +30,20 @@ fn laid(texture: &textures::Texture, p: &Points) -> Texels {
     texture.at(p.world_m.x, p.world_m.y, p.footprint_m)
 }
 
+/// Whether a part with such a normal is ground that mirrors when it is wet.
+pub(crate) fn gets_wet(part: &Part, normal_local: Vec3) -> bool {
+    is_level(normal_local)
+        && match part.surface {
+            Surface::Asphalt | Surface::RoadMarking => true,
+            Surface::Concrete => part.tag != Tag::Building,
+            _ => false,
+        }
+}
+
 /// Darkens and glosses a porous surface that is wet; `flat` is 1 where puddles can stand.
 #[inline]
 fn wet(noise: &Noise, around: &Surroundings, mut look: Look, p: &Points, flat: f32) -> Look {
-    if around.wetness <= 0.0 && around.puddles <= 0.0 {
+    if !around.are_wet() {
         return look;
     }
     let hollow = ground_noise(noise, p, 16.0);
@@ -38,10 +51,41 @@ fn wet(noise: &Noise, around: &Surroundings, mut look: Look, p: &Points, flat: f
     let puddle = smoothstep(threshold, threshold + 0.12, hollow) * (flat * around.puddles.min(1.0));
     let wetness = puddle.fast_max(Lanes::splat(around.wetness));
     look.albedo *= 1.0 - wetness * 0.5;
-    // Water lies level.
+    // Water lies level, but where drops fall.
     look.lean = look.lean.map(|lean| lean.map(|v| v * (1.0 - puddle)));
-    look.gloss = Some(Gloss { mirror: wetness * 0.02, roughness: 0.45 - wetness * 0.3 - puddle * 0.14 });
+    let mut roughness = 0.6 - wetness * 0.28 - puddle * 0.3;
+    if around.rain > 0.0 && puddle.simd_gt(0.0).any() {
+        // Far rings are finer than pixels: there they are roughness.
+        let near = 1.0 / (p.footprint_m * p.footprint_m * 4000.0 + 1.0);
+        roughness += puddle * (1.0 - near) * (0.1 * around.rain);
+        let rings = rings(around, p);
+        let [east, north] = look.lean.unwrap_or_default();
+        look.lean = Some([east + rings[0] * puddle * near, north + rings[1] * puddle * near]);
+    }
+    look.gloss = Some(Gloss { mirror: wetness * 0.02, roughness });
     look
+}
+
+/// Slopes of the rings that drops of rain make on water, along x and y of the world.
+#[inline]
+fn rings(around: &Surroundings, p: &Points) -> [Lanes; 2] {
+    const WRAPPED: u32 = (Surroundings::WRAP_M / RING_CELL_M as f64) as u32 - 1;
+    let (x, y) = (p.world_m.x * (1.0 / RING_CELL_M), p.world_m.y * (1.0 / RING_CELL_M));
+    let frame = Words::splat(around.frame.wrapping_mul(0x9e37_79b9));
+    let word = hash2(floor_words(x) & WRAPPED, floor_words(y) & WRAPPED, frame);
+    // One in a cell, which it does not leave.
+    let radius_m = unit(word) * 0.04 + 0.012;
+    let place = |v: Lanes, bits: Words| {
+        let free = 1.0 - radius_m * (2.0 / RING_CELL_M) - 0.2;
+        (v - v.floor() - 0.5 - (unit(bits) - 0.5) * free.fast_max(Lanes::ZERO)) * RING_CELL_M
+    };
+    let (dx, dy) = (place(x, word * 0x85eb_ca6bu32), place(y, word * 0xc2b2_ae35u32));
+    let away = (dx * dx + dy * dy).sqrt().fast_max(Lanes::splat(1e-4));
+    let off = (away - radius_m) * (1.0 / 0.006);
+    let falls = unit(word * 0x27d4_eb2fu32).simd_lt(around.rain);
+    let damped = 1.0 / (off * off + 1.0);
+    let slope = falls.select(off * damped * damped * 0.4, Lanes::ZERO) / away;
+    [slope * dx, slope * dy]
 }
 
 #[inline]

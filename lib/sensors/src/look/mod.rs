@@ -11,4 +11,5 @@ mod room;
 mod skin;
 
 pub(crate) use facet::{Facet, Gloss, Points, Surroundings};
+pub(crate) use ground::gets_wet;
 pub(crate) use material::{Stuff, look};

@@ -83,6 +83,15 @@ pub(crate) fn picture(snapshot: &Snapshot, view: &CameraView, weather: &Weather)
     with_scene(snapshot, |scene| sight(scene, view, weather).picture.expect("is in colour"))
 }
 
+/// Film value of an 8-bit value: the inverse of the filmic curve (Narkowicz 2015) and the sRGB code.
+pub(crate) fn film(value: u8) -> f64 {
+    let c = f64::from(value) / 255.0;
+    let l = if c <= 0.040_45 { c / 12.92 } else { frames::math::pow((c + 0.055) / 1.055, 2.4) };
+    // l (2.43 v^2 + 0.59 v + 0.14) = 2.51 v^2 + 0.03 v
+    let (a, b, c) = (2.51 - 2.43 * l, 0.03 - 0.59 * l, -0.14 * l);
+    (-b + (b * b - 4.0 * a * c).sqrt()) / (2.0 * a)
+}
+
 /// The light around the origin.
 pub(crate) fn lighting(scene: &dyn Scene, weather: &Weather) -> Lighting {
     let sky = Arc::new(Sky::new(weather, 0.0));
