@@ -16,8 +16,12 @@ use super::view::CameraView;
 use super::vignette::Vignette;
 use crate::light::Sky;
 
-/// Mirrored rays stand so many columns and rows apart.
-const APART: usize = 2;
+/// Mirrored rays stand so many columns apart, and as many rows as are this far apart as slopes, but within these limits.
+const COLUMNS_APART: usize = 2;
+const ROWS_APART: f32 = 0.0042;
+const ROWS_LIMITS: [usize; 2] = [2, 4];
+/// Ends of rays that move by less than this share are found.
+const FOUND: f32 = 0.02;
 /// Looks at the picture along a ray.
 const LOOKS: usize = 7;
 /// The first look, as a share of the distance from the camera.
@@ -70,6 +74,7 @@ pub(super) struct Dry<'a> {
 pub(super) struct Mirror {
     columns: usize,
     rows: usize,
+    rows_apart: usize,
     /// As level water does.
     sharp: Vec<Texel>,
     /// As a film of water on rough ground does.
@@ -82,25 +87,26 @@ impl Mirror {
     /// Follows the rays that wet ground mirrors; `surfaces` are those of the picture.
     pub(super) fn new(dry: &Dry<'_>, surfaces: &Surfaces<'_>) -> Self {
         let (width, height) = (dry.buffer.width as usize, dry.buffer.height as usize);
-        let (columns, rows) = (width.div_ceil(APART), height.div_ceil(APART));
+        let camera = &dry.buffer.camera;
+        let rows_apart = ((ROWS_APART * camera.fy).round() as usize).clamp(ROWS_LIMITS[0], ROWS_LIMITS[1]);
+        let (columns, rows) = (width.div_ceil(COLUMNS_APART), height.div_ceil(rows_apart));
         let mut sharp = vec![Texel::ZERO; columns * rows];
         let tracer = Tracer::new(dry);
-        sharp.par_chunks_mut(columns).zip(dry.wet.par_iter().step_by(APART)).enumerate().for_each(
+        sharp.par_chunks_mut(columns).zip(dry.wet.par_iter().step_by(rows_apart)).enumerate().for_each(
             |(row, (texels, wet))| {
-                let y = (row * APART) as u32;
+                let y = (row * rows_apart) as u32;
                 for span in wet {
                     tracer.follow(surfaces, span, y, texels);
                 }
             },
         );
-        let camera = &dry.buffer.camera;
-        let reach = |slope: f32, focal: f32| (slope * focal / APART as f32).round() as usize;
+        let reach = |slope: f32, focal: f32, apart: usize| (slope * focal / apart as f32).round() as usize;
         let mut dull = sharp.clone();
         for _ in 0..2 {
-            dull = blurred_down(&dull, columns, reach(BLUR[0], camera.fy));
+            dull = blurred_down(&dull, columns, reach(BLUR[0], camera.fy, rows_apart));
         }
-        blur_across(&mut dull, columns, reach(BLUR[1], camera.fx));
-        Self { columns, rows, sharp, dull, focal: [camera.fx, camera.fy] }
+        blur_across(&mut dull, columns, reach(BLUR[1], camera.fx, COLUMNS_APART));
+        Self { columns, rows, rows_apart, sharp, dull, focal: [camera.fx, camera.fy] }
     }
 
     /// What is mirrored at eight pixels of a row whose water leans by slopes away from the camera and to its right, `rough` (0 to 1) as
@@ -117,10 +123,10 @@ impl Mirror {
         let moved = |pixels: Lanes| pixels.fast_clamp(Lanes::splat(-MOST_MOVED), Lanes::splat(MOST_MOVED));
         let x = Lanes::from(columns.map(|c| c as f32)) + moved(still * right * sine * self.focal[0]);
         let y = Lanes::splat(y as f32) - moved(still * away * self.focal[1]);
-        let place = |v: Lanes, count: usize| {
-            (v * (1.0 / APART as f32)).fast_clamp(Lanes::ZERO, Lanes::splat((count - 1) as f32 - 1e-3))
+        let place = |v: Lanes, apart: usize, count: usize| {
+            (v * (1.0 / apart as f32)).fast_clamp(Lanes::ZERO, Lanes::splat((count - 1) as f32 - 1e-3))
         };
-        let (x, y) = (place(x, self.columns), place(y, self.rows));
+        let (x, y) = (place(x, COLUMNS_APART, self.columns), place(y, self.rows_apart, self.rows));
         let (x0, y0) = (x.floor(), y.floor());
         let first = (floor_words(y0) * self.columns as u32 + floor_words(x0)).to_array();
         let (fx, fy, rough) = ((x - x0).to_array(), (y - y0).to_array(), rough.to_array());
@@ -173,11 +179,12 @@ impl<'a> Tracer<'a> {
     /// Fills the texels of a row that a span is in.
     fn follow(&self, surfaces: &Surfaces<'_>, span: &WetSpan, y: u32, texels: &mut [Texel]) {
         let Some(facet) = surfaces.facet(span.instance, span.triangle) else { return };
-        let first = (span.first as usize).div_ceil(APART);
-        let end = (span.end as usize).div_ceil(APART);
+        let first = (span.first as usize).div_ceil(COLUMNS_APART);
+        let end = (span.end as usize).div_ceil(COLUMNS_APART);
         for from in (first..end).step_by(LANES) {
             let last = end.min(from + LANES) - 1;
-            let columns: [u32; LANES] = std::array::from_fn(|i| ((from + i).min(last) * APART) as u32);
+            let columns: [u32; LANES] =
+                std::array::from_fn(|i| ((from + i).min(last) * COLUMNS_APART) as u32);
             let here = facet.points(self.dry.buffer, &columns, y).position_local;
             let seen = self.seen(surfaces, &here, facet.normal_local);
             for (i, texel) in texels[from..=last].iter_mut().enumerate() {
@@ -256,7 +263,11 @@ impl<'a> Tracer<'a> {
                 return (pixels, is_shown);
             }
             let next_m = ((seen_m(&pixels) - away_m) / level).fast_clamp(least_m, Lanes::splat(FAR_M));
+            let is_found = !is_shown | (next_m - along_m).abs().simd_lt(along_m * FOUND);
             along_m = is_shown.select(next_m, along_m);
+            if is_found.all() {
+                break;
+            }
         }
         let (pixels, is_shown) = look(along_m);
         // What is nearer than the end of the ray hides it.
