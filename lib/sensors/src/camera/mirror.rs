@@ -2,8 +2,8 @@
 //!
 //! Where a mirrored ray ends is looked up in the picture's own depths. The ray runs nearly in the upright plane through the camera,
 //! and most things stand: whoever follows it to the distance of what is seen there, and looks again, comes to its end in a few steps
-//! and passes nothing that stands in the way. What the picture does not show (undersides, what is beyond its edges) is not mirrored: there the
-//! sky is.
+//! and passes nothing that stands in the way. Of what the picture does not show (undersides, what is beyond its edges) there is
+//! what the agent sees around it in that direction.
 
 use glam::{Affine3A, Mat3, Vec3};
 use lanes::{LANES, Lanes, Vec3s, floor_words};
@@ -14,7 +14,7 @@ use schema::geometry::Surface;
 use super::film::Film;
 use super::view::CameraView;
 use super::vignette::Vignette;
-use crate::light::Sky;
+use crate::light::{Sky, Skyline};
 
 /// Mirrored rays stand so many columns apart, and as many rows as are this far apart as slopes, but within these limits.
 const COLUMNS_APART: usize = 2;
@@ -65,6 +65,7 @@ pub(super) struct Dry<'a> {
     /// What white things were balanced by.
     pub(super) balance: Vec3,
     pub(super) sky: &'a Sky,
+    pub(super) skyline: &'a Skyline,
     /// Film value per radiance.
     pub(super) exposure: f32,
 }
@@ -203,7 +204,8 @@ impl<'a> Tracer<'a> {
         let sky = if is_shown.all() {
             Vec3s::default()
         } else {
-            self.dry.sky.radiance(&way) * Lanes::splat(self.dry.exposure)
+            let sky = self.dry.sky.radiance(&way);
+            self.dry.skyline.before(&sky, &way) * Lanes::splat(self.dry.exposure)
         };
         let shown = is_shown.to_bitmask();
         let width = self.dry.buffer.width;

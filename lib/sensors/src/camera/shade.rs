@@ -96,6 +96,7 @@ impl Picture {
                 vignette: shader.vignette,
                 balance: shader.balance,
                 sky: &lighting.sky,
+                skyline: &lighting.skyline,
                 exposure,
             };
             let mirror = Mirror::new(&dry, &surfaces);
@@ -597,7 +598,8 @@ impl Shader<'_> {
         let fresnel = gloss.mirror.simd_gt(0.0).select(fresnel, Lanes::ZERO);
         let mirrored = n * (cos * 2.0) - toward;
         // Rough surfaces see a wide piece of sky: the mean light stands for it.
-        let sharp = self.lighting.sky.radiance(&mirrored) * Lanes::splat(self.exposure);
+        let sky = self.lighting.sky.radiance(&mirrored);
+        let sharp = self.lighting.skyline.before(&sky, &mirrored) * Lanes::splat(self.exposure);
         let [level, .., rise] = self.ambient;
         let wide = |level: f32, rise: f32| (mirrored.z * rise + level).fast_max(Lanes::ZERO);
         let wide = Vec3s::new(wide(level.x, rise.x), wide(level.y, rise.y), wide(level.z, rise.z));

@@ -11,6 +11,7 @@ use super::fog::Fog;
 use super::lamps::Lamps;
 use super::shadow::{Caster, Overhead, Shadows, shadows_at};
 use super::sky::Sky;
+use super::skyline::{Seen, Skyline};
 use super::still::StillMaps;
 use crate::look::Surroundings;
 
@@ -41,6 +42,7 @@ pub struct Lighting {
     pub(crate) lamps: Lamps,
     pub(crate) exposure: Exposure,
     pub(crate) fog: Fog,
+    pub(crate) skyline: Skyline,
     pub(crate) around: Surroundings,
     /// Rain, 0 to 1.
     pub(crate) rain: f32,
@@ -85,12 +87,16 @@ impl Lighting {
         );
         let ((shadows, overhead), lamps) = (shadows?, lamps?);
         let exposure = Exposure::new(sky.around_klx, lamps.on_the_ground(centre_local));
+        let fog = Fog::new(weather, &sky, centre_local.z);
+        let seen = Seen { sky: &sky, shadows: &shadows, lamps: &lamps, fog: &fog };
+        let skyline = Skyline::new(scene, seen, centre_local)?;
         Ok(Self {
             shadows,
             overhead,
             lamps,
             exposure,
-            fog: Fog::new(weather, &sky, centre_local.z),
+            fog,
+            skyline,
             around: Surroundings {
                 wetness: share(weather.wetness.max(weather.precipitation * 0.8)),
                 puddles: share(weather.precipitation_deposits),

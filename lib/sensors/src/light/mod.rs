@@ -15,6 +15,7 @@ mod math;
 mod scene_lights;
 mod shadow;
 mod sky;
+mod skyline;
 mod still;
 
 pub(crate) use fog::fog_extinction_per_m;
@@ -22,4 +23,5 @@ pub use lighting::{FrameWeather, Lighting};
 pub(crate) use map::Lit;
 pub(crate) use scene_lights::SceneLights;
 pub use sky::Sky;
+pub(crate) use skyline::Skyline;
 pub use still::StillWorld;
