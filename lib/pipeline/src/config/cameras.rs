@@ -120,6 +120,21 @@ pub(crate) fn camera(s: &Section<'_>, d: &CameraSettings) -> CameraSettings {
             "share of the light beyond white that the lens scatters over RGB images",
         ),
         noise: s.number("noise", d.noise, 0.0, 10.0, "noise of RGB images, times that of a usual chip"),
+        exposure_time_s: s.number(
+            "exposure_time_s",
+            d.exposure_time_s,
+            0.0,
+            0.05,
+            "how long the shutter of RGB images is open, until the frame's time, seconds: what moves is smeared; 0 leaves it sharp",
+        ),
+        aperture_mm: s.number(
+            "aperture_mm",
+            d.aperture_mm,
+            0.0,
+            100.0,
+            "width of the opening that blurs RGB images where they are out of focus, millimetres (brightness follows `f_stop`); 0 leaves all sharp",
+        ),
+        focus_m: s.number("focus_m", d.focus_m, 0.1, 10_000.0, "distance at which an `aperture_mm` leaves RGB images sharp, metres"),
         jpeg_quality: s.integer(
             "jpeg_quality",
             d.jpeg_quality.into(),

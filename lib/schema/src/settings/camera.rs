@@ -19,6 +19,12 @@ pub struct CameraSettings {
     pub bloom: f64,
     /// Noise of RGB images, times that of a usual chip (1).
     pub noise: f64,
+    /// How long the shutter of RGB images is open, seconds; it closes at the frame's time. 0: nothing is smeared (0).
+    pub exposure_time_s: f64,
+    /// Width of the lens's opening that blurs RGB images, millimetres. 0: all is sharp (0).
+    pub aperture_mm: f64,
+    /// What is so far away is sharp, metres (20).
+    pub focus_m: f64,
     /// JPEG quality of the RGB images, 1 to 100 (80).
     pub jpeg_quality: u8,
     /// Write the boxes of objects in the pictures (false).
@@ -40,6 +46,9 @@ impl Default for CameraSettings {
             white_balance: 0.6,
             bloom: 0.03,
             noise: 1.0,
+            exposure_time_s: 0.0,
+            aperture_mm: 0.0,
+            focus_m: 20.0,
             jpeg_quality: 80,
             boxes_2d: false,
             flow_half: false,

@@ -3,7 +3,7 @@
 use glam::{Affine3A, Mat3};
 use lanes::{LANES, Lanes, Vec3s};
 use rayon::prelude::*;
-use renderer::Surfaces;
+use renderer::{Surfaces, VisibilityBuffer};
 use schema::ImageKind;
 use schema::geometry::Snapshot;
 use schema::images::{Flow, OfKind};
@@ -12,6 +12,7 @@ use schema::tables::{FlowRow, HalfFlowRow};
 
 use super::image::Image;
 use super::sight::Sight;
+use super::view::CameraView;
 use crate::error::SensorError;
 
 /// Largest flow: the whole picture.
@@ -31,7 +32,7 @@ impl Image for Flow {
     type Row = FlowRow;
 
     fn of(snapshot: &Snapshot, sight: &Sight, frame: u32) -> Result<FlowRow, SensorError> {
-        let (dx, dy) = flow(snapshot, sight);
+        let (dx, dy) = flow(snapshot, &sight.view, &sight.seen);
         let (width, height) = (sight.seen.width, sight.seen.height);
         Ok(FlowRow { frame, time_s: crate::frame_time_s(frame), width, height, dx, dy })
     }
@@ -55,8 +56,11 @@ impl Image for HalfFlow {
 }
 
 /// Motion to the right and up, row by row.
-fn flow(snapshot: &Snapshot, sight: &Sight) -> (Vec<f32>, Vec<f32>) {
-    let Sight { view, seen: buffer, .. } = sight;
+pub(super) fn flow(
+    snapshot: &Snapshot,
+    view: &CameraView,
+    buffer: &VisibilityBuffer,
+) -> (Vec<f32>, Vec<f32>) {
     let camera = &buffer.camera;
     let width = buffer.width as usize;
     let surfaces = Surfaces::new(buffer, snapshot);

@@ -11,6 +11,7 @@ use super::film::Film;
 use super::mirror::{Dry, Mirror, WetSpan};
 use super::picture::Picture;
 use super::rain::{Rain, draw_rain};
+use super::soften::soften;
 use super::view::CameraView;
 use super::vignette::Vignette;
 use crate::light::{Lighting, Lit};
@@ -116,6 +117,7 @@ impl Picture {
         let mut picture = Self { width: buffer.width, height: buffer.height, rgb, electrons };
         bloom(&mut picture, &shader.film, &bright, view.settings.bloom as f32);
         smooth_edges(&mut picture);
+        soften(&mut picture, &shader.film, snapshot, view, buffer);
         if lighting.rain > 0.0 {
             let world_from_local_m = lighting.around.world_from_local_m;
             let rain = Rain { strength: lighting.rain, frame: lighting.frame, world_from_local_m };
