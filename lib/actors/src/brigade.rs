@@ -32,7 +32,7 @@ pub(crate) fn fire_engine(l: &Lorry<'_>, b: &mut MeshBuilder, detail: Detail) {
         );
         b.tapered(looks.lamp(bits, [0.05, 0.1, 0.8]), min, max, 0.7, 0.97);
     }
-    let stripe = Part::new(Tag::Truck, Surface::Plain, [0.85, 0.85, 0.3]);
+    let stripe = Part::new(Tag::Truck, Surface::Reflector, [0.85, 0.85, 0.3]);
     let shutter = Part::new(Tag::Truck, Surface::Metal, [0.5, 0.51, 0.52]);
     for side in [1.0, -1.0] {
         let face = |part: Part, b: &mut MeshBuilder, x: [f32; 2], z: [f32; 2], out_m: f32| {
@@ -65,7 +65,7 @@ fn back(l: &Lorry<'_>, b: &mut MeshBuilder, top: f32, detail: Detail) {
     }
     let (half, floor) = (l.half(), l.body_floor());
     let shutter = Lorry::stuff(Surface::Metal, [0.5, 0.51, 0.52]);
-    let yellow = Lorry::stuff(Surface::Plain, [0.72, 0.62, 0.04]);
+    let yellow = Lorry::stuff(Surface::Reflector, [0.72, 0.62, 0.04]);
     let x = [-half.x + 0.008, -half.x + 0.06];
     Lorry::across(b, shutter, x, 0.62, [floor + 0.15, top - 0.35]);
     for k in 0..5 {

@@ -7,7 +7,7 @@ use schema::geometry::{Part, Surface, TriMesh};
 use solids::MeshBuilder;
 
 const ORANGE: Part = Part::new(Tag::TrafficCone, Surface::Plain, [0.85, 0.18, 0.02]);
-const WHITE: Part = Part::new(Tag::TrafficCone, Surface::Plain, [0.85; 3]);
+const WHITE: Part = Part::new(Tag::TrafficCone, Surface::Reflector, [0.85; 3]);
 const RUBBER: Part = Part::new(Tag::TrafficCone, Surface::Rubber, [0.06; 3]);
 const FACES: usize = 14;
 
@@ -144,7 +144,7 @@ fn board(b: &mut MeshBuilder, size: Vec3, heights: [f32; 2], rgb: [f32; 3], half
     let fields = 6;
     for i in 0..fields {
         let x0 = -0.5 * size.x + size.x * i as f32 / fields as f32;
-        let paint = Part::new(Tag::Barrier, Surface::Plain, if i % 2 == 0 { rgb } else { [0.85; 3] });
+        let paint = Part::new(Tag::Barrier, Surface::Reflector, if i % 2 == 0 { rgb } else { [0.85; 3] });
         b.cuboid(
             paint,
             Vec3::new(x0, -half_thick, heights[0] * size.z),

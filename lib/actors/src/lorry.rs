@@ -178,7 +178,12 @@ impl Lorry<'_> {
                 }
             }
         }
-        let plate = Part::new(Tag::Truck, Surface::Plain, [0.78, 0.78, 0.76]);
+        if detail != Detail::Coarse {
+            let back = Self::stuff(Surface::Reflector, [0.45, 0.02, 0.02]);
+            let (x, y) = ([-half.x + 0.02, -half.x + 0.08], [0.49 * half.y, 0.93 * half.y]);
+            Self::both(b, back, x, y, [0.47, 0.51]);
+        }
+        let plate = Self::stuff(Surface::Reflector, [0.78, 0.78, 0.76]);
         b.cuboid(plate, Vec3::new(-half.x + 0.01, -0.26, 0.54), Vec3::new(-half.x + 0.08, 0.26, 0.65));
     }
 
@@ -200,11 +205,18 @@ impl Lorry<'_> {
         b.cuboid(part, Vec3::new(x[0], -half_y, z[0]), Vec3::new(x[1], half_y, z[1]));
     }
 
-    /// The floor that a load stands on.
+    /// The floor that a load stands on, with a line along its sides that shows how long the lorry is (UN Regulation 104).
     pub(crate) fn deck(&self, b: &mut MeshBuilder) {
         let (half, floor) = (self.half(), self.body_floor());
         let metal = Self::stuff(Surface::Metal, [0.22, 0.22, 0.23]);
         Self::across(b, metal, [-half.x, self.body_front()], half.y - 0.004, [floor - 0.12, floor]);
+        if self.load == Load::Sweeper {
+            // Its sides are all machine.
+            return;
+        }
+        let line = Self::stuff(Surface::Reflector, [0.72, 0.62, 0.04]);
+        let along = [-half.x + 0.06, self.body_front() - 0.06];
+        Self::both(b, line, along, [half.y - 0.06, half.y - 0.001], [floor - 0.088, floor - 0.032]);
     }
 
     /// The same between the wheels only, where what is carried is a machine.

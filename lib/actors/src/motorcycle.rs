@@ -483,7 +483,7 @@ impl Machine<'_> {
             0.8,
             0.8,
         );
-        let plate = Part::new(Tag::Motorcycle, Surface::Plain, [0.78, 0.78, 0.76]);
+        let plate = Part::new(Tag::Motorcycle, Surface::Reflector, [0.78, 0.78, 0.76]);
         let dark = self.parts.plastic;
         let back = Vec3::new(self.p.back, 0.0, tail_z - 0.19);
         self.b.cuboid(plate, back - Vec3::new(0.0, 0.09, 0.07), back + Vec3::new(0.012, 0.09, 0.07));

@@ -10,13 +10,14 @@ use solids::{MeshBuilder, circle};
 type Shape = &'static [[f32; 2]];
 
 const fn face(rgb: [f32; 3]) -> Part {
-    Part::new(Tag::TrafficSign, Surface::Plain, rgb)
+    Part::new(Tag::TrafficSign, Surface::Reflector, rgb)
 }
 
 const GREY: Part = Part::new(Tag::TrafficSign, Surface::Metal, [0.35; 3]);
 const STEEL: Part = Part::new(Tag::Pole, Surface::Metal, [0.22, 0.23, 0.24]);
 const WHITE: Part = face([0.85; 3]);
-const BLACK: Part = face([0.03; 3]);
+/// Ink lets nothing back.
+const BLACK: Part = Part::new(Tag::TrafficSign, Surface::Plain, [0.03; 3]);
 const RED: Part = face([0.65, 0.03, 0.03]);
 const DEEP_RED: Part = face([0.60, 0.03, 0.03]);
 const BLUE: Part = face([0.05, 0.12, 0.45]);

@@ -41,7 +41,7 @@ pub(crate) fn mixer(l: &Lorry<'_>, b: &mut MeshBuilder, detail: Detail) {
         let along = (axis(1.0) - axis(0.0)).normalize_or(Vec3::X);
         let (u, v) = (Vec3::Y, along.cross(Vec3::Y));
         for phase in [0.0, 0.5] {
-            let steps = 24;
+            let steps = 22;
             let at = |k: usize, out: f32| {
                 let t = 0.08 + 0.86 * k as f32 / steps as f32;
                 let (s, c) = sin_cos(std::f32::consts::TAU * (1.6 * t + phase));

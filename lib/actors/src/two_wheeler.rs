@@ -230,6 +230,9 @@ fn bicycle_lamps(b: &mut MeshBuilder, tag: Tag, [front, rear]: [f32; 2], radius:
     let (s, c) = frames::math::f32::sin_cos(TAU * 0.365);
     let tail = Vec3::new(rear, 0.0, radius) + Vec3::new(c, 0.0, s) * (radius + GUARD_M + 0.025);
     b.tapered(red, tail - Vec3::new(0.02, 0.022, 0.03), tail + Vec3::new(0.02, 0.022, 0.03), 0.8, 0.8);
+    let below = tail - Vec3::new(0.012, 0.0, 0.075);
+    let reflector = Part::new(tag, Surface::Reflector, [0.45, 0.02, 0.02]);
+    b.cuboid(reflector, below - Vec3::new(0.012, 0.03, 0.022), below + Vec3::new(0.012, 0.03, 0.022));
 }
 
 #[allow(clippy::too_many_arguments)] // Each is a place of the frame.

@@ -7,10 +7,10 @@ use schema::geometry::{Part, Surface, TriMesh};
 use solids::{MeshBuilder, circle};
 
 const fn face(rgb: [f32; 3]) -> Part {
-    Part::new(Tag::TrafficSign, Surface::Plain, rgb)
+    Part::new(Tag::TrafficSign, Surface::Reflector, rgb)
 }
 
-const BLACK: Part = face([0.02; 3]);
+const BLACK: Part = Part::new(Tag::TrafficSign, Surface::Plain, [0.02; 3]);
 const RED: Part = face([0.62, 0.02, 0.02]);
 const GREY: Part = Part::new(Tag::TrafficSign, Surface::Metal, [0.30; 3]);
 /// Height of the board's lower end as a share of the whole height.

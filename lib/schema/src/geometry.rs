@@ -43,6 +43,8 @@ pub enum Surface {
     RoofTiles,
     /// A house front: windows in a grid of storeys and bays drawn by the shader from the object position.
     Facade(Wall),
+    /// Sheeting that sends light back to where it came from: number plates, signs' faces, reflectors, bands that warn.
+    Reflector,
     /// Emits light while one of these [`crate::lights`] bits is set on its instance.
     Lamp(u32),
     /// As the mesh's own [`Skin`] shows it; the part's colour is its mean.

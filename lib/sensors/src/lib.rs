@@ -92,6 +92,7 @@ mod painter;
 mod panes;
 mod radar;
 mod registry;
+mod retro;
 mod sensor;
 mod struck;
 

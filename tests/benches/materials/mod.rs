@@ -24,6 +24,7 @@ fn name_of(surface: &Surface) -> &'static str {
         Surface::Glass => "glass",
         Surface::Window => "window",
         Surface::Metal => "metal",
+        Surface::Reflector => "reflector",
         Surface::Rubber => "rubber",
         Surface::Cloth => "cloth",
         Surface::Asphalt => "asphalt",

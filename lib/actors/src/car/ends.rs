@@ -220,12 +220,17 @@ impl Car<'_> {
         self.plate(&mut end, at(face.plate));
     }
 
+    /// What sends light back: plates, reflectors.
+    fn reflector(&self, rgb: [f32; 3]) -> Part {
+        Part::new(self.looks.tag, Surface::Reflector, rgb)
+    }
+
     fn plate(&self, end: &mut End<'_, '_>, z: f32) {
         let half = 0.26 / end.wide();
         if end.detail == Detail::Full {
             end.across(self.looks.trim, [half + 0.015; 2], [z - 0.012, z + 0.122], 0.014, [4, 1]);
         }
-        end.across(self.white(), [half; 2], [z, z + 0.11], 0.019, [4, 1]);
+        end.across(self.reflector([0.78, 0.78, 0.76]), [half; 2], [z, z + 0.11], 0.019, [4, 1]);
         if end.detail == Detail::Full {
             // The characters as two dark groups.
             for y in [-0.62, 0.10] {
@@ -267,7 +272,7 @@ impl Car<'_> {
             end.across(looks.gap, [0.92; 2], [at(0.455), at(0.462)], 0.004, [8, 1]);
             end.across(looks.chrome, [0.30; 2], [plate + 0.15, plate + 0.17], 0.012, [4, 1]);
             end.pair(
-                [Part::new(looks.tag, Surface::Metal, [0.45, 0.02, 0.02]); 2],
+                [self.reflector([0.45, 0.02, 0.02]); 2],
                 block([0.66, 0.84], [at(0.20), at(0.24)]),
                 0.008,
                 [2, 1],

@@ -95,7 +95,9 @@ impl Car<'_> {
             }
         };
         for strip in self.strips(detail) {
-            let part = Part::new(self.looks.tag, Surface::Plain, strip.rgb);
+            // Warning yellow of police and ambulances is sheeting.
+            let surface = if strip.rgb == YELLOW { Surface::Reflector } else { Surface::Plain };
+            let part = Part::new(self.looks.tag, surface, strip.rgb);
             on_both(part, strip, 0.006);
         }
         if self.model.name == "van.motorhome" && detail != Detail::Coarse {

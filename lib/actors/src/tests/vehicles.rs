@@ -103,7 +103,7 @@ fn what_is_farther_away_has_fewer_triangles_and_the_same_lamps() {
                 .collect()
         };
         // Lorries with a machine on their back and six wheels have most.
-        for (count, (least, most)) in counts.zip([(2000, 8000), (500, 2350), (150, 760)]) {
+        for (count, (least, most)) in counts.zip([(2000, 8000), (500, 2350), (150, 780)]) {
             assert!((least..=most).contains(&count), "{}: {count}", model.name);
         }
         let near = lamps(&levels[0]);

@@ -115,7 +115,7 @@ pub(super) fn chest(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
         })
         .collect();
     let front = |j: usize, reach: usize| j + 1 + reach >= SIDES || j < reach;
-    let band = s.cloth(BAND);
+    let band = Part::new(s.tag, Surface::Reflector, BAND);
     let white = s.cloth([0.70, 0.70, 0.68]);
     let tie = s.cloth([0.20, 0.02, 0.03]);
     let vest = s.cloth([0.60, 0.72, 0.03]);

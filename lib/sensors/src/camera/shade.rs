@@ -416,7 +416,11 @@ impl Shader<'_> {
                 Some(bend) if !run.facet.is_leaf() => bend.normals(points.position_object),
                 _ => Vec3s::splat(run.normal),
             };
-            let klx = light.lamps.illuminance(positions, &normals);
+            let klx = if run.facet.is_sheeting() {
+                light.lamps.returned(positions, &normals, self.camera)
+            } else {
+                light.lamps.illuminance(positions, &normals)
+            };
             klx * Lanes::splat(self.exposure / std::f32::consts::PI)
         };
         let light = Light {

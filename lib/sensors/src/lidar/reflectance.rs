@@ -1,9 +1,10 @@
 //! How much of a lidar's light a surface sends back, by its material, the angle and the weather.
 
 use frames::math::f32::exp;
-use schema::Tag;
 use schema::geometry::{Part, Surface};
 use schema::tables::Weather;
+
+use crate::retro;
 
 /// Lights a surface sends back: the shares of near-infrared light (905 nm), 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +13,8 @@ pub(super) struct Reflectance {
     pub(super) matt: f32,
     /// Besides, mirrored back where it is met straight on.
     pub(super) mirrored: f32,
+    /// Besides, sent back to where it came from by retro-reflecting sheeting.
+    pub(super) returned: f32,
 }
 
 /// Mirrored light is down to a third where `1 - cos` of the angle is this: 8 degrees.
@@ -26,10 +29,11 @@ impl Reflectance {
     /// Intensity of light met at an angle, of which this is the cosine.
     pub(super) fn at(&self, cos_angle: f32) -> f32 {
         let matt = self.matt * (0.25 + 0.75 * cos_angle);
-        if self.mirrored == 0.0 {
+        if self.mirrored == 0.0 && self.returned == 0.0 {
             return matt;
         }
-        (matt + self.mirrored * exp((cos_angle - 1.0) / MIRRORED_WITHIN)).min(1.0)
+        let mirrored = self.mirrored * exp((cos_angle - 1.0) / MIRRORED_WITHIN);
+        (matt + mirrored + self.returned * retro::share(cos_angle)).min(1.0)
     }
 }
 
@@ -41,18 +45,16 @@ pub(super) fn wetness(weather: &Weather) -> f32 {
 /// Of a part of a mesh.
 ///
 /// Round figures of the usual measurements for dry surfaces: asphalt 0.15, concrete 0.35, plants 0.5, dark glass 0.05.
-/// Signs and road markings are retroreflective: signs as bright as can be at any angle that they are read from. Cloth and surfaces that
+/// Retro-reflecting sheeting is as bright as can be at any angle that it is read from; markings have beads, too. Cloth and surfaces that
 /// are nothing in particular follow the brightness of their colour; so does car paint, whose dark pigments swallow this light as well,
 /// but for its clear coat, which mirrors. `paint` is the colour of what is painted, `level` whether the surface is
 /// (roofs above it are not looked for), `wetness` how wet such is.
 pub(super) fn reflectance(part: &Part, paint: [f32; 3], level: bool, wetness: f32) -> Reflectance {
     let brightness = |[r, g, b]: [f32; 3]| (0.2126 * r + 0.7152 * g + 0.0722 * b).clamp(0.0, 1.0);
-    if part.tag == Tag::TrafficSign && !matches!(part.surface, Surface::Metal) {
-        return Reflectance { matt: 1.0, mirrored: 0.0 };
-    }
+    let returned = if part.surface == Surface::Reflector { 1.0 } else { 0.0 };
     let wet = if level { wetness } else { 0.0 };
     let (matt, mirrored) = match part.surface {
-        Surface::Plain | Surface::Gravel | Surface::RoofTiles | Surface::Cloth => {
+        Surface::Plain | Surface::Reflector | Surface::Gravel | Surface::RoofTiles | Surface::Cloth => {
             (0.15 + 0.6 * brightness(part.rgb), 0.0)
         }
         // What is neither metal nor plastic lies between them.
@@ -72,5 +74,5 @@ pub(super) fn reflectance(part: &Part, paint: [f32; 3], level: bool, wetness: f3
         Surface::Wood => (0.35, 0.0),
         Surface::Lamp(_) => (0.6, 0.3),
     };
-    Reflectance { matt, mirrored }
+    Reflectance { matt, mirrored, returned }
 }

@@ -12,6 +12,7 @@ use schema::{ObjectId, lights};
 
 use super::headlight::{self, Seen};
 use super::math::luminance;
+use crate::retro;
 
 /// Half width of the area around an agent in which lamps give light, metres.
 const AREA_M: f32 = 96.0;
@@ -155,6 +156,15 @@ impl Lamps {
 
     /// Illuminance of places of surfaces that look along the normals by the lamps around, kilolux.
     pub(crate) fn illuminance(&self, positions: &Vec3s, normals: &Vec3s) -> Vec3s {
+        self.sum(positions, normals, None)
+    }
+
+    /// The same of retro-reflecting sheeting: what a white surface would have to get to be as bright for an eye.
+    pub(crate) fn returned(&self, positions: &Vec3s, normals: &Vec3s, eye: Vec3) -> Vec3s {
+        self.sum(positions, normals, Some(eye))
+    }
+
+    fn sum(&self, positions: &Vec3s, normals: &Vec3s, eye: Option<Vec3>) -> Vec3s {
         let cell = |v: Lanes, corner: f32| (v - corner) * (1.0 / CELL_M);
         let (x, y) = (cell(positions.x, self.corner.x), cell(positions.y, self.corner.y));
         let limit = CELLS as f32;
@@ -171,7 +181,7 @@ impl Lamps {
             let entries = self.starts[cell as usize] as usize..self.starts[cell as usize + 1] as usize;
             let mut of_cell = Vec3s::default();
             for &index in &self.entries[entries] {
-                self.lamps[usize::from(index)].add_to(&mut of_cell, positions, normals);
+                self.lamps[usize::from(index)].add_to(&mut of_cell, positions, normals, eye);
             }
             sum += of_cell.or(Lanes::from_bits(here) & inside, Vec3s::default());
         }
@@ -203,9 +213,9 @@ impl Lamp {
         rgb * headlight::most_kcd(self.beam == Beam::High, cos)
     }
 
-    /// Adds its light on places of surfaces.
+    /// Adds its light on places of surfaces; on sheeting that sends it back, as it looks to an eye.
     #[inline]
-    fn add_to(&self, sum: &mut Vec3s, positions: &Vec3s, normals: &Vec3s) {
+    fn add_to(&self, sum: &mut Vec3s, positions: &Vec3s, normals: &Vec3s, eye: Option<Vec3>) {
         let to = Vec3s::splat(self.position) - *positions;
         let r2 = to.length_squared();
         let facing = to.dot(*normals);
@@ -232,7 +242,12 @@ impl Lamp {
         };
         // Ends smoothly at the radius.
         let window = 1.0 - r2 * (1.0 / reach2);
-        let strength = spread * facing / (r * r2) * (window * window);
+        let mut strength = spread * facing / (r * r2) * (window * window);
+        if let Some(eye) = eye {
+            let to_eye = Vec3s::splat(eye) - *positions;
+            let to_eye = to_eye * (1.0 / to_eye.length_squared().sqrt().fast_max(Lanes::splat(1e-3)));
+            strength *= retro::gain(&(to * (1.0 / r)), &to_eye, facing / r);
+        }
         *sum += Vec3s::splat(self.rgb) * reached.select(strength, Lanes::ZERO);
     }
 }
@@ -411,7 +426,7 @@ mod tests {
                     Vec3::new(uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0)).normalize();
                 let normals = Vec3s::splat(normal);
                 let mut every = Vec3s::default();
-                lamps.iter().for_each(|lamp| lamp.add_to(&mut every, &places, &normals));
+                lamps.iter().for_each(|lamp| lamp.add_to(&mut every, &places, &normals, None));
                 let ours = by_cells.illuminance(&places, &normals);
                 for lane in 0..lanes::LANES {
                     let (a, b) = (ours.lane(lane), every.lane(lane));
@@ -463,6 +478,20 @@ mod tests {
     }
 
     #[test]
+    fn sheeting_is_bright_for_who_sits_beside_the_lamp() {
+        let street = one(Beam::Street);
+        let (place, lamp) = (Vec3::new(2.0, 0.0, 0.0), street.lamps[0].position);
+        let normal = (lamp - place).normalize();
+        let returned = |eye: Vec3| {
+            street.returned(&Vec3s::splat(place), &Vec3s::splat(normal), eye).lane(0).x
+                / at(&street, place, normal).x
+        };
+        // 280 cd/(lx m2) where white paint has 1 / pi; 90 degrees off the lamp nothing is left.
+        assert!((returned(lamp) - 1.0 - 280.0 * std::f32::consts::PI).abs() < 0.5, "{}", returned(lamp));
+        assert!(returned(place + Vec3::Y * 9.0) < 1.01);
+    }
+
+    #[test]
     fn beams_point() {
         let street = one(Beam::Street);
         assert_eq!(at(&street, Vec3::new(2.0, 0.0, 7.0), -Vec3::X), Vec3::ZERO);
@@ -483,7 +512,7 @@ mod tests {
         };
         let wall = |beam, y: f32, z: f32| {
             let mut sum = Vec3s::default();
-            lamp(beam).add_to(&mut sum, &Vec3s::splat(Vec3::new(10.0, y, z)), &Vec3s::splat(-Vec3::X));
+            lamp(beam).add_to(&mut sum, &Vec3s::splat(Vec3::new(10.0, y, z)), &Vec3s::splat(-Vec3::X), None);
             sum.lane(0).x
         };
         let low = |y, z| wall(Beam::Low, y, z);
@@ -499,7 +528,12 @@ mod tests {
         // Driving beams light what is straight ahead, and nothing lights what is behind.
         assert!(wall(Beam::High, 0.0, 0.65) > 10.0 * low(0.0, 0.66));
         let mut behind = Vec3s::default();
-        lamp(Beam::Low).add_to(&mut behind, &Vec3s::splat(Vec3::new(-5.0, 0.0, 0.3)), &Vec3s::splat(Vec3::X));
+        lamp(Beam::Low).add_to(
+            &mut behind,
+            &Vec3s::splat(Vec3::new(-5.0, 0.0, 0.3)),
+            &Vec3s::splat(Vec3::X),
+            None,
+        );
         assert_eq!(behind.lane(0), Vec3::ZERO);
     }
 }

@@ -126,6 +126,11 @@ impl<'a> Facet<'a> {
         self.part.surface == Surface::Foliage
     }
 
+    /// Whether it sends light back to where it came from.
+    pub(crate) fn is_sheeting(&self) -> bool {
+        self.part.surface == Surface::Reflector
+    }
+
     /// Whether textures lie on it by the plan of the world, as on all ground.
     pub(super) fn is_ground(&self) -> bool {
         is_level(self.normal_local)

@@ -36,6 +36,8 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
     match facet.part.surface {
         Surface::Plain => Look::dull(shades(rgb, speckle(noise, p, 0.08))),
         Surface::Cloth => Look::dull(shades(rgb, speckle(noise, p, 0.2))),
+        // By day it is smooth plastic; what it sends back to a lamp is light of lamps.
+        Surface::Reflector => Look::glossy(Vec3s::splat(rgb), 0.04, 0.3),
         Surface::Rubber => Look::glossy(Vec3s::splat(rgb), 0.03, 0.7),
         Surface::Paint => Look::glossy(Vec3s::splat(facet.paint), 0.045, 0.06),
         Surface::Glass | Surface::Window => {

@@ -4,6 +4,7 @@ mod beams;
 #[path = "../common/mod.rs"]
 mod common;
 mod rolling;
+mod sections;
 mod weather;
 
 use common::{at, block, instance, plane, prepared, snapshot, street, with_scene};
@@ -239,7 +240,8 @@ fn wheels_turn_for_radars_only_when_asked() {
 
 #[test]
 fn cross_sections_of_rays_add_up_to_that_of_the_plate() {
-    // A metal plate of 4 m x 2 m that faces the radar 30 m ahead: 4 r A cos^4 over its small angles, r = 0.5.
+    // A metal plate of 4 m x 2 m that faces the radar 30 m ahead: (4 r cos + s (n + 1) cos^2n) w d^2 added up over its small angles
+    // by squares of a centimetre, with r = 0.15, s = 0.8, n = 20.
     let snapshot = snapshot(
         vec![block([0.1, 4.0, 2.0], Tag::Truck, Surface::Metal)],
         vec![instance(0, 2, at(30.05, 0.0, -0.4, 0.0))],
@@ -252,7 +254,13 @@ fn cross_sections_of_rays_add_up_to_that_of_the_plate() {
     let returns = radar(scene, &spec, &motion, 0);
     let m2 = |dbsm: f32| frames::math::pow(10.0, 0.1 * f64::from(dbsm));
     let sum: f64 = returns.rcs_dbsm.iter().map(|&rcs| m2(rcs)).sum();
-    assert!((sum - 16.0).abs() < 0.7, "{sum} of {} rays", returns.len());
+    let square = |i: i32, j: i32| {
+        let (y, z) = (0.01 * f64::from(i) + 0.005, 0.01 * f64::from(j) + 0.005);
+        let cos2 = 900.0 / (900.0 + y * y + z * z);
+        (0.6 * cos2 + 16.8 * cos2.sqrt() * frames::math::pow(cos2, 20.0)) * 1e-4
+    };
+    let want: f64 = (-200..200).flat_map(|i| (-100..100).map(move |j| square(i, j))).sum();
+    assert!((sum / want - 1.0).abs() < 0.04, "{sum}, not {want}, of {} rays", returns.len());
     for i in 0..returns.len() {
         let way = 40.0 * frames::math::log10(f64::from(returns.depth_m[i]) / 100.0);
         let want = 7.0 + f64::from(returns.rcs_dbsm[i]) - way;
@@ -285,7 +293,7 @@ fn the_own_body_is_looked_through() {
 #[test]
 fn brightness_is_the_surfaces_reflectance_at_905_nm() {
     // Walls 10 m ahead, seen straight and at 60 degrees: intensity = exp(-0.004 d) (r (1/4 + 3/4 cos) + what is mirrored straight
-    // back, of which nothing is left at 60 degrees).
+    // back, of which nothing is left at 60 degrees). Sheeting is as bright as can be up to 30 degrees, and at 60 sends back 0.397.
     let dark = [0.0; 3];
     let cases = [
         (Tag::Road, Surface::Asphalt, dark, 0.15, 0.0),
@@ -304,8 +312,10 @@ fn brightness_is_the_surfaces_reflectance_at_905_nm() {
         (Tag::Pedestrian, Surface::Cloth, [0.0, 1.0, 0.0], 0.15 + 0.6 * 0.7152, 0.0),
         (Tag::Pedestrian, Surface::Cloth, [9.0; 3], 0.75, 0.0),
         (Tag::Wall, Surface::Plain, [1.0; 3], 0.75, 0.0),
-        // Faces of signs send light back where it came from, their poles do not.
-        (Tag::TrafficSign, Surface::Plain, dark, 1.0, 0.0),
+        // Faces of signs and number plates send light back where it came from, ink and poles do not.
+        (Tag::TrafficSign, Surface::Reflector, dark, 0.15, 1.0),
+        (Tag::Car, Surface::Reflector, [0.78; 3], 0.15 + 0.6 * 0.78, 1.0),
+        (Tag::TrafficSign, Surface::Plain, dark, 0.15, 0.0),
         (Tag::TrafficSign, Surface::Metal, dark, 0.4, 0.2),
     ];
     let one_ray = LidarSpec {
@@ -331,8 +341,11 @@ fn brightness_is_the_surfaces_reflectance_at_905_nm() {
             let sweep = with_scene(&snapshot, |scene| sweep(&one_ray, scene, Affine3A::IDENTITY, 0));
             assert_eq!(sweep.len(), 1);
             let cosine = frames::math::cos(turn);
-            let mirrored: f64 = if turn_deg == 0.0 { mirrored } else { 0.0 };
-            let want = frames::math::exp(-0.004 * 10.0) * (reflectance * (0.25 + 0.75 * cosine) + mirrored);
+            let left =
+                if surface == Surface::Reflector { (0.5 - 0.258_819) / (0.866_025 - 0.258_819) } else { 0.0 };
+            let back: f64 = if turn_deg == 0.0 { mirrored } else { left };
+            let seen = (reflectance * (0.25 + 0.75 * cosine) + back).min(1.0);
+            let want = frames::math::exp(-0.004 * 10.0) * seen;
             let got = f64::from(sweep.intensity[0]);
             assert!((got - want).abs() < 1e-5, "{tag:?} {surface:?} {turn_deg}: {got} {want}");
         }
