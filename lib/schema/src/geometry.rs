@@ -19,6 +19,9 @@ pub enum Surface {
     Glass,
     /// A pane of a vehicle's cabin: dark glass as long as nobody looks through it.
     Window,
+    /// Where a door of a cabin stands open: dark as long as nobody looks through it. What stands less than [`DOOR_M`] behind it is what
+    /// is there while the door is closed.
+    Opening,
     /// Bare or painted metal.
     Metal,
     /// Rubber.
@@ -55,9 +58,12 @@ impl Surface {
     /// Whether one sees a cabin through it.
     #[must_use]
     pub fn is_window(self) -> bool {
-        self == Self::Window
+        matches!(self, Self::Window | Self::Opening)
     }
 }
+
+/// How deep a door is with its lining, metres: who looks through a [`Surface::Opening`] sees what is behind that.
+pub const DOOR_M: f32 = 0.13;
 
 /// What the walls of a house front are made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

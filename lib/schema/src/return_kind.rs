@@ -11,7 +11,7 @@ pub enum ReturnKind {
     Fog = 1,
     /// A drop of rain, likewise.
     Rain = 2,
-    /// A surface behind a pane of glass.
+    /// A surface behind a pane of glass, or within a car whose door stands open.
     BehindGlass = 3,
 }
 

@@ -1,12 +1,15 @@
 //! What is behind the panes of vehicles: the first surface there that is none.
 
 use glam::Vec3;
-use renderer::{Hit, RayBatch, RenderError, Scene};
+use renderer::{Hit, RayBatch, RenderError, Scene, pose_before};
+use schema::geometry::{DOOR_M, Surface};
 
 /// Share of light that passes a pane: UN Regulation 43 wants 70 % of panes that a driver looks through.
 pub(crate) const PASSES: f32 = 0.7;
-/// Panes that are looked through one behind the other, at most.
-const MOST_PANES: u8 = 6;
+/// Panes and openings that are looked through one behind the other, at most.
+const MOST_PANES: u8 = 8;
+/// Openings are met as if at no smaller cosine of an angle than this: who looks along a car looks past its door's frame.
+const LEAST_COS: f32 = 0.2;
 /// What is nearer behind a pane is the pane itself, metres; distances are told apart by a share of themselves.
 const BEHIND_M: f32 = 1e-3;
 const ROUNDING: f32 = 1e-5;
@@ -25,15 +28,25 @@ pub(crate) struct Behind {
     pub(crate) hit: Option<Hit>,
     /// Panes that it passed.
     pub(crate) panes: u8,
+    /// Whether what it met first is an open door.
+    pub(crate) opened: bool,
 }
 
 /// Rays that met panes.
 #[derive(Debug, Default)]
 pub(crate) struct Passing {
     /// Unit directions.
-    pub(crate) directions: Vec<Vec3>,
-    /// Where the panes are, metres.
-    pub(crate) panes_m: Vec<f32>,
+    directions: Vec<Vec3>,
+    /// The panes: instance, triangle, and how far off, metres.
+    panes: Vec<(u32, u32, f32)>,
+}
+
+impl Passing {
+    /// Adds a ray by its unit direction and the pane that it met: instance, triangle and distance in metres.
+    pub(crate) fn push(&mut self, direction: Vec3, instance: u32, triangle: u32, distance_m: f32) {
+        self.directions.push(direction);
+        self.panes.push((instance, triangle, distance_m));
+    }
 }
 
 impl<'a> Panes<'a> {
@@ -71,9 +84,15 @@ impl<'a> Panes<'a> {
         reach_m: f32,
         rays: Passing,
     ) -> Result<Vec<Behind>, RenderError> {
-        let Passing { mut directions, panes_m } = rays;
-        let mut nearest_m: Vec<f32> = panes_m.into_iter().map(beyond).collect();
-        let mut found = vec![Behind { hit: None, panes: 1 }; directions.len()];
+        let Passing { mut directions, panes } = rays;
+        let mut nearest_m = Vec::with_capacity(panes.len());
+        let mut found = Vec::with_capacity(panes.len());
+        for (direction, pane) in directions.iter().zip(panes) {
+            let (from_m, opened) = self.beyond(before, *direction, pane);
+            nearest_m.push(from_m);
+            found.push(Behind { hit: None, panes: u8::from(!opened), opened });
+        }
+        let mut passed = vec![1; found.len()];
         let mut places: Vec<usize> = (0..found.len()).collect();
         while !places.is_empty() {
             let range_m = [0.0, reach_m];
@@ -82,12 +101,16 @@ impl<'a> Panes<'a> {
             let mut left = 0;
             for (ray, hit) in hits.iter().flat_map(|hits| hits.iter()).enumerate() {
                 let Some(hit) = hit else { continue };
-                let behind = &mut found[places[ray]];
-                if behind.panes < MOST_PANES && self.is_pane(hit.instance, hit.triangle) {
-                    behind.panes += 1;
-                    places[left] = places[ray];
+                let place = places[ray];
+                let behind = &mut found[place];
+                if passed[place] < MOST_PANES && self.is_pane(hit.instance, hit.triangle) {
+                    let (from_m, opened) =
+                        self.beyond(before, directions[ray], (hit.instance, hit.triangle, hit.t));
+                    passed[place] += 1;
+                    behind.panes += u8::from(!opened);
+                    places[left] = place;
                     directions[left] = directions[ray];
-                    nearest_m[left] = beyond(hit.t);
+                    nearest_m[left] = from_m;
                     left += 1;
                 } else {
                     behind.hit = Some(hit);
@@ -98,6 +121,25 @@ impl<'a> Panes<'a> {
             nearest_m.truncate(left);
         }
         Ok(found)
+    }
+
+    /// From where on a ray looks for what is behind a pane (instance, triangle, distance), metres; and whether that is an opening.
+    fn beyond(
+        &self,
+        before: f32,
+        direction: Vec3,
+        (instance, triangle, distance_m): (u32, u32, f32),
+    ) -> (f32, bool) {
+        let snapshot = self.scene.snapshot();
+        let placed = &snapshot.instances[instance as usize];
+        let mesh = snapshot.mesh(placed);
+        if mesh.part(triangle as usize).surface != Surface::Opening {
+            return (beyond(distance_m), false);
+        }
+        let [a, b, c] = mesh.corners(triangle as usize);
+        let pose = pose_before(&placed.previous_local_from_object, &placed.local_from_object, before);
+        let normal = pose.transform_vector3((b - a).cross(c - a)).normalize_or_zero();
+        (beyond(distance_m + DOOR_M / normal.dot(direction).abs().max(LEAST_COS)), true)
     }
 }
 

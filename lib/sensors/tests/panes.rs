@@ -55,6 +55,36 @@ fn light_passes_each_pane() {
     assert!((ratio(0.545) - 0.7 * 0.94).abs() < 0.04, "{}", ratio(0.545));
 }
 
+/// The same with an open door: an opening before a closed side 5 cm behind it, turned by so many radians.
+fn opened(turn: f32) -> Snapshot {
+    let clear = shell(true);
+    let mut meshes = clear.meshes.to_vec();
+    meshes[0] = block([0.02, 3.0, 3.0], Tag::Car, Surface::Opening);
+    meshes.push(block([0.02, 6.0, 6.0], Tag::Car, Surface::Paint));
+    let mut scene = snapshot(meshes, clear.instances);
+    let (sin, cos) = frames::math::f32::sin_cos(turn);
+    scene.instances[0] = instance(0, SHELL, at(10.0, 0.0, 0.0, turn));
+    scene.instances.push(instance(3, SHELL, at(10.0 + 0.05 * cos, 0.05 * sin, -2.0, turn)));
+    Snapshot { cabins: clear.cabins, ..scene }
+}
+
+#[test]
+fn open_doors_take_no_light() {
+    let bare = Snapshot { instances: shell(true).instances.split_off(1), cabins: Vec::new(), ..shell(true) };
+    let bare = seen(&bare).picture.expect("in colour");
+    for turn in [0.0, 0.6] {
+        let through = seen(&opened(turn)).picture.expect("in colour");
+        // Beside the opening the side is dark; in it the wall and the block shine as if nothing was before them.
+        assert!(film(&through, 0.36)[1] < 0.05 * film(&bare, 0.36)[1], "{turn}");
+        for x in [0.45, 0.545] {
+            let ratio = film(&through, x)[1] / film(&bare, x)[1];
+            assert!((ratio - 1.0).abs() < 0.01, "{turn} {x}: {ratio}");
+        }
+    }
+    let dark = Snapshot { cabins: Vec::new(), ..opened(0.0) };
+    assert!(film(&seen(&dark).picture.expect("in colour"), 0.45)[1] < 0.1 * film(&bare, 0.45)[1]);
+}
+
 #[test]
 fn half_of_the_sun_passes_panes_that_one_sees_through() {
     // A sheet of glass high over white ground, and a sun right above: what is under its middle is in its shadow.

@@ -23,6 +23,7 @@ fn name_of(surface: &Surface) -> &'static str {
         Surface::Paint => "paint",
         Surface::Glass => "glass",
         Surface::Window => "window",
+        Surface::Opening => "opening",
         Surface::Metal => "metal",
         Surface::Reflector => "reflector",
         Surface::Rubber => "rubber",

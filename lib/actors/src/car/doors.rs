@@ -1,17 +1,18 @@
-//! Doors: the leaves, and what shows behind an open one in place of the closed skin.
+//! Doors: the leaves, and the way into the cabin in place of the closed skin behind an open one.
 
 use std::sync::Arc;
 
 use glam::Vec3;
-use schema::geometry::{Part, TriMesh};
+use schema::geometry::{Part, Surface, TriMesh};
 use solids::{Fit, MeshBuilder};
 
 use super::Car;
 use crate::pieces::{Joint, Piece};
 
-/// Thickness of a door, and how far the way in stands out of the skin, metres.
+/// Thickness of a door, metres.
 const LEAF_M: f32 = 0.07;
-const STANDS_OUT_M: f32 = 0.008;
+/// How far the way in stands out of the skin, metres: farther than handles, which are on the leaf while it is open.
+const STANDS_OUT_M: f32 = 0.032;
 /// Rings of a door's mesh.
 const RINGS: usize = 5;
 /// Rows of the skin that a door has.
@@ -49,27 +50,17 @@ impl Car<'_> {
     fn leaf(&self, fit: &Fit, span: [f32; 2], left: bool) -> TriMesh {
         let looks = &self.looks;
         self.door(fit, span, left, 0.0, looks.trim, |_, row, outside| match row {
-            _ if row > 1.0 && row < 1.9 => looks.glass,
+            _ if row > 1.0 && row < 1.9 => looks.window,
             _ if !outside => looks.trim,
             _ if row > 0.3 && row < 0.7 => looks.livery,
             _ => looks.paint,
         })
     }
 
+    /// What one looks through into the cabin, framed.
     fn way_in(&self, fit: &Fit, span: [f32; 2], left: bool) -> TriMesh {
-        let looks = &self.looks;
-        // The seat is in the rear half, up to the belt.
-        let seat = |k: usize, row: f32| k < 2 && row < 1.0 && row > 0.3;
-        self.door(
-            fit,
-            span,
-            left,
-            STANDS_OUT_M,
-            looks.gap,
-            |k, row, _| {
-                if seat(k, row) { looks.seat } else { looks.gap }
-            },
-        )
+        let opening = Part::new(self.looks.tag, Surface::Opening, self.looks.gap.rgb);
+        self.door(fit, span, left, STANDS_OUT_M, self.looks.paint, |_, _, _| opening)
     }
 
     /// A slab over a span of the side, from the sill to the roof, that stands out by so much; `part` of a ring and row, and

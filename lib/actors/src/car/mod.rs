@@ -70,7 +70,6 @@ pub(crate) struct Looks {
     pub(crate) chrome: Part,
     /// Lower band of the sides.
     livery: Part,
-    seat: Part,
     pub(crate) gap: Part,
 }
 
@@ -91,7 +90,6 @@ impl Looks {
                 "van.ambulance" => plain([0.75, 0.08, 0.05]),
                 _ => paint,
             },
-            seat: Part::new(tag, Surface::Cloth, [0.09, 0.085, 0.08]),
             gap: plain([0.05, 0.05, 0.052]),
         }
     }

@@ -1,5 +1,6 @@
 //! What one sees through the panes of vehicles.
 
+use schema::geometry::DOOR_M;
 use schema::models;
 
 use super::vehicles::{roots, times_inside};
@@ -118,5 +119,34 @@ fn whoever_looks_through_a_pane_sees_the_cabin_or_out_of_another_one() {
         let share = leaks.len() as f64 / f64::from(looks);
         let some: Vec<_> = leaks.iter().step_by(1 + leaks.len() / 6).collect();
         assert!(share < 0.03, "{}: {share:.3} of {looks}: {some:?}", model.name);
+    }
+}
+
+#[test]
+fn ways_in_hold_what_a_closed_door_has_within_the_depth_that_is_looked_past() {
+    for model in models::vehicles() {
+        let actor = made(model.name, model.size_m, 0);
+        for piece in actor.pieces.iter().filter(|p| matches!(p.joint, Joint::Doorway { .. })) {
+            let slab = piece.mesh.aabb();
+            assert!(piece.mesh.parts.iter().any(|part| part.surface == Surface::Opening));
+            let cabin = actor.cabin.as_ref().expect("doors lead somewhere");
+            // Lining of its side, in the middle of the opening: no deeper than what is looked past.
+            let inside = triangles(&cabin.seats);
+            let left = slab.min.y + slab.max.y > 0.0;
+            let (z, x) = (slab.min.z + 0.30 * (slab.max.z - slab.min.z), 0.5 * (slab.min.x + slab.max.x));
+            let from = Vec3::new(x, if left { slab.max.y + 1.0 } else { slab.min.y - 1.0 }, z);
+            let along = if left { Vec3::NEG_Y } else { Vec3::Y };
+            let first = |of: &[[Vec3; 3]], least: f32| {
+                let hits = of.iter().filter_map(|c| meets(*c, from, along)).map(|hit| hit.0);
+                hits.filter(|t| *t > least).min_by(f32::total_cmp)
+            };
+            let face = first(&triangles(&piece.mesh), 0.0).expect("the slab is there");
+            let skin = first(&triangles(&actor.pieces[0].mesh), 0.0).expect("the body is there");
+            let card = first(&inside, 0.0).expect("there is a lining");
+            assert!(face < skin && skin < face + DOOR_M - 0.05, "{}: {face} {skin}", model.name);
+            assert!(card < face + DOOR_M - 0.02, "{}: {face} {card}", model.name);
+            let seat = first(&inside, face + DOOR_M);
+            assert!(seat.is_some_and(|t| t > face + DOOR_M + 0.01), "{}: nothing is in it", model.name);
+        }
     }
 }

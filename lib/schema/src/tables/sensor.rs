@@ -124,7 +124,7 @@ table! {
         return_number: Vec<u8>,
         /// Returns of its beam.
         return_count: Vec<u8>,
-        /// What sent the light back: 0 a surface, 1 fog, 2 a drop of rain, 3 a surface behind a pane. Fog and rain have object id, tag and `cos_angle` 0.
+        /// What sent the light back: 0 a surface, 1 fog, 2 a drop of rain, 3 a surface behind a pane or an open door. Fog and rain have object id, tag and `cos_angle` 0.
         return_kind: Vec<u8>,
     }
 }

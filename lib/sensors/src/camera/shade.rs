@@ -155,8 +155,8 @@ fn behind_row(panes: &Panes<'_>, buffer: &VisibilityBuffer, y: u32) -> Result<Ve
         if panes.is_pane(buffer.instance[at], buffer.triangle[at]) {
             let direction = turn * buffer.direction_optical(x, y);
             let length = direction.length();
-            rays.directions.push(direction / length);
-            rays.panes_m.push(buffer.depth_m[at] * length);
+            let distance_m = buffer.depth_m[at] * length;
+            rays.push(direction / length, buffer.instance[at], buffer.triangle[at], distance_m);
         }
     }
     panes.behind(0.0, camera.local_from_optical.translation.into(), f32::INFINITY, rays)

@@ -178,8 +178,7 @@ impl Lidar {
             for (ray, hit) in (0..).zip(hits.iter()) {
                 if let Some(hit) = hit.filter(|hit| panes.is_pane(hit.instance, hit.triangle)) {
                     places.push((number, ray));
-                    rays.directions.push(volley.directions[ray as usize]);
-                    rays.panes_m.push(hit.t);
+                    rays.push(volley.directions[ray as usize], hit.instance, hit.triangle, hit.t);
                 }
             }
         }

@@ -139,12 +139,16 @@ impl Receiver<'_> {
         met.clear();
         echoes.clear();
         returns.clear();
+        let first = behind.partition_point(|(ray, _)| (*ray as usize) < own.start);
+        let beyond = || behind[first..].iter().take_while(|(ray, _)| (*ray as usize) < own.end);
+        // An open door sends nothing back itself.
+        let opened = |at: usize| beyond().any(|(ray, passed)| *ray as usize == at && passed.opened);
         met.extend(
             own.clone()
+                .filter(|at| !opened(*at))
                 .filter_map(|at| self.met(volley.directions[at], &hits.get(at)?, at == own.start, face)),
         );
-        let first = behind.partition_point(|(ray, _)| (*ray as usize) < own.start);
-        for (ray, passed) in behind[first..].iter().take_while(|(ray, _)| (*ray as usize) < own.end) {
+        for (ray, passed) in beyond() {
             let at = *ray as usize;
             let Some(hit) = &passed.hit else { continue };
             let seen = self.met(volley.directions[at], hit, at == own.start, face);

@@ -64,6 +64,7 @@ pub(super) fn reflectance(part: &Part, paint: [f32; 3], level: bool, wetness: f3
         }
         Surface::Paint => (0.12 + 0.5 * brightness(paint), 0.3),
         Surface::Glass | Surface::Window => (0.05, 0.3),
+        Surface::Opening => (0.15, 0.0),
         Surface::Metal => (0.4, 0.2),
         Surface::Rubber => (0.06, 0.0),
         Surface::Asphalt => (0.15 * (1.0 - SOAKED * wet), 0.0),

@@ -43,6 +43,7 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
         Surface::Glass | Surface::Window => {
             Look::glossy(Vec3s::splat(rgb.min(Vec3::splat(0.06))), 0.06, 0.02)
         }
+        Surface::Opening => Look::dull(Vec3s::splat(rgb)),
         Surface::Metal if facet.part.tag == Tag::Building => sheeting(noise, facet, rgb, p),
         Surface::Metal => Look::glossy(shades(rgb * 0.75, speckle(noise, p, 0.1)), 0.15, 0.45),
         Surface::Skin(finish) => {

@@ -132,9 +132,13 @@ fn seven_rays_find_what_one_does_and_more() {
 /// A shell of glass (object 6) from 10 to 14 m ahead, with a seat in it from 11.5 m on unless it stands aside, and a wall (object 5)
 /// 25 m ahead.
 fn through_glass(spec: &LidarSpec, seat_left_m: f32) -> LidarSweep {
+    through(Surface::Window, spec, seat_left_m)
+}
+
+fn through(shell: Surface, spec: &LidarSpec, seat_left_m: f32) -> LidarSweep {
     let world = snapshot(
         vec![
-            block([4.0, 3.0, 3.0], Tag::Car, Surface::Window),
+            block([4.0, 3.0, 3.0], Tag::Car, shell),
             block([1.0, 1.0, 2.0], Tag::Car, Surface::Rubber),
             block([0.1, 40.0, 40.0], Tag::Building, Surface::Concrete),
         ],
@@ -179,4 +183,25 @@ fn light_passes_panes_there_and_back() {
     let shell = through_glass(&spec, 0.0);
     near(&shell.x_m, &[10.0]);
     assert_eq!((shell.id, shell.of_beam), (vec![6], None));
+}
+
+#[test]
+fn light_passes_open_doors_and_leaves_nothing_there() {
+    let bare = |range_m: f64| frames::math::exp(-0.004 * range_m);
+    for rays in BeamSpec::RAYS {
+        let mut spec = beam(ALL);
+        spec.beam.rays = rays;
+        spec.glass = true;
+        for (seat_left_m, x_m, share) in [(0.0, 11.5, 0.06), (1.0, 25.0, 0.35)] {
+            let seen = through(Surface::Opening, &spec, seat_left_m);
+            near(&seen.x_m, &[x_m]);
+            if rays == 1 {
+                near(&seen.intensity, &[bare(x_m) * share]);
+            }
+        }
+    }
+    // Without `glass` it is a dark slab.
+    let mut spec = beam(ALL);
+    spec.beam.rays = 1;
+    near(&through(Surface::Opening, &spec, 0.0).x_m, &[10.0]);
 }
