@@ -37,7 +37,8 @@ impl Car<'_> {
                 let span = [ahead + 0.004, behind - 0.004];
                 let at = self.hull.side(&self.hull.section(span[0]), 0.5, left);
                 let inward = if left { -0.02 } else { 0.02 };
-                let at = fit.apply(at + Vec3::Y * inward);
+                // On the road, so that heights in its frame are those of the car.
+                let at = fit.apply(at + Vec3::Y * inward).with_z(0.0);
                 let leaf = moved(self.leaf(fit, span, left), -at);
                 pieces.push(Piece { mesh: Arc::new(leaf), joint: Joint::Door { at, door } });
                 let way_in = Arc::new(self.way_in(fit, span, left));

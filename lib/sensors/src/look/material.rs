@@ -9,6 +9,7 @@ use schema::skin::Finish;
 use schema::{Tag, lights};
 use textures::{Noise, Texture, Textures};
 
+use super::dirt;
 use super::facade::facade;
 use super::facet::{Facet, Gloss, Look, Points, Surroundings, shades};
 use super::ground;
@@ -39,7 +40,7 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
         // By day it is smooth plastic; what it sends back to a lamp is light of lamps.
         Surface::Reflector => Look::glossy(Vec3s::splat(rgb), 0.04, 0.3),
         Surface::Rubber => Look::glossy(Vec3s::splat(rgb), 0.03, 0.7),
-        Surface::Paint => Look::glossy(Vec3s::splat(facet.paint), 0.045, 0.06),
+        Surface::Paint => dirt::painted(noise, facet, p),
         Surface::Glass | Surface::Window => {
             Look::glossy(Vec3s::splat(rgb.min(Vec3::splat(0.06))), 0.06, 0.02)
         }

@@ -1,5 +1,6 @@
 //! How surfaces look before light falls on them.
 
+mod dirt;
 mod facade;
 mod facet;
 mod front;
