@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use counts::PartialCounts;
 use formats::Scalar;
-use framewise::{FrameArray, FrameArrays, in_frame_order};
+use framewise::{FrameArray, FrameArrays, Labelled, Part, Writer, in_turn};
 use peak_alloc::PeakAlloc;
 use pipeline::{Progress, ProgressMode, StageError};
 use rayon::ThreadPoolBuilder;
@@ -15,7 +15,7 @@ use schema::arrays::{ArrayKind, BEV_MASKS};
 use schema::settings::OccupancySettings;
 use schema::tables::LidarRow;
 use schema::{AgentId, Tag};
-use store::{Attempt, Identity, Scope, Store, TableOptions};
+use store::{Attempt, Identity, Scope, Store, TableOptions, TableWriter, Unit};
 use testkit::{WorldBuilder, sheet};
 use voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
 
@@ -66,21 +66,39 @@ impl FrameArrays for Grids {
 }
 
 /// An array a frame.
-fn arrays(attempt: &mut Attempt, frames: u32) -> Result<(), StageError> {
-    let mut unit = attempt.unit("vehicle_0")?.expect("is not there yet");
+fn arrays(attempt: &Attempt, frames: u32) -> Result<(), StageError> {
+    let unit = attempt.unit("vehicle_0")?.expect("is not there yet");
     let progress = Progress::start(ProgressMode::None, "test".into(), 0);
-    framewise::write_arrays(&mut unit, (0, AgentId::vehicle(0)), frames, &progress, &Grids)?;
-    Ok(unit.finish()?)
+    let labelled = Labelled { unit, scene: 0, agent: AgentId::vehicle(0), counted: None, label: Grids };
+    framewise::write_labels([Ok(labelled)], frames, &progress)
+}
+
+/// The table of a lidar.
+struct Sweeps<'u> {
+    unit: Unit<'u>,
+    table: TableWriter<LidarRow>,
+}
+
+impl Writer<LidarRow> for Sweeps<'_> {
+    fn take(&mut self, _: u32, row: LidarRow) -> Result<(), StageError> {
+        Ok(self.table.push(&[row])?)
+    }
+
+    fn finish(self) -> Result<(), StageError> {
+        let Self { mut unit, table } = self;
+        unit.add(table.finish()?);
+        Ok(unit.finish()?)
+    }
 }
 
 /// A row group a frame, as sensors are written.
-fn tables(attempt: &mut Attempt, frames: u32) -> Result<(), StageError> {
-    let mut unit = attempt.unit("vehicle_0")?.expect("is not there yet");
+fn tables(attempt: &Attempt, frames: u32) -> Result<(), StageError> {
+    let unit = attempt.unit("vehicle_0")?.expect("is not there yet");
     let options = TableOptions::compressed_frames(Vec::new());
-    let mut table = unit.table::<LidarRow>("scenes/0000/sensors/vehicle_0/LIDAR.parquet", options)?;
+    let table = unit.table::<LidarRow>("scenes/0000/sensors/vehicle_0/LIDAR.parquet", options)?;
     let progress = Progress::start(ProgressMode::None, "test".into(), 0);
     let points = FRAME_BYTES / 16;
-    let sense = |frame: u32| {
+    let sense = |_: &(), frame: u32| {
         let column = |k: u32| noise(4 * frame + k).map(|word| word as f32).take(points).collect();
         Ok(LidarRow {
             frame,
@@ -91,14 +109,12 @@ fn tables(attempt: &mut Attempt, frames: u32) -> Result<(), StageError> {
             ..LidarRow::default()
         })
     };
-    let all: Vec<u32> = (0..frames).collect();
-    in_frame_order((&all, frames), &progress, sense, |_, row| Ok(table.push(&[row])?))?;
-    unit.add(table.finish()?);
-    Ok(unit.finish()?)
+    let part = Part { due: (0..frames).collect(), seen: (), writer: Sweeps { unit, table } };
+    in_turn([Ok(part)], frames, &progress, sense)
 }
 
 /// Most bytes that were allocated at a time, beyond those from before.
-fn peak(frames: u32, write: fn(&mut Attempt, u32) -> Result<(), StageError>) -> usize {
+fn peak(frames: u32, write: fn(&Attempt, u32) -> Result<(), StageError>) -> usize {
     let folder = tempfile::tempdir().expect("a folder");
     let store = Store::open(folder.path()).expect("is a folder");
     let identity = Identity {
@@ -108,17 +124,17 @@ fn peak(frames: u32, write: fn(&mut Attempt, u32) -> Result<(), StageError>) -> 
         config_hash: "c".into(),
         inputs: BTreeMap::new(),
     };
-    let mut attempt = Attempt::start(&store, identity, false).expect("starts");
+    let attempt = Attempt::start(&store, identity, false).expect("starts");
     let before = MEMORY.current_usage();
     MEMORY.reset_peak_usage();
-    write(&mut attempt, frames).expect("writes");
+    write(&attempt, frames).expect("writes");
     MEMORY.peak_usage() - before
 }
 
 #[test]
 fn frames_are_not_gathered() {
     let pool = ThreadPoolBuilder::new().num_threads(THREADS).build().expect("threads");
-    for (name, write) in [("arrays", arrays as fn(&mut Attempt, u32) -> _), ("tables", tables)] {
+    for (name, write) in [("arrays", arrays as fn(&Attempt, u32) -> _), ("tables", tables)] {
         // What is made once and kept.
         pool.install(|| peak(1, write));
         let [some, many] = [SOME, MANY].map(|frames| pool.install(|| peak(frames, write)));

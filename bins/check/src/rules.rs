@@ -53,7 +53,7 @@ rules! {
     VoxelPoints "voxels": "a return without noise lies in a voxel of its tag, or of one that goes before it, within 5 mm",
     VoxelFill "filling": "filled grids hold every voxel of the unfilled ones, and more only there",
     Cells "voxel rows": "lists of occupied voxels are in C order; each has a row in the files of ids and flow; its id is one of the log with the voxel's tag, and a box of that id reaches into the voxel or within 0.1 m of it (open doors 1.3 m further)",
-    CellFlow "voxel flow": "a voxel's flow is the motion of its object in the log within 0.05 m/s + 1 %, for all of what stands and a quarter of the voxels of what moves and has 24; the others, of wheels and limbs, within 10 m/s + 110 %",
+    CellFlow "voxel flow": "a voxel's flow is the motion of its object in the log within 0.05 m/s + 1 %, for all of what stands and a quarter of the voxels of a vehicle that moves and has 24; the mean of a walker's within 0.5 m/s + 40 %; each of the others, of wheels and limbs, within 10 m/s + 110 %",
     Observed "observed": "a lidar sweeps at every frame that has a grid; cells of the lidars' returns are occupied and no others (edges within 1 mm either way), those on a ray's way are not unobserved, free ones are on a ray's way (samples of both)",
     BevObjects "bev objects": "an object's cells lie in the footprint of a box with its tag and half a cell's diagonal and 0.1 m around it",
     BevPresent "bev presence": "a box on the agent's own ground has a cell in its footprint and a cell around it",

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use schema::FRAME_PERIOD_S;
+use schema::{FRAME_PERIOD_S, Tag};
 
 use super::boxes::{AROUND_M, DOOR_M, Labelled, is_part};
 use super::grid::Grid;
@@ -12,7 +12,7 @@ use crate::files::{Npz, Unreadable};
 use crate::ledger::Ledger;
 use crate::rules::Rule;
 use crate::scene::Scene;
-use crate::space::{Motion, V3, apart, norm, scale, sub};
+use crate::space::{Motion, V3, add, apart, norm, scale, sub};
 
 /// The greatest difference from the motion of a rigid object, m/s, and as a share of its speed...
 const RIGID: [f64; 2] = [0.05, 0.01];
@@ -20,6 +20,8 @@ const RIGID: [f64; 2] = [0.05, 0.01];
 const LOOSE: [f64; 2] = [10.0, 1.1];
 /// Objects with fewer cells are only held to the latter: those of a bicycle may all be of wheels and limbs.
 const FEW: u64 = 24;
+/// The greatest difference of the mean over a walker's cells, m/s, and as a share of its speed: all of it sways, but to both sides.
+const SWAY: [f64; 2] = [0.5, 0.4];
 
 /// The arrays that have a row for each occupied cell.
 pub(crate) struct CellArrays {
@@ -27,13 +29,17 @@ pub(crate) struct CellArrays {
     flow: Option<Npz>,
 }
 
-/// An object's cells: its boxes, its motion, and how many there are and how many do not move with it.
+/// An object's cells: its boxes, its motion, how many there are, how many do not move with it, and what they differ by in all.
 struct Object<'a> {
     labelled: Option<&'a Labelled>,
     /// Where it is and where it was a frame before; none of what stands.
     moved: Option<[Motion; 2]>,
+    is_walker: bool,
     cells: u64,
     unlike: u64,
+    /// Sums of differences and of speeds, m/s.
+    off: V3,
+    speed: f64,
 }
 
 impl CellArrays {
@@ -93,8 +99,11 @@ impl CellArrays {
                 moved: (!actor.fixed)
                     .then(|| Some([scene.pose(id, frame as i64)?, scene.pose(id, frame as i64 - 1)?]))
                     .flatten(),
+                is_walker: tag == Tag::Pedestrian as u8,
                 cells: 0,
                 unlike: 0,
+                off: [0.0; 3],
+                speed: 0.0,
             });
             let middle = grid.middle(cell);
             let place = world_from_grid.outward(middle);
@@ -117,8 +126,15 @@ impl CellArrays {
         }
         ledger.fine(Rule::Cells, fine);
         for (id, object) in objects.iter().filter(|(_, object)| object.cells >= FEW) {
-            ledger.expect(Rule::CellFlow, 4 * object.unlike <= 3 * object.cells, || {
-                let Object { cells, unlike, .. } = object;
+            let Object { cells, unlike, .. } = object;
+            if object.is_walker {
+                let [off, speed] = [norm(object.off), object.speed].map(|sum| sum / *cells as f64);
+                ledger.expect(Rule::CellFlow, off <= SWAY[0] + SWAY[1] * speed, || {
+                    format!("frame {frame}: the {cells} voxels of walker {id} at {speed:.2} m/s are {off:.2} m/s off it in the mean")
+                });
+                continue;
+            }
+            ledger.expect(Rule::CellFlow, 4 * unlike <= 3 * cells, || {
                 format!("frame {frame}: {unlike} of {cells} voxels of object {id} do not move as it does")
             });
         }
@@ -143,6 +159,8 @@ impl Object<'_> {
         let is_rigid = off <= RIGID[0] + RIGID[1] * speed;
         self.cells += 1;
         self.unlike += u64::from(!is_rigid);
+        self.off = add(self.off, sub(flow, wanted));
+        self.speed += speed;
         // What stands as a whole has parts that stand.
         let holds = is_rigid || (self.moved.is_some() && off <= LOOSE[0] + LOOSE[1] * speed);
         ledger.expect(Rule::CellFlow, holds, || {
