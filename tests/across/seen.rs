@@ -71,7 +71,6 @@ fn town() -> (Snapshot, Pose<World, Agent>, Pose<World, Agent>) {
     let moment = Moment {
         states: of(FRAME),
         previous: of(FRAME - 1),
-        earlier: [&[]; 2],
         signals: &[],
         frame: &log.frames[FRAME as usize],
     };

@@ -38,7 +38,7 @@ use validity::{Evidence, PointCloud};
 use visibility::CpuRenderer;
 use voxelgrid::VoxelGrid;
 use voxels::{CpuVoxelRenderer, GridPlacement};
-use world::{LEAN_FRAMES, Moment, SceneWorld};
+use world::{Moment, SceneWorld};
 
 const CONFIG: &str = "seed = 27\n[scenes.train]\n\"convoy/demo\" = 1\n[agents]\nmin_vehicles = 2\nmax_vehicles = 2\n\
                       min_rsus = 0\nmax_rsus = 0\n[timing]\nmin_duration_s = 4\nmax_duration_s = 4\n\
@@ -199,7 +199,6 @@ impl<'a> Agentframe<'a> {
         let moment = Moment {
             states: states(FRAME),
             previous: states(FRAME - 1),
-            earlier: [FRAME, FRAME - 1].map(|frame| states((frame - LEAN_FRAMES as i32).max(-1))),
             signals: &self.log.signals[first..last],
             frame: &self.log.frames[FRAME as usize],
         };

@@ -67,7 +67,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             sun_altitude_deg: weather.sun_altitude_deg,
             ..FrameRow::default()
         };
-        let moment = Moment { states: &[], previous: &[], earlier: [&[]; 2], signals: &[], frame: &frame };
+        let moment = Moment { states: &[], previous: &[], signals: &[], frame: &frame };
         let snapshot = world.snapshot(&moment, centre, 400.0);
         let scene = renderer.place(&snapshot)?;
         let painter = CpuPainter::default();

@@ -265,7 +265,7 @@ mod tests {
     /// How far a place is above or below what is drawn under it, by all triangles of the place; of some objects only.
     fn off_ground_m(world: &SceneWorld, at: [f64; 3], of: impl Fn(ObjectId) -> bool) -> f32 {
         let frame = FrameRow::default();
-        let moment = Moment { states: &[], previous: &[], earlier: [&[]; 2], signals: &[], frame: &frame };
+        let moment = Moment { states: &[], previous: &[], signals: &[], frame: &frame };
         let snapshot = world.snapshot(&moment, at, 30.0);
         let at = snapshot.origin.local_from_world(at);
         let mut nearest = f32::INFINITY;

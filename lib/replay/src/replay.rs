@@ -7,7 +7,7 @@ use opendrive::Map;
 use scene::{SceneError, SceneLog, SceneReader, read_ground};
 use schema::ObjectId;
 use schema::geometry::{Snapshot, TriMesh};
-use world::{LEAN_FRAMES, Moment, SceneWorld, WorldError};
+use world::{Moment, SceneWorld, WorldError};
 
 /// A scene cannot be replayed from what the store holds.
 #[derive(Debug, thiserror::Error)]
@@ -83,8 +83,6 @@ impl Replay {
         let moment = Moment {
             states: self.log.states_at(at),
             previous: self.log.states_at(at - 1),
-            // The log begins at frame -1.
-            earlier: [at, at - 1].map(|at| self.log.states_at((at - LEAN_FRAMES).max(-1))),
             signals: self.log.signals_at(at),
             frame: &self.log.frames[frame as usize],
         };

@@ -46,6 +46,6 @@ fn snapshot(bencher: divan::Bencher<'_, '_>) {
         .unwrap();
     let world = SceneWorld::new(&around.actors, around.ground).unwrap();
     let frame = FrameRow::default();
-    let moment = Moment { states: &[], previous: &[], earlier: [&[]; 2], signals: &[], frame: &frame };
+    let moment = Moment { states: &[], previous: &[], signals: &[], frame: &frame };
     bencher.bench_local(|| world.snapshot(&moment, [0.0; 3], 400.0));
 }

@@ -247,7 +247,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let world = SceneWorld::new(&actors, ground)?;
     println!("new {:?}", clock.elapsed());
     let frame = FrameRow::default();
-    let moment = Moment { states: &[], previous: &[], earlier: [&[]; 2], signals: &[], frame: &frame };
+    let moment = Moment { states: &[], previous: &[], signals: &[], frame: &frame };
     let clock = std::time::Instant::now();
     let snapshot = world.snapshot(&moment, centre, 400.0);
     println!("snapshot {:?}: {} instances", clock.elapsed(), snapshot.instances.len());

@@ -4,8 +4,7 @@
 //! near a place at one frame. Whoever builds a world from the same rows and ground gets the same triangles.
 //!
 //! * The ground (road, paint, sidewalks, terrain, bridges) comes in pieces; each layer is one object (crate `tiles`).
-//! * Actors come from their model name, size and variant (crate `actors`); wheels and limbs are pieces of the same object. Bodies of
-//!   vehicles lean with their acceleration (`lean.rs`), but for those of agents.
+//! * Actors come from their model name, size and variant (crate `actors`); wheels and limbs are pieces of the same object.
 //!
 //! ```
 //! use schema::tables::{ActorRow, FrameRow, StateRow};
@@ -22,7 +21,7 @@
 //! };
 //! let world = SceneWorld::new(&[car], Vec::new())?;
 //! let states = [StateRow { id: 7, quaternion: [1.0, 0.0, 0.0, 0.0], ..StateRow::default() }];
-//! let moment = Moment { states: &states, previous: &[], earlier: [&[]; 2], signals: &[], frame: &FrameRow::default() };
+//! let moment = Moment { states: &states, previous: &[], signals: &[], frame: &FrameRow::default() };
 //! // A body and four wheels, and from far away nothing.
 //! assert_eq!(world.snapshot(&moment, [30.0, 0.0, 0.0], 50.0).instances.len(), 5);
 //! assert!(world.snapshot(&moment, [300.0, 0.0, 0.0], 50.0).instances.is_empty());
@@ -30,9 +29,7 @@
 //! ```
 
 mod error;
-mod lean;
 mod world;
 
 pub use error::WorldError;
-pub use lean::LEAN_FRAMES;
 pub use world::{Moment, OwnModels, SceneWorld};

@@ -10,10 +10,9 @@ use glam::{Affine3A, Mat3A, Quat, Vec3A};
 use rayon::prelude::*;
 use schema::geometry::{Instance, ObjectMotion, Snapshot, SurfaceMesh, TriMesh};
 use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
-use schema::{ActorKind, ActorRole, Layer, ObjectId, SignalState, lights, street_lamps};
+use schema::{ActorKind, Layer, ObjectId, SignalState, lights, street_lamps};
 
 use crate::error::WorldError;
-use crate::lean::Lean;
 
 /// What the log says about one frame.
 #[derive(Clone, Copy, Debug)]
@@ -22,9 +21,6 @@ pub struct Moment<'a> {
     pub states: &'a [StateRow],
     /// Their states one frame earlier; an object without one is taken to have stood still.
     pub previous: &'a [StateRow],
-    /// Their states [`crate::LEAN_FRAMES`] before this frame and before the one before it, or as early as there are any: bodies lean as they
-    /// were accelerated since then.
-    pub earlier: [&'a [StateRow]; 2],
     /// Traffic lights at this frame.
     pub signals: &'a [SignalRow],
     /// Whether lamps and windows are lit.
@@ -111,8 +107,6 @@ struct Pieces {
     rig: Option<Arc<Rig>>,
     /// What is behind its panes: what nobody drives has the first, others all.
     cabin: Vec<u32>,
-    /// How far its body leans at most.
-    lean: Lean,
     reach_m: f64,
 }
 
@@ -203,7 +197,6 @@ impl Library {
         let made = self.made.remove(&key)?;
         // A bone is nowhere farther than the box and a stride let it be.
         let mut reach = if made.rig.is_some() { RIGGED_REACH * size.iter().sum::<f64>() } else { 0.0 };
-        let lean = Lean::most(&made.pieces);
         let mut shared: Vec<(Arc<TriMesh>, u32)> = Vec::new();
         let mut pieces = Vec::new();
         for (seen, piece) in levels(made.pieces, made.coarser) {
@@ -225,7 +218,7 @@ impl Library {
             cabin.push(self.add(seats));
             cabin.extend(driver.map(|driver| self.add(driver)));
         }
-        let entry = Pieces { pieces: pieces.into(), rig: made.rig, cabin, lean, reach_m: reach };
+        let entry = Pieces { pieces: pieces.into(), rig: made.rig, cabin, reach_m: reach };
         self.models.insert(key, entry.clone());
         Some(entry)
     }
@@ -269,11 +262,7 @@ impl SceneWorld {
         world.add_ground(&layers, ground, &mut library);
         for actor in rows {
             let unknown = || WorldError::UnknownModel { id: actor.id, model: actor.model.clone() };
-            let mut model = library.pieces(actor, own).ok_or_else(unknown)?;
-            if matches!(actor.role, ActorRole::Agent(_)) {
-                // Its sensors are mounted where its box is.
-                model.lean = Lean::default();
-            }
+            let model = library.pieces(actor, own).ok_or_else(unknown)?;
             let paint = linear_rgb(&actor.color);
             if actor.fixed {
                 world.add_fixed(actor, &model, paint, &library);
@@ -412,9 +401,10 @@ impl SceneWorld {
         };
         let level = |fixed: &Fixed| fixed.seen.holds(distance_m(fixed.object_m, centre_world_m));
         let mut instances = self.fixed_around(&origin, centre_world_m, radius_m, level, burning);
-        let previous = by_id(moment.previous);
-        let earlier = moment.earlier.map(by_id);
-        let mut states = by_id(moment.states);
+        let mut previous: Vec<&StateRow> = moment.previous.iter().collect();
+        previous.sort_by_key(|s| s.id);
+        let mut states: Vec<&StateRow> = moment.states.iter().collect();
+        states.sort_by_key(|s| s.id);
         states.dedup_by_key(|s| s.id);
         let parked = self.fixed_cabins.iter().filter(|cabin| level(cabin));
         let mut cabins: Vec<Instance> = parked.map(|cabin| cabin.placed(&origin, 0)).collect();
@@ -425,13 +415,8 @@ impl SceneWorld {
             if !usable(state) || !sphere.reaches(centre_world_m, radius_m) {
                 continue;
             }
-            let before = of(&previous, state.id).unwrap_or(state);
-            let long_before = if std::ptr::eq(before, state) { &earlier[0] } else { &earlier[1] };
-            let [lean, lean_before] =
-                [(state, &earlier[0]), (before, long_before)].map(|(state, earlier)| {
-                    let from = of(earlier, state.id).unwrap_or(state);
-                    Lean::of(mover.model.lean, state, from).object_from_rest()
-                });
+            let before = previous.binary_search_by_key(&state.id, |s| s.id).ok().map(|i| previous[i]);
+            let before = before.filter(|s| usable(s)).unwrap_or(state);
             let now = local_from_state(&origin, state);
             let then = local_from_state(&origin, before);
             let [posture, posture_before] =
@@ -450,15 +435,11 @@ impl SceneWorld {
                 let Some(piece_now) = joint.object_from_piece(&posture) else { continue };
                 // A door that was still closed has swung from there.
                 let piece_then = joint.object_from_piece(&posture_before).unwrap_or_else(|| joint.at_rest());
-                let leaning = |pose: Affine3A, lean: Affine3A| match joint {
-                    Joint::Wheel { .. } => pose,
-                    _ => pose * lean,
-                };
                 instances.push(Instance {
                     mesh: *mesh,
                     object: state.id,
-                    local_from_object: leaning(now, lean) * piece_now,
-                    previous_local_from_object: leaning(then, lean_before) * piece_then,
+                    local_from_object: now * piece_now,
+                    previous_local_from_object: then * piece_then,
                     paint: mover.paint,
                     lights: lamps,
                     glow: [0.0; 3],
@@ -468,8 +449,8 @@ impl SceneWorld {
                 cabins.extend(mover.model.cabin.iter().map(|mesh| Instance {
                     mesh: *mesh,
                     object: state.id,
-                    local_from_object: now * lean,
-                    previous_local_from_object: then * lean_before,
+                    local_from_object: now,
+                    previous_local_from_object: then,
                     paint: mover.paint,
                     lights: 0,
                     glow: [0.0; 3],
@@ -512,19 +493,6 @@ impl SceneWorld {
             .map(|(fixed, _)| fixed.placed(origin, burning(fixed)))
             .collect()
     }
-}
-
-/// States by id.
-fn by_id(states: &[StateRow]) -> Vec<&StateRow> {
-    let mut states: Vec<&StateRow> = states.iter().collect();
-    states.sort_by_key(|s| s.id);
-    states
-}
-
-/// The state of an object among those by id, if it is usable.
-fn of<'a>(states: &[&'a StateRow], id: ObjectId) -> Option<&'a StateRow> {
-    let at = states.binary_search_by_key(&id, |s| s.id).ok()?;
-    Some(states[at]).filter(|s| usable(s))
 }
 
 fn distance_m(a: [f64; 3], b: [f64; 3]) -> f64 {

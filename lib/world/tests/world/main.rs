@@ -3,5 +3,4 @@
 mod common;
 mod footprint;
 mod ground;
-mod lean;
 mod town;

@@ -157,13 +157,7 @@ fn who_is_far_away_is_made_of_fewer_triangles() {
     [walker.length_m, walker.width_m, walker.height_m] = model.size_m;
     let world = SceneWorld::new(&[walker], Vec::new()).unwrap();
     let states = [state(0, 7, 0.0, 0.0)];
-    let moment = Moment {
-        states: &states,
-        previous: &[],
-        earlier: [&[]; 2],
-        signals: &[],
-        frame: &FrameRow::default(),
-    };
+    let moment = Moment { states: &states, previous: &[], signals: &[], frame: &FrameRow::default() };
     let triangles = |x: f64| {
         let snapshot = world.snapshot(&moment, [x, 0.0, 0.0], 400.0);
         snapshot.instances.iter().map(|i| snapshot.mesh(i).triangles.len()).sum::<usize>()
@@ -179,8 +173,7 @@ fn moving_actors_carry_their_previous_place() {
     let states = [state(0, 9, 5.0, 0.0), state(0, 7, 10.0, 0.5), state(0, 400, 0.0, 0.0)];
     let previous = [state(-1, 7, 9.5, 0.2)];
     let frame = FrameRow::default();
-    let moment =
-        Moment { states: &states, previous: &previous, earlier: [&[]; 2], signals: &[], frame: &frame };
+    let moment = Moment { states: &states, previous: &previous, signals: &[], frame: &frame };
     let snapshot = world.snapshot(&moment, [3.0, 0.0, 0.0], 50.0);
     // Five pieces each; the unknown object is passed over.
     assert_eq!(snapshot.instances.len(), 10);
@@ -207,7 +200,7 @@ fn lights_follow_the_log() {
     let signals =
         [SignalRow { frame: 0, id: light.id, state: SignalState::Yellow, opendrive_id: String::new() }];
     let frame = FrameRow { street_lamps: true, building_lights: true, ..FrameRow::default() };
-    let moment = Moment { states: &[], previous: &[], earlier: [&[]; 2], signals: &signals, frame: &frame };
+    let moment = Moment { states: &[], previous: &[], signals: &signals, frame: &frame };
     let snapshot = world.snapshot(&moment, start(&map), 300.0);
     let lights_of = |kind: ActorKind| -> Vec<u32> {
         let ids: BTreeSet<u16> = actors.iter().filter(|a| a.kind == kind).map(|a| a.id).collect();
@@ -280,8 +273,7 @@ fn blinkers_and_emergency_lights_flash_by_the_clock() {
         let lights = BLINK_LEFT | EMERGENCY | LOW_BEAM;
         let states = [7, 8].map(|id| StateRow { lights, ..state(frame as i32, id, 0.0, 0.0) });
         let row = FrameRow::new(frame, &schema::tables::Weather::default(), false, false);
-        let moment =
-            Moment { states: &states, previous: &states, earlier: [&[]; 2], signals: &[], frame: &row };
+        let moment = Moment { states: &states, previous: &states, signals: &[], frame: &row };
         let snapshot = world.snapshot(&moment, [0.0; 3], 50.0);
         let of: Vec<u32> = snapshot.instances.iter().filter(|i| i.object == id).map(|i| i.lights).collect();
         assert!(of.iter().all(|l| *l == of[0]));
@@ -321,8 +313,7 @@ fn the_motion_of_a_walker_is_that_of_its_limbs() {
             let way_m = step_m * f64::from(k + frame);
             StateRow { gait_mps, ..state(frame, 7, way_m, (TAU * way_m / stride_m) as f32) }
         };
-        let moment =
-            Moment { states: &[at(0)], previous: &[at(-1)], earlier: [&[]; 2], signals: &[], frame: &frame };
+        let moment = Moment { states: &[at(0)], previous: &[at(-1)], signals: &[], frame: &frame };
         let snapshot = world.snapshot(&moment, [0.0; 3], 50.0);
         assert_eq!(snapshot.instances.len(), body.meshes().len());
         let (mut fastest, mut slowest) = (0.0f32, f32::INFINITY);
@@ -348,8 +339,7 @@ fn doors_are_there_while_they_stand_open() {
     let with = |now: [f32; 4], before: [f32; 4]| {
         let states = [StateRow { door_rad: now, ..state(0, 7, 10.0, 0.0) }];
         let previous = [StateRow { door_rad: before, ..state(-1, 7, 10.0, 0.0) }];
-        let moment =
-            Moment { states: &states, previous: &previous, earlier: [&[]; 2], signals: &[], frame: &frame };
+        let moment = Moment { states: &states, previous: &previous, signals: &[], frame: &frame };
         world.snapshot(&moment, [10.0, 0.0, 0.0], 50.0).instances
     };
     let closed = with([0.0; 4], [0.0; 4]);

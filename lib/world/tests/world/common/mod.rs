@@ -37,7 +37,7 @@ pub(crate) fn start(map: &Map) -> [f64; 3] {
 }
 
 pub(crate) fn empty_moment(frame: &FrameRow) -> Moment<'_> {
-    Moment { states: &[], previous: &[], earlier: [&[]; 2], signals: &[], frame }
+    Moment { states: &[], previous: &[], signals: &[], frame }
 }
 
 /// Heights and tags of everything on a vertical line, by brute force.
