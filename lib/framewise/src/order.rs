@@ -13,6 +13,9 @@ use rayon::{Scope, Yield};
 /// Frames in hand beyond those that threads work on: one is being taken and one may wait for that while others are begun.
 const WAITING: usize = 2;
 
+/// Parts opened and not yet ended, beyond the one whose frames are being begun.
+const MOST_PARTS: usize = 2;
+
 /// Frames that belong together, as those of an agent.
 #[derive(Debug)]
 pub struct Part<S, W> {
@@ -145,6 +148,8 @@ where
     {
         while self.in_hand < self.most && !self.is_last {
             match &mut self.open {
+                // Parts without frames are not all opened at once.
+                None if self.writers.len() > MOST_PARTS => break,
                 None => self.open_part(),
                 Some((seen, due)) => match due.next() {
                     Some(number) => {

@@ -119,6 +119,35 @@ fn few_frames_are_in_hand() {
     }
 }
 
+/// Counts how many like it are open.
+struct Open<'a>(&'a AtomicU32);
+
+impl Writer<u32> for Open<'_> {
+    fn take(&mut self, _: u32, _: u32) -> Result<(), StageError> {
+        Ok(())
+    }
+
+    fn finish(self) -> Result<(), StageError> {
+        self.0.fetch_sub(1, Ordering::SeqCst);
+        Ok(())
+    }
+}
+
+#[test]
+fn few_parts_are_open() {
+    for due in [vec![], vec![0]] {
+        let (open, most) = (AtomicU32::new(0), AtomicU32::new(0));
+        let part = |seen: u32| {
+            most.fetch_max(open.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
+            Ok(Part { due: due.clone(), seen, writer: Open(&open) })
+        };
+        in_turn((0..50).map(part), 1, &progress(), |_, frame| slow(frame)).expect("nothing fails");
+        // Three that wait or are being taken from, and one that is being ended.
+        assert_eq!(open.into_inner(), 0);
+        assert!((1..=4).contains(&most.into_inner()), "{due:?}");
+    }
+}
+
 /// Does not end its first part before the second one's last frame was taken.
 struct Waiting<'a> {
     part: u32,

@@ -190,10 +190,12 @@ impl Attempt {
         Ok(Some(Unit { attempt: self, name: name.to_owned(), shards: Vec::new() }))
     }
 
-    /// Keys of the shards of all finished units.
+    /// Keys of the shards of all finished units, sorted.
     #[must_use]
     pub fn keys(&self) -> Vec<String> {
-        self.so_far().outputs.iter().map(|output| output.key.clone()).collect()
+        let mut keys: Vec<String> = self.so_far().outputs.iter().map(|output| output.key.clone()).collect();
+        keys.sort_unstable();
+        keys
     }
 
     /// Remembers the digest of a part that other stages depend on singly.

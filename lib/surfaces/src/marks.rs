@@ -20,8 +20,6 @@ const ZEBRA_M: [f64; 2] = [0.5, 0.6];
 const PIECE_M: f64 = 1.5;
 const THIN_LINE_M: f64 = 0.1;
 const MAX_DASHES: usize = 20_000;
-/// Outlines of arrows with more corners are left unpainted: cutting them up takes time by the square.
-const MAX_CORNERS: usize = 2000;
 
 const WHITE: Part = Part::new(Tag::RoadLine, Surface::RoadMarking, [0.72, 0.72, 0.70]);
 const YELLOW: Part = Part::new(Tag::RoadLine, Surface::RoadMarking, [0.72, 0.50, 0.06]);
@@ -287,7 +285,7 @@ fn arrows(map: &Map, painter: &mut Painter<'_>) {
     let mut earcut = Earcut::new();
     let mut corners: Vec<u32> = Vec::new();
     for area in map.objects().iter().filter(|o| o.is_arrow()).flat_map(ObjectInfo::areas) {
-        if area.len() > MAX_CORNERS || !painter.reaches(&area) {
+        if !painter.reaches(&area) {
             continue;
         }
         earcut.earcut(area.iter().map(|p| [p.x, p.y]), &[], &mut corners);

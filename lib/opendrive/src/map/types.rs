@@ -236,6 +236,9 @@ pub struct OutlineInfo {
     pub height_m: Vec<f64>,
 }
 
+/// Areas with more corners than this are not told: to cut them to triangles takes time by the square.
+const MOST_CORNERS: usize = 2000;
+
 /// An object, in the world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectInfo {
@@ -278,12 +281,14 @@ impl ObjectInfo {
         self.kind.eq_ignore_ascii_case("roadMark") && self.name.to_ascii_lowercase().contains("arrow")
     }
 
-    /// The areas that it covers on the ground, corners each once: its outlines, or the rectangle of its length and width.
+    /// The areas that it covers on the ground, corners each once: its outlines (those of up to 2,000 corners: nothing that is painted
+    /// has more), or the rectangle of its length and width where it has no outline.
     #[must_use]
     pub fn areas(&self) -> Vec<Vec<Point3<f64>>> {
-        let rings = self.outlines.iter().map(|outline| &outline.base).filter(|ring| ring.len() >= 3);
-        let mut areas: Vec<Vec<Point3<f64>>> = rings.cloned().collect();
-        if areas.is_empty() {
+        let rings = self.outlines.iter().map(|outline| &outline.base);
+        let mut areas: Vec<Vec<Point3<f64>>> =
+            rings.filter(|r| (3..=MOST_CORNERS).contains(&r.len())).cloned().collect();
+        if self.outlines.iter().all(|outline| outline.base.len() < 3) {
             let (x, y) = (0.5 * self.size_m.x, 0.5 * self.size_m.y);
             let corner = |[x, y]: [f64; 2]| self.pose * Point3::new(x, y, 0.0);
             areas.push([[x, y], [-x, y], [-x, -y], [x, -y]].map(corner).to_vec());

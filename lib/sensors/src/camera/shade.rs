@@ -86,7 +86,7 @@ impl Picture {
         };
         let wet: Result<Vec<Vec<WetSpan>>, RenderError> = rows.enumerate().map(dry_row).collect();
         let wet = wet?;
-        if is_wet {
+        if wet.iter().any(|row| !row.is_empty()) {
             let dry = rgb.clone();
             let dry = Dry {
                 view,
