@@ -16,8 +16,6 @@ use crate::agent::{AgentRig, Eyes, Standing};
 
 /// The stage.
 pub const STAGE: Stage<SensorSettings> = Stage::new(run);
-/// Its name.
-const NAME: &str = Stage::<SensorSettings>::NAME;
 
 fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
     let (settings, scene) = (job.settings().clone(), job.scene());

@@ -5,10 +5,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use counts::PartialCounts;
 use framewise::Writer;
-use pipeline::{Place, StageError};
+use pipeline::{Place, Stage, StageError};
 use schema::calibration::METADATA_KEY;
 use schema::measures::sensors::{IMAGES, SENSOR_BYTES, SWEEPS};
 use schema::settings::Rig;
+use schema::settings::stages::SensorSettings;
 use schema::{AgentId, rate};
 use sensors::{Carrier, Layout, Observation, Sensor, SensorError, SensorTable, SensorVisitor};
 use store::{Finished, TableOptions, TableWriter, Unit, keys};
@@ -190,7 +191,10 @@ impl Writer<()> for Recorder<'_> {
             counts.add(&agent.to_string(), SENSOR_BYTES, &counted_as, 0, shard.output().bytes);
             unit.add(shard);
         }
-        unit.rows(&keys::partial_stats(scene, &format!("{}.{agent}", crate::NAME)), &counts.rows())?;
+        unit.rows(
+            &keys::partial_stats(scene, &format!("{}.{agent}", Stage::<SensorSettings>::NAME)),
+            &counts.rows(),
+        )?;
         unit.finish()?;
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! The ends of streets at a junction.
 
 use frames::wrap_pi;
-use opendrive::ContactPoint;
+use opendrive::{ContactPoint, Orientation};
 use std::f64::consts::{PI, TAU};
 
 use crate::path::Pose2;
@@ -50,6 +50,14 @@ impl Arm {
     /// Sign of the ids of the lanes that enter.
     pub(crate) fn sign_in(&self) -> i16 {
         if self.contact == ContactPoint::End { -1 } else { 1 }
+    }
+
+    /// s at a distance before the end of its street, and the direction of its entering traffic.
+    pub(crate) fn before_end(&self, distance_m: f64) -> (f64, Orientation) {
+        match self.contact {
+            ContactPoint::End => (self.length_m - distance_m, Orientation::Along),
+            ContactPoint::Start => (distance_m, Orientation::Against),
+        }
     }
 
     /// What each entering driving lane (or track) is for, from the inside out.

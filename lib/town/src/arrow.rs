@@ -4,7 +4,6 @@ use opendrive::{Corner, Object, Outline};
 use std::f64::consts::PI;
 
 use crate::arm::{Arm, STRAIGHT_RAD, runs};
-use crate::control::before_end;
 use crate::ids::Ids;
 use crate::movements::Movement;
 use crate::section::EndStrip;
@@ -91,7 +90,7 @@ pub(crate) fn arrows(ids: &mut Ids, arms: &[Arm], from: usize, movements: &[Move
     if arm.length_m < SHORTEST_M || arm.is_rail() {
         return Vec::new();
     }
-    let (s, orientation) = before_end(arm, MIDDLE_M);
+    let (s, orientation) = arm.before_end(MIDDLE_M);
     let lanes = (0..).zip(runs(&arm.lanes.entering));
     let arrow = |(lane, strip): (u8, &EndStrip)| {
         let ways = Some(Ways::of(arms, from, lane, movements)).filter(|ways| *ways != Ways::default())?;

@@ -1,8 +1,7 @@
 //! Right of way: signals with their controllers, signs, stop lines.
 
 use opendrive::{
-    ContactPoint, Controller, JunctionController, LaneValidity, Object, Orientation, Road, Signal,
-    SignalReference,
+    Controller, JunctionController, LaneValidity, Object, Orientation, Road, Signal, SignalReference,
 };
 use std::f64::consts::FRAC_PI_2;
 
@@ -162,14 +161,6 @@ pub(crate) fn equip(
     (controllers, all)
 }
 
-/// s at a distance before the end of an arm's street, and the direction of its entering traffic.
-pub(crate) fn before_end(arm: &Arm, distance_m: f64) -> (f64, Orientation) {
-    match arm.contact {
-        ContactPoint::End => (arm.length_m - distance_m, Orientation::Along),
-        ContactPoint::Start => (distance_m, Orientation::Against),
-    }
-}
-
 /// A traffic light or sign beside the entering traffic: right of it, or for a pocket on the median. It names no lane of
 /// its own road: the references on the connecting roads say what it controls.
 fn post(ids: &mut Ids, arm: &Arm, hold: Hold, pocket: bool) -> Signal {
@@ -187,7 +178,7 @@ fn post(ids: &mut Ids, arm: &Arm, hold: Hold, pocket: bool) -> Signal {
             None => (right_m, distance_m) = (right_m + 0.5, distance_m + 0.6),
         }
     }
-    let (s, orientation) = before_end(arm, distance_m);
+    let (s, orientation) = arm.before_end(distance_m);
     let (name, kind, height_m, width_m) = hold.sign();
     let light = hold == Hold::Light;
     Signal {
@@ -226,7 +217,7 @@ fn reference(signal: &str, road: &Road) -> SignalReference {
 fn stop_line(ids: &mut Ids, arm: &Arm, lanes: &[&EndStrip]) -> Option<Object> {
     let (first, last) = (lanes.first()?, lanes.last()?);
     let (from, to) = (first.inner_m, last.inner_m + last.width_m);
-    let (s, orientation) = before_end(arm, STOP_LINE_AT_M);
+    let (s, orientation) = arm.before_end(STOP_LINE_AT_M);
     Some(Object {
         id: ids.next(),
         name: "StopLine".into(),
