@@ -5,7 +5,7 @@
 
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use lanes::{LANES, Lanes, Vec3s, floor_words};
-use renderer::{Facet, PinholeCamera, RenderError, Scene, Surfaces, VisibilityBuffer};
+use renderer::{Facet, PinholeCamera, RayBatch, RenderError, Scene, Surfaces, VisibilityBuffer};
 use schema::geometry::Surface;
 
 use super::fog::Fog;
@@ -70,7 +70,8 @@ impl Skyline {
             far_m: FARTHEST_M,
         });
         let mut texels = vec![Texel::ZERO; WAYS.len() * SIDE * SIDE];
-        for (buffer, texels) in scene.look(&cameras)?.iter().zip(texels.chunks_exact_mut(SIDE * SIDE)) {
+        let pictures = looked(scene, &cameras)?;
+        for (buffer, texels) in pictures.iter().zip(texels.chunks_exact_mut(SIDE * SIDE)) {
             let surfaces = Surfaces::new(buffer, scene.snapshot());
             for (y, row) in texels.chunks_exact_mut(SIDE).enumerate() {
                 surfaces.for_each_span(y as u32, |columns, facet| {
@@ -158,6 +159,46 @@ impl Seen<'_> {
         let away_m = (places - Vec3s::splat(eye)).length_squared().sqrt();
         Vec3s::splat(self.fog.rgb).lerp(out, self.fog.passes(eye.z, places.z, away_m))
     }
+}
+
+/// What the cameras see, by a ray for each pixel: so few of them cost less than the triangles of all that is around.
+fn looked(scene: &dyn Scene, cameras: &[PinholeCamera]) -> Result<Vec<VisibilityBuffer>, RenderError> {
+    let pixels = in_blocks();
+    let seen_from = |camera: &PinholeCamera| -> Vec<Vec3> {
+        let look = |&(x, y): &(u32, u32)| camera.direction_optical(x as f32 + 0.5, y as f32 + 0.5);
+        pixels.iter().map(|at| camera.local_from_optical.transform_vector3(look(at)).normalize()).collect()
+    };
+    let directions: Vec<Vec<Vec3>> = cameras.iter().map(seen_from).collect();
+    let batches: Vec<RayBatch<'_>> = cameras
+        .iter()
+        .zip(&directions)
+        .map(|(camera, directions)| RayBatch {
+            origin: camera.local_from_optical.translation.into(),
+            directions,
+            range_m: [camera.near_m, camera.far_m],
+            nearest_m: &[],
+        })
+        .collect();
+    let mut buffers: Vec<VisibilityBuffer> = cameras.iter().map(VisibilityBuffer::empty).collect();
+    for (buffer, (hits, directions)) in buffers.iter_mut().zip(scene.trace(&batches)?.iter().zip(&directions))
+    {
+        let ahead = Vec3::from(buffer.camera.local_from_optical.matrix3.z_axis);
+        for ((hit, direction), &(x, y)) in hits.iter().zip(directions).zip(&pixels) {
+            let Some(hit) = hit else { continue };
+            let at = buffer.index(x, y);
+            (buffer.instance[at], buffer.triangle[at]) = (hit.instance, hit.triangle);
+            buffer.depth_m[at] = hit.t * direction.dot(ahead);
+        }
+    }
+    Ok(buffers)
+}
+
+/// The pixels of a picture, neighbours together: rays are the faster for it.
+fn in_blocks() -> Vec<(u32, u32)> {
+    const BLOCK: usize = 4;
+    let corners = (0..SIDE).step_by(BLOCK).flat_map(|y| (0..SIDE).step_by(BLOCK).map(move |x| (x, y)));
+    let block = |(x, y)| (0..BLOCK * BLOCK).map(move |i| (x + i % BLOCK, y + i / BLOCK));
+    corners.flat_map(block).map(|(x, y)| (x as u32, y as u32)).collect()
 }
 
 /// The mean colour of what a triangle is of.
