@@ -6,7 +6,7 @@ use renderer::Renderer;
 use replay::Replay;
 use schema::ObjectId;
 use schema::geometry::Snapshot;
-use sensors::{AgentState, Cameras, FrameWeather, Motion, Observation, Painter, StillWorld};
+use sensors::{AgentState, Cameras, FrameWeather, Motion, Observation, Painter, SharedBeams, StillWorld};
 
 use crate::recorder::{Channel, Channels};
 
@@ -40,6 +40,7 @@ pub(crate) struct AgentRig<'a> {
     /// Its place in the log's list of agents.
     pub(crate) position: usize,
     pub(crate) cameras: Cameras,
+    pub(crate) beams: SharedBeams,
     pub(crate) channels: Channels,
 }
 
@@ -67,6 +68,7 @@ impl AgentRig<'_> {
             previous: self.previous_motion(frame),
         };
         let at = Observation::new(&*scene, Some(self.eyes.painter), &self.cameras, &when, agent).at(here)?;
+        let at = at.with_scans(&self.beams).at(here)?;
         let channels: Vec<&dyn Channel> = self.channels.at(frame).collect();
         let sensed: Vec<Result<(), StageError>> = channels
             .par_iter()

@@ -9,7 +9,7 @@ use renderer::Renderer;
 use replay::Replay;
 use scene::SceneReader;
 use schema::settings::stages::SensorSettings;
-use sensors::{Cameras, Carrier, CpuPainter, GeoOrigin};
+use sensors::{Cameras, Carrier, CpuPainter, GeoOrigin, SharedBeams};
 use visibility::CpuRenderer;
 
 use crate::agent::{AgentRig, Eyes, Standing};
@@ -40,8 +40,10 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
             let carrier = Carrier { seed: settings.seed, scene, agent: *agent, geo_origin };
             let (channels, writer) = recorder::open(unit, rig, &carrier)?;
             let cameras = Cameras::of(rig).at(|| Place::scene(scene).agent(*agent))?;
+            let beams = SharedBeams::of(rig).at(|| Place::scene(scene).agent(*agent))?;
             let due = channels.due_frames(frames);
-            Ok(Part { due, seen: AgentRig { replay: &replay, eyes, position, cameras, channels }, writer })
+            let seen = AgentRig { replay: &replay, eyes, position, cameras, beams, channels };
+            Ok(Part { due, seen, writer })
         };
         Some(unit.and_then(part))
     });

@@ -103,7 +103,7 @@ pub use error::SensorError;
 pub use geo::GeoOrigin;
 pub use gnss::gnss;
 pub use imu::imu;
-pub use lidar::{Lidar, LidarMoment, LidarSweep, OfBeam, SensorPath};
+pub use lidar::{Lidar, LidarMoment, LidarSweep, OfBeam, Scan, SensorPath, SharedBeams};
 pub use light::{FrameWeather, Lighting, Sky, StillWorld};
 pub use metadata::{camera_metadata, sensor_metadata};
 pub use motion::Motion;

@@ -12,6 +12,7 @@ use crate::camera::sight::Sight;
 use crate::camera::view::CameraView;
 use crate::camera::{Cameras, look};
 use crate::error::SensorError;
+use crate::lidar::{LidarMoment, SensorPath, SharedBeams, SharedScan};
 use crate::light::FrameWeather;
 use crate::motion::Motion;
 use crate::painter::{Painter, Shot};
@@ -39,6 +40,8 @@ pub struct Observation<'a> {
     pub weather: Weather,
     /// What the cameras of the rig see, in the rig's order; empty when no images are wanted, or none at this frame.
     pub sights: Vec<Sight>,
+    /// What rays met that several lidars of the agent fire.
+    pub(crate) scans: Vec<SharedScan>,
 }
 
 impl<'a> Observation<'a> {
@@ -62,7 +65,17 @@ impl<'a> Observation<'a> {
             let views = cameras.list.iter().map(|camera| camera.view(origin, now, before)).collect();
             see(scene, painter, when, origin.local_from_world(now.xyz()), views)?
         };
-        Ok(Self { frame: when.frame, scene, agent, weather: when.weather, sights })
+        Ok(Self { frame: when.frame, scene, agent, weather: when.weather, sights, scans: Vec::new() })
+    }
+
+    /// Follows the rays that several lidars of the agent fire once for all of them. Without it each follows its own; what they
+    /// sense is the same.
+    ///
+    /// # Errors
+    /// The renderer failed.
+    pub fn with_scans(mut self, beams: &SharedBeams) -> Result<Self, SensorError> {
+        self.scans = beams.scans(self.scene, self.frame, |mount| self.lidar_moment(mount))?;
+        Ok(self)
     }
 
     /// Where the agent is: its frame to the snapshot's local frame, now and one frame before.
@@ -82,6 +95,14 @@ impl<'a> Observation<'a> {
             |m: &Motion| origin.local_from_body(&(m.world_from_agent * mount.agent_from_sensor()));
         let now = local_from(&self.agent.motion);
         [now, self.agent.previous.as_ref().map_or(now, local_from)]
+    }
+
+    /// What a lidar on a mount sweeps at.
+    pub(crate) fn lidar_moment(&self, mount: &Mount) -> LidarMoment {
+        let [local_from_sensor, _] = self.local_from_sensor(mount);
+        let [local_from_agent, previous_local_from_agent] = self.local_from_agent();
+        let path = SensorPath { local_from_sensor, local_from_agent, previous_local_from_agent };
+        LidarMoment { frame: self.frame, path, weather: self.weather }
     }
 }
 

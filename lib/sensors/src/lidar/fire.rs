@@ -10,7 +10,7 @@ use super::patch::Patch;
 /// Beams that are worked out at once.
 const LANES: usize = 8;
 
-/// What a sweep fires beams with at one moment.
+/// What beams are fired with at one moment.
 pub(super) struct Gun<'a> {
     spec: &'a LidarSpec,
     /// Unit directions of all beams in the sensor frame.
@@ -18,24 +18,14 @@ pub(super) struct Gun<'a> {
     local_from_sensor: Affine3A,
     /// Where the rays of a beam go besides along its axis.
     offsets: Vec<[f32; 2]>,
-    stream: &'a Stream,
-    frame: u32,
 }
 
-/// The beams of a patch that are not dropped at random.
-pub(super) struct Volley {
+/// What chance decided of the beams of a patch.
+pub(super) struct Drawn {
     /// Random words of each beam of the patch, row by row.
     pub(super) words: Vec<[u32; 4]>,
-    /// Place of each beam of the patch among those fired, or [`Volley::DROPPED`].
-    pub(super) places: Vec<u32>,
-    /// Rays a beam, of which the first goes along its axis.
-    pub(super) rays: usize,
-    /// Where the rays of the beams that were fired go in the snapshot's local frame, in following order.
-    pub(super) directions: Vec<Vec3>,
-}
-
-impl Volley {
-    pub(super) const DROPPED: u32 = u32::MAX;
+    /// Those that are not dropped at random, in following order.
+    pub(super) kept: Vec<u32>,
 }
 
 /// The index of a beam's random words of a number at a frame.
@@ -45,37 +35,24 @@ pub(super) fn words_index(frame: u32, ray: u32, number: u32) -> u64 {
 }
 
 impl<'a> Gun<'a> {
-    pub(super) fn new(
-        spec: &'a LidarSpec,
-        directions: &'a [Vec3],
-        local_from_sensor: Affine3A,
-        stream: &'a Stream,
-        frame: u32,
-    ) -> Self {
-        Self { spec, directions, local_from_sensor, offsets: offsets(&spec.beam), stream, frame }
+    pub(super) fn new(spec: &'a LidarSpec, directions: &'a [Vec3], local_from_sensor: Affine3A) -> Self {
+        Self { spec, directions, local_from_sensor, offsets: offsets(&spec.beam) }
     }
 
-    /// The beams that are not dropped at random.
-    pub(super) fn fire(&self, patch: &Patch) -> Volley {
-        let mut words = Vec::with_capacity(patch.order.len());
+    /// Rays a beam.
+    pub(super) fn rays(&self) -> usize {
+        1 + self.offsets.len()
+    }
+
+    /// Where the rays of some beams of a patch go, of each that along its axis first: unit directions in the snapshot's local frame.
+    pub(super) fn fire(&self, patch: &Patch, beams: &[u32]) -> Vec<Vec3> {
         let mut axes = Vec::with_capacity(patch.order.len());
         for row in patch.rows.clone() {
-            let beams = patch.beams(row, self.spec);
-            self.draw(beams.start as u32, beams.len(), &mut words);
-            turn(&self.local_from_sensor, &self.directions[beams], &mut axes);
+            turn(&self.local_from_sensor, &self.directions[patch.beams(row, self.spec)], &mut axes);
         }
-        let drop_below = if self.spec.semantic { 0.0 } else { self.spec.dropoff_rate as f32 };
-        let rays = 1 + self.offsets.len();
-        let mut places = vec![Volley::DROPPED; patch.order.len()];
-        let mut directions = Vec::with_capacity(patch.order.len() * rays);
-        let mut fired = 0;
-        for &beam in &patch.order {
+        let mut directions = Vec::with_capacity(beams.len() * self.rays());
+        for &beam in beams {
             let at = beam as usize;
-            if drop_below > 0.0 && random::unit_f32(words[at][0]) < drop_below {
-                continue;
-            }
-            places[at] = fired;
-            fired += 1;
             directions.push(axes[at]);
             if !self.offsets.is_empty() {
                 let (row, column) = (at / patch.columns.len(), at % patch.columns.len());
@@ -84,23 +61,60 @@ impl<'a> Gun<'a> {
                 directions.extend(self.offsets.iter().map(|&offset| turned(beside(axis, offset))));
             }
         }
-        Volley { words, places, rays, directions }
+        directions
+    }
+}
+
+impl Drawn {
+    pub(super) const DROPPED: u32 = u32::MAX;
+
+    /// Draws for the beams of a patch.
+    pub(super) fn new(spec: &LidarSpec, patch: &Patch, stream: &Stream, frame: u32) -> Self {
+        let mut words = Vec::with_capacity(patch.order.len());
+        for row in patch.rows.clone() {
+            let beams = patch.beams(row, spec);
+            draw(spec, (stream, frame), beams.start as u32, beams.len(), &mut words);
+        }
+        let drop_below = if spec.semantic { 0.0 } else { spec.dropoff_rate as f32 };
+        let is_kept =
+            |beam: &u32| drop_below <= 0.0 || random::unit_f32(words[*beam as usize][0]) >= drop_below;
+        let kept = patch.order.iter().copied().filter(is_kept).collect();
+        Self { words, kept }
     }
 
-    /// Adds the first random words of some beams of a row.
-    fn draw(&self, first: u32, count: usize, words: &mut Vec<[u32; 4]>) {
-        let end = words.len() + count;
-        if self.spec.semantic {
-            words.resize(end, [0; 4]);
-            return;
+    /// Place of each beam of the patch, row by row, among those that were fired (the kept ones and maybe others, in following order);
+    /// [`Drawn::DROPPED`] for those that are not kept.
+    pub(super) fn places(&self, fired: &[u32]) -> Vec<u32> {
+        let mut places = vec![Self::DROPPED; self.words.len()];
+        let mut kept = self.kept.iter().peekable();
+        for (beam, place) in fired.iter().zip(0..) {
+            if kept.next_if_eq(&beam).is_some() {
+                places[*beam as usize] = place;
+            }
         }
-        let mut index = words_index(self.frame, first, 0);
-        while words.len() < end {
-            let drawn = self.stream.run_at::<LANES>(index);
-            let left = end - words.len();
-            words.extend((0..left.min(LANES)).map(|lane| drawn.map(|word| word[lane])));
-            index += LANES as u64;
-        }
+        places
+    }
+}
+
+/// Adds the first random words of some beams of a row.
+fn draw(
+    spec: &LidarSpec,
+    (stream, frame): (&Stream, u32),
+    first: u32,
+    count: usize,
+    words: &mut Vec<[u32; 4]>,
+) {
+    let end = words.len() + count;
+    if spec.semantic {
+        words.resize(end, [0; 4]);
+        return;
+    }
+    let mut index = words_index(frame, first, 0);
+    while words.len() < end {
+        let drawn = stream.run_at::<LANES>(index);
+        let left = end - words.len();
+        words.extend((0..left.min(LANES)).map(|lane| drawn.map(|word| word[lane])));
+        index += LANES as u64;
     }
 }
 

@@ -4,18 +4,19 @@ use std::ops::Range;
 
 use glam::{Affine3A, Vec3};
 use random::Stream;
-use renderer::{Hit, Hits};
+use renderer::Hit;
 use schema::geometry::Snapshot;
 use schema::settings::LidarSpec;
 use schema::{ObjectId, ReturnKind};
 
 use super::air::Air;
 use super::beam::{Echo, Met, add_air, echoes_of, keep};
-use super::fire::{Volley, words_index};
+use super::fire::{Drawn, words_index};
 use super::patch::Patch;
 use super::reflectance::{Reflectance, reflectance};
+use super::scan::Followed;
 use super::sweep::{LidarSweep, Part, Return};
-use crate::panes::{Behind, PASSES};
+use crate::panes::PASSES;
 use crate::struck::Struck;
 
 /// Returns within this distance ahead or behind and [`CROP_LEFT_M`] to the sides are of the agent's own body.
@@ -34,6 +35,8 @@ pub(super) struct Receiver<'a> {
     pub(super) spec: &'a LidarSpec,
     /// Unit directions of all beams in the sensor frame.
     pub(super) directions: &'a [Vec3],
+    /// Rays a beam, of which the first goes along its axis.
+    pub(super) rays: usize,
     pub(super) snapshot: &'a Snapshot,
     /// The moment: 0 at the frame, 1 a period ago.
     pub(super) before: f32,
@@ -68,30 +71,25 @@ struct Face {
 }
 
 impl Receiver<'_> {
-    /// The returns of a patch, beam by beam: of what its rays met, and of what those met (by their numbers, ascending) that passed panes.
-    pub(super) fn receive(
-        &self,
-        patch: &Patch,
-        volley: &Volley,
-        hits: &Hits,
-        behind: &[(u32, Behind)],
-    ) -> Part {
+    /// The returns of a patch, beam by beam, of what the rays of those beams met that were fired: the kept ones at least.
+    pub(super) fn receive(&self, patch: &Patch, drawn: &Drawn, fired: &[u32], followed: &Followed) -> Part {
         let tells_returns = self.spec.tells_returns();
-        let mut sweep = LidarSweep::with_capacity(volley.directions.len() / volley.rays, tells_returns);
-        let mut beams = volley.places.iter().zip(&volley.words);
+        let mut sweep = LidarSweep::with_capacity(drawn.kept.len(), tells_returns);
+        let places = drawn.places(fired);
+        let mut beams = places.iter().zip(&drawn.words);
         let mut row_ends = Vec::with_capacity(patch.rows.len());
         let mut desk = Desk::default();
         for row in patch.rows.clone() {
             for (ray, (&place, &words)) in patch.beams(row, self.spec).zip(&mut beams) {
-                if place == Volley::DROPPED {
+                if place == Drawn::DROPPED {
                     continue;
                 }
-                let own = place as usize * volley.rays..(place as usize + 1) * volley.rays;
+                let own = place as usize * self.rays..(place as usize + 1) * self.rays;
                 if tells_returns {
-                    self.echoed(ray as u32, words, (own, volley, hits, behind), &mut desk);
+                    self.echoed(ray as u32, words, own, followed, &mut desk);
                     desk.returns.iter().for_each(|back| sweep.push(back));
-                } else if let Some(hit) = hits.get(own.start) {
-                    let direction_local = volley.directions[own.start];
+                } else if let Some(hit) = followed.hits.get(own.start) {
+                    let direction_local = followed.directions[own.start];
                     let back = self.single(ray as u32, words, direction_local, &hit, &mut desk.face);
                     back.iter().for_each(|back| sweep.push(back));
                 }
@@ -128,13 +126,8 @@ impl Receiver<'_> {
     }
 
     /// Leaves the returns of a beam of some of the rays on the desk, the nearest first.
-    fn echoed(
-        &self,
-        ray: u32,
-        words: [u32; 4],
-        (own, volley, hits, behind): (Range<usize>, &Volley, &Hits, &[(u32, Behind)]),
-        desk: &mut Desk,
-    ) {
+    fn echoed(&self, ray: u32, words: [u32; 4], own: Range<usize>, followed: &Followed, desk: &mut Desk) {
+        let Followed { directions, hits, behind } = followed;
         let Desk { face, met, echoes, returns } = desk;
         met.clear();
         echoes.clear();
@@ -146,17 +139,17 @@ impl Receiver<'_> {
         met.extend(
             own.clone()
                 .filter(|at| !opened(*at))
-                .filter_map(|at| self.met(volley.directions[at], &hits.get(at)?, at == own.start, face)),
+                .filter_map(|at| self.met(directions[at], &hits.get(at)?, at == own.start, face)),
         );
         for (ray, passed) in beyond() {
             let at = *ray as usize;
             let Some(hit) = &passed.hit else { continue };
-            let seen = self.met(volley.directions[at], hit, at == own.start, face);
+            let seen = self.met(directions[at], hit, at == own.start, face);
             // There and back.
             let share = (0..2 * passed.panes).fold(1.0, |share, _| share * PASSES);
             met.extend(seen.map(|seen| Met { share: share * seen.share, is_behind: true, ..seen }));
         }
-        echoes_of(met, volley.rays, self.air, echoes);
+        echoes_of(met, self.rays, self.air, echoes);
         if let Some(air) = self.air {
             let nearest_m = met.first().map_or(f32::INFINITY, |met| met.range_m);
             let words = |number| self.further_words(ray, OF_AIR + number);

@@ -5,6 +5,7 @@ mod beams;
 mod common;
 mod rolling;
 mod sections;
+mod twins;
 mod weather;
 
 use common::{at, block, instance, plane, prepared, snapshot, street, with_scene};
