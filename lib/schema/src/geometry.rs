@@ -30,6 +30,9 @@ pub enum Surface {
     Cloth,
     /// Road surface.
     Asphalt,
+    /// The same of a lane with kerbs beside it: strips of quadrangles (right, right, left, left border), of two triangles each that begin
+    /// with the first corner.
+    KerbedAsphalt(Kerbs),
     /// Paint on the road.
     RoadMarking,
     /// Pavement slabs, kerbs, concrete.
@@ -54,7 +57,41 @@ pub enum Surface {
     Skin(Finish),
 }
 
+/// On which sides of a lane kerbs stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)] // The names are their own documentation.
+pub enum Kerbs {
+    Right,
+    Left,
+    Both,
+}
+
+impl Kerbs {
+    /// Of lanes with kerbs on these sides (right, left); none without any.
+    #[must_use]
+    pub fn on(sides: [bool; 2]) -> Option<Self> {
+        match sides {
+            [true, true] => Some(Self::Both),
+            [true, false] => Some(Self::Right),
+            [false, true] => Some(Self::Left),
+            [false, false] => None,
+        }
+    }
+
+    /// Whether they stand on the right, and on the left.
+    #[must_use]
+    pub fn sides(self) -> [bool; 2] {
+        [self != Self::Left, self != Self::Right]
+    }
+}
+
 impl Surface {
+    /// Whether it is a road's surface.
+    #[must_use]
+    pub fn is_asphalt(self) -> bool {
+        matches!(self, Self::Asphalt | Self::KerbedAsphalt(_))
+    }
+
     /// Whether one sees a cabin through it.
     #[must_use]
     pub fn is_window(self) -> bool {

@@ -101,7 +101,7 @@ fn scatter(part: &Part) -> Scatter {
         }
         Surface::Wood => of(0.06, 0.06, 10),
         Surface::Foliage | Surface::Grass => of(0.04, 0.0, 0),
-        Surface::Asphalt | Surface::RoadMarking => of(0.02, 0.0, 0),
+        Surface::Asphalt | Surface::KerbedAsphalt(_) | Surface::RoadMarking => of(0.02, 0.0, 0),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use schema::Tag;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{Kerbs, Part, Surface};
 
 use crate::blocks::Blocks;
 use crate::cover::{Cover, Facet, PATCH_BELOW_M};
@@ -19,6 +19,8 @@ const KERB: Part = Part::new(Tag::Sidewalk, Surface::Concrete, [0.42, 0.42, 0.41
 const MEDIAN: Part = Part::new(Tag::Ground, Surface::Concrete, [0.30, 0.29, 0.27]);
 /// Kerb faces reach this far below the edge where nothing joins it, metres.
 const SKIRT_M: f64 = 0.4;
+/// What stands less over a road is no kerb, metres.
+const LEAST_KERB_M: f64 = 0.03;
 /// A surface this much nearer in height belongs to the same level, metres.
 const SAME_LEVEL_M: f64 = 2.0;
 /// Cross-section of the grass beside a road: distance from the edge and drop, metres.
@@ -141,6 +143,13 @@ pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels,
             for i in (0..kept.len()).filter(|i| here[*i]) {
                 let Some(part) = kept[i] else { continue };
                 let [right_start, right_end, left_end, left_start] = corners_of(strip, i, part);
+                let beside = [(right, 0), (left, 1)].map(|(next, side)| is_kerbed(strip, next, i, side));
+                let top = match Kerbs::on(beside) {
+                    Some(kerbs) if top.surface.is_asphalt() => {
+                        Part { surface: Surface::KerbedAsphalt(kerbs), ..top }
+                    }
+                    _ => top,
+                };
                 blocks.quad(layer, top, [right_start, right_end, left_end, left_start]);
                 if !strip.ground.raised() && strip.raise[i] == [0.0; 2] {
                     continue;
@@ -182,6 +191,13 @@ fn face_depth(strip: &Strip, neighbour: Option<&Strip>, i: usize, side: usize) -
     let Some(neighbour) = neighbour.filter(|n| n.ground != Ground::Land) else { return Some([SKIRT_M; 2]) };
     let depth = [i, i + 1].map(|i| strip.raise[i][side] - neighbour.raise[i][1 - side]);
     (depth[0] > 0.0 || depth[1] > 0.0).then(|| depth.map(|d| d.max(0.0) + 0.02))
+}
+
+/// Whether a raised neighbour stands over a strip's piece on a side: 0 is its right, 1 its left.
+fn is_kerbed(strip: &Strip, neighbour: Option<&Strip>, i: usize, side: usize) -> bool {
+    let Some(neighbour) = neighbour.filter(|n| n.ground.raised()) else { return false };
+    let up = |i: usize| neighbour.raise[i][side] - strip.raise[i][1 - side];
+    up(i).min(up(i + 1)) > LEAST_KERB_M
 }
 
 /// Grass that falls away from the outer edges, so that no gap shows between road and terrain.
@@ -237,6 +253,38 @@ mod tests {
         let atlas = Atlas::new(&map);
         let here = atlas.ground(&Region { min: [0.0, -32.0], max: [64.0, 32.0] });
         here.levels.height(30.0, y, 0.0)
+    }
+
+    /// What the roads of a street are made of whose lanes, from the reference line to the right, are of such types.
+    fn made_of(lanes: &[LaneType]) -> Vec<Surface> {
+        let lanes: Vec<(LaneType, f64)> = lanes.iter().map(|lane| (*lane, 3.0)).collect();
+        let map = map(vec![road("1", [0.0, 0.0], 0.0, 60.0, one_way(&lanes))]);
+        let atlas = Atlas::new(&map);
+        let here = atlas.ground(&Region { min: [0.0, -32.0], max: [64.0, 32.0] });
+        let mut made: Vec<(i32, Surface)> = Vec::new();
+        for piece in here.surfaces().iter().filter(|piece| piece.layer == Layer::Road) {
+            for k in 0..piece.mesh.triangles.len() {
+                let middle = piece.mesh.corners(k).iter().map(|corner| corner.y).sum::<f32>() / 3.0;
+                let lane = ((f64::from(middle) + piece.origin_m[1]) / -3.0).floor() as i32;
+                let found = (lane, piece.mesh.part(k).surface);
+                if !made.contains(&found) {
+                    made.push(found);
+                }
+            }
+        }
+        made.sort_by_key(|(lane, _)| *lane);
+        made.into_iter().map(|(_, surface)| surface).collect()
+    }
+
+    #[test]
+    fn lanes_beside_sidewalks_have_kerbs() {
+        use LaneType::{Driving, Median, Shoulder, Sidewalk};
+        let kerbed = Surface::KerbedAsphalt;
+        assert_eq!(made_of(&[Driving, Driving]), [Surface::Asphalt; 2]);
+        assert_eq!(made_of(&[Driving, Sidewalk]), [kerbed(Kerbs::Right)]);
+        assert_eq!(made_of(&[Median, Driving]), [kerbed(Kerbs::Left)]);
+        assert_eq!(made_of(&[Median, Driving, Sidewalk]), [kerbed(Kerbs::Both)]);
+        assert_eq!(made_of(&[Driving, Shoulder, Sidewalk]), [Surface::Asphalt, kerbed(Kerbs::Right)]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::geometry::{Part, Surface, SurfaceMesh, TriMesh};
+use crate::geometry::{Kerbs, Part, Surface, SurfaceMesh, TriMesh};
 use crate::tables::ActorRow;
 use crate::{ActorRole, Attributes, Layer, ObjectId, Tag, table};
 
@@ -110,7 +110,7 @@ impl TileObjectRow {
 }
 
 /// Words for what parts are made of. Nothing in the ground shines.
-const SURFACES: [(&str, Surface); 13] = [
+const SURFACES: [(&str, Surface); 16] = [
     ("plain", Surface::Plain),
     ("paint", Surface::Paint),
     ("glass", Surface::Glass),
@@ -118,6 +118,9 @@ const SURFACES: [(&str, Surface); 13] = [
     ("rubber", Surface::Rubber),
     ("cloth", Surface::Cloth),
     ("asphalt", Surface::Asphalt),
+    ("asphalt_kerb_right", Surface::KerbedAsphalt(Kerbs::Right)),
+    ("asphalt_kerb_left", Surface::KerbedAsphalt(Kerbs::Left)),
+    ("asphalt_kerb_both", Surface::KerbedAsphalt(Kerbs::Both)),
     ("road_marking", Surface::RoadMarking),
     ("concrete", Surface::Concrete),
     ("grass", Surface::Grass),
@@ -196,6 +199,9 @@ mod tests {
             .map(|[x, y]| mesh.add_vertex(Vec3::new(x, y, 0.25)));
         for (part, surface, corners) in [
             (Tag::Road, Surface::Asphalt, [corners[0], corners[1], corners[2]]),
+            (Tag::Road, Surface::KerbedAsphalt(Kerbs::Right), [corners[0], corners[1], corners[2]]),
+            (Tag::Road, Surface::KerbedAsphalt(Kerbs::Left), [corners[0], corners[1], corners[2]]),
+            (Tag::Road, Surface::KerbedAsphalt(Kerbs::Both), [corners[0], corners[1], corners[2]]),
             (Tag::Water, Surface::Glass, [corners[0], corners[2], corners[3]]),
         ] {
             let part = mesh.part_index(Part::new(part, surface, [0.1, 0.2, 0.3]));

@@ -67,7 +67,7 @@ pub(super) fn reflectance(part: &Part, paint: [f32; 3], level: bool, wetness: f3
         Surface::Opening => (0.15, 0.0),
         Surface::Metal => (0.4, 0.2),
         Surface::Rubber => (0.06, 0.0),
-        Surface::Asphalt => (0.15 * (1.0 - SOAKED * wet), 0.0),
+        Surface::Asphalt | Surface::KerbedAsphalt(_) => (0.15 * (1.0 - SOAKED * wet), 0.0),
         Surface::RoadMarking => (0.8 * (1.0 - FLOODED * wet), 0.0),
         Surface::Concrete => (0.35 * (1.0 - SOAKED * wet), 0.0),
         Surface::Facade(_) => (0.35, 0.0),

@@ -7,7 +7,7 @@ use schema::geometry::{Instance, Part, Surface};
 use schema::{ObjectId, Tag};
 
 use super::front::Front;
-use super::lane::Across;
+use super::lane::{Across, Kerbed};
 use super::skin::Draped;
 
 /// What is the same for all points of one triangle.
@@ -29,6 +29,8 @@ pub(crate) struct Facet<'a> {
     pub(super) draped: Option<Draped<'a>>,
     /// Where on its lane it lies, if it is a piece of one.
     pub(super) lane: Option<Across>,
+    /// Where kerbs stand beside it.
+    pub(super) kerbed: Option<Kerbed>,
 }
 
 /// Points of a facet.
@@ -104,7 +106,7 @@ impl<'a> Facet<'a> {
             }
             _ => None,
         };
-        let is_road = part.surface == Surface::Asphalt && part.tag == Tag::Road;
+        let is_road = part.surface.is_asphalt() && part.tag == Tag::Road;
         Self {
             part,
             paint: Vec3::from_array(instance.paint),
@@ -118,6 +120,7 @@ impl<'a> Facet<'a> {
             front,
             draped: Draped::new(part.surface, triangle.skin(), corners_object_m),
             lane: if is_road { Across::new(corners_object_m) } else { None },
+            kerbed: Kerbed::new(part.surface, corners_object_m),
         }
     }
 

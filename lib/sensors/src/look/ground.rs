@@ -6,7 +6,9 @@ use schema::Tag;
 use schema::geometry::{Part, Surface};
 use textures::{Noise, Texels, Textures};
 
+use super::cells::in_cell;
 use super::facet::{Facet, Gloss, Look, Points, Surroundings, is_level, shades};
+use super::gutter;
 use super::pattern::{Width, bars};
 
 /// Manholes: one in a square of this side (a power of two, so that the wrapped world has no seam), metres.
@@ -34,7 +36,7 @@ fn laid(texture: &textures::Texture, p: &Points) -> Texels {
 pub(crate) fn gets_wet(part: &Part, normal_local: Vec3) -> bool {
     is_level(normal_local)
         && match part.surface {
-            Surface::Asphalt | Surface::RoadMarking => true,
+            Surface::Asphalt | Surface::KerbedAsphalt(_) | Surface::RoadMarking => true,
             Surface::Concrete => part.tag != Tag::Building,
             _ => false,
         }
@@ -118,18 +120,17 @@ pub(super) fn asphalt(
         albedo = albedo.lerp(shades(Vec3::new(0.062, 0.058, 0.054), stones.shade * frame), iron);
         lean = lean.map(|v| v * (1.0 - iron));
     }
+    if let Some(kerbed) = &facet.kerbed {
+        albedo = gutter::soiled(kerbed, noise, p, albedo, &stones.shade);
+    }
     wet(noise, around, Look::leaning(albedo, lean), p, 1.0)
 }
 
 /// Shares that are iron and its brightness; none where there is no manhole near.
 #[inline]
 fn manhole(p: &Points) -> Option<(Lanes, Lanes)> {
-    const WRAPPED: u32 = (Surroundings::WRAP_M / MANHOLE_CELL_M as f64) as u32 - 1;
-    let (x, y) = (p.world_m.x * (1.0 / MANHOLE_CELL_M), p.world_m.y * (1.0 / MANHOLE_CELL_M));
-    let word = hash2(floor_words(x) & WRAPPED, floor_words(y) & WRAPPED, Words::splat(77));
     // Not at the edges of its square.
-    let place = |v: Lanes, bits: Words| (v - v.floor() - 0.1 - unit(bits) * 0.8) * MANHOLE_CELL_M;
-    let (dx, dy) = (place(x, word), place(y, word * 0x85eb_ca6bu32));
+    let (word, [dx, dy]) = in_cell(p, MANHOLE_CELL_M, 77, 0.1 * MANHOLE_CELL_M);
     let away = (dx * dx + dy * dy).sqrt();
     let w = p.footprint_m;
     let near = away.simd_lt(w * 0.5 + FRAME_M) & unit(word * 0xc2b2_ae35u32).simd_lt(MANHOLE_SHARE);
@@ -156,7 +157,9 @@ pub(super) fn marking(
     let (stones, wear) = (laid(&textures.asphalt, p), laid(&textures.wear, p));
     let rubbed = ground_noise(noise, p, 32.0);
     // Paint goes first where stones stand out, and where tar was poured over it.
-    let kept = smoothstep(0.1, 0.45, rubbed - (stones.shade - 1.0) * 0.15) * 0.7 + 0.3;
+    // Some stretches were painted lately, others long ago.
+    let old = smoothstep(0.45, 0.8, ground_noise(noise, p, 0.5)) * 0.28;
+    let kept = smoothstep(0.1, 0.45, rubbed - (stones.shade - 1.0) * 0.15 - old) * 0.7 + 0.3;
     let kept = kept * (1.0 - wear.tint.fast_max(Lanes::ZERO) * 0.8);
     let dirt = wear.shade * 0.5 + 0.5;
     let albedo = shades(rgb, kept * dirt) + shades(Vec3::splat(0.07), (1.0 - kept) * stones.shade);

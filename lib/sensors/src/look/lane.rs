@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use lanes::{Lanes, Vec3s};
+use schema::geometry::{Kerbs, Surface};
 
 /// Widths of lanes that traffic keeps to, metres.
 const USED_M: std::ops::Range<f32> = 2.5..4.6;
@@ -17,11 +18,18 @@ pub(super) struct Across {
     slope: Vec2,
     start: f32,
     width_m: f32,
+    /// The way its borders run.
+    along: Vec2,
 }
 
 impl Across {
     /// Of a triangle's corners; none if it is no piece of a lane that traffic keeps to.
     pub(super) fn new(corners_m: [Vec3; 3]) -> Option<Self> {
+        Self::of_any(corners_m).filter(|lane| USED_M.contains(&lane.width_m))
+    }
+
+    /// The same of lanes of any width; none if it has none.
+    pub(super) fn of_any(corners_m: [Vec3; 3]) -> Option<Self> {
         let [a, b, c] = corners_m.map(Vec3::truncate);
         let (first, last) = (a.distance_squared(b), c.distance_squared(a));
         // A border, and the corner that lies on the other one; 1 is the left border.
@@ -29,18 +37,61 @@ impl Across {
         let along = to - from;
         let area = along.perp_dot(other - from);
         let width_m = area.abs() / along.length();
-        if !USED_M.contains(&width_m) {
+        // Not so of what is no number, either.
+        if !(width_m > 0.0 && width_m.is_finite()) {
             return None;
         }
         let slope = along.perp() * ((2.0 * share - 1.0) / area);
-        Some(Self { slope, start: 1.0 - share - slope.dot(from), width_m })
+        let along = along.normalize_or_zero();
+        Some(Self { slope, start: 1.0 - share - slope.dot(from), width_m, along })
+    }
+
+    /// Metres from its right and its left border to places.
+    #[inline]
+    fn off_borders_m(&self, object_m: &Vec3s) -> [Lanes; 2] {
+        let from_right_m = self.share(object_m) * self.width_m;
+        [from_right_m, self.width_m - from_right_m]
+    }
+
+    /// Share of its width that lies to the right of places.
+    #[inline]
+    fn share(&self, object_m: &Vec3s) -> Lanes {
+        object_m.x * self.slope.x + object_m.y * self.slope.y + self.start
     }
 
     /// Metres from the middle of the lane to places, left and right alike.
     #[inline]
     pub(super) fn off_middle_m(&self, object_m: &Vec3s) -> Lanes {
-        let share = object_m.x * self.slope.x + object_m.y * self.slope.y + self.start;
-        ((share - 0.5) * self.width_m).abs()
+        ((self.share(object_m) - 0.5) * self.width_m).abs()
+    }
+}
+
+/// A piece of a lane with kerbs beside it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kerbed {
+    lane: Across,
+    kerbs: Kerbs,
+}
+
+impl Kerbed {
+    /// Of a triangle; none where no kerb stands.
+    pub(super) fn new(surface: Surface, corners_m: [Vec3; 3]) -> Option<Self> {
+        let Surface::KerbedAsphalt(kerbs) = surface else { return None };
+        Some(Self { lane: Across::of_any(corners_m)?, kerbs })
+    }
+
+    /// Metres to the nearest kerb.
+    #[inline]
+    pub(super) fn away_m(&self, object_m: &Vec3s) -> Lanes {
+        let far = Lanes::splat(f32::INFINITY);
+        let [right, left] = self.lane.off_borders_m(object_m);
+        let [on_right, on_left] = self.kerbs.sides();
+        (if on_right { right } else { far }).fast_min(if on_left { left } else { far })
+    }
+
+    /// The way the kerbs run, of unit length.
+    pub(super) fn along(&self) -> Vec2 {
+        self.lane.along
     }
 }
 
@@ -64,6 +115,13 @@ mod tests {
         }
         assert!((at(&one, right[1]) - at(&one, right[0])).abs() < 1e-5);
         assert!((at(&two, left[1]) - at(&two, left[0])).abs() < 1e-5);
+        let borders =
+            |piece: &Across, p: Vec3| piece.off_borders_m(&Vec3s::splat(p)).map(|from| from.to_array()[0]);
+        for piece in [&one, &two] {
+            let [on_right, on_left] = [borders(piece, right[1]), borders(piece, left[1])];
+            assert!(on_right[0].abs() < 0.1 && (on_right[1] - 3.5).abs() < 0.1, "{on_right:?}");
+            assert!(on_left[1].abs() < 0.1 && (on_left[0] - 3.5).abs() < 0.1, "{on_left:?}");
+        }
     }
 
     #[test]

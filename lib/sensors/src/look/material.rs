@@ -54,7 +54,7 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
                 .map_or_else(|| Vec3s::splat(rgb), |draped| draped.at(&p.object_m, p.footprint_m));
             finished(finish, rgb)
         }
-        Surface::Asphalt => ground::asphalt(both, around, facet, p),
+        Surface::Asphalt | Surface::KerbedAsphalt(_) => ground::asphalt(both, around, facet, p),
         Surface::RoadMarking => ground::marking(both, around, rgb, p),
         Surface::Concrete if facet.is_ground() && facet.part.tag != Tag::Building => {
             ground::paving(both, around, rgb, p)

@@ -1,10 +1,12 @@
 //! How surfaces look before light falls on them.
 
+mod cells;
 mod dirt;
 mod facade;
 mod facet;
 mod front;
 mod ground;
+mod gutter;
 mod lane;
 mod material;
 mod pattern;
