@@ -25,10 +25,31 @@ pub enum Bone {
     ToesRight,
     /// A cane, from its grip down.
     Cane,
+    /// A pram without its wheels, from the ground below who pushes it.
+    Pram,
+    /// Both front wheels of a pram about their axle, and both rear ones.
+    PramFront,
+    PramRear,
+    /// A dog's lead: from the hand to where it hangs lowest, and from there to the collar.
+    LeadUpper,
+    LeadLower,
+    /// A dog's trunk about its middle; head and neck; tail.
+    Dog,
+    DogHead,
+    DogTail,
+    DogForeLeft,
+    DogForeRight,
+    DogHindLeft,
+    DogHindRight,
+    /// The lower halves of a dog's legs, with the paws.
+    DogForeLeftLower,
+    DogForeRightLower,
+    DogHindLeftLower,
+    DogHindRightLower,
 }
 
 /// So many bones there are.
-pub const BONES: usize = 16;
+pub const BONES: usize = 32;
 
 /// Where each bone is: its frame to the object's.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,6 +147,8 @@ pub struct Figure {
     /// How far the hips are ahead and to the left of the origin, so that the box about somebody who stands is centred.
     pub hips_ahead: f32,
     pub hips_left: f32,
+    /// How much farther ahead they are of somebody who strides out: who has something before them reaches farther back then.
+    pub strides_ahead: f32,
 }
 
 impl Figure {
@@ -175,6 +198,7 @@ impl Figure {
             neck_m,
             hips_ahead: 0.0,
             hips_left: 0.0,
+            strides_ahead: 0.0,
         }
     }
 

@@ -13,7 +13,7 @@ use crate::joints::{about_y, about_z, frame};
 use crate::look::Age;
 
 /// Walking speed of somebody of usual height, m/s, and that height, metres.
-const USUAL_MPS: f32 = 1.4;
+pub(crate) const USUAL_MPS: f32 = 1.4;
 const USUAL_M: f32 = 1.75;
 /// Strides are not longer than those of this speed, m/s.
 const FASTEST_MPS: f32 = 7.0;
@@ -71,12 +71,19 @@ impl Figure {
     }
 }
 
+impl Figure {
+    /// 0 of somebody who stands to 1 of one who strides out.
+    pub(crate) fn vigour(&self, speed_mps: f32) -> f32 {
+        if speed_mps < STANDS_MPS { 0.0 } else { (self.stride_m(speed_mps) / (0.75 * self.stature)).min(1.0) }
+    }
+}
+
 impl Gait {
     pub(crate) fn new(figure: &Figure, speed_mps: f32) -> Self {
         let pace = figure.pace(speed_mps);
         let stride = if speed_mps < STANDS_MPS { 0.0 } else { figure.stride_m(speed_mps) };
         let run = smooth(1.35, 1.75, pace);
-        let vigour = (stride / (0.75 * figure.stature)).min(1.0);
+        let vigour = figure.vigour(speed_mps);
         let duty = mix(0.65 - 0.05 * pace.min(1.3), (0.46 - 0.05 * pace).max(0.28), run);
         Self {
             stride,

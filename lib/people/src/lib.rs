@@ -2,13 +2,16 @@
 //!
 //! A [`Look`] follows from a model of the catalogue and a variant, a [`Figure`] from the look and the stature: the lengths of
 //! its bones and a closed mesh for each. [`Figure::walking`] says where the bones are of somebody who stands, walks or runs;
-//! [`Figure::seated`] of somebody who sits on or in something. The box about a [`Walker`] follows its pose.
+//! [`Figure::seated`] of somebody who sits on or in something. A pram or a dog on a lead is part of its walker. The box about a
+//! [`Walker`] follows its pose.
 
 mod body;
+mod dog;
 mod figure;
 mod gait;
 mod joints;
 mod look;
+mod pram;
 mod reach;
 mod walk;
 mod walker;

@@ -88,6 +88,10 @@ pub enum Carried {
     Cane,
     /// A phone held in front.
     Phone,
+    /// A pram, pushed with both hands.
+    Pram,
+    /// A dog on a lead, in the left hand.
+    Dog,
 }
 
 /// What somebody does while they stand.
@@ -123,6 +127,8 @@ pub struct Look {
     pub hair_rgb: [f32; 3],
     pub shoe_rgb: [f32; 3],
     pub extra_rgb: [f32; 3],
+    /// Height of a dog's back, metres.
+    pub dog_m: f32,
 }
 
 const TOPS: [[f32; 3]; 14] = [
@@ -190,6 +196,15 @@ const EXTRAS: [[f32; 3]; 7] = [
 /// High-visibility clothing: orange or yellow.
 const VESTS: [[f32; 3]; 2] = [[0.80, 0.20, 0.015], [0.58, 0.70, 0.03]];
 const HELMETS: [[f32; 3]; 3] = [[0.80, 0.58, 0.03], [0.80, 0.80, 0.78], [0.78, 0.22, 0.02]];
+/// Coats of dogs.
+const COATS: [[f32; 3]; 6] = [
+    [0.016, 0.014, 0.013],
+    [0.36, 0.22, 0.09],
+    [0.62, 0.58, 0.50],
+    [0.13, 0.065, 0.03],
+    [0.24, 0.23, 0.22],
+    [0.42, 0.30, 0.16],
+];
 const UNIFORM: [f32; 3] = [0.012, 0.018, 0.05];
 
 /// A word that differs between questions asked of the same look (the finaliser of SplitMix64, by Steele, Lea and Flood).
@@ -297,8 +312,19 @@ impl Look {
             hair_rgb: if age == Age::Elder { pick(&GREY, 12) } else { pick(&HAIR, 12) },
             shoe_rgb: pick(&SHOES, 13),
             extra_rgb: pick(&EXTRAS, 14),
+            dog_m: 0.30 + 0.22 * (ask(16) % 1000) as f32 / 1000.0,
         };
-        look.at_work(model.special, turn)
+        look.with_them(model.special, pick(&COATS, 17)).at_work(model.special, turn)
+    }
+
+    /// The same with what the model takes along: the hands are there for that.
+    fn with_them(self, special: &str, coat_rgb: [f32; 3]) -> Self {
+        let (carried, extra_rgb) = match special {
+            "pram" => (Carried::Pram, self.extra_rgb),
+            "dog" => (Carried::Dog, coat_rgb),
+            _ => return self,
+        };
+        Self { carried, extra_rgb, stance: Stance::ArmsHang, ..self }
     }
 
     /// The same in the clothes of their work.

@@ -37,17 +37,8 @@ impl Figure {
         for side in Side::BOTH {
             let k = usize::from(side == Side::Right);
             self.sit_leg(&mut bones, side, seat, seat.balls[k]);
-            let limb = Limb {
-                root: chest.transform_point3(self.shoulder(side)),
-                upper: self.upper_arm,
-                lower: self.forearm + 0.45 * self.hand,
-                bends: seat.elbows * Vec3::new(1.0, side.sign(), 1.0),
-                forward: false,
-            };
-            let ([upper, lower], _) = limb.reach(seat.hands[k]);
-            let [a, b] = side.arm();
-            bones.place(a, upper);
-            bones.place(b, lower);
+            let elbow = seat.elbows * Vec3::new(1.0, side.sign(), 1.0);
+            self.take_hold(&mut bones, side, seat.hands[k], elbow);
         }
         bones
     }

@@ -20,7 +20,7 @@ impl Figure {
     #[must_use]
     pub fn walking(&self, phase_rad: f32, speed_mps: f32) -> Bones {
         let gait = Gait::new(self, speed_mps);
-        let hips = [self.hips_ahead, self.hips_left];
+        let hips = self.hips_over(&gait);
         let mut bones = Bones([Affine3A::IDENTITY; BONES]);
         let strides = cycle(phase_rad, Side::Left) * TAU;
         let v = gait.vigour;
@@ -42,7 +42,17 @@ impl Figure {
         for side in Side::BOTH {
             self.place_arm(&mut bones, side, &gait, strides);
         }
+        match self.look.carried {
+            Carried::Pram => self.place_pram(&mut bones, hips, phase_rad),
+            Carried::Dog => self.place_dog(&mut bones, hips, &gait, phase_rad),
+            _ => {}
+        }
         bones
+    }
+
+    /// Where the hips' middle is over the ground.
+    fn hips_over(&self, gait: &Gait) -> [f32; 2] {
+        [self.hips_ahead + self.strides_ahead * gait.vigour, self.hips_left]
     }
 
     /// How far the hips go up and down, metres; when running they are lowest where walkers' are highest.
@@ -90,7 +100,11 @@ impl Figure {
     /// How far the trunk leans forward, radians.
     fn lean(&self, gait: &Gait) -> f32 {
         let stoop = if self.look.age == Age::Elder { 0.13 } else { 0.015 };
-        let load = if self.look.carried == Carried::Backpack { 0.03 } else { 0.0 };
+        let load = match self.look.carried {
+            Carried::Backpack => 0.03,
+            Carried::Pram => 0.05,
+            _ => 0.0,
+        };
         stoop + load + gait.vigour * (0.02 + 0.11 * gait.run)
     }
 
@@ -192,7 +206,6 @@ impl Figure {
 
     /// A cane goes forward with the left foot and stands on the ground as long.
     fn place_cane(&self, bones: &mut Bones, gait: &Gait, strides: f32) {
-        let chest = bones.object_from_bone(Bone::Chest);
         let c = strides / TAU;
         let travel = gait.stride * gait.duty;
         let (x, z) = if c < gait.duty {
@@ -202,24 +215,30 @@ impl Figure {
             (travel * (w * w * (3.0 - 2.0 * w) - 0.5), 0.07 * gait.vigour * sin(0.5 * TAU * w))
         };
         let h = self.stature;
-        let tip = Vec3::new(self.hips_ahead + 0.06 * h + x, self.hips_left - 0.155 * h, z);
-        let shoulder = chest.transform_point3(self.shoulder(Side::Right));
+        let [hips_ahead, hips_left] = self.hips_over(gait);
+        let tip = Vec3::new(hips_ahead + 0.06 * h + x, hips_left - 0.155 * h, z);
         // The grip is near above the tip, leaning after the hand.
-        let grip = Vec3::new(0.6 * tip.x + 0.4 * (self.hips_ahead + 0.05 * h), tip.y - 0.005 * h, 0.0);
+        let grip = Vec3::new(0.6 * tip.x + 0.4 * (hips_ahead + 0.05 * h), tip.y - 0.005 * h, 0.0);
         let lean = Vec3::new(grip.x - tip.x, grip.y - tip.y, self.cane_m());
         let grip = tip + lean.normalize_or(Vec3::Z) * self.cane_m();
+        let hand = self.take_hold(bones, Side::Right, grip, Vec3::new(-1.0, -0.35, 0.0));
+        bones.place(Bone::Cane, crate::joints::hanging(hand, tip, Vec3::X));
+    }
+
+    /// The palm of a side at a place, or as near to it as the arm reaches, its elbow bent to `bends`; gives where the palm is.
+    pub(crate) fn take_hold(&self, bones: &mut Bones, side: Side, at: Vec3, bends: Vec3) -> Vec3 {
         let limb = Limb {
-            root: shoulder,
+            root: bones.object_from_bone(Bone::Chest).transform_point3(self.shoulder(side)),
             upper: self.upper_arm,
             lower: self.forearm + 0.45 * self.hand,
-            bends: Vec3::new(-1.0, -0.35, 0.0),
+            bends,
             forward: false,
         };
-        let ([upper, lower], hand) = limb.reach(grip);
-        let [a, b] = Side::Right.arm();
+        let ([upper, lower], palm) = limb.reach(at);
+        let [a, b] = side.arm();
         bones.place(a, upper);
         bones.place(b, lower);
-        bones.place(Bone::Cane, crate::joints::hanging(hand, tip, Vec3::X));
+        palm
     }
 
     /// Length of a cane, metres.

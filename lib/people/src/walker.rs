@@ -1,5 +1,6 @@
 //! Walkers: a figure whose box about it, standing, is known, and whose box follows its pose.
 
+use std::f32::consts::TAU;
 use std::sync::Arc;
 
 use frames::Aabb;
@@ -10,7 +11,8 @@ use schema::models::Model;
 use solids::Detail;
 
 use crate::figure::{Bone, Bones, Figure};
-use crate::look::Look;
+use crate::gait::USUAL_MPS;
+use crate::look::{Carried, Look};
 
 /// Somebody who walks, with meshes and a box.
 #[derive(Clone, Debug)]
@@ -47,6 +49,9 @@ impl Walker {
         let standing = bounds(&figure.walking(0.0, 0.0), &outer);
         let middle = 0.5 * (standing.min + standing.max);
         (figure.hips_ahead, figure.hips_left) = (-middle.x, -middle.y);
+        if matches!(look.carried, Carried::Pram | Carried::Dog) {
+            figure.strides_ahead = striding_ahead(&figure, &outer);
+        }
         let mut walker = Self { figure, meshes, outer, size_m: Vec3::ZERO };
         walker.size_m = walker.box_m(0.0, 0.0);
         walker
@@ -77,6 +82,17 @@ impl Walker {
         let reach = found.max.max(-found.min);
         Vec3::new(2.0 * reach.x, 2.0 * reach.y, found.max.z)
     }
+}
+
+/// How far somebody must be moved ahead at full stride so that what the pose takes up in the mean is centred on the origin, too.
+fn striding_ahead(figure: &Figure, outer: &[(Bone, Vec<Vec3A>)]) -> f32 {
+    const PHASES: usize = 12;
+    let middle = |k: usize| {
+        let found = bounds(&figure.walking(TAU * k as f32 / PHASES as f32, USUAL_MPS), outer);
+        0.5 * (found.min.x + found.max.x)
+    };
+    let mean = (0..PHASES).map(middle).sum::<f32>() / PHASES as f32;
+    -mean / figure.vigour(USUAL_MPS)
 }
 
 fn bounds(bones: &Bones, outer: &[(Bone, Vec<Vec3A>)]) -> Aabb {

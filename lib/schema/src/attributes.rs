@@ -44,7 +44,7 @@ macro_rules! keys {
 keys! {
     /// Base type of the model: `car`, `truck`, ...
     BaseType = "base_type",
-    /// `emergency`, `taxi`, `wheelchair`, ..., or nothing.
+    /// `emergency`, `taxi`, `wheelchair`, `pram`, `dog`, ..., or nothing.
     SpecialType = "special_type",
     /// How many wheels a vehicle has.
     NumberOfWheels = "number_of_wheels",

@@ -95,7 +95,7 @@ pub struct Model {
     pub wheelbase_m: f64,
     /// Wheel radius, metres.
     pub wheel_radius_m: f64,
-    /// `emergency`, `taxi`, `electric`, of people `police`, `worker`, `wheelchair`; or empty.
+    /// `emergency`, `taxi`, `electric`, of people `police`, `worker`, `wheelchair`, `pram`, `dog`; or empty.
     pub special: &'static str,
     /// What a pack says of its model, which follows from kind and name of all others.
     pub own: Option<OwnFacts>,
@@ -142,7 +142,10 @@ impl Model {
     pub fn gender(&self, variant: u32) -> &'static str {
         match self.name {
             "walker.woman" => "female",
-            "walker.child" | "walker.teen" | "walker.elder" | "walker.wheelchair" if variant % 2 == 1 => {
+            "walker.child" | "walker.teen" | "walker.elder" | "walker.wheelchair" | "walker.with_pram"
+            | "walker.with_dog"
+                if variant % 2 == 1 =>
+            {
                 "female"
             }
             "walker.police" | "walker.worker" if variant % 4 == 3 => "female",
@@ -253,6 +256,8 @@ pub const MODELS: &[Model] = {
         model("barrier.wooden", Barrier, [1.50, 0.60, 1.05], 0.0, 0.0, ""),
         model("walker.teen", Pedestrian, [0.38, 0.52, 1.60], 0.0, 0.0, ""),
         model("walker.wheelchair", Pedestrian, [1.10, 0.66, 1.32], 0.0, 0.31, "wheelchair"),
+        model("walker.with_pram", Pedestrian, [1.47, 0.60, 1.68], 0.0, 0.0, "pram"),
+        model("walker.with_dog", Pedestrian, [0.80, 0.74, 1.70], 0.0, 0.0, "dog"),
         model("car.city", Car, [3.60, 1.66, 1.50], 2.42, 0.29, ""),
         model("car.compact", Car, [4.46, 1.77, 1.45], 2.67, 0.31, ""),
         model("car.liftback", Car, [4.96, 1.96, 1.44], 2.96, 0.36, "electric"),
@@ -327,7 +332,7 @@ pub fn vehicles() -> impl Iterator<Item = &'static Model> {
     MODELS.iter().filter(|m| m.wheelbase_m > 0.0)
 }
 
-/// Models that walk about; police and workers have their places.
+/// Models that walk about alone; police and workers have their places.
 pub fn walkers() -> impl Iterator<Item = &'static Model> {
     MODELS.iter().filter(|m| m.base == BaseType::Pedestrian && m.special.is_empty())
 }
@@ -336,6 +341,18 @@ pub fn walkers() -> impl Iterator<Item = &'static Model> {
 #[must_use]
 pub fn wheelchair() -> Option<&'static Model> {
     find("walker.wheelchair")
+}
+
+/// Somebody who pushes a pram.
+#[must_use]
+pub fn with_pram() -> Option<&'static Model> {
+    find("walker.with_pram")
+}
+
+/// Somebody who leads a dog.
+#[must_use]
+pub fn with_dog() -> Option<&'static Model> {
+    find("walker.with_dog")
 }
 
 #[cfg(test)]

@@ -29,20 +29,32 @@ fn main() -> Result<(), Box<dyn Error>> {
         let name = format!("people-{}.jpg", model.name.trim_start_matches("walker."));
         stage.save(&folder.join(name), [0.0, -10.6, 0.6], frames::deg(5.0), [1320, 384], 64.0)?;
     }
-    let strips = [("man", 1, 1.4), ("woman", 4, 1.3), ("child", 2, 1.2), ("elder", 0, 0.9), ("man", 3, 3.2)];
+    let strips = [
+        ("man", 1, 1.4),
+        ("woman", 4, 1.3),
+        ("child", 2, 1.2),
+        ("elder", 0, 0.9),
+        ("man", 3, 3.2),
+        ("with_pram", 2, 1.4),
+        ("with_dog", 3, 1.4),
+        ("with_dog", 6, 3.0),
+    ];
     for (k, (name, look, gait_mps)) in strips.into_iter().enumerate() {
         let Some(model) = people.iter().find(|m| m.name.ends_with(name)) else { continue };
         let mut stage = Stage::new();
+        let (step_m, away_m) = if model.size_m[0] > 0.9 { (1.65, -12.8) } else { (1.25, -9.6) };
         for phase in 0..8 {
             let phase_rad = std::f32::consts::TAU * phase as f32 / 8.0;
             let posture = Posture { phase_rad, gait_mps, ..Posture::default() };
-            stage.add(model, look, at(1.25 * (phase as f32 - 3.5), 0.0, 0.0), posture);
+            stage.add(model, look, at(step_m * (phase as f32 - 3.5), 0.0, 0.0), posture);
         }
         let file = folder.join(format!("people-strip-{k}-{name}.jpg"));
-        stage.save(&file, [0.0, -9.6, -0.6], 0.0, [1200, 288], 56.0)?;
+        stage.save(&file, [0.0, away_m, -0.6], 0.0, [1200, 288], 56.0)?;
     }
     // Three close up.
-    for (k, name) in ["man", "woman", "child", "elder", "teen", "worker"].into_iter().enumerate() {
+    for (k, name) in
+        ["man", "woman", "child", "elder", "teen", "worker", "with_pram", "with_dog"].into_iter().enumerate()
+    {
         let Some(model) = people.iter().find(|m| m.name.ends_with(name)) else { continue };
         let mut stage = Stage::new();
         for (j, look) in [1, 4, 6, 9].into_iter().enumerate() {

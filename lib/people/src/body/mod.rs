@@ -1,7 +1,9 @@
 //! Bodies: a closed mesh for each bone, overlapping at the joints.
 
+mod dog;
 mod head;
 mod limbs;
+mod pram;
 mod shape;
 mod stuffs;
 mod torso;
@@ -12,8 +14,10 @@ use schema::geometry::{Part, Surface, TriMesh};
 use solids::{Detail, MeshBuilder};
 
 use self::stuffs::Stuffs;
+use crate::dog::{Dog, LEGS};
 use crate::figure::{Bone, Figure, Side};
 use crate::look::Carried;
+use crate::pram::{FRONT, REAR};
 
 impl Figure {
     /// The meshes of the body in the frames of its bones; all parts carry the tag. At [`Detail::Coarse`], feet have no toes.
@@ -41,8 +45,26 @@ impl Figure {
             add(foot, &|b| limbs::foot(b, self, &stuffs));
             add(toes, &|b| limbs::toes(b, self, &stuffs));
         }
-        if self.look.carried == Carried::Cane {
-            add(Bone::Cane, &|b| cane(b, self, &stuffs));
+        match self.look.carried {
+            Carried::Cane => add(Bone::Cane, &|b| cane(b, self, &stuffs)),
+            Carried::Pram => {
+                add(Bone::Pram, &|b| pram::frame(b, self, &stuffs));
+                add(Bone::PramFront, &|b| pram::wheels(b, &stuffs, &FRONT));
+                add(Bone::PramRear, &|b| pram::wheels(b, &stuffs, &REAR));
+            }
+            Carried::Dog => {
+                let dog = Dog::new(&self.look);
+                add(Bone::LeadUpper, &|b| dog::lead(b, &stuffs, self.lead_m()));
+                add(Bone::LeadLower, &|b| dog::lead(b, &stuffs, self.lead_m()));
+                add(Bone::Dog, &|b| dog::trunk(b, &dog, &stuffs));
+                add(Bone::DogHead, &|b| dog::head(b, &dog, &stuffs));
+                add(Bone::DogTail, &|b| dog::tail(b, &dog, &stuffs));
+                for leg in LEGS {
+                    add(leg.upper, &|b| dog::upper_leg(b, &dog, &stuffs, leg.hind));
+                    add(leg.lower, &|b| dog::lower_leg(b, &dog, &stuffs));
+                }
+            }
+            _ => {}
         }
         made
     }

@@ -30,6 +30,10 @@ use crate::walking::walker::{WHEELCHAIR_MPS, Walker};
 
 /// Whoever stands and waits when a scene begins does so for another so many seconds, at least and at most.
 const WAITS_S: [f64; 2] = [5.0, 90.0];
+/// Shares of grown-up walkers on their feet who push a pram and who lead a dog, and how fast prams are at most, m/s.
+const PRAMS: f64 = 0.02;
+const DOGS: f64 = 0.03;
+const PRAM_MPS: f64 = 1.8;
 /// Clothes of walkers (sRGB).
 const CLOTHES: [[u8; 3]; 8] = [
     [40, 44, 52],
@@ -94,10 +98,29 @@ fn draw_walker(input: &SceneInput<'_>, catalogue: &[&'static models::Model], num
     let mut chairs = Stream::new(scene.seed, u64::from(scene.scene), "traffic/wheelchair", number);
     let (model, speed_mps) = match models::wheelchair() {
         Some(chair) if chairs.chance(settings.wheelchair) => (chair, speed.min(WHEELCHAIR_MPS)),
-        _ => (model, speed),
+        _ => {
+            let takes = Stream::new(scene.seed, u64::from(scene.scene), "traffic/walker/takes", number);
+            take_along(model, speed, takes)
+        }
     };
     let anywhere = stream.chance(scene.walker_cross_factor);
     Some(Drawn { model, color, speed_mps, stream, anywhere })
+}
+
+/// Of grown-ups some push a pram, none of them running, and some lead a dog.
+fn take_along(
+    model: &'static models::Model,
+    speed_mps: f64,
+    mut draw: Stream,
+) -> (&'static models::Model, f64) {
+    if ["walker.child", "walker.teen"].contains(&model.name) {
+        return (model, speed_mps);
+    }
+    match (draw.uniform(0.0, 1.0), models::with_pram(), models::with_dog()) {
+        (share, Some(pram), _) if share < PRAMS => (pram, speed_mps.min(PRAM_MPS)),
+        (share, _, Some(dog)) if share < PRAMS + DOGS => (dog, speed_mps),
+        _ => (model, speed_mps),
+    }
 }
 
 /// The walkers, each with whether it crosses roads anywhere: alone, in groups that begin where the first of them was to begin,

@@ -164,6 +164,38 @@ fn a_share_of_walkers_rolls_and_its_wheels_turn_with_the_way() {
     assert!((11..=49).contains(&chairs), "{chairs} wheelchairs");
 }
 
+#[test]
+fn some_push_prams_or_lead_dogs_and_get_on_among_the_others() {
+    let map = straight(1500.0);
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for seed in 1..=5 {
+        let mut scene = scene(30.0);
+        (scene.seed, scene.walkers, scene.walker_cross_factor, scene.spawn_radius_m) =
+            (seed, 400, 0.0, 2000.0);
+        let mut settings = settings();
+        settings.walkers.wheelchair = 0.0;
+        settings.walkers.waiting = 0.0;
+        let log = run(&map, &scene, &[agent(0, [700.0, -1.75, 0.0], 0.0)], &settings);
+        assert_eq!(overlaps(&log), [], "seed {seed}");
+        let tracks = tracks(&log);
+        for walker in log.actors.iter().filter(|a| a.kind == ActorKind::Walker) {
+            *counts.entry(walker.model.clone()).or_default() += 1;
+            let with = walker.attributes.get(&Attribute::SpecialType).unwrap_or_default();
+            assert_eq!(walker.model.strip_prefix("walker.with_").unwrap_or(""), with);
+            if with == "pram" {
+                let way = |p: &[&StateRow]| (p[1].xyz_m[0] - p[0].xyz_m[0]).abs();
+                let steps: Vec<f64> = tracks[&walker.id].windows(2).map(way).collect();
+                // 1.8 m/s, and a third more for those who catch up with their company.
+                assert!(steps.iter().all(|way| *way < 1.3 * 1.8 * 0.05 + 1e-6), "{} runs", walker.id);
+                assert!(steps.iter().sum::<f64>() > 10.0, "{} does not get on", walker.id);
+            }
+        }
+    }
+    // Of 2000, four of six models grown-up: 27 and 40 expected, within four standard deviations.
+    let [prams, dogs] = ["walker.with_pram", "walker.with_dog"].map(|m| counts.get(m).copied().unwrap_or(0));
+    assert!((7..=47).contains(&prams) && (15..=65).contains(&dogs), "{counts:?}");
+}
+
 /// A country road to the east, one lane each way, without sidewalks.
 fn country(length_m: f64) -> Map {
     let mut network = straight(length_m).network().clone();
