@@ -346,7 +346,7 @@ pub(crate) fn walkers(s: &Section<'_>) -> WalkerSettings {
             s,
             "waiting",
             d.waiting,
-            "share of the others who stand and wait when the scene begins: at crossings, benches, buildings",
+            "share of the others who stand and wait when the scene begins: at crossings, benches, buildings; twice that share of groups stands and talks",
         ),
     }
 }

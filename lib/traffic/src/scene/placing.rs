@@ -21,15 +21,18 @@ use crate::vehicle::driver::Driver;
 use crate::vehicle::motion::Motion;
 use crate::vehicle::route::Route;
 use crate::walking::company::{Company, abreast, draw_sizes};
-use crate::walking::crowd::Crowd;
+use crate::walking::crowd::{Crowd, radius_m};
 use crate::walking::fixtures::Fixtures;
 use crate::walking::paths::Paths;
 use crate::walking::routes::Routes;
+use crate::walking::talk::{self, TURNS_RAD};
 use crate::walking::waiting::WaitingPlaces;
-use crate::walking::walker::{WHEELCHAIR_MPS, Walker};
+use crate::walking::walker::{AWAITS_S, WHEELCHAIR_MPS, Walker};
 
 /// Whoever stands and waits when a scene begins does so for another so many seconds, at least and at most.
 const WAITS_S: [f64; 2] = [5.0, 90.0];
+/// Groups stand when a scene begins, and talk, so many times as often as those who are alone.
+const TALKS: f64 = 2.0;
 /// Shares of grown-up walkers on their feet who push a pram and who lead a dog, and how fast prams are at most, m/s.
 const PRAMS: f64 = 0.02;
 const DOGS: f64 = 0.03;
@@ -124,7 +127,7 @@ fn take_along(
 }
 
 /// The walkers, each with whether it crosses roads anywhere: alone, in groups that begin where the first of them was to begin,
-/// or standing where people wait.
+/// or standing where people wait; groups who stand talk with one another.
 pub(crate) fn place_walkers(
     input: &SceneInput<'_>,
     streets: &Streets<'_>,
@@ -146,6 +149,14 @@ pub(crate) fn place_walkers(
         let slowest = drawn.iter().map(|d| d.speed_mps).fold(f64::INFINITY, f64::min);
         let anywhere = drawn.first().is_some_and(|d| d.anywhere);
         let (number, way, along_m) = members[0];
+        let mut talks = stream("traffic/walker/talk", number as u64);
+        let ring = (size > 1 && talks.chance(TALKS * settings.waiting)).then(|| {
+            let middle = waiting.draw(paths, (way, along_m), &mut talks);
+            let radius_m = drawn.iter().map(|d| radius_m(d.model.size_m)).fold(0.0, f64::max);
+            let turn_rad = talks.uniform(TURNS_RAD[0], TURNS_RAD[1]);
+            talk::ring(paths, fixtures, &crowd, &middle, (drawn.len(), radius_m, turn_rad))
+        });
+        let ring = ring.flatten().map(|places| (places, talks.uniform(WAITS_S[0], WAITS_S[1])));
         for (rank, Drawn { model, color, speed_mps, stream: own, .. }) in drawn.into_iter().enumerate() {
             let owner = Owner::Walker((first + rank) as u32);
             let make_body = |at: &Point3<f64>| bodies.walker(at, model.size_m, owner);
@@ -156,8 +167,14 @@ pub(crate) fn place_walkers(
             if let Some(offset) = abreast(size, rank) {
                 let others = (first..first + size).filter(|i| *i != first + rank).collect();
                 walker.join(Company { first, others }, offset, slowest);
-                let trip = walkers.get(first).filter(|_| rank > 0).and_then(|(first, _)| first.trip());
-                walker.keep_up(1.0, rank > 0, trip);
+                if let Some((places, until_s)) = &ring {
+                    // The others go where the first goes, or wherever they like where it is late.
+                    let late_s = if rank > 0 { AWAITS_S } else { 0.0 };
+                    walker.wait(paths, &places[rank], until_s + late_s);
+                } else {
+                    let trip = walkers.get(first).filter(|_| rank > 0).and_then(|(first, _)| first.trip());
+                    walker.keep_up(1.0, rank > 0, trip);
+                }
             } else if waits.chance(settings.waiting) {
                 let place = waiting.draw(paths, place, &mut waits);
                 walker.wait(paths, &place, waits.uniform(WAITS_S[0], WAITS_S[1]));

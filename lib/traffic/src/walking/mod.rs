@@ -7,6 +7,7 @@ pub(crate) mod fixtures;
 pub(crate) mod paths;
 pub(crate) mod routes;
 pub(crate) mod surroundings;
+pub(crate) mod talk;
 pub(crate) mod together;
 pub(crate) mod waiting;
 pub(crate) mod walker;

@@ -50,7 +50,7 @@ const STEPS_BACK_S: f64 = 0.5;
 const STEP_M: f64 = 0.8;
 
 /// At its destination, one of a group waits this long for the others at most, seconds.
-const AWAITS_S: f64 = 6.0;
+pub(crate) const AWAITS_S: f64 = 6.0;
 
 #[derive(Clone, Debug)]
 enum Mode {

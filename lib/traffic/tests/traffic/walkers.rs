@@ -300,3 +300,41 @@ fn some_stand_and_wait_and_walk_on_later() {
     }
     assert!(at_kerb >= 8, "{at_kerb} at crosswalks");
 }
+
+#[test]
+fn groups_who_stand_face_one_another_and_walk_on_together() {
+    let mut settings = settings();
+    (settings.walkers.waiting, settings.walkers.in_groups) = (1.0, 1.0);
+    let mut plan = scene(100.0);
+    (plan.walkers, plan.walker_cross_factor, plan.spawn_radius_m) = (45, 0.0, 2000.0);
+    let log = run(&straight(1500.0), &plan, &[agent(0, [700.0, -1.75, 0.0], 0.0)], &settings);
+    assert_eq!((log.n_walkers, overlaps(&log)), (45, vec![]));
+    let tracks = tracks(&log);
+    let ids: Vec<u16> = log.actors.iter().filter(|a| a.kind == ActorKind::Walker).map(|a| a.id).collect();
+    let mut talking = 0;
+    for id in &ids {
+        let own = tracks[id][0];
+        let near = ids.iter().filter(|other| *other != id).filter_map(|other| {
+            let there = tracks[other][0].xyz_m;
+            let [dx, dy] = [0, 1].map(|k| there[k] - own.xyz_m[k]);
+            ((dx * dx + dy * dy).sqrt() < 2.2).then_some((*other, [dx, dy]))
+        });
+        let near: Vec<(u16, [f64; 2])> = near.collect();
+        let yaw =
+            frames::Pose::<frames::World, frames::Object>::from_xyz_wxyz(own.xyz_m, own.quaternion).yaw();
+        // Each of two or three others of a ring is within 60 degrees of straight ahead: in a ring of three within 30.
+        let ahead = |[dx, dy]: [f64; 2]| frames::wrap_pi(frames::math::atan2(dy, dx) - yaw).abs() < 0.6;
+        let met = near.iter().filter(|(_, way)| ahead(*way)).count();
+        talking += u32::from((1..=2).contains(&met));
+        // They stand for at least 5 s, of which 2 s were before frame 0.
+        let gone = |i: usize| (tracks[id][i].xyz_m[0] - own.xyz_m[0]).abs();
+        assert!((0..55).all(|i| gone(i) < 0.3), "{id} steps away");
+        assert!((0..=2000).any(|i| gone(i) > 3.0), "{id} stands for ever");
+    }
+    // All but those whose group found no room, or was cut off at the end of the list.
+    assert!(talking >= 38, "{talking} of 45 talk");
+    for state in [600, 1200] {
+        let together = nearest_m(&log, state).iter().filter(|d| **d < 3.0).count();
+        assert!(together >= 36, "{together} of 45 are together at {state}");
+    }
+}
