@@ -1,4 +1,5 @@
-//! How walkers walk: from where they are at each frame follows the phase of their stride, and the box about their pose.
+//! How walkers walk: from where they are at each frame follows the phase of their stride, and the box about their pose. While
+//! somebody stands, the phase goes on with the time, and with it what they do then.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -14,6 +15,9 @@ use schema::{ActorRole, FRAME_PERIOD_S, ObjectId};
 const EASE: f64 = 0.2;
 /// Slower than this they stand, m/s.
 const STANDS_MPS: f64 = 0.03;
+
+/// Who stands shifts the weight to and fro in so long, seconds.
+const IDLES_S: f64 = 4.5;
 
 /// Somebody who walks.
 struct Pacer {
@@ -70,10 +74,10 @@ impl Pacer {
         if stride_m > 0.0 {
             // A foot stays where it is while the body goes on: a stride is a cycle.
             self.phase_rad += TAU * speed_mps * FRAME_PERIOD_S / stride_m;
+        } else if self.body.idles() {
+            self.phase_rad += TAU * FRAME_PERIOD_S / IDLES_S;
         }
         (state.phase_rad, state.gait_mps) = (self.phase_rad as f32, gait_mps as f32);
-        let stands = state.gait_mps == 0.0;
-        let size = if stands { self.body.size_m() } else { self.body.box_m(state.phase_rad, state.gait_mps) };
-        state.size_m = size.to_array();
+        state.size_m = self.body.box_m(state.phase_rad, state.gait_mps).to_array();
     }
 }

@@ -99,7 +99,7 @@ impl Figure {
         bones.place(Bone::Dog, frame(about_y(0.015 * v * sin(TAU * turns)), at + Vec3::Z * 0.78 * m));
         let nod = 0.05 * v * sin(2.0 * TAU * turns);
         bones.place(Bone::DogHead, frame(about_y(nod), at + NECK * m));
-        let wag = 0.35 * v * sin(TAU * turns);
+        let wag = (0.35 * v + 0.5 * gait.idle) * sin(TAU * turns);
         bones.place(Bone::DogTail, frame(about_z(wag), at + RUMP * m));
         for leg in LEGS {
             let offset = if (leg.side == Side::Left) == leg.hind { 0.5 } else { 0.0 };

@@ -31,6 +31,8 @@ pub(crate) struct Gait {
     pub(crate) duty: f32,
     /// 0 standing still to 1 striding out.
     pub(crate) vigour: f32,
+    /// 1 standing still to 0 walking: how much of what is done while one stands is seen.
+    pub(crate) idle: f32,
     /// 0 walking to 1 running.
     pub(crate) run: f32,
     /// Middle of a foot's way before the hips, metres.
@@ -89,6 +91,7 @@ impl Gait {
             stride,
             duty,
             vigour,
+            idle: (1.0 - vigour) * (1.0 - vigour),
             run,
             ahead: mix(-0.055, -0.05, run) * figure.stature * vigour,
             strike: mix(0.34, 0.10, run) * vigour,

@@ -27,10 +27,12 @@ impl Figure {
         let walk = 1.0 - gait.run;
         // The body is over the foot that carries it, and lowest (running: while it carries).
         let over = strides - gait.duty * 0.5 * TAU;
-        let sway = 0.010 * self.stature * v * walk * cos(over);
+        // Who stands shifts the weight, looks about and moves the hands in talk.
+        let idle = gait.idle * sin(phase_rad);
+        let sway = self.stature * (0.010 * v * walk * cos(over) + 0.009 * idle);
         let z = self.hips_m(&gait) + self.bob(&gait) * cos(2.0 * over);
         let yaw = -0.10 * v * cos(strides);
-        let tips = 0.045 * v * walk * cos(over);
+        let tips = 0.045 * v * walk * cos(over) + 0.020 * idle;
         let turn = about_z(yaw) * about_x(tips) * about_y(0.7 * self.lean(&gait));
         let pelvis = frame(turn, Vec3::new(hips[0], hips[1] + sway, z.min(self.hip_z)));
         bones.place(Bone::Pelvis, pelvis);
@@ -118,7 +120,10 @@ impl Figure {
         let chest = bones.object_from_bone(Bone::Chest);
         let nod = 0.35 * lean + 0.01 * gait.vigour * sin(2.0 * strides);
         let looks_down = if self.look.carried == Carried::Phone { 0.30 } else { 0.0 };
-        bones.place(Bone::Head, frame(about_y(nod + looks_down), chest.transform_point3(self.neck)));
+        // Not with a phone at the ear.
+        let about = if self.look.stance == Stance::Phones { 0.0 } else { 0.24 * gait.idle };
+        let looks = about_z(about * sin(strides)) * about_y(nod + looks_down);
+        bones.place(Bone::Head, frame(looks, chest.transform_point3(self.neck)));
     }
 
     fn place_arm(&self, bones: &mut Bones, side: Side, gait: &Gait, strides: f32) {
@@ -139,8 +144,12 @@ impl Figure {
         }
         let idle = 1.0 - v;
         let stance = match (self.look.stance, side) {
-            (Stance::Talks, Side::Left) => Some((0.35, 1.25, 0.18, 0.30)),
-            (Stance::Talks, Side::Right) => Some((0.25, 0.95, 0.15, 0.25)),
+            (Stance::Talks, Side::Left) => {
+                Some((0.35 + 0.10 * sin(2.0 * strides), 1.25 + 0.30 * sin(2.0 * strides), 0.18, 0.30))
+            }
+            (Stance::Talks, Side::Right) => {
+                Some((0.25 + 0.08 * sin(strides), 0.95 + 0.25 * sin(3.0 * strides), 0.15, 0.25))
+            }
             (Stance::HandsOnHips, _) => Some((-0.35, 1.35, 0.62, 1.10)),
             _ => None,
         };

@@ -69,7 +69,14 @@ impl Walker {
         &self.meshes
     }
 
-    /// Length, width and height of the box about it while it stands, metres.
+    /// Whether it moves a little while it stands, as the phase goes on. The wheels of a pram, which turn with the phase, stand
+    /// still then.
+    #[must_use]
+    pub fn idles(&self) -> bool {
+        self.figure.look.carried != Carried::Pram
+    }
+
+    /// Length, width and height of the box about it while it stands at phase 0, metres.
     #[must_use]
     pub fn size_m(&self) -> Vec3 {
         self.size_m
