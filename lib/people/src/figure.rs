@@ -25,6 +25,8 @@ pub enum Bone {
     ToesRight,
     /// A cane, from its grip down.
     Cane,
+    /// A shovel, from its upper end down.
+    Shovel,
     /// A pram without its wheels, from the ground below who pushes it.
     Pram,
     /// Both front wheels of a pram about their axle, and both rear ones.
@@ -49,7 +51,7 @@ pub enum Bone {
 }
 
 /// So many bones there are.
-pub const BONES: usize = 32;
+pub const BONES: usize = 33;
 
 /// Where each bone is: its frame to the object's.
 #[derive(Clone, Copy, Debug, PartialEq)]

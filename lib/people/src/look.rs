@@ -92,6 +92,8 @@ pub enum Carried {
     Pram,
     /// A dog on a lead, in the left hand.
     Dog,
+    /// A shovel, in both hands.
+    Shovel,
 }
 
 /// What somebody does while they stand.
@@ -329,17 +331,18 @@ impl Look {
 
     /// The same in the clothes of their work.
     fn at_work(self, special: &str, turn: usize) -> Self {
-        let (top, hat, top_rgb, bottom_rgb, extra_rgb) = match special {
+        let (top, hat, top_rgb, bottom_rgb, extra_rgb, carried) = match special {
             "worker" => {
                 let vest = VESTS[turn % 2];
                 let legs = if turn % 4 < 2 { vest } else { UNIFORM };
-                (Top::HiVis, Hat::Helmet, vest, legs, HELMETS[turn % 3])
+                let carried = if turn % 5 < 2 { Carried::Shovel } else { Carried::Nothing };
+                (Top::HiVis, Hat::Helmet, vest, legs, HELMETS[turn % 3], carried)
             }
-            "police" => (Top::Uniform, Hat::PeakedCap, UNIFORM, UNIFORM, UNIFORM),
+            "police" => (Top::Uniform, Hat::PeakedCap, UNIFORM, UNIFORM, UNIFORM, Carried::Nothing),
             _ => return self,
         };
-        let carried = Carried::Nothing;
-        let stance = if self.stance == Stance::Phones { Stance::ArmsHang } else { self.stance };
+        let free = carried == Carried::Nothing && self.stance != Stance::Phones;
+        let stance = if free { self.stance } else { Stance::ArmsHang };
         let hair = if self.woman { Hair::Ponytail } else { Hair::Short };
         let bottom = Bottom::Trousers;
         Self { top, hat, top_rgb, bottom_rgb, extra_rgb, carried, stance, hair, bottom, ..self }

@@ -340,6 +340,29 @@ fn hands_hold_the_handle_and_the_wheels_stand_on_the_ground() {
 }
 
 #[test]
+fn both_hands_hold_a_shovel_whose_blade_stands_on_the_ground() {
+    let mut seen = 0;
+    for (name, who) in everybody().filter(|(_, who)| who.figure().look.carried == Carried::Shovel) {
+        let figure = who.figure();
+        let bones = figure.walking(0.0, 0.0);
+        let shaft = bones.object_from_bone(Bone::Shovel);
+        let palm = Vec3::NEG_Z * (figure.forearm + 0.45 * figure.hand);
+        for side in Side::BOTH {
+            let hand = bones.object_from_bone(side.arm()[1]).transform_point3(palm);
+            let hand = shaft.inverse().transform_point3(hand);
+            let on = (-figure.shovel_m()..0.0).contains(&hand.z);
+            assert!(on && hand.truncate().length() < 0.004, "{name}: a hand at {hand}");
+        }
+        let points = placed(&who, 0.0, 0.0);
+        let blade = points.iter().filter(|(bone, _)| *bone == Bone::Shovel).flat_map(|(_, points)| points);
+        let low = blade.map(|p| p.z).fold(f32::INFINITY, f32::min);
+        assert!((-0.001..0.01).contains(&low), "{name}: {low}");
+        seen += 1;
+    }
+    assert!(seen >= 5, "{seen} hold a shovel");
+}
+
+#[test]
 fn a_lead_goes_from_the_hand_to_the_collar() {
     for (name, who) in some().filter(|(_, who)| who.figure().look.carried == Carried::Dog) {
         let figure = who.figure();

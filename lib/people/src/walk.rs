@@ -47,6 +47,7 @@ impl Figure {
         match self.look.carried {
             Carried::Pram => self.place_pram(&mut bones, hips, phase_rad),
             Carried::Dog => self.place_dog(&mut bones, hips, &gait, phase_rad),
+            Carried::Shovel => self.place_shovel(&mut bones, hips, &gait),
             _ => {}
         }
         bones
@@ -232,6 +233,25 @@ impl Figure {
         let grip = tip + lean.normalize_or(Vec3::Z) * self.cane_m();
         let hand = self.take_hold(bones, Side::Right, grip, Vec3::new(-1.0, -0.35, 0.0));
         bones.place(Bone::Cane, crate::joints::hanging(hand, tip, Vec3::X));
+    }
+
+    /// A shovel before the body, its blade on the ground while somebody stands; one who walks carries it a little above.
+    fn place_shovel(&self, bones: &mut Bones, hips: [f32; 2], gait: &Gait) {
+        let h = self.stature;
+        let at = |x: f32, y: f32, z: f32| Vec3::new(hips[0] + x * h, hips[1] + y * h, z * h);
+        let way = (at(0.11, -0.02, 0.62) - at(0.24, 0.06, 0.0)).normalize_or(Vec3::Z);
+        let tip = at(0.24, 0.06, 0.0048 + 0.08 * gait.vigour);
+        let top = tip + way * self.shovel_m();
+        bones.place(Bone::Shovel, crate::joints::hanging(top, tip, Vec3::X));
+        for (side, share) in [(Side::Right, 0.97), (Side::Left, 0.82)] {
+            let bends = Vec3::new(-0.7, 0.6 * side.sign(), -0.4);
+            self.take_hold(bones, side, tip.lerp(top, share), bends);
+        }
+    }
+
+    /// Length of a shovel, metres.
+    pub(crate) fn shovel_m(&self) -> f32 {
+        0.66 * self.stature
     }
 
     /// The palm of a side at a place, or as near to it as the arm reaches, its elbow bent to `bends`; gives where the palm is.

@@ -13,6 +13,7 @@ use schema::Tag;
 use schema::geometry::{Part, Surface, TriMesh};
 use solids::{Detail, MeshBuilder};
 
+use self::shape::{lofted, slice};
 use self::stuffs::Stuffs;
 use crate::dog::{Dog, LEGS};
 use crate::figure::{Bone, Figure, Side};
@@ -47,6 +48,7 @@ impl Figure {
         }
         match self.look.carried {
             Carried::Cane => add(Bone::Cane, &|b| cane(b, self, &stuffs)),
+            Carried::Shovel => add(Bone::Shovel, &|b| shovel(b, self, &stuffs)),
             Carried::Pram => {
                 add(Bone::Pram, &|b| pram::frame(b, self, &stuffs));
                 add(Bone::PramFront, &|b| pram::wheels(b, &stuffs, &FRONT));
@@ -68,6 +70,20 @@ impl Figure {
         }
         made
     }
+}
+
+fn shovel(b: &mut MeshBuilder, figure: &Figure, stuffs: &Stuffs) {
+    let wood = Part::new(stuffs.tag, Surface::Wood, [0.30, 0.19, 0.09]);
+    let steel = Part::new(stuffs.tag, Surface::Metal, [0.16, 0.16, 0.17]);
+    let length = figure.shovel_m();
+    let at = |x: f32, z: f32| Vec3::new(x, 0.0, z - length);
+    b.bar(wood, at(0.0, 0.22), at(0.0, length), [0.016; 2], 8);
+    b.bar(wood, Vec3::new(0.0, -0.055, 0.0), Vec3::new(0.0, 0.055, 0.0), [0.015; 2], 8);
+    b.bar(steel, at(0.0, 0.19), at(0.0, 0.34), [0.022, 0.017], 8);
+    // The blade, narrower at its tip.
+    let across = |z: f32, half: f32| slice(z - length, 0.005, 0.005, half);
+    let blade = [across(0.0, 0.055), across(0.05, 0.095), across(0.24, 0.105), across(0.25, 0.10)];
+    lofted(b, &blade, 8, 0.5, |_, _| steel);
 }
 
 fn cane(b: &mut MeshBuilder, figure: &Figure, stuffs: &Stuffs) {
