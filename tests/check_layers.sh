@@ -18,7 +18,7 @@ declare -A allowed=(
     [opendrive]="frames"
     [mapview]="frames opendrive"
     [pictures]="frames mapview schema"
-    [packs]="frames schema"
+    [packs]="frames people schema"
     [town]="frames opendrive random"
     [surfaces]="frames opendrive schema"
     [scenery]="frames opendrive random schema surfaces"
@@ -56,14 +56,15 @@ declare -A allowed=(
     [import]="counts formats frames schema store"
     [forecast]="plan schema"
     [mapstore]="opendrive store"
+    [modelstore]="packs store"
     [framewise]="counts formats pipeline scene schema store"
-    [replay]="actors mapstore opendrive packs scene schema store world"
+    [replay]="actors mapstore modelstore opendrive packs scene schema store world"
 )
 # What every program may use: it reads, calls a core and commits. Then its cores.
 readers="frames pipeline scene schema store"
 declare -A cores=(
     [spawn-planner]="forecast mapstore opendrive packs plan town vectormap"
-    [simulate-and-log]="annotation counts mapstore opendrive people random scenery surfaces tiles tilestore traffic"
+    [simulate-and-log]="annotation counts mapstore modelstore opendrive people random scenery surfaces tiles tilestore traffic"
     [render-sensors]="counts framewise renderer replay sensors visibility"
     [bev-gt]="bev bevmap counts formats framewise replay"
     [occupancy-gt]="counts formats framewise renderer replay voxelgrid voxels"

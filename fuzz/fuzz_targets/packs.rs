@@ -31,6 +31,9 @@ fuzz_target!(|bytes: &[u8]| {
     let (page, mesh) = rest.split_at(length);
     let Ok(model) = read_model("a.toml", &Two { page, mesh }) else { return };
     assert!(model.row.size_m.iter().all(|v| *v > 0.0 && *v < 31.0), "a model of no size");
+    if let Some(walker) = &model.walker {
+        assert!(walker.box_m(1.0, 1.4).is_finite(), "somebody of no size");
+    }
     for piece in model.levels.iter().flat_map(|level| &level.pieces) {
         let mesh = &piece.mesh;
         assert!(mesh.positions.iter().all(|p| p.is_finite()) && piece.hang.at().is_finite(), "a place that is none");

@@ -10,12 +10,13 @@ use nalgebra::Point3;
 use replay::Replay;
 use scene::{SceneReader, agent_rows};
 use schema::tables::{CameraRow, SemanticLidarRow};
-use schema::{AgentId, ObjectId};
+use schema::{AgentId, Attribute, ObjectId};
 use store::Store;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 
 const VAN: &str = "van.kiosk";
+const ADA: &str = "walker.ada";
 const STAGES: [&str; 2] = ["simulate-and-log", "render-sensors"];
 /// A camera that looks at the vehicle which carries it, and nothing else that is yellow and blue.
 const ITSELF: &str = "
@@ -28,6 +29,7 @@ rpy_deg = [0, 14, -90]
 fn config() -> String {
     let seconds = TINY.replace("max_vehicles = 1\n", "max_vehicles = 2\nvehicle_models = [\"van.kiosk\"]\n");
     let seconds = seconds.replace("min_vehicles = 1\n", "min_vehicles = 2\n");
+    let seconds = seconds.replace("[walkers]\ncount = 12\n", "[walkers]\ncount = 60\nwaiting = 0\n");
     let clear = "sun_altitude_deg = 30\ncloudiness = 0\nprecipitation = 0\nfog_density = 0\ndust_storm = 0\n";
     let seconds = seconds.replace("sun_altitude_deg = 30\n", clear).replace("vehicles = 12", "vehicles = 30");
     format!("{seconds}{ITSELF}[models]\npacks = [\"pack\"]\n")
@@ -73,6 +75,18 @@ fn models_of_a_pack_are_seen_by_all() {
     boxes_hold_the_mesh(&replay, own.id, [own.length_m, own.width_m, own.height_m]);
     let points = points_lie_in_boxes(&scene, &replay, &vans);
     assert!(points > 100, "only {points} lidar points on vans");
+    let people: BTreeSet<ObjectId> =
+        replay.log.actors.iter().filter(|a| a.model == ADA).map(|a| a.id).collect();
+    assert!(people.len() > 8, "as common as six built-in ones of eight: {people:?}");
+    assert!(info.models.iter().any(|m| m.name == ADA && m.page == "ada.toml"), "{:?}", info.models);
+    for actor in replay.log.actors.iter().filter(|a| a.model == ADA) {
+        let said = |attribute| actor.attributes.get(&attribute).map(str::to_owned);
+        assert_eq!(said(Attribute::Gender).as_deref(), Some("female"));
+        assert_eq!(said(Attribute::Age).as_deref(), Some("adult"));
+    }
+    boxes_follow_the_pose(&replay, &people);
+    let points = points_lie_in_boxes(&scene, &replay, &people);
+    assert!(points > 30, "only {points} lidar points on people");
     let [yellow, blue] = livery(&scene);
     assert!(yellow > 800 && blue > 150, "the picture of the van has {yellow} yellow and {blue} blue pixels");
 }
@@ -102,6 +116,38 @@ fn boxes_hold_the_mesh(replay: &Replay, id: ObjectId, size_m: [f64; 3]) {
     assert!(low.z > -5e-3 && low.z < 0.01 && near(high.z, 2.0 * half.z), "{low} {high}");
 }
 
+/// The box of each frame is that of the mesh as it walks: on five faces, and on the ground.
+fn boxes_follow_the_pose(replay: &Replay, ids: &BTreeSet<ObjectId>) {
+    let (mut looked, mut walked) = (0, BTreeSet::new());
+    for frame in [0_u32, 3, 6, 9] {
+        let snapshot = replay.snapshot(frame, replay.log.world_from_agent(0, frame).xyz(), 500.0);
+        for state in replay.log.states_at(frame.into()).iter().filter(|state| ids.contains(&state.id)) {
+            let Some(motion) = snapshot.motion(state.id) else { continue };
+            let object_from_local = motion.local_from_object.inverse();
+            let mut around = frames::Aabb::EMPTY;
+            for instance in snapshot.instances.iter().filter(|instance| instance.object == state.id) {
+                let object_from_piece = object_from_local * instance.local_from_object;
+                let places =
+                    snapshot.mesh(instance).positions.iter().map(|p| object_from_piece.transform_point3(*p));
+                around = places.fold(around, |around, place| around.with(place));
+            }
+            let reach = around.max.max(-around.min);
+            let size = glam::Vec3::new(2.0 * reach.x, 2.0 * reach.y, around.max.z);
+            let off = (size - glam::Vec3::from_array(state.size_m)).abs().max_element();
+            assert!(
+                off < 0.02 && around.min.z.abs() < 0.02,
+                "frame {frame}: {size} is not {:?}",
+                state.size_m
+            );
+            looked += 1;
+            if state.gait_mps > 0.3 {
+                walked.insert((state.id, state.phase_rad.to_bits()));
+            }
+        }
+    }
+    assert!(looked > 8 && walked.len() > 8, "{looked} looked at, {} poses of a walk", walked.len());
+}
+
 /// How many lidar points lie on objects; each of them lies in its object's box.
 fn points_lie_in_boxes(scene: &SceneReader, replay: &Replay, ids: &BTreeSet<ObjectId>) -> usize {
     let settings = pipeline::parse_config(&config(), "test").expect("is valid");
@@ -121,10 +167,15 @@ fn points_lie_in_boxes(scene: &SceneReader, replay: &Replay, ids: &BTreeSet<Obje
                 let at = world_from_agent * Point3::new(x + mount[0], y + mount[1], z + mount[2]);
                 let at = Pose::<World, Object>::from_xyz_wxyz(xyz, turn).inverse() * at;
                 let over = 0.03;
-                let inside = at.x.abs() < 0.5 * actor.length_m + over
-                    && at.y.abs() < 0.5 * actor.width_m + over
+                // Who walks has a box of their own in each frame.
+                let walks = state.filter(|_| actor.model == ADA);
+                let size_m = walks.map_or([actor.length_m, actor.width_m, actor.height_m], |state| {
+                    state.size_m.map(f64::from)
+                });
+                let inside = at.x.abs() < 0.5 * size_m[0] + over
+                    && at.y.abs() < 0.5 * size_m[1] + over
                     && at.z > -over
-                    && at.z < actor.height_m + over;
+                    && at.z < size_m[2] + over;
                 assert!(inside, "{agent}, frame {}: a point of {} at {at}", row.frame, actor.model);
                 count += 1;
             }
@@ -200,7 +251,10 @@ fn without_packs_nothing_is_written_of_them() {
 #[test]
 fn the_page_shows_the_example() {
     let read = |path: &str| std::fs::read_to_string(workspace().join(path)).expect("is text");
-    let (page, van) = (read("docs/packs.md"), read("tests/packs/example/van.toml"));
-    assert!(page.contains(&format!("```toml\n{van}```\n")), "docs/packs.md shows another van.toml");
+    let page = read("docs/packs.md");
+    for name in ["van.toml", "ada.toml"] {
+        let shown = read(&format!("tests/packs/example/{name}"));
+        assert!(page.contains(&format!("```toml\n{shown}```\n")), "docs/packs.md shows another {name}");
+    }
     assert!(Path::new(&workspace()).join("tests/packs/example/van.glb").is_file());
 }

@@ -5,11 +5,13 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use modelstore::ModelError;
 use people::Walker;
 use random::Stream;
 use schema::models::Model;
-use schema::tables::{ActorRow, StateRow};
-use schema::{ActorRole, FRAME_PERIOD_S, ObjectId};
+use schema::tables::{ActorRow, PlanModelRow, StateRow};
+use schema::{ActorKind, ActorRole, FRAME_PERIOD_S, ObjectId};
+use store::Store;
 
 /// Share of the way to their speed that they come within a frame: strides get longer and shorter over some four steps of it.
 const EASE: f64 = 0.2;
@@ -29,12 +31,33 @@ struct Pacer {
 /// The bodies of a scene's walkers.
 #[derive(Default)]
 pub(crate) struct Bodies {
-    /// By model and variant.
+    /// Those of packs, by model.
+    own: BTreeMap<String, Arc<Walker>>,
+    /// The others by model and variant.
     known: BTreeMap<(&'static str, u32), Arc<Walker>>,
     pacers: BTreeMap<ObjectId, Pacer>,
 }
 
 impl Bodies {
+    /// With those of packs, as far as a scene has them.
+    ///
+    /// # Errors
+    /// A model is missing, broken or another one.
+    pub(crate) fn new(
+        store: &Store,
+        models: &[PlanModelRow],
+        actors: &[ActorRow],
+    ) -> Result<Self, ModelError> {
+        let walks =
+            |row: &&PlanModelRow| actors.iter().any(|a| a.kind == ActorKind::Walker && a.model == row.name);
+        let read = |row: &PlanModelRow| {
+            let model = modelstore::read(store, [&row.name, &row.page, &row.hash])?;
+            Ok(model.walker.map(|walker| (row.name.clone(), Arc::new(walker))))
+        };
+        let own = models.iter().filter(walks).filter_map(|row| read(row).transpose());
+        Ok(Self { own: own.collect::<Result<_, ModelError>>()?, ..Self::default() })
+    }
+
     /// Gives a walker the size of its body. Where a stride begins is drawn; those who stand in hazards take none.
     pub(crate) fn add(&mut self, actor: &mut ActorRow, model: &'static Model, seed: u64, scene: u32) {
         // Who sits in a wheelchair is as large as that.
@@ -42,7 +65,10 @@ impl Bodies {
             return;
         }
         let make = || Arc::new(Walker::new(model, actor.variant));
-        let body = Arc::clone(self.known.entry((model.name, actor.variant)).or_insert_with(make));
+        let body = match self.own.get(model.name) {
+            Some(own) => Arc::clone(own),
+            None => Arc::clone(self.known.entry((model.name, actor.variant)).or_insert_with(make)),
+        };
         let [length_m, width_m, height_m] = body.size_m().to_array().map(f64::from);
         (actor.length_m, actor.width_m, actor.height_m) = (length_m, width_m, height_m);
         if actor.role != ActorRole::Hazard {

@@ -65,12 +65,12 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     }
     let mut log = simulated?;
     say_what_lacks(&plan, &log);
-    let mut bodies = Bodies::default();
+    let mut bodies = Bodies::new(&store, &models, &log.actors).at(|| place.clone())?;
     for actor in &mut log.actors {
         let mut draw = Stream::new(plan.seed, scene.into(), "simulate/variant", actor.id.into());
         actor.variant = draw.next_u32() % VARIANTS;
         if actor.kind == ActorKind::Walker
-            && let Some(model) = schema::models::find(&actor.model)
+            && let Some(model) = catalogue.find(&actor.model)
         {
             actor.attributes.say(Attribute::Gender, model.gender(actor.variant));
             bodies.add(actor, model, plan.seed, scene);

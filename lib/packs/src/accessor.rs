@@ -35,7 +35,7 @@ impl<'d> Numbers<'d> {
         let floats = component == ComponentType::F32;
         if is != kind
             || !components.contains(&component)
-            || (!floats && kind != Type::Scalar && !accessor.normalized)
+            || (!floats && components.contains(&ComponentType::F32) && !accessor.normalized)
         {
             return Err(layout());
         }
@@ -81,6 +81,29 @@ impl<'d> Numbers<'d> {
         Self::open(document, index, (Type::Scalar, "list of indices"), &components)
     }
 
+    /// Which joints of its skin each vertex hangs on.
+    pub(crate) fn joints(document: &'d Document, index: usize) -> Result<Self, Problem> {
+        let components = [ComponentType::U8, ComponentType::U16];
+        Self::open(document, index, (Type::Vec4, "list of four joints, as bytes or words"), &components)
+    }
+
+    /// How much it hangs on each.
+    pub(crate) fn weights(document: &'d Document, index: usize) -> Result<Self, Problem> {
+        let components = [ComponentType::F32, ComponentType::U8, ComponentType::U16];
+        let wanted = "list of four weights, as floats or normalised bytes or words";
+        Self::open(document, index, (Type::Vec4, wanted), &components)
+    }
+
+    /// Matrices of four by four.
+    pub(crate) fn matrices(document: &'d Document, index: usize) -> Result<Self, Problem> {
+        Self::open(
+            document,
+            index,
+            (Type::Mat4, "list of matrices of four by four floats"),
+            &[ComponentType::F32],
+        )
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.count
     }
@@ -91,7 +114,7 @@ impl<'d> Numbers<'d> {
     }
 
     /// Component `k` of an element; whole numbers as shares of their largest.
-    fn float(&self, element: usize, k: usize) -> Option<f32> {
+    pub(crate) fn float(&self, element: usize, k: usize) -> Option<f32> {
         match self.component {
             ComponentType::F32 => self.bytes_of(element, k).map(f32::from_le_bytes),
             ComponentType::U8 => self.bytes_of(element, k).map(|[v]| f32::from(v) / 255.0),
@@ -111,10 +134,15 @@ impl<'d> Numbers<'d> {
     }
 
     pub(crate) fn index(&self, element: usize) -> Option<u32> {
+        self.whole(element, 0)
+    }
+
+    /// Component `k` of an element that is a whole number.
+    pub(crate) fn whole(&self, element: usize, k: usize) -> Option<u32> {
         match self.component {
-            ComponentType::U8 => self.bytes_of(element, 0).map(|[v]| u32::from(v)),
-            ComponentType::U16 => self.bytes_of(element, 0).map(|two| u32::from(u16::from_le_bytes(two))),
-            ComponentType::U32 => self.bytes_of(element, 0).map(u32::from_le_bytes),
+            ComponentType::U8 => self.bytes_of(element, k).map(|[v]| u32::from(v)),
+            ComponentType::U16 => self.bytes_of(element, k).map(|two| u32::from(u16::from_le_bytes(two))),
+            ComponentType::U32 => self.bytes_of(element, k).map(u32::from_le_bytes),
             _ => None,
         }
     }

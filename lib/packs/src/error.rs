@@ -74,8 +74,38 @@ pub enum Problem {
     NotFinite(&'static str),
     #[error("has points, lines or an unknown kind of primitive: export triangles alone")]
     NotTriangles,
-    #[error("is skinned: rigs are not supported; apply the armature and export the mesh alone")]
+    #[error("is skinned: only pedestrians have a rig; apply the armature and export the mesh alone")]
     Skinned,
+    #[error("there is no skin {0}")]
+    NoSkin(usize),
+    #[error("there are more than {0} skins, or one with more than {1} joints")]
+    TooManyJoints(usize, usize),
+    #[error("skin {skin} has {joints} joints, but {matrices} inverse bind matrices: export it anew")]
+    BindCount { skin: usize, joints: usize, matrices: usize },
+    #[error(
+        "its inverse bind matrix in skin {0} cannot be inverted or is none of a place and a turn: export it anew"
+    )]
+    BindMatrix(usize),
+    #[error("is a joint of skin {0}, but is not in the scene")]
+    JointNotInScene(usize),
+    #[error("is skinned, but has no JOINTS_0 and WEIGHTS_0, or not for each vertex")]
+    NoWeights,
+    #[error("vertex {vertex} hangs on joint {joint}: the skin has {joints}")]
+    JointIndex { vertex: usize, joint: u32, joints: usize },
+    #[error("the weights of vertex {vertex} are below 0 or not 1 together: normalise them")]
+    Weights { vertex: usize },
+    #[error("no joint is `{bone}`: say in `[joints]` which one is; there are {names}")]
+    NoJoint { bone: &'static str, names: String },
+    #[error(
+        "is `{bone}`, but {problem}: mend `[joints]`, `forward`, `up` or `scale`, or let the file stand upright"
+    )]
+    JointPlace { bone: &'static str, problem: &'static str },
+    #[error(
+        "stands {is_m:?} m long, wide and high with hanging arms, which is more than {most_m} m: mend `[joints]` or the mesh"
+    )]
+    TooWide { is_m: [f32; 3], most_m: f32 },
+    #[error("is neither skinned nor below a joint of the rig: hang it on one")]
+    Loose,
     #[error("has two parents or is its own ancestor: nodes must form a tree")]
     NotATree,
     #[error("there are more than {0} nodes below one another")]

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use gltf_json::Root;
 use schema::Tag;
+use schema::models::BaseType;
 
 use crate::error::Problem;
 use crate::limits;
@@ -36,6 +37,8 @@ pub(crate) struct Placed {
     /// To the object frame, but for its shift to the middle.
     pub(crate) object_from_mesh: DAffine3,
     pub(crate) role: Role,
+    /// The skin that bends it, if one does.
+    pub(crate) skin: Option<usize>,
     /// At which levels of detail it is there, from 0.
     pub(crate) levels: Vec<bool>,
 }
@@ -45,6 +48,8 @@ pub(crate) struct Graph {
     pub(crate) placed: Vec<Placed>,
     /// The body, then wheels and doors by the names of their nodes, each with its name.
     pub(crate) hung: Vec<(String, Hung)>,
+    /// Of each node of the scene, by its number: the node above it, and where it is.
+    pub(crate) nodes: BTreeMap<usize, (Option<usize>, DAffine3)>,
 }
 
 /// A node's fault: which, if it is one's.
@@ -113,7 +118,7 @@ impl Graph {
             }
         }
         let tag = sheet.base.tags().last().copied().unwrap_or_default();
-        let graph = Self { placed: Vec::new(), hung };
+        let graph = Self { placed: Vec::new(), hung, nodes: BTreeMap::new() };
         let mut walk = Walk { root, sheet, graph, versions, seen: BTreeSet::new() };
         let [f, l, u] = sheet.axes;
         // Rows: what is ahead, to the left and up in the file.
@@ -122,7 +127,7 @@ impl Graph {
         let role = Role { hung: 0, tag, lamp: None };
         let levels = vec![true; sheet.lod_from_m.len() + 1];
         for node in roots(root) {
-            walk.visit(node, &top, &role, &levels, 0)?;
+            walk.visit(node, (None, &top), &role, &levels, 0)?;
         }
         Ok(walk.graph)
     }
@@ -143,7 +148,7 @@ impl Walk<'_> {
     fn visit(
         &mut self,
         index: usize,
-        object_from_parent: &DAffine3,
+        (parent, object_from_parent): (Option<usize>, &DAffine3),
         role: &Role,
         levels: &[bool],
         depth: usize,
@@ -157,13 +162,14 @@ impl Walk<'_> {
         }
         let missing = || (None, Problem::Broken(format!("there is no node {index}")));
         let node = self.root.nodes.get(index).ok_or_else(missing)?;
-        if node.skin.is_some() {
+        if node.skin.is_some() && self.sheet.base != BaseType::Pedestrian {
             return Err(at(Problem::Skinned));
         }
         let object_from_node = *object_from_parent * parent_from(node);
         if !object_from_node.is_finite() {
             return Err(at(Problem::NotFinite("its transform")));
         }
+        self.graph.nodes.insert(index, (parent, object_from_node));
         let (base, version) = family(node.name.as_deref().unwrap_or(""));
         let mut levels = levels.to_vec();
         if let Some(versions) = self.versions.get(base) {
@@ -191,11 +197,12 @@ impl Walk<'_> {
                 mesh: mesh.value(),
                 object_from_mesh: object_from_node,
                 role: role.clone(),
+                skin: node.skin.map(|skin| skin.value()),
                 levels: levels.clone(),
             });
         }
         for child in node.children.iter().flatten() {
-            self.visit(child.value(), &object_from_node, &role, &levels, depth + 1)?;
+            self.visit(child.value(), (Some(index), &object_from_node), &role, &levels, depth + 1)?;
         }
         Ok(())
     }

@@ -2,18 +2,22 @@
 
 mod accessor;
 mod bake;
+mod body;
 mod document;
 mod error;
 mod files;
 mod folder;
 mod graph;
 mod hash;
+mod joints;
 mod limits;
 mod model;
 mod normals;
 mod picture;
+mod rig;
 mod sheet;
 mod soup;
+mod split;
 
 pub use error::{PackError, Problem};
 pub use files::{Files, Folder};

@@ -18,6 +18,9 @@ pub(crate) const HEIGHT_M: f64 = 5.0;
 pub(crate) const NODES: usize = 4096;
 /// Nodes below one another.
 pub(crate) const DEPTH: usize = 64;
+/// Skins of a file, and joints of each.
+pub(crate) const SKINS: usize = 64;
+pub(crate) const JOINTS: usize = 1024;
 /// Texels along a side of a picture.
 pub(crate) const IMAGE_SIDE: usize = 2048;
 /// Texels of all pictures of a model as they are read, and again of all that are used: each for every colour and wrapping.

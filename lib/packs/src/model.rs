@@ -4,18 +4,23 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
+use people::{Bone, Walker};
 use schema::geometry::TriMesh;
+use schema::models::BaseType;
 use schema::tables::PlanModelRow;
 
 use crate::bake::Baker;
+use crate::body::Body;
 use crate::document::{Bag, Document};
 use crate::error::{PackError, Problem};
 use crate::files::{Files, inside};
 use crate::graph::{Graph, Hung, name_of};
 use crate::hash::hash_of;
 use crate::limits;
+use crate::rig::Rig;
 use crate::sheet::Sheet;
 use crate::soup::{Soup, Triangle, bounds};
+use crate::split;
 
 /// How a piece hangs on its model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,12 +41,14 @@ pub enum Hang {
         /// Front left, front right, rear left, rear right.
         door: usize,
     },
+    /// A bone: the mesh is in its frame.
+    Bone(Bone),
 }
 
 /// A piece of a model.
 #[derive(Clone, Debug)]
 pub struct PackPiece {
-    /// Its triangles, relative to axle or hinge, axes of the object.
+    /// Its triangles, relative to axle or hinge, axes of the object; or in the frame of its bone.
     pub mesh: Arc<TriMesh>,
     /// How it hangs on the model.
     pub hang: Hang,
@@ -65,6 +72,8 @@ pub struct PackModel {
     pub files: BTreeMap<String, Vec<u8>>,
     /// Its levels of detail, the finest first.
     pub levels: Vec<PackLevel>,
+    /// Of pedestrians who walks: the figure of their rig with the meshes of the finest level.
+    pub walker: Option<Walker>,
 }
 
 /// Reads the model that a page describes; `page` is its path among the files.
@@ -91,15 +100,31 @@ pub fn read_model(page: &str, files: &dyn Files) -> Result<PackModel, PackError>
     };
     let graph = Graph::new(&document.root, &sheet).map_err(in_mesh)?;
     check_materials(&document, &sheet).map_err(at)?;
-    let soup = Soup::new(&document, &graph, sheet.lod_from_m.len() + 1).map_err(in_mesh)?;
+    let is_rigged = sheet.base == BaseType::Pedestrian;
+    let rig = is_rigged.then(|| Rig::new(&document, &graph, &sheet)).transpose().map_err(in_mesh)?;
+    let soup = Soup::new(&document, &graph, rig.as_ref(), sheet.lod_from_m.len() + 1).map_err(in_mesh)?;
     let [low, high] = extents(&soup, &sheet).map_err(in_mesh)?;
+    if let Some(rig) = &rig {
+        let all = soup.levels[0].concat();
+        let body = Body::new(rig, &sheet, &all).map_err(at)?;
+        let baker = Baker::new(&document, &sheet, &mut bag, &soup.parts, mesh_place.clone())?;
+        let split = |level: &Vec<Vec<Triangle>>| {
+            let pieces = split::pieces(&body, &level.concat()).into_iter();
+            let piece = |(bone, triangles): (Bone, Vec<Triangle>)| {
+                let mesh = Arc::new(baker.mesh(&triangles, DVec3::ZERO));
+                PackPiece { mesh, hang: Hang::Bone(bone) }
+            };
+            pieces.map(piece).collect()
+        };
+        let levels: Vec<Vec<PackPiece>> = soup.levels.iter().map(split).collect();
+        return person(sheet, page, bag, &body, levels).map_err(at);
+    }
     // The middle of the footprint on the ground is the origin.
     let shift_m = -DVec3::new(0.5 * (low.x + high.x), 0.5 * (low.y + high.y), low.z);
     let hung = places(&graph, &soup, shift_m).map_err(|problem| in_mesh((None, problem)))?;
     let facts = facts(&sheet, &graph, &soup, &hung).map_err(at)?;
     let baker = Baker::new(&document, &sheet, &mut bag, &soup.parts, mesh_place.clone())?;
-    let from_m = std::iter::once(0.0).chain(sheet.lod_from_m.iter().copied());
-    let levels = from_m.zip(&soup.levels).map(|(from_m, level)| {
+    let levels = sheet.levels_from_m().zip(&soup.levels).map(|(from_m, level)| {
         let pieces = level.iter().zip(&hung).filter(|(triangles, _)| !triangles.is_empty());
         let piece = |(triangles, hang): (&Vec<Triangle>, &Hang)| {
             let relative_m = shift_m - hang.at().as_dvec3();
@@ -108,20 +133,63 @@ pub fn read_model(page: &str, files: &dyn Files) -> Result<PackModel, PackError>
         PackLevel { from_m, pieces: pieces.map(piece).collect() }
     });
     let levels: Vec<PackLevel> = levels.collect();
+    let (row, files) = described(sheet, page, bag, high - low, facts);
+    Ok(PackModel { row, files, levels, walker: None })
+}
+
+/// What the plan says of a model, and its files.
+fn described(
+    sheet: Sheet,
+    page: &str,
+    bag: Bag<'_>,
+    size_m: DVec3,
+    facts: PlanModelRow,
+) -> (PlanModelRow, BTreeMap<String, Vec<u8>>) {
     // Rounded up to millimetres, so that the box holds the mesh.
-    let size_m = (high - low).to_array().map(|v| (v * 1000.0 - 1e-3).ceil() / 1000.0);
+    let size_m = size_m.to_array().map(|v| (v * 1000.0 - 1e-3).ceil() / 1000.0);
     let files = bag.read;
     let row = PlanModelRow {
         name: sheet.name,
         base_type: sheet.base.name().to_owned(),
         size_m,
         special: sheet.special,
+        age: sheet.age.to_owned(),
+        gender: sheet.gender.to_owned(),
         weight: sheet.weight,
         page: page.to_owned(),
         hash: hash_of(&files),
         ..facts
     };
-    Ok(PackModel { row, files, levels })
+    (row, files)
+}
+
+/// Nobody is longer, wider or higher, metres.
+const PERSON_M: f32 = 3.0;
+
+/// A pedestrian of pieces in the frames of their bones.
+fn person(
+    sheet: Sheet,
+    page: &str,
+    bag: Bag<'_>,
+    body: &Body,
+    levels: Vec<Vec<PackPiece>>,
+) -> Result<PackModel, Problem> {
+    let finest = levels.iter().take(1).flatten();
+    let on_bone = |piece: &PackPiece| match piece.hang {
+        Hang::Bone(bone) => Some((bone, Arc::clone(&piece.mesh))),
+        _ => None,
+    };
+    let walker = Walker::of_meshes(body.figure, finest.filter_map(on_bone).collect());
+    let is_m = walker.size_m().to_array();
+    if !is_m.iter().all(|size_m| *size_m < PERSON_M) {
+        return Err(Problem::TooWide { is_m, most_m: PERSON_M });
+    }
+    let from_m: Vec<f64> = sheet.levels_from_m().collect();
+    let levels =
+        from_m.into_iter().zip(levels).map(|(from_m, pieces)| PackLevel { from_m, pieces }).collect();
+    let size_m = walker.size_m().as_dvec3();
+    let (row, files) = described(sheet, page, bag, size_m, PlanModelRow::default());
+    Ok(PackModel { row, files, levels, walker: Some(walker) })
 }
 
 /// The glTF file of a page: the one that it names, else the one of its name.
@@ -157,22 +225,24 @@ const TOLERANCE_M: f64 = 0.02;
 
 /// The box around the finest level, which must have the size of the page; coarser ones must not stand out of it.
 fn extents(soup: &Soup, sheet: &Sheet) -> Result<[DVec3; 2], (Option<usize>, Problem)> {
-    let said = DVec3::from_array(sheet.size_m);
-    let allowed = (said * TOLERANCE).max(DVec3::splat(TOLERANCE_M));
     let mut first: Option<[DVec3; 2]> = None;
     for (level, triangles) in soup.levels.iter().enumerate() {
         let Some([low, high]) = bounds(triangles.iter().flatten()) else {
             return Err((None, Problem::Empty));
         };
+        // Of people the height alone is said: their arms may be anywhere.
+        let [length_m, width_m] = sheet.size_m.map_or((high - low).truncate().to_array(), |[l, w, _]| [l, w]);
+        let said_m = DVec3::new(length_m, width_m, sheet.height_m);
+        let allowed = (said_m * TOLERANCE).max(DVec3::splat(TOLERANCE_M));
         let good = match first {
-            None => ((high - low) - said).abs().cmple(allowed).all(),
+            None => ((high - low) - said_m).abs().cmple(allowed).all(),
             Some([finest_low, finest_high]) => {
                 low.cmpge(finest_low - allowed).all() && high.cmple(finest_high + allowed).all()
             }
         };
         if !good {
             let is_m = (high - low).to_array().map(|v| (v * 1000.0).round() / 1000.0);
-            return Err((None, Problem::Size { level, is_m, said_m: sheet.size_m }));
+            return Err((None, Problem::Size { level, is_m, said_m: said_m.to_array() }));
         }
         first.get_or_insert([low, high]);
     }
@@ -184,7 +254,7 @@ impl Hang {
     #[must_use]
     pub fn at(&self) -> Vec3 {
         match *self {
-            Self::Body => Vec3::ZERO,
+            Self::Body | Self::Bone(_) => Vec3::ZERO,
             Self::Wheel { at, .. } | Self::Door { at, .. } => at,
         }
     }
@@ -240,7 +310,7 @@ fn facts(sheet: &Sheet, graph: &Graph, soup: &Soup, hung: &[Hang]) -> Result<Pla
                 let [low, high] = bounds(soup.levels[0][number].iter()).unwrap_or_default();
                 axles.push((f64::from(at.x), 0.5 * (high.z - low.z)));
             }
-            Hang::Body => {}
+            Hang::Body | Hang::Bone(_) => {}
         }
     }
     doors.sort_unstable();
@@ -268,11 +338,10 @@ fn facts(sheet: &Sheet, graph: &Graph, soup: &Soup, hung: &[Hang]) -> Result<Pla
     let xs = || axles.iter().map(|(x, _)| *x);
     let base = xs().fold(f64::MIN, f64::max) - xs().fold(f64::MAX, f64::min);
     let radius = axles.iter().map(|(_, radius)| radius).sum::<f64>() / axles.len() as f64;
+    let length_m = sheet.size_m.map_or(0.0, |[length_m, ..]| length_m);
     row.wheelbase_m = sheet.wheelbase_m.unwrap_or(base);
     row.wheel_radius_m = sheet.wheel_radius_m.unwrap_or(radius);
-    if !(0.3..=0.98 * sheet.size_m[0]).contains(&row.wheelbase_m)
-        || !(0.05..=1.5).contains(&row.wheel_radius_m)
-    {
+    if !(0.3..=0.98 * length_m).contains(&row.wheelbase_m) || !(0.05..=1.5).contains(&row.wheel_radius_m) {
         let problem = format!(
             "wheels are {:.2} m apart and have a radius of {:.2} m: mark front and rear wheels, or mend `forward` and `scale`",
             row.wheelbase_m, row.wheel_radius_m

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use schema::models::{self, BaseType};
+use schema::models::{self, BaseType, Model};
 use schema::{Tag, lights};
 use serde::Deserialize;
 
 use crate::error::Problem;
+use crate::joints::{MARKS, Mark};
 use crate::limits;
 
 /// The page as it is written. Keys that are not here are faults.
@@ -15,7 +16,10 @@ use crate::limits;
 struct Written {
     name: String,
     base: String,
-    size_m: [f64; 3],
+    size_m: Option<[f64; 3]>,
+    height_m: Option<f64>,
+    age: Option<String>,
+    gender: Option<String>,
     file: Option<String>,
     weight: Option<f64>,
     #[serde(default)]
@@ -36,7 +40,7 @@ struct Written {
     materials: BTreeMap<String, String>,
     #[serde(default)]
     nodes: BTreeMap<String, WrittenNode>,
-    rig: Option<toml::Value>,
+    joints: Option<BTreeMap<String, String>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -95,7 +99,14 @@ pub(crate) struct NodeNote {
 pub(crate) struct Sheet {
     pub(crate) name: String,
     pub(crate) base: BaseType,
-    pub(crate) size_m: [f64; 3],
+    /// Of people the height alone.
+    pub(crate) size_m: Option<[f64; 3]>,
+    pub(crate) height_m: f64,
+    /// Words of [`models::AGES`] and [`models::GENDERS`]; empty where it is nobody.
+    pub(crate) age: &'static str,
+    pub(crate) gender: &'static str,
+    /// Which joint each node is.
+    pub(crate) joints: BTreeMap<String, Mark>,
     pub(crate) file: Option<String>,
     pub(crate) weight: f64,
     pub(crate) special: String,
@@ -169,12 +180,17 @@ impl Sheet {
         written.checked()
     }
 
+    /// From where on each level of detail is shown, metres.
+    pub(crate) fn levels_from_m(&self) -> impl Iterator<Item = f64> {
+        std::iter::once(0.0).chain(self.lod_from_m.iter().copied())
+    }
+
     /// The name's family must be that of its base type, so that no model is taken for scenery.
     fn check_name(name: &str, base: BaseType) -> Result<(), Problem> {
-        let kind = name.split_once('.').and_then(|(family, kind)| (family == base.name()).then_some(kind));
+        let kind = name.split_once('.').and_then(|(family, kind)| (family == base.family()).then_some(kind));
         let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_' || c == '-';
         if !kind.is_some_and(|kind| !kind.is_empty() && kind.len() < 60 && kind.chars().all(plain)) {
-            let family = base.name();
+            let family = base.family();
             let problem =
                 format!("`{name}` is not `{family}.` with small letters, digits, `_` and `-` after it");
             return Err(bad("name", problem));
@@ -185,27 +201,25 @@ impl Sheet {
 
 impl Written {
     fn checked(self) -> Result<Sheet, Problem> {
-        if self.rig.is_some() {
-            return Err(bad(
-                "rig",
-                "rigs are not supported: remove it and export the mesh without its armature",
-            ));
-        }
         let bases = BaseType::ALL.map(|base| (base.name(), base));
         let base = word("base", &self.base, &bases)?;
-        if base == BaseType::Pedestrian {
-            let problem = "pedestrians need a rig that follows their gait, which is not supported: packs have vehicles, cones and barriers";
-            return Err(bad("base", problem));
-        }
         Sheet::check_name(&self.name, base)?;
         let replaced = models::find(&self.name);
+        let person = self.person(base, replaced)?;
         if !["", "emergency", "taxi", "electric"].contains(&self.special.as_str()) {
             return Err(bad("special", format!("`{}` is none of emergency, taxi, electric", self.special)));
         }
-        for v in self.size_m {
+        for v in self.size_m.into_iter().flatten() {
             between("size_m", v, 0.02, 30.0)?;
         }
-        between("size_m", self.size_m[2], 0.02, limits::HEIGHT_M)?;
+        let height_m = match (self.height_m, self.size_m) {
+            (Some(height_m), None) if person.is_some() => between("height_m", height_m, 0.5, 2.5)?,
+            (None, Some([.., height_m])) if person.is_none() => {
+                between("size_m", height_m, 0.02, limits::HEIGHT_M)?
+            }
+            _ if person.is_some() => return Err(bad("height_m", "people have this, and no `size_m`")),
+            _ => return Err(bad("size_m", "all but people have this, and no `height_m`")),
+        };
         let weight = match (self.weight, replaced) {
             (Some(weight), _) => between("weight", weight, 0.0, 1000.0)?,
             (None, Some(model)) if base.is_driven() => schema::fleet::weight(model),
@@ -231,12 +245,25 @@ impl Written {
         for (name, node) in &self.nodes {
             nodes.insert(name.clone(), node.checked(&format!("nodes.{name}"), base)?);
         }
-        let wheelbase_m = self.wheelbase_m.map(|v| between("wheelbase_m", v, 0.3, 0.98 * self.size_m[0]));
+        let mut joints: BTreeMap<String, Mark> = BTreeMap::new();
+        for (name, mark) in self.joints.iter().flatten() {
+            let mark = word(&format!("joints.{name}"), mark, &MARKS)?;
+            if let Some((other, _)) = joints.iter().find(|(_, known)| **known == mark) {
+                return Err(bad(format!("joints.{name}"), format!("is `{}` as `{other}` is", mark.name())));
+            }
+            joints.insert(name.clone(), mark);
+        }
+        let length_m = self.size_m.map_or(f64::INFINITY, |[length_m, ..]| length_m);
+        let wheelbase_m = self.wheelbase_m.map(|v| between("wheelbase_m", v, 0.3, 0.98 * length_m));
         let wheel_radius_m = self.wheel_radius_m.map(|v| between("wheel_radius_m", v, 0.05, 1.5));
         Ok(Sheet {
             name: self.name,
             base,
             size_m: self.size_m,
+            height_m,
+            age: person.map_or("", |[age, _]| age),
+            gender: person.map_or("", |[_, gender]| gender),
+            joints,
             file: self.file,
             weight,
             special: self.special,
@@ -252,6 +279,39 @@ impl Written {
     }
 }
 
+impl Written {
+    /// How old somebody is, and what; none of what is nobody.
+    fn person(&self, base: BaseType, replaced: Option<&Model>) -> Result<Option<[&'static str; 2]>, Problem> {
+        if base != BaseType::Pedestrian {
+            let given = [
+                ("age", self.age.is_some()),
+                ("gender", self.gender.is_some()),
+                ("joints", self.joints.is_some()),
+            ];
+            let wrong = given.iter().find(|(_, there)| *there);
+            return wrong.map_or(Ok(None), |(key, _)| Err(bad(*key, format!("a {} has none", base.name()))));
+        }
+        if let Some(model) = replaced.filter(|model| !model.special.is_empty()) {
+            return Err(bad(
+                "name",
+                format!("`{}` has its own work or chair, and cannot be replaced", model.name),
+            ));
+        }
+        if !self.special.is_empty() {
+            return Err(bad("special", "people of packs walk about, and have none"));
+        }
+        let of = |key: &str, written: &Option<String>, words: &[&'static str], usual: Option<&str>| {
+            let all: Vec<(&str, &'static str)> = words.iter().map(|word| (*word, *word)).collect();
+            match (written.as_deref(), usual) {
+                (Some(written), _) | (None, Some(written)) => word(key, written, &all),
+                (None, None) => Err(bad(key, format!("is missing: {}", words.join(", ")))),
+            }
+        };
+        let age = of("age", &self.age, &models::AGES, Some("adult"))?;
+        Ok(Some([age, of("gender", &self.gender, &models::GENDERS, None)?]))
+    }
+}
+
 impl WrittenNode {
     fn checked(&self, path: &str, base: BaseType) -> Result<NodeNote, Problem> {
         let key = |name: &str| format!("{path}.{name}");
@@ -260,6 +320,9 @@ impl WrittenNode {
             if there && !base.is_driven() {
                 return Err(bad(key(name), format!("a {} has none", base.name())));
             }
+        }
+        if self.lamps.is_some() && base == BaseType::Pedestrian {
+            return Err(bad(key("lamps"), "people have none"));
         }
         if self.wheel.is_some() && self.door.is_some() {
             return Err(bad(path, "is a wheel and a door"));

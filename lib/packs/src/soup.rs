@@ -1,8 +1,9 @@
 //! The triangles of each level of detail, by what they hang on.
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 use gltf_json::mesh::{Mode, Semantic};
 use gltf_json::validation::Checked;
+use people::Bone;
 use schema::Tag;
 
 use crate::accessor::Numbers;
@@ -10,6 +11,7 @@ use crate::document::Document;
 use crate::error::Problem;
 use crate::graph::{At, Graph, Placed};
 use crate::limits;
+use crate::rig::{Rig, Weights};
 
 /// What tells the parts of a mesh apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +31,23 @@ pub(crate) struct Triangle {
     pub(crate) uv: [Vec2; 3],
     /// Index into [`Soup::parts`].
     pub(crate) part: usize,
+    /// Of pedestrians the bone that each corner hangs on most.
+    pub(crate) bones: [Bone; 3],
+}
+
+impl Triangle {
+    /// What has no area is not seen.
+    pub(crate) fn has_area(&self) -> bool {
+        let [a, b, c] = self.corners_m;
+        (b - a).cross(c - a).length_squared() > 1e-18
+    }
+
+    /// Where a turn and a shift take it.
+    pub(crate) fn moved(&self, way: &DAffine3) -> Self {
+        let corners_m = self.corners_m.map(|corner| way.transform_point3(corner));
+        let turned = |normal: Vec3| way.transform_vector3(normal.as_dvec3()).as_vec3();
+        Self { corners_m, normals: self.normals.map(|normals| normals.map(turned)), ..*self }
+    }
 }
 
 /// All triangles of a model.
@@ -41,7 +60,12 @@ pub(crate) struct Soup {
 impl Soup {
     /// # Errors
     /// Data are missing or damaged, or there is too much of them.
-    pub(crate) fn new(document: &Document, graph: &Graph, levels: usize) -> Result<Self, At> {
+    pub(crate) fn new(
+        document: &Document,
+        graph: &Graph,
+        rig: Option<&Rig>,
+        levels: usize,
+    ) -> Result<Self, At> {
         let mut soup = Self { levels: vec![vec![Vec::new(); graph.hung.len()]; levels], parts: Vec::new() };
         let mut counts = vec![0; levels];
         // What a coarser version replaces at every level is nowhere to be seen.
@@ -59,7 +83,7 @@ impl Soup {
                     return Err(missing("material", material));
                 }
                 let part = soup.part(key).map_err(at)?;
-                let source = Source::open(document, primitive).map_err(at)?;
+                let source = Source::open(document, primitive, placed, rig).map_err(at)?;
                 let there = || placed.levels.iter().enumerate().filter(|(_, there)| **there);
                 for (level, _) in there() {
                     counts[level] += source.triangles();
@@ -67,7 +91,7 @@ impl Soup {
                         return Err(at(Problem::TooManyTriangles { level, most: limits::TRIANGLES }));
                     }
                 }
-                let triangles = source.read(placed, part).map_err(at)?;
+                let triangles = source.read(part).map_err(at)?;
                 for (level, _) in there() {
                     soup.levels[level][placed.role.hung].extend_from_slice(&triangles);
                 }
@@ -98,10 +122,36 @@ struct Source<'d> {
     normals: Option<Numbers<'d>>,
     uv: Option<Numbers<'d>>,
     indices: Option<Numbers<'d>>,
+    hold: Hold<'d>,
 }
 
+/// What holds the vertices of a primitive.
+enum Hold<'d> {
+    /// One thing all of them: of pedestrians a bone.
+    One(DAffine3, Bone),
+    /// The joints of a skin.
+    Skin(Weights<'d>),
+}
+
+impl Hold<'_> {
+    fn of(&self, vertex: usize) -> Result<(DAffine3, Bone), Problem> {
+        match self {
+            Self::One(place, bone) => Ok((*place, *bone)),
+            Self::Skin(weights) => weights.of(vertex),
+        }
+    }
+}
+
+/// Sets of four joints that a vertex may hang on.
+const SETS: u32 = 4;
+
 impl<'d> Source<'d> {
-    fn open(document: &'d Document, primitive: &gltf_json::mesh::Primitive) -> Result<Self, Problem> {
+    fn open(
+        document: &'d Document,
+        primitive: &gltf_json::mesh::Primitive,
+        placed: &Placed,
+        rig: Option<&'d Rig>,
+    ) -> Result<Self, Problem> {
         let mode = match primitive.mode {
             Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
             _ => return Err(Problem::NotTriangles),
@@ -125,12 +175,27 @@ impl<'d> Source<'d> {
             None => None,
         };
         let positions = of(Semantic::Positions).ok_or(Problem::Empty)?;
+        let hold = match (rig, placed.skin) {
+            (Some(rig), Some(skin)) => {
+                let set = |set: u32| Some((of(Semantic::Joints(set))?, of(Semantic::Weights(set))?));
+                let open = |(joints, weights): (usize, usize)| {
+                    Ok([Numbers::joints(document, joints)?, Numbers::weights(document, weights)?])
+                };
+                let sets = (0..SETS).map_while(set).map(open).collect::<Result<_, Problem>>()?;
+                Hold::Skin(Weights::new(rig, skin, sets)?)
+            }
+            (Some(rig), None) => {
+                Hold::One(placed.object_from_mesh, rig.bone_of(placed.node).ok_or(Problem::Loose)?)
+            }
+            (None, _) => Hold::One(placed.object_from_mesh, Bone::Pelvis),
+        };
         Ok(Self {
             mode,
             positions: Numbers::vectors(document, positions)?,
             normals: of(Semantic::Normals).map(|a| Numbers::vectors(document, a)).transpose()?,
             uv,
             indices: primitive.indices.map(|a| Numbers::indices(document, a.value())).transpose()?,
+            hold,
         })
     }
 
@@ -151,25 +216,30 @@ impl<'d> Source<'d> {
         }
     }
 
-    fn read(&self, placed: &Placed, part: usize) -> Result<Vec<Triangle>, Problem> {
-        let place = &placed.object_from_mesh;
-        let mirrored = place.matrix3.determinant() < 0.0;
-        // Normals go by the cofactors, which any scale leaves upright.
-        let [x, y, z] = [place.matrix3.x_axis, place.matrix3.y_axis, place.matrix3.z_axis];
-        let cofactors = glam::DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
-        let side = if mirrored { -1.0 } else { 1.0 };
+    fn read(&self, part: usize) -> Result<Vec<Triangle>, Problem> {
         let mut triangles = Vec::with_capacity(self.triangles());
         for number in 0..self.triangles() {
             let mut corners = [0_usize; 3];
             for (corner, at) in corners.iter_mut().zip(self.corners(number)) {
                 *corner = self.vertex(at)?;
             }
+            // A skin that turns a part of a triangle inside out is broken anyway; its first corner says it.
+            let mirrored = self.hold.of(corners[0])?.0.matrix3.determinant() < 0.0;
+            let side = if mirrored { -1.0 } else { 1.0 };
             if mirrored {
                 corners.swap(1, 2);
             }
-            let mut read = Triangle { corners_m: [DVec3::ZERO; 3], normals: None, uv: [Vec2::ZERO; 3], part };
+            let mut read = Triangle {
+                corners_m: [DVec3::ZERO; 3],
+                normals: None,
+                uv: [Vec2::ZERO; 3],
+                part,
+                bones: [Bone::Pelvis; 3],
+            };
             let mut normals = [Vec3::ZERO; 3];
             for (k, &vertex) in corners.iter().enumerate() {
+                let (place, bone) = self.hold.of(vertex)?;
+                read.bones[k] = bone;
                 let position = triple(&self.positions, vertex, "a position")?;
                 let there = place.transform_point3(position);
                 if !there.is_finite() || there.length() > 1e6 {
@@ -177,6 +247,9 @@ impl<'d> Source<'d> {
                 }
                 read.corners_m[k] = there;
                 if let Some(list) = self.normals.as_ref().filter(|list| vertex < list.len()) {
+                    // Normals go by the cofactors, which any scale leaves upright.
+                    let [x, y, z] = [place.matrix3.x_axis, place.matrix3.y_axis, place.matrix3.z_axis];
+                    let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
                     normals[k] =
                         (cofactors * triple(list, vertex, "a normal")? * side).normalize_or_zero().as_vec3();
                 }
@@ -193,8 +266,7 @@ impl<'d> Source<'d> {
             }
             let [a, b, c] = read.corners_m;
             let face = (b - a).cross(c - a);
-            // What has no area is not seen.
-            if face.length_squared() > 1e-18 {
+            if read.has_area() {
                 let face = face.normalize_or_zero().as_vec3();
                 // A normal that looks inwards would light the wrong side.
                 read.normals = normals.iter().all(|n| n.dot(face) > 0.05).then_some(normals);

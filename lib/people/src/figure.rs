@@ -50,6 +50,31 @@ pub enum Bone {
     DogHindRightLower,
 }
 
+impl Bone {
+    /// All of them, in order.
+    pub const ALL: [Self; BONES] = {
+        use Bone::*;
+        [
+            Pelvis,
+            Chest,
+            Head,
+            UpperArmLeft,
+            UpperArmRight,
+            ForearmLeft,
+            ForearmRight,
+            ThighLeft,
+            ThighRight,
+            ShinLeft,
+            ShinRight,
+            FootLeft,
+            FootRight,
+            ToesLeft,
+            ToesRight,
+            Cane,
+        ]
+    };
+}
+
 /// So many bones there are.
 pub const BONES: usize = 33;
 
@@ -153,6 +178,26 @@ pub struct Figure {
     pub strides_ahead: f32,
 }
 
+/// Where somebody's joints are while they stand upright, metres: see the fields of [`Figure`] of these names.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)] // The names are their own documentation.
+pub struct Measures {
+    pub hip_z: f32,
+    pub hip_y: f32,
+    pub thigh: f32,
+    pub shin: f32,
+    pub ankle: f32,
+    pub heel: f32,
+    pub ball: f32,
+    pub toe: f32,
+    pub stance_y: f32,
+    pub waist: f32,
+    pub shoulder: Vec3,
+    pub neck: Vec3,
+    pub upper_arm: f32,
+    pub forearm: f32,
+}
+
 impl Figure {
     /// Somebody of a look and a stature.
     #[must_use]
@@ -204,6 +249,18 @@ impl Figure {
         }
     }
 
+    /// Somebody whose joints stand where they were measured. How they stride follows from the legs: the stature is that of
+    /// somebody of ordinary proportions with such legs, whatever is above them.
+    #[must_use]
+    pub fn measured(look: Look, measures: &Measures) -> Self {
+        let Measures { hip_z, hip_y, thigh, shin, ankle, heel, ball, toe, stance_y, waist, .. } = *measures;
+        let Measures { shoulder, neck, upper_arm, forearm, .. } = *measures;
+        let per_hip = Self::new(look, hip_z / 0.5).hip_z / (hip_z / 0.5);
+        let usual = Self::new(look, hip_z / per_hip);
+        let known = Self { hip_z, hip_y, thigh, shin, ankle, heel, ball, toe, stance_y, waist, ..usual };
+        Self { shoulder, neck, upper_arm, forearm, ..known }
+    }
+
     /// Height of what is worn on the head over the crown, as a share of the stature.
     #[must_use]
     pub fn hat_share(look: &Look) -> f32 {
@@ -225,12 +282,14 @@ impl Figure {
     }
 
     /// Where the toes are bent, in the frame of the foot.
-    pub(crate) fn hinge(&self) -> Vec3 {
+    #[must_use]
+    pub fn hinge(&self) -> Vec3 {
         Vec3::new(self.ball, 0.0, -0.75 * self.ankle)
     }
 
     /// The hip joint of a side in the frame of the pelvis.
-    pub(crate) fn hip(&self, side: Side) -> Vec3 {
+    #[must_use]
+    pub fn hip(&self, side: Side) -> Vec3 {
         Vec3::new(0.0, side.sign() * self.hip_y, 0.0)
     }
 

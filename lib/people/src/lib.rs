@@ -16,7 +16,7 @@ mod reach;
 mod walk;
 mod walker;
 
-pub use figure::{BONES, Bone, Bones, Figure, Side};
+pub use figure::{BONES, Bone, Bones, Figure, Measures, Side};
 pub use joints::{about_y, about_z};
 pub use look::{Age, Bottom, Build, Carried, Hair, Hat, LOOKS, Look, Stance, Top};
 pub use reach::Seat;

@@ -329,6 +329,29 @@ impl Look {
         Self { carried, extra_rgb, stance: Stance::ArmsHang, ..self }
     }
 
+    /// Somebody of whom no more is known: nothing carried, arms that hang.
+    #[must_use]
+    pub fn plain(age: Age, woman: bool) -> Self {
+        Self {
+            age,
+            woman,
+            build: Build::Average,
+            top: Top::Shirt,
+            bottom: Bottom::Trousers,
+            hair: Hair::Short,
+            hat: Hat::None,
+            carried: Carried::Nothing,
+            stance: Stance::ArmsHang,
+            height: 1.0,
+            top_rgb: TOPS[0],
+            bottom_rgb: BOTTOMS[0],
+            skin_rgb: SKIN[0],
+            hair_rgb: HAIR[0],
+            shoe_rgb: SHOES[0],
+            extra_rgb: EXTRAS[0],
+        }
+    }
+
     /// The same in the clothes of their work.
     fn at_work(self, special: &str, turn: usize) -> Self {
         let (top, hat, top_rgb, bottom_rgb, extra_rgb, carried) = match special {

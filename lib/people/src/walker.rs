@@ -37,12 +37,14 @@ impl Walker {
     #[must_use]
     pub fn of_height(model: &Model, variant: u32, height_m: f32) -> Self {
         let look = Look::new(model, variant);
-        let mut figure = Figure::new(look, height_m / (1.0 + Figure::hat_share(&look)));
-        let meshes: Arc<[(Bone, Arc<TriMesh>)]> = figure
-            .meshes(Tag::Pedestrian, Detail::Full)
-            .into_iter()
-            .map(|(bone, mesh)| (bone, Arc::new(mesh)))
-            .collect();
+        let figure = Figure::new(look, height_m / (1.0 + Figure::hat_share(&look)));
+        let meshes = figure.meshes(Tag::Pedestrian, Detail::Full).into_iter();
+        Self::of_meshes(figure, meshes.map(|(bone, mesh)| (bone, Arc::new(mesh))).collect())
+    }
+
+    /// Somebody with meshes of their own, each in the frame of its bone.
+    #[must_use]
+    pub fn of_meshes(mut figure: Figure, meshes: Arc<[(Bone, Arc<TriMesh>)]>) -> Self {
         let outer: Arc<[(Bone, Vec<Vec3A>)]> =
             meshes.iter().map(|(bone, mesh)| (*bone, outermost(mesh))).collect();
         // The box stands about the origin: what reaches farther back than ahead moves the body ahead.

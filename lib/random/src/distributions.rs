@@ -49,6 +49,15 @@ impl Stream {
         last
     }
 
+    /// One of some items with their weights, all alike where all weights are 1: as [`Stream::choose`] draws then, to the bit.
+    pub fn choose_common<T: Copy>(&mut self, items: &[(T, f64)]) -> Option<T> {
+        #[allow(clippy::float_cmp)] // What nobody changed.
+        let all_alike = items.iter().all(|(_, weight)| *weight == 1.0);
+        let drawn =
+            if all_alike { self.choose(items) } else { self.choose_weighted(items, |(_, weight)| *weight) };
+        drawn.map(|(item, _)| *item)
+    }
+
     /// `true` with a probability of 0 to 1.
     pub fn chance(&mut self, probability: f64) -> bool {
         self.unit() < probability
@@ -156,6 +165,12 @@ mod tests {
         // A standard deviation is 87.
         assert!(counts[0] == 0 && counts[3] == 0 && (29_600..30_400).contains(&counts[1]), "{counts:?}");
         assert_eq!(s.choose_weighted(&items[..1], |item| item.1), None);
+        let [mut a, mut b] = [0; 2].map(|_| Stream::new(28, 0, "test/common", 0));
+        let (plain, alike) = ([1, 2, 3, 4, 5], [1, 2, 3, 4, 5].map(|item| (item, 1.0)));
+        for _ in 0..1000 {
+            assert_eq!(a.choose(&plain).copied(), b.choose_common(&alike));
+        }
+        assert_eq!(b.choose_common(&[(1, 0.0), (2, 0.5)]), Some(2));
     }
 
     #[test]

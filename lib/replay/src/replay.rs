@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
-use crate::models::{self, ModelError};
+use modelstore::ModelError;
 use opendrive::Map;
 use scene::{SceneError, SceneLog, SceneReader, read_ground};
 use schema::ObjectId;
 use schema::geometry::{Snapshot, TriMesh};
 use world::{Moment, SceneWorld, WorldError};
+
+use crate::models;
 
 /// A scene cannot be replayed from what the store holds.
 #[derive(Debug, thiserror::Error)]

@@ -3,7 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use crate::fleet;
-use crate::models::{BaseType, MODELS, Model, OwnFacts};
+use crate::models::{AGES, BaseType, GENDERS, MODELS, Model, OwnFacts};
 use crate::tables::PlanModelRow;
 
 /// The models that a dataset is planned and simulated with. Whoever draws models takes it as an argument.
@@ -69,11 +69,23 @@ impl Catalogue {
         self.models().filter(|m| m.wheelbase_m > 0.0)
     }
 
-    /// How common a model is: as its pack says, or [`fleet::weight`].
+    /// People who walk about, each with how common they are: 1 of each built-in one, or what its pack says.
+    #[must_use]
+    pub fn walkers(&self) -> Vec<(&'static Model, f64)> {
+        let built_in = crate::models::walkers().map(|m| self.own(m.name).map_or((m, 1.0), |own| *own));
+        built_in.chain(self.added_of(BaseType::Pedestrian)).collect()
+    }
+
+    /// How common a vehicle is: as its pack says, or [`fleet::weight`].
     #[must_use]
     pub fn weight(&self, model: &Model) -> f64 {
         self.own(model.name).map_or_else(|| fleet::weight(model), |(_, weight)| *weight)
     }
+}
+
+/// What a row says of some words, or the first of them.
+fn among(words: &[&'static str], said: &str) -> &'static str {
+    words.iter().find(|word| **word == said).or(words.first()).copied().unwrap_or_default()
 }
 
 /// A model that stays for as long as the process does: models are handed about as `&'static` all over traffic, and a pack has few.
@@ -84,6 +96,8 @@ fn kept(row: &PlanModelRow) -> Option<&'static Model> {
         doors: row.doors.min(4) as u8,
         wheels: row.wheels.min(u32::from(u8::MAX)) as u8,
         has_lights: row.has_lights,
+        age: among(&AGES, &row.age),
+        gender: among(&GENDERS, &row.gender),
     };
     let base = BaseType::from_name(&row.base_type)?;
     let [wheelbase_m, wheel_radius_m] = [row.wheelbase_m, row.wheel_radius_m];
@@ -146,11 +160,32 @@ mod tests {
     }
 
     #[test]
+    fn people_of_packs_walk_among_the_others() {
+        let own = PlanModelRow {
+            age: "child".into(),
+            gender: "female".into(),
+            ..row("walker.ada", "pedestrian", 2.0)
+        };
+        let all = Catalogue::with(&[own, row("walker.man", "pedestrian", 0.0)]);
+        let walkers = all.walkers();
+        let weight = |name: &str| walkers.iter().find(|(m, _)| m.name == name).map(|(_, weight)| *weight);
+        assert_eq!(
+            ["walker.ada", "walker.man", "walker.woman"].map(weight),
+            [Some(2.0), Some(0.0), Some(1.0)]
+        );
+        assert_eq!(walkers.len(), crate::models::walkers().count() + 1);
+        let ada = all.find("walker.ada").expect("a model");
+        let age = ada.facts().get(&crate::Attribute::Age).map(str::to_owned);
+        assert_eq!((ada.gender(0), age.as_deref()), ("female", Some("child")));
+    }
+
+    #[test]
     fn without_packs_it_is_the_table() {
         let all = Catalogue::built_in();
         assert!(all.is_built_in() && all.models().eq(MODELS.iter()));
         assert!(all.vehicles().eq(crate::models::vehicles()));
         assert!(all.vehicles().all(|m| all.weight(m) == fleet::weight(m)));
+        assert!(all.walkers().into_iter().eq(crate::models::walkers().map(|m| (m, 1.0))));
     }
 
     #[test]

@@ -54,6 +54,12 @@ impl BaseType {
         }
     }
 
+    /// What the names of its models begin with.
+    #[must_use]
+    pub fn family(self) -> &'static str {
+        if self == Self::Pedestrian { "walker" } else { self.name() }
+    }
+
     /// Length of lane that a vehicle of an accident takes up, metres.
     #[must_use]
     pub fn stretch_m(self) -> f64 {
@@ -110,7 +116,16 @@ pub struct OwnFacts {
     pub wheels: u8,
     /// Whether it has lamps.
     pub has_lights: bool,
+    /// Of people: one of [`AGES`]; else the first.
+    pub age: &'static str,
+    /// Of people: one of [`GENDERS`]; else the first.
+    pub gender: &'static str,
 }
+
+/// How old people are.
+pub const AGES: [&str; 3] = ["adult", "child", "elderly"];
+/// What people are.
+pub const GENDERS: [&str; 2] = ["male", "female"];
 
 impl Model {
     /// Doors that open: the two in front, or four; none of trucks, buses, large vans and two-wheelers.
@@ -140,6 +155,9 @@ impl Model {
     /// What people look like.
     #[must_use]
     pub fn gender(&self, variant: u32) -> &'static str {
+        if let Some(own) = self.own {
+            return own.gender;
+        }
         match self.name {
             "walker.woman" => "female",
             "walker.child" | "walker.teen" | "walker.elder" | "walker.wheelchair" | "walker.with_pram"
@@ -161,9 +179,10 @@ impl Model {
             .with(Attribute::SpecialType, self.special);
         match self.base {
             BaseType::Pedestrian => {
-                let age = match self.name {
-                    "walker.child" | "walker.teen" => "child",
-                    "walker.elder" => "elderly",
+                let age = match (self.own, self.name) {
+                    (Some(own), _) => own.age,
+                    (None, "walker.child" | "walker.teen") => "child",
+                    (None, "walker.elder") => "elderly",
                     _ => "adult",
                 };
                 let sits = self.special == "wheelchair";

@@ -1,4 +1,4 @@
-//! The pack in `tests/packs/example`: a van with doors, lamps and a picture, and a bollard. What is committed is what this makes.
+//! The pack in `tests/packs/example`: a van with doors, lamps and a picture, a bollard, and a pedestrian. What is committed is what this makes.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use crate::gltf::{Faces, Maker, png};
+use crate::person::person;
 
 pub(crate) const ALL: [f32; 4] = [0.0, 0.0, 1.0, 1.0];
 
@@ -133,6 +134,7 @@ pub(crate) fn files() -> BTreeMap<&'static str, Vec<u8>> {
     let stripes = png(8, 32, |_, y| if (y / 8) % 2 == 0 { [210, 20, 24] } else { [240, 240, 236] });
     BTreeMap::from([
         ("van.glb", van().glb()),
+        ("ada.glb", person(1.0).glb()),
         ("bollard.gltf", json),
         ("bollard.bin", bollard.binary),
         ("stripes.png", stripes),
@@ -158,8 +160,12 @@ fn seeds_for_fuzzing_are_models() {
     let page = std::fs::read(folder().join("van.toml")).expect("is committed");
     let cube = "name = \"cone.box\"\nbase = \"cone\"\nsize_m = [1, 1, 1]\n";
     let whole = |page: &[u8], mesh: Vec<u8>| [&(page.len() as u16).to_le_bytes(), page, &mesh].concat();
-    let made =
-        [("van", whole(&page, van().glb())), ("box", whole(cube.as_bytes(), crate::faults::textured_cube()))];
+    let ada = std::fs::read(folder().join("ada.toml")).expect("is committed");
+    let made = [
+        ("ada", whole(&ada, person(1.0).glb())),
+        ("van", whole(&page, van().glb())),
+        ("box", whole(cube.as_bytes(), crate::faults::textured_cube())),
+    ];
     for (name, bytes) in made {
         if std::env::var_os("CONVOY_ACCEPT").is_some() {
             std::fs::write(seeds.join(name), &bytes).expect("writes");

@@ -24,7 +24,7 @@ impl Files for Kept {
 
 const PAGE: &str = "name = \"cone.box\"\nbase = \"cone\"\nsize_m = [1, 1, 1]\n";
 
-fn read(page: &str, glb: Vec<u8>) -> Result<packs::PackModel, PackError> {
+pub(crate) fn read(page: &str, glb: Vec<u8>) -> Result<packs::PackModel, PackError> {
     let files = [("box.toml", page.as_bytes().to_vec()), ("box.glb", glb)];
     read_model("box.toml", &Kept(files.map(|(name, bytes)| (name.to_owned(), bytes)).into()))
 }
@@ -57,7 +57,7 @@ fn page_fault(page: &str) -> String {
 }
 
 #[track_caller]
-fn says(message: &str, parts: &[&str]) {
+pub(crate) fn says(message: &str, parts: &[&str]) {
     for part in parts {
         assert!(message.contains(part), "`{part}` is not in: {message}");
     }
@@ -303,7 +303,6 @@ fn words_of_the_page() {
     says(&with("scale = 0"), &["`scale`"]);
     says(&with("lod_from_m = [20, 10]"), &["`lod_from_m`: must be up to 4 rising"]);
     says(&with("lod_from_m = [20]"), &["`lod_from_m`: has 1 distances, but nodes go up to `_lod0`"]);
-    says(&with("rig = \"human\""), &["`rig`: rigs are not supported"]);
     says(&with("wheelbase_m = 2"), &["a cone has no wheels"]);
     says(&with("[nodes.Bix]\ntag = \"x\""), &["`nodes.Bix.tag`: `x` is none of traffic_cone"]);
     says(&with("[nodes.Bix]"), &["`nodes.Bix`: there is no such node; there are Box"]);
@@ -323,7 +322,7 @@ fn words_of_the_page() {
     says(&named("cone../../x", "cone"), &["is not `cone.`"]);
     says(&named("cone.", "cone"), &["is not `cone.`"]);
     says(&named("ufo.one", "ufo"), &["`base`: `ufo` is none of car, van"]);
-    says(&named("walker.me", "pedestrian"), &["pedestrians need a rig"]);
+    says(&named("pedestrian.me", "pedestrian"), &["`name`", "is not `walker.`"]);
     // What drives has wheels, which stand apart.
     says(&named("car.box", "car"), &["say which nodes are wheels"]);
     let twice =
@@ -374,7 +373,7 @@ fn skins_and_extensions() {
         m.json["skins"] = json!([{ "joints": [0] }]);
         m.json["nodes"][0]["skin"] = json!(0);
     });
-    says(&skinned, &["node `Box`", "rigs are not supported"]);
+    says(&skinned, &["node `Box`", "only pedestrians have a rig"]);
     let draco = fault(|m| {
         m.json["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
         m.json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);

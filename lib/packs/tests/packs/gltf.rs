@@ -106,7 +106,7 @@ impl Maker {
         self.put("bufferViews", json!({ "buffer": 0, "byteOffset": offset, "byteLength": bytes.len() }))
     }
 
-    fn floats<const N: usize>(&mut self, values: &[[f32; N]], bounds: bool) -> usize {
+    pub(crate) fn floats<const N: usize>(&mut self, values: &[[f32; N]], bounds: bool) -> usize {
         let bytes: Vec<u8> = values.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
         let view = self.view(&bytes);
         let kind = if N == 3 { "VEC3" } else { "VEC2" };

@@ -3,4 +3,7 @@
 mod example;
 mod faults;
 mod gltf;
+mod person;
 mod reading;
+mod rigs;
+mod walking;

@@ -7,9 +7,9 @@ table! {
     PlanModelRow in "plan/models" by "spawn-planner" {
         /// Model name; one of the built-in catalogue is replaced.
         name: String,
-        /// `car`, `van`, `truck`, `bus`, `motorcycle`, `bicycle`, `cone`, `barrier`.
+        /// `car`, `van`, `truck`, `bus`, `motorcycle`, `bicycle`, `pedestrian`, `cone`, `barrier`.
         base_type: String,
-        /// Length, width, height of its mesh, m.
+        /// Length, width, height of its mesh (of people as they stand), m.
         size_m: [f64; 3],
         /// Distance between the axles, m (0 without wheels).
         wheelbase_m: f64,
@@ -23,7 +23,11 @@ table! {
         has_lights: bool,
         /// `emergency`, `taxi`, `electric` or empty.
         special: String,
-        /// How common it is; all vehicles of the built-in catalogue together are 44.
+        /// Of people `adult`, `child`, `elderly`; else empty.
+        age: String,
+        /// Of people `male`, `female`; else empty.
+        gender: String,
+        /// How common it is; all vehicles of the built-in catalogue together are 44, each person of it is 1.
         weight: f64,
         /// Its page: the TOML that describes it.
         page: String,

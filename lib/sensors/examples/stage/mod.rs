@@ -75,6 +75,17 @@ impl Stage {
         triangles
     }
 
+    /// A walker with meshes of their own.
+    pub(crate) fn add_walker(&mut self, walker: &Walker, at: Affine3A, phase_rad: f32, gait_mps: f32) {
+        let bones = walker.figure().walking(phase_rad, gait_mps);
+        let object = self.instances.len() as u16 + 1;
+        for (bone, mesh) in walker.meshes() {
+            let pose = at * bones.object_from_bone(*bone);
+            self.instances.push(common::instance(self.meshes.len() as u32, object, pose));
+            self.meshes.push(Arc::clone(mesh));
+        }
+    }
+
     /// A vehicle without its panes, so that its cabin shows.
     pub(crate) fn add_open(&mut self, model: &Model, at: Affine3A, paint: [f32; 3]) -> usize {
         let Some(made) = actor_mesh(model.name, model.size_m, 0) else { return 0 };

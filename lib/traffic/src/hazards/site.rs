@@ -114,9 +114,9 @@ impl<'m, 't> Site<'m, 't> {
             }
         }
         // Police stand about where they came by car.
-        let mut people: Vec<&'static Model> = models::walkers().collect();
+        let mut people = self.catalogue.walkers();
         if emergency.is_some_and(|m| m.name == "car.police") {
-            people.extend(models::find("walker.police"));
+            people.extend(models::find("walker.police").map(|police| (police, 1.0)));
         }
         for way_m in gaps_m {
             self.people(&people, way_m);
@@ -128,13 +128,9 @@ impl<'m, 't> Site<'m, 't> {
 
     /// Some cone or barrier: all alike but those of packs, which are as common as these say.
     fn drawn(&mut self, names: &[&'static str], base: BaseType) -> Option<&'static str> {
-        let added = self.catalogue.added_of(base);
-        if added.is_empty() {
-            return self.draw.choose(names).copied();
-        }
-        let added = added.into_iter().map(|(model, weight)| (model.name, weight));
+        let added = self.catalogue.added_of(base).into_iter().map(|(model, weight)| (model.name, weight));
         let all: Vec<(&str, f64)> = names.iter().map(|name| (*name, 1.0)).chain(added).collect();
-        self.draw.choose_weighted(&all, |(_, weight)| *weight).map(|(name, _)| *name)
+        self.draw.choose_common(&all)
     }
 
     fn vehicle(&mut self, model: &'static Model, way_m: f64) -> Option<()> {
@@ -151,12 +147,12 @@ impl<'m, 't> Site<'m, 't> {
     }
 
     /// None to three people who stand about.
-    fn people(&mut self, catalogue: &[&'static Model], way_m: f64) {
+    fn people(&mut self, catalogue: &[(&'static Model, f64)], way_m: f64) {
         let Some(place) = self.stretch.at(way_m, 0.0) else { return };
         for _ in 0..self.draw.int_inclusive(1, 3) {
             let push_m = self.push_m(WALKER_JITTER_M);
             let turn_rad = self.draw.uniform(-std::f64::consts::PI, std::f64::consts::PI);
-            let (model, color) = (self.draw.choose(catalogue).copied(), self.draw.choose(&CLOTHES).copied());
+            let (model, color) = (self.draw.choose_common(catalogue), self.draw.choose(&CLOTHES).copied());
             let comes = self.draw.chance(0.5);
             if let (Some(model), Some(color), true) = (model, color, comes) {
                 self.add(Thing::of_model(

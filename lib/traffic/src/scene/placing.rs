@@ -93,10 +93,14 @@ struct Drawn {
 }
 
 /// Draws who a walker is.
-fn draw_walker(input: &SceneInput<'_>, catalogue: &[&'static models::Model], number: u64) -> Option<Drawn> {
+fn draw_walker(
+    input: &SceneInput<'_>,
+    catalogue: &[(&'static models::Model, f64)],
+    number: u64,
+) -> Option<Drawn> {
     let (scene, settings) = (input.scene, &input.settings.walkers);
     let mut stream = Stream::new(scene.seed, u64::from(scene.scene), "traffic/walker", number);
-    let (model, color) = (*stream.choose(catalogue)?, *stream.choose(&CLOTHES)?);
+    let (model, color) = (stream.choose_common(catalogue)?, *stream.choose(&CLOTHES)?);
     let speed = stream.log_normal(0.16, 0.64).max(settings.min_speed_mps).max(0.1);
     let mut chairs = Stream::new(scene.seed, u64::from(scene.scene), "traffic/wheelchair", number);
     let (model, speed_mps) = match models::wheelchair() {
@@ -137,7 +141,7 @@ pub(crate) fn place_walkers(
     let Streets { paths, routes, fixtures, waiting } = *streets;
     let (scene, settings) = (input.scene, &input.settings.walkers);
     let stream = |topic, entity| Stream::new(scene.seed, u64::from(scene.scene), topic, entity);
-    let catalogue: Vec<&'static models::Model> = models::walkers().collect();
+    let catalogue = input.catalogue.walkers();
     let mut walkers: Vec<(Walker, bool)> = Vec::with_capacity(places.len());
     let mut crowd = Crowd::default();
     let sizes = draw_sizes(places.len(), settings.in_groups, &|i| stream("traffic/walker/group", i));
