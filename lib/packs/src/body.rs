@@ -1,7 +1,7 @@
 //! The figure of a rig: how long its bones are, and how what hangs on them is turned into their frames.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
-use people::{Age, BONES, Bone, Figure, Look, Measures, Side as Of};
+use people::{Age, Bone, Figure, Look, Measures, Side as Of};
 
 use crate::error::Problem;
 use crate::joints::{Mark, Side};
@@ -19,7 +19,7 @@ const BALL: f64 = 0.71;
 /// A figure with the ways from the object's frame, as the file stands, to those of its bones.
 pub(crate) struct Body {
     pub(crate) figure: Figure,
-    pub(crate) bone_from_object: [DAffine3; BONES],
+    pub(crate) bone_from_object: [DAffine3; Bone::BODY.len()],
 }
 
 fn bad(mark: Mark, problem: &'static str) -> Problem {
@@ -111,7 +111,7 @@ impl Body {
             _ => Age::Adult,
         };
         let figure = Figure::measured(Look::plain(age, sheet.gender == "female"), &measures);
-        let mut body = Self { figure, bone_from_object: [DAffine3::IDENTITY; BONES] };
+        let mut body = Self { figure, bone_from_object: [DAffine3::IDENTITY; Bone::BODY.len()] };
         for (bone, joint) in [(Bone::Pelvis, hips), (Bone::Chest, chest), (Bone::Head, neck)] {
             body.set(bone, DAffine3::from_translation(-joint));
         }

@@ -185,7 +185,7 @@ impl<'d> Weights<'d> {
     /// Where a vertex is taken to, and the bone that it hangs on most.
     pub(crate) fn of(&self, vertex: usize) -> Result<(DAffine3, Bone), Problem> {
         let mut place = DAffine3 { matrix3: DMat3::ZERO, translation: DVec3::ZERO };
-        let (mut shares, mut sum) = ([0.0; people::BONES], 0.0);
+        let (mut shares, mut sum) = ([0.0; Bone::BODY.len()], 0.0);
         for [joints, weights] in &self.sets {
             for k in 0..4 {
                 let joint = joints.whole(vertex, k).ok_or(Problem::NoWeights)?;
@@ -210,6 +210,6 @@ impl<'d> Weights<'d> {
         place.translation /= sum;
         // Of equals the first: what is above.
         let most = (1..shares.len()).fold(0, |most, k| if shares[k] > shares[most] { k } else { most });
-        Ok((place, Bone::ALL[most]))
+        Ok((place, Bone::BODY[most]))
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::{DVec3, Vec2};
-use people::{BONES, Bone, Side};
+use people::{Bone, Side};
 
 use crate::body::Body;
 use crate::soup::Triangle;
@@ -34,7 +34,7 @@ pub(crate) fn pieces(body: &Body, triangles: &[Triangle]) -> Vec<(Bone, Vec<Tria
         whole.push((corners, owners));
     }
     let mut made = Vec::new();
-    for bone in Bone::ALL {
+    for bone in Bone::BODY {
         let own = 1_u16 << bone as u32;
         let mut piece: Vec<Triangle> = Vec::new();
         // Cuts by the bone on their other side: the edge, and the triangle that it is of.
@@ -108,4 +108,4 @@ fn cap(triangles: &[Triangle], cut: &[(usize, usize)], inside: DVec3, bulge: f64
 }
 
 // Bones are told apart by the bits of a word.
-const _: () = assert!(BONES <= 16);
+const _: () = assert!(Bone::BODY.len() <= 16);

@@ -51,8 +51,8 @@ pub enum Bone {
 }
 
 impl Bone {
-    /// All of them, in order.
-    pub const ALL: [Self; BONES] = {
+    /// Those of the body itself, in order.
+    pub const BODY: [Self; 15] = {
         use Bone::*;
         [
             Pelvis,
@@ -70,7 +70,6 @@ impl Bone {
             FootRight,
             ToesLeft,
             ToesRight,
-            Cane,
         ]
     };
 }

@@ -349,6 +349,7 @@ impl Look {
             hair_rgb: HAIR[0],
             shoe_rgb: SHOES[0],
             extra_rgb: EXTRAS[0],
+            dog_m: 0.0,
         }
     }
 

@@ -51,7 +51,7 @@ impl Walker {
         let standing = bounds(&figure.walking(0.0, 0.0), &outer);
         let middle = 0.5 * (standing.min + standing.max);
         (figure.hips_ahead, figure.hips_left) = (-middle.x, -middle.y);
-        if matches!(look.carried, Carried::Pram | Carried::Dog) {
+        if matches!(figure.look.carried, Carried::Pram | Carried::Dog) {
             figure.strides_ahead = striding_ahead(&figure, &outer);
         }
         let mut walker = Self { figure, meshes, outer, size_m: Vec3::ZERO };
