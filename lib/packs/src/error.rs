@@ -92,6 +92,10 @@ pub enum Problem {
     NoWeights,
     #[error("vertex {vertex} hangs on joint {joint}: the skin has {joints}")]
     JointIndex { vertex: usize, joint: u32, joints: usize },
+    #[error(
+        "vertex {vertex} hangs on a joint that no joint of the body bears: put all meshes on one skeleton"
+    )]
+    OtherSkeleton { vertex: usize },
     #[error("the weights of vertex {vertex} are below 0 or not 1 together: normalise them")]
     Weights { vertex: usize },
     #[error("no joint is `{bone}`: say in `[joints]` which one is; there are {names}")]

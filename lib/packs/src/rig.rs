@@ -1,6 +1,6 @@
 //! The rig of a pedestrian: joints, what each moves, and how skins bend.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 use people::Bone;
@@ -16,7 +16,8 @@ use crate::sheet::Sheet;
 /// A joint of a skin: the bone that it goes with, and where it takes what hangs on it.
 #[derive(Clone, Copy)]
 struct SkinJoint {
-    bone: Bone,
+    /// None of a joint that neither hangs on one of the body's nor bears them.
+    bone: Option<Bone>,
     object_from_mesh: DAffine3,
 }
 
@@ -26,6 +27,8 @@ pub(crate) struct Rig {
     pub(crate) places_m: BTreeMap<Mark, DVec3>,
     /// Of each node the bone that it goes with: its own, or that of the nearest one above it that has one.
     bones: BTreeMap<usize, Bone>,
+    /// Nodes above joints that are known.
+    above: BTreeSet<usize>,
     skins: BTreeMap<usize, Vec<SkinJoint>>,
 }
 
@@ -61,7 +64,9 @@ impl Rig {
                 above = graph.nodes.get(&at).and_then(|(parent, _)| *parent);
             }
         }
-        let mut rig = Self { places_m, bones, skins: BTreeMap::new() };
+        let parent = |node: &usize| graph.nodes.get(node).and_then(|(parent, _)| *parent);
+        let above = of_node.keys().flat_map(|node| std::iter::successors(parent(node), parent)).collect();
+        let mut rig = Self { places_m, bones, above, skins: BTreeMap::new() };
         for number in used {
             if !rig.skins.contains_key(&number) {
                 let joints = skins.get(number).ok_or((None, Problem::NoSkin(number)))?;
@@ -97,7 +102,8 @@ impl Rig {
             };
             let object_from_mesh = *object_from_joint * joint_from_mesh;
             // What hangs on a joint above all of the body goes with the hips.
-            let bone = self.bones.get(&node).copied().unwrap_or(Bone::Pelvis);
+            let over = self.above.contains(&node).then_some(Bone::Pelvis);
+            let bone = self.bones.get(&node).copied().or(over);
             read.push(SkinJoint { bone, object_from_mesh });
         }
         Ok(read)
@@ -198,7 +204,8 @@ impl<'d> Weights<'d> {
                     let joint = self.joints.get(joint as usize).ok_or_else(unknown)?;
                     place.matrix3 += joint.object_from_mesh.matrix3 * weight;
                     place.translation += joint.object_from_mesh.translation * weight;
-                    shares[joint.bone as usize] += weight;
+                    let bone = joint.bone.ok_or(Problem::OtherSkeleton { vertex })?;
+                    shares[bone as usize] += weight;
                     sum += weight;
                 }
             }

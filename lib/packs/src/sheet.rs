@@ -294,7 +294,7 @@ impl Written {
         if let Some(model) = replaced.filter(|model| !model.special.is_empty()) {
             return Err(bad(
                 "name",
-                format!("`{}` has its own work or chair, and cannot be replaced", model.name),
+                format!("`{}` has its own work, chair, pram or dog, and cannot be replaced", model.name),
             ));
         }
         if !self.special.is_empty() {

@@ -30,7 +30,7 @@ pub enum Surface {
     Cloth,
     /// Road surface.
     Asphalt,
-    /// The same of a lane with kerbs beside it: strips of quadrangles (right, right, left, left border), of two triangles each that begin
+    /// The same of a lane, or a flat strip of no use, with kerbs beside it: strips of quadrangles (right, right, left, left border), of two triangles each that begin
     /// with the first corner.
     KerbedAsphalt(Kerbs),
     /// Paint on the road.

@@ -143,7 +143,8 @@ pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels,
             for i in (0..kept.len()).filter(|i| here[*i]) {
                 let Some(part) = kept[i] else { continue };
                 let [right_start, right_end, left_end, left_start] = corners_of(strip, i, part);
-                let beside = [(right, 0), (left, 1)].map(|(next, side)| is_kerbed(strip, next, i, side));
+                let beside = [(right, 0), (left, 1)]
+                    .map(|(next, side)| is_kerbed(section, strip, next, (i, side), &ground.cover));
                 let top = match Kerbs::on(beside) {
                     Some(kerbs) if top.surface.is_asphalt() => {
                         Part { surface: Surface::KerbedAsphalt(kerbs), ..top }
@@ -193,11 +194,21 @@ fn face_depth(strip: &Strip, neighbour: Option<&Strip>, i: usize, side: usize) -
     (depth[0] > 0.0 || depth[1] > 0.0).then(|| depth.map(|d| d.max(0.0) + 0.02))
 }
 
-/// Whether a raised neighbour stands over a strip's piece on a side: 0 is its right, 1 its left.
-fn is_kerbed(strip: &Strip, neighbour: Option<&Strip>, i: usize, side: usize) -> bool {
-    let Some(neighbour) = neighbour.filter(|n| n.ground.raised()) else { return false };
+/// Whether a neighbour stands over a strip's piece on a side (0 is its right, 1 its left) and was not cut away there.
+fn is_kerbed(
+    section: &Section,
+    strip: &Strip,
+    neighbour: Option<&Strip>,
+    (i, side): (usize, usize),
+    cover: &Cover,
+) -> bool {
+    let Some(neighbour) = neighbour.filter(|n| n.ground != Ground::Land) else { return false };
     let up = |i: usize| neighbour.raise[i][side] - strip.raise[i][1 - side];
-    up(i).min(up(i + 1)) > LEAST_KERB_M
+    if up(i).min(up(i + 1)) <= LEAST_KERB_M {
+        return false;
+    }
+    let kept = free_part(section, neighbour, i, cover);
+    kept.is_some_and(|part| if side == 0 { part[1] == 1.0 } else { part[0] == 0.0 })
 }
 
 /// Grass that falls away from the outer edges, so that no gap shows between road and terrain.
@@ -258,7 +269,12 @@ mod tests {
     /// What the roads of a street are made of whose lanes, from the reference line to the right, are of such types.
     fn made_of(lanes: &[LaneType]) -> Vec<Surface> {
         let lanes: Vec<(LaneType, f64)> = lanes.iter().map(|lane| (*lane, 3.0)).collect();
-        let map = map(vec![road("1", [0.0, 0.0], 0.0, 60.0, one_way(&lanes))]);
+        made_of_roads(vec![road("1", [0.0, 0.0], 0.0, 60.0, one_way(&lanes))])
+    }
+
+    /// What lanes of 3 m below the x axis are made of, from there on.
+    fn made_of_roads(roads: Vec<opendrive::Road>) -> Vec<Surface> {
+        let map = map(roads);
         let atlas = Atlas::new(&map);
         let here = atlas.ground(&Region { min: [0.0, -32.0], max: [64.0, 32.0] });
         let mut made: Vec<(i32, Surface)> = Vec::new();
@@ -285,6 +301,11 @@ mod tests {
         assert_eq!(made_of(&[Median, Driving]), [kerbed(Kerbs::Left)]);
         assert_eq!(made_of(&[Median, Driving, Sidewalk]), [kerbed(Kerbs::Both)]);
         assert_eq!(made_of(&[Driving, Shoulder, Sidewalk]), [Surface::Asphalt, kerbed(Kerbs::Right)]);
+        // Another road's lane on the same place takes the sidewalk away, and the kerb with it.
+        let street = one_way(&[(Driving, 3.0), (Sidewalk, 3.0)]);
+        let other = road("2", [0.0, -3.0], 0.0, 60.0, one_way(&[(Driving, 3.0)]));
+        let both = vec![road("1", [0.0, 0.0], 0.0, 60.0, street), other];
+        assert_eq!(made_of_roads(both), [Surface::Asphalt; 2]);
     }
 
     #[test]

@@ -12,7 +12,7 @@ pub(crate) const CATEGORIES: [(&str, &str); 32] = [
     ("human.pedestrian.construction_worker", "A worker at road works."),
     ("human.pedestrian.personal_mobility", "Not in this dataset."),
     ("human.pedestrian.police_officer", "A police officer on foot."),
-    ("human.pedestrian.stroller", "Not in this dataset."),
+    ("human.pedestrian.stroller", "Somebody with a pram, with it."),
     ("human.pedestrian.wheelchair", "A person in a wheelchair, with it."),
     ("movable_object.barrier", "A barrier at road works."),
     ("movable_object.debris", "Not in this dataset."),
@@ -61,6 +61,7 @@ pub(crate) fn category(class: DetectionClass, facts: &Attributes) -> &'static st
         DetectionClass::Pedestrian => match facts.get(&Attribute::SpecialType) {
             _ if facts.is_true(&Attribute::UseWheelchair) => "human.pedestrian.wheelchair",
             Some("wheelchair") => "human.pedestrian.wheelchair",
+            Some("pram") => "human.pedestrian.stroller",
             Some("worker") => "human.pedestrian.construction_worker",
             Some("police") => "human.pedestrian.police_officer",
             _ if facts.get(&Attribute::Age) == Some("child") => "human.pedestrian.child",
@@ -209,6 +210,8 @@ mod tests {
         assert_eq!(person(&facts(Attribute::Age, "child")), "human.pedestrian.child");
         assert_eq!(person(&facts(Attribute::Age, "elderly")), "human.pedestrian.adult");
         assert_eq!(person(&facts(Attribute::SpecialType, "worker")), "human.pedestrian.construction_worker");
+        assert_eq!(person(&facts(Attribute::SpecialType, "pram")), "human.pedestrian.stroller");
+        assert_eq!(person(&facts(Attribute::SpecialType, "dog")), "human.pedestrian.adult");
         assert_eq!(person(&facts(Attribute::UseWheelchair, "true")), "human.pedestrian.wheelchair");
         assert_eq!(category(DetectionClass::TrafficSign, &Attributes::new()), "static.other");
     }

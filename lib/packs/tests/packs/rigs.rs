@@ -78,6 +78,19 @@ fn skins_that_do_not_fit() {
     says(&elsewhere, &["node `#99`", "is a joint of skin 0, but is not in the scene"]);
     let many = fault(|m| m.json["skins"][0]["joints"] = json!(vec![1; 1025]));
     says(&many, &["one with more than 1024 joints"]);
+    // A joint that stands by itself, where a foot's toes were.
+    let stray = fault(|m| {
+        let nodes = m.json["nodes"].as_array_mut().expect("a list");
+        let toes =
+            nodes.iter().position(|node| node["name"].as_str().is_some_and(|name| name.contains("Toe")));
+        nodes.push(json!({ "name": "Stray" }));
+        let stray = nodes.len() - 1;
+        m.json["scenes"][0]["nodes"].as_array_mut().expect("a list").push(json!(stray));
+        let joints = m.json["skins"][0]["joints"].as_array_mut().expect("a list");
+        let toes = toes.and_then(|toes| joints.iter().position(|joint| *joint == json!(toes)));
+        joints[toes.expect("has toes")] = json!(stray);
+    });
+    says(&stray, &["node `Ada`", "hangs on a joint that no joint of the body bears"]);
     let far = fault(|m| m.json["nodes"][7]["translation"] = json!([500, 0, 0]));
     says(&far, &["pack/box."]);
     let wide = fault(|m| m.json["nodes"][21]["scale"] = json!([60, 1, 1]));
@@ -129,7 +142,10 @@ fn pages_of_people() {
     says(&page_fault("height_m = 1.755", "height_m = 1.6"), &["level 0 is", "1.6"]);
     says(&page_fault("gender = \"female\"", "# "), &["`gender`: is missing"]);
     says(&page_fault("\"adult\"", "\"old\""), &["`age`: `old` is none of adult, child, elderly"]);
-    says(&page_fault("walker.ada", "walker.police"), &["`walker.police` has its own work or chair"]);
+    says(
+        &page_fault("walker.ada", "walker.police"),
+        &["`walker.police` has its own work, chair, pram or dog"],
+    );
     says(&page_fault("weight = 6.0", "special = \"taxi\""), &["`special`: people of packs walk about"]);
     says(
         &page_fault("[joints]", "[nodes.Cap]\nlamps = [\"brake\"]\n[joints]"),

@@ -58,7 +58,7 @@ table! {
         angular_velocity_radps: [f32; 3],
         /// Steering angle of the front wheels, rad, positive left.
         steer_rad: f32,
-        /// Rotation of the wheels since the start, rad; of walkers the gait phase, which goes on while they stand.
+        /// Rotation of the wheels since the start, rad; of walkers the gait phase, which goes on while they stand (not of those with a pram).
         phase_rad: f32,
         /// Speed that a walker strides at, m/s: its own, smoothed. With the phase it says where arms and legs are.
         gait_mps: f32,

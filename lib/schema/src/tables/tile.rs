@@ -28,7 +28,7 @@ table! {
         triangle_part: Vec<u8>,
         /// Semantic tag of each part.
         part_tag: Vec<u8>,
-        /// What each part is made of: `asphalt`, `concrete`, `grass`, `road_marking`, `metal`, `glass`, `plain`, ...
+        /// What each part is made of: `asphalt` (`asphalt_kerb_right`, `_left`, `_both` of a lane with kerbs beside it), `concrete`, `grass`, `road_marking`, `metal`, `glass`, `plain`, ...
         part_surface: Vec<String>,
         /// Linear red, green, blue of each part, 0 to 1.
         part_rgb: Vec<f32>,

@@ -9,6 +9,9 @@ use super::path::LidarMoment;
 use super::scan::Scan;
 use crate::error::SensorError;
 
+/// What more rays meet is not kept for other lidars: some 64 MB a frame.
+const MOST_RAYS: u64 = 1 << 21;
+
 /// Lidars of a rig that fire the same beams, whose rays are followed once for all of them: a semantic lidar is mostly the other
 /// one's twin.
 #[derive(Clone, Debug)]
@@ -40,7 +43,7 @@ impl SharedBeams {
                 None => all.push((spec, vec![spec.every_n_frames])),
             }
         }
-        all.retain(|(_, every_n_frames)| every_n_frames.len() > 1);
+        all.retain(|(spec, every_n_frames)| every_n_frames.len() > 1 && rays(spec) <= MOST_RAYS);
         let twins = |(spec, every_n_frames)| Ok(Twins { lidar: Lidar::new(spec)?, every_n_frames });
         Ok(Self(all.into_iter().map(twins).collect::<Result<_, SensorError>>()?))
     }
@@ -71,6 +74,11 @@ impl SharedScan {
     pub(crate) fn is_of(&self, spec: &LidarSpec) -> bool {
         fire_alike(&self.spec, spec)
     }
+}
+
+/// Rays that a lidar fires in a sweep.
+fn rays(spec: &LidarSpec) -> u64 {
+    u64::from(spec.scan.channels) * u64::from(spec.scan.columns) * u64::from(spec.beam.rays)
 }
 
 /// Whether two lidars of an agent fire the same beams and follow them alike.

@@ -9,7 +9,7 @@ use super::facet::{Points, shades};
 use super::lane::Kerbed;
 use super::pattern::{Width, bars};
 
-/// How far from a kerb anything lies, metres.
+/// How far from a kerb anything lies, metres; within lanes that are narrower, less far by as much.
 const REACH_M: f32 = 0.9;
 /// Dust and soot, linear RGB.
 const GRIME: Vec3 = Vec3::new(0.040, 0.035, 0.029);
@@ -37,7 +37,8 @@ pub(super) fn soiled(kerbed: &Kerbed, noise: &Noise, p: &Points, mut albedo: Vec
     let noised = |per_m: f32| noise.at_all(p.world_m.x * per_m, p.world_m.y * per_m, p.footprint_m * per_m);
     // Nearer to some stretches of a kerb than to others.
     let cloud = noised(1.0) * 0.6 + noised(8.0) * 0.4;
-    let reach = cloud * 0.7 + 0.15;
+    let narrow = (kerbed.width_m() / REACH_M).min(1.0);
+    let reach = (cloud * 0.7 + 0.15) * narrow;
     let grime = 1.0 - smoothstep(0.0, 1.0, away_m / reach);
     albedo = albedo.lerp(shades(GRIME, *stones), grime * 0.85);
     // The joint at the kerb's foot.

@@ -89,6 +89,11 @@ impl Kerbed {
         (if on_right { right } else { far }).fast_min(if on_left { left } else { far })
     }
 
+    /// Width of the lane, metres.
+    pub(super) fn width_m(&self) -> f32 {
+        self.lane.width_m
+    }
+
     /// The way the kerbs run, of unit length.
     pub(super) fn along(&self) -> Vec2 {
         self.lane.along

@@ -6,7 +6,7 @@ use opendrive::Map;
 use random::Stream;
 use schema::ObjectId;
 use schema::tables::ActorRow;
-use schema::{ActorKind, ActorRole, models};
+use schema::{ActorKind, ActorRole, Attribute, models};
 
 use crate::bodies::{Bodies, Owner};
 use crate::error::TrafficError;
@@ -120,7 +120,7 @@ fn take_along(
     speed_mps: f64,
     mut draw: Stream,
 ) -> (&'static models::Model, f64) {
-    if ["walker.child", "walker.teen"].contains(&model.name) {
+    if model.facts().get(&Attribute::Age) == Some("child") {
         return (model, speed_mps);
     }
     match (draw.uniform(0.0, 1.0), models::with_pram(), models::with_dog()) {
