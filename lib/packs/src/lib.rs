@@ -3,6 +3,8 @@
 mod accessor;
 mod bake;
 mod body;
+mod coat;
+mod cutout;
 mod document;
 mod error;
 mod files;
@@ -14,10 +16,12 @@ mod limits;
 mod model;
 mod normals;
 mod picture;
+mod pictures;
 mod rig;
 mod sheet;
 mod soup;
 mod split;
+mod stencil;
 
 pub use error::{PackError, Problem};
 pub use files::{Files, Folder};

@@ -23,8 +23,12 @@ pub(crate) const SKINS: usize = 64;
 pub(crate) const JOINTS: usize = 1024;
 /// Texels along a side of a picture.
 pub(crate) const IMAGE_SIDE: usize = 2048;
-/// Texels of all pictures of a model as they are read, and again of all that are used: each for every colour and wrapping.
-pub(crate) const TEXELS: usize = 16 << 20;
+/// The same of pictures that are no colours: larger ones are kept at half their size.
+pub(crate) const DETAIL_SIDE: u32 = 1024;
+/// Texels of all pictures of a model as they are read.
+pub(crate) const READ_TEXELS: usize = 48 << 20;
+/// Texels of all that are used: each for every colour and wrapping.
+pub(crate) const TEXELS: usize = 32 << 20;
 /// Parts of different looks.
 pub(crate) const PARTS: usize = 250;
 /// Coarser levels of detail.

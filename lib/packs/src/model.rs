@@ -102,12 +102,13 @@ pub fn read_model(page: &str, files: &dyn Files) -> Result<PackModel, PackError>
     check_materials(&document, &sheet).map_err(at)?;
     let is_rigged = sheet.base == BaseType::Pedestrian;
     let rig = is_rigged.then(|| Rig::new(&document, &graph, &sheet)).transpose().map_err(in_mesh)?;
-    let soup = Soup::new(&document, &graph, rig.as_ref(), sheet.lod_from_m.len() + 1).map_err(in_mesh)?;
+    let mut soup = Soup::new(&document, &graph, rig.as_ref(), sheet.lod_from_m.len() + 1).map_err(in_mesh)?;
+    let baker = Baker::new(&document, &sheet, &mut bag, &soup.parts, mesh_place.clone())?;
+    baker.cut(&mut soup);
     let [low, high] = extents(&soup, &sheet).map_err(in_mesh)?;
     if let Some(rig) = &rig {
         let all = soup.levels[0].concat();
         let body = Body::new(rig, &sheet, &all).map_err(at)?;
-        let baker = Baker::new(&document, &sheet, &mut bag, &soup.parts, mesh_place.clone())?;
         let split = |level: &Vec<Vec<Triangle>>| {
             let pieces = split::pieces(&body, &level.concat()).into_iter();
             let piece = |(bone, triangles): (Bone, Vec<Triangle>)| {
@@ -123,7 +124,6 @@ pub fn read_model(page: &str, files: &dyn Files) -> Result<PackModel, PackError>
     let shift_m = -DVec3::new(0.5 * (low.x + high.x), 0.5 * (low.y + high.y), low.z);
     let hung = places(&graph, &soup, shift_m).map_err(|problem| in_mesh((None, problem)))?;
     let facts = facts(&sheet, &graph, &soup, &hung).map_err(at)?;
-    let baker = Baker::new(&document, &sheet, &mut bag, &soup.parts, mesh_place.clone())?;
     let levels = sheet.levels_from_m().zip(&soup.levels).map(|(from_m, level)| {
         let pieces = level.iter().zip(&hung).filter(|(triangles, _)| !triangles.is_empty());
         let piece = |(triangles, hang): (&Vec<Triangle>, &Hang)| {

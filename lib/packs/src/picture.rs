@@ -10,7 +10,7 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use crate::limits::IMAGE_SIDE;
+use crate::limits::{DETAIL_SIDE, IMAGE_SIDE};
 
 /// sRGB bytes and linear light, by tables.
 pub(crate) struct Curve {
@@ -43,8 +43,15 @@ impl Curve {
     }
 }
 
+/// A picture as its file has it.
+pub(crate) struct Decoded {
+    pub(crate) picture: Level,
+    /// How much of each texel is there, of 255; empty: all of it.
+    pub(crate) alpha: Vec<u8>,
+}
+
 /// Decodes a PNG or JPEG. Its size is looked at before anything is decoded.
-pub(crate) fn decode(bytes: &[u8]) -> Result<Level, String> {
+pub(crate) fn decode(bytes: &[u8]) -> Result<Decoded, String> {
     if bytes.starts_with(b"\x89PNG") {
         png(bytes)
     } else if bytes.starts_with(&[0xff, 0xd8]) {
@@ -61,7 +68,7 @@ fn check(width: usize, height: usize) -> Result<(), String> {
     Ok(())
 }
 
-fn png(bytes: &[u8]) -> Result<Level, String> {
+fn png(bytes: &[u8]) -> Result<Decoded, String> {
     // Room for eight bytes a pixel and the decoder's own buffers.
     let limits = Limits { bytes: 16 * IMAGE_SIDE * IMAGE_SIDE };
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
@@ -81,10 +88,15 @@ fn png(bytes: &[u8]) -> Result<Level, String> {
         ColorType::GrayscaleAlpha => pixels.as_chunks::<2>().0.iter().map(|[v, _]| [*v; 3]).collect(),
         ColorType::Indexed => return Err("has a palette that was not expanded".into()),
     };
-    level(info.width, info.height, texels)
+    let alpha = match info.color_type {
+        ColorType::Rgba => pixels.as_chunks::<4>().0.iter().map(|[.., a]| *a).collect(),
+        ColorType::GrayscaleAlpha => pixels.as_chunks::<2>().0.iter().map(|[_, a]| *a).collect(),
+        _ => Vec::new(),
+    };
+    Ok(Decoded { picture: level(info.width, info.height, texels)?, alpha })
 }
 
-fn jpeg(bytes: &[u8]) -> Result<Level, String> {
+fn jpeg(bytes: &[u8]) -> Result<Decoded, String> {
     let options = DecoderOptions::default()
         .jpeg_set_out_colorspace(ColorSpace::RGB)
         .set_max_width(IMAGE_SIDE)
@@ -94,7 +106,8 @@ fn jpeg(bytes: &[u8]) -> Result<Level, String> {
     let (width, height) = decoder.dimensions().ok_or("has no size")?;
     check(width, height)?;
     let data = decoder.decode().map_err(|e| e.to_string())?;
-    level(width as u32, height as u32, data.as_chunks::<3>().0.to_vec())
+    let picture = level(width as u32, height as u32, data.as_chunks::<3>().0.to_vec())?;
+    Ok(Decoded { picture, alpha: Vec::new() })
 }
 
 fn level(width: u32, height: u32, texels: Vec<[u8; 3]>) -> Result<Level, String> {
@@ -102,24 +115,62 @@ fn level(width: u32, height: u32, texels: Vec<[u8; 3]>) -> Result<Level, String>
     whole.then_some(Level { width, height, texels }).ok_or_else(|| "has not as many pixels as it says".into())
 }
 
-/// A picture in a colour, with its coarser copies: means of up to two by two texels, of their light.
-pub(crate) fn image(picture: &Level, rgb: [f32; 3], wrap: [Wrap; 2], curve: &Curve) -> Image {
+/// What the bytes of a picture are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Meaning {
+    /// sRGB colours.
+    Colour,
+    /// sRGB, of light that is kept less finely.
+    Glow,
+    /// Shares of 255, kept less finely as well.
+    Numbers,
+}
+
+impl Meaning {
+    /// Light or shares.
+    fn shares(self, bytes: [u8; 3], curve: &Curve) -> [f32; 3] {
+        if self == Self::Numbers { bytes.map(|v| f32::from(v) / 255.0) } else { curve.linear(bytes) }
+    }
+
+    /// And back.
+    fn bytes(self, shares: [f32; 3], curve: &Curve) -> [u8; 3] {
+        let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
+        if self == Self::Numbers { shares.map(byte) } else { curve.bytes(shares) }
+    }
+
+    /// Pixels along a side at most.
+    fn side(self) -> u32 {
+        if self == Self::Colour { IMAGE_SIDE as u32 } else { DETAIL_SIDE }
+    }
+}
+
+/// A picture whose colours are multiplied by factors, with its coarser copies: means of up to two by two texels, of their light.
+pub(crate) fn image(
+    picture: &Level,
+    factors: [f32; 3],
+    wrap: [Wrap; 2],
+    meaning: Meaning,
+    curve: &Curve,
+) -> Image {
     let mut first = picture.clone();
-    if rgb != [1.0; 3] {
+    if factors != [1.0; 3] {
         for texel in &mut first.texels {
-            let seen = curve.linear(*texel);
-            *texel = curve.bytes([0, 1, 2].map(|k| seen[k] * rgb[k]));
+            let seen = meaning.shares(*texel, curve);
+            *texel = meaning.bytes([0, 1, 2].map(|k| seen[k] * factors[k]), curve);
         }
+    }
+    while first.width.max(first.height) > meaning.side() {
+        first = halved(&first, meaning, curve);
     }
     let mut levels = vec![first];
     while let Some(last) = levels.last().filter(|last| last.width > 1 || last.height > 1) {
-        let next = halved(last, curve);
+        let next = halved(last, meaning, curve);
         levels.push(next);
     }
     Image { levels, wrap }
 }
 
-fn halved(from: &Level, curve: &Curve) -> Level {
+fn halved(from: &Level, meaning: Meaning, curve: &Curve) -> Level {
     let [width, height] = [from.width.div_ceil(2), from.height.div_ceil(2)];
     let mut texels = Vec::with_capacity((width * height) as usize);
     for y in 0..height {
@@ -127,10 +178,10 @@ fn halved(from: &Level, curve: &Curve) -> Level {
             let mut sum = [0.0_f32; 3];
             for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
                 let [x, y] = [(2 * x + dx).min(from.width - 1), (2 * y + dy).min(from.height - 1)];
-                let seen = curve.linear(from.texels[(y * from.width + x) as usize]);
+                let seen = meaning.shares(from.texels[(y * from.width + x) as usize], curve);
                 (0..3).for_each(|k| sum[k] += 0.25 * seen[k]);
             }
-            texels.push(curve.bytes(sum));
+            texels.push(meaning.bytes(sum, curve));
         }
     }
     Level { width, height, texels }
@@ -154,10 +205,33 @@ mod tests {
     fn coarser_copies_have_the_mean_light() {
         let curve = Curve::new();
         let texels = (0..15).map(|i| if i % 2 == 0 { [255, 0, 0] } else { [0, 0, 255] }).collect();
-        let image = image(&Level { width: 5, height: 3, texels }, [1.0; 3], [Wrap::Repeat; 2], &curve);
+        let image = image(
+            &Level { width: 5, height: 3, texels },
+            [1.0; 3],
+            [Wrap::Repeat; 2],
+            Meaning::Colour,
+            &curve,
+        );
         let sizes: Vec<_> = image.levels.iter().map(|l| (l.width, l.height)).collect();
         assert_eq!(sizes, [(5, 3), (3, 2), (2, 1), (1, 1)]);
         // A chequerboard: half of each; half the light is byte 188.
         assert_eq!(image.levels[1].texels[0], [188, 0, 188]);
+    }
+
+    #[test]
+    fn numbers_are_no_light_and_large_ones_are_kept_at_half() {
+        let curve = Curve::new();
+        let level = |width: u32| {
+            let texels = (0..width).map(|i| if i % 2 == 0 { [200, 0, 255] } else { [100, 0, 255] }).collect();
+            Level { width, height: 1, texels }
+        };
+        let of = |width, meaning| image(&level(width), [0.5, 1.0, 1.0], [Wrap::Repeat; 2], meaning, &curve);
+        let numbers = of(2, Meaning::Numbers);
+        assert_eq!(numbers.levels[0].texels, [[100, 0, 255], [50, 0, 255]]);
+        assert_eq!(numbers.levels[1].texels, [[75, 0, 255]]);
+        // Half the light of byte 200 is byte 146.
+        assert_eq!(of(2, Meaning::Glow).levels[0].texels[0][0], 146);
+        let sides = [Meaning::Colour, Meaning::Glow, Meaning::Numbers].map(|m| of(2048, m).levels[0].width);
+        assert_eq!(sides, [2048, 1024, 1024]);
     }
 }

@@ -7,6 +7,7 @@ use people::Bone;
 use schema::Tag;
 
 use crate::accessor::Numbers;
+use crate::coat::places;
 use crate::document::Document;
 use crate::error::Problem;
 use crate::graph::{At, Graph, Placed};
@@ -159,12 +160,9 @@ impl<'d> Source<'d> {
         let of = |semantic: Semantic| {
             primitive.attributes.get(&Checked::Valid(semantic)).map(|accessor| accessor.value())
         };
-        let texture = primitive.material.and_then(|material| document.root.materials.get(material.value()));
-        let texture =
-            texture.and_then(|material| material.pbr_metallic_roughness.base_color_texture.as_ref());
-        let uv = match texture {
-            Some(texture) => {
-                let set = texture.tex_coord;
+        let material = primitive.material.and_then(|material| document.root.materials.get(material.value()));
+        let uv = match material.and_then(places) {
+            Some(set) => {
                 let missing = || Problem::Key {
                     key: format!("TEXCOORD_{set}"),
                     problem: "its material has a picture, but it has no places in it: unwrap the mesh".into(),

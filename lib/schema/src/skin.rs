@@ -7,21 +7,52 @@ use glam::Vec2;
 /// How a part with a skin sends light back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finish {
-    /// Which picture of its mesh lies on it; none: the part's colour all over.
-    pub image: Option<u8>,
-    /// 0 mirror, 1 dull.
+    /// Which coat of its mesh lies on it; none: the part's colour all over.
+    pub coat: Option<u8>,
+    /// 0 mirror, 1 dull: its mean.
     pub roughness: f32,
-    /// 0 paint, plastic or cloth, 1 bare metal.
+    /// 0 paint, plastic or cloth, 1 bare metal: its mean.
     pub metallic: f32,
+}
+
+/// The pictures of a part, which lie on it in the same places.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Coat {
+    /// Colour; none: the part's.
+    pub colour: Option<Arc<Image>>,
+    /// Roughness in green and metalness in blue; none: the finish's.
+    pub gloss: Option<Arc<Image>>,
+    /// Which way the surface leans.
+    pub relief: Option<Relief>,
+    /// Light of its own.
+    pub glow: Option<Glow>,
+}
+
+/// Normals in a picture, as glTF has them: red to its right, green up it, blue outwards, 0 to 255 for -1 to 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Relief {
+    /// The normals.
+    pub image: Arc<Image>,
+    /// What red and green are multiplied by.
+    pub strength: f32,
+}
+
+/// Light of a surface's own, as a share of what the film shows as white.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Glow {
+    /// The same all over, linear RGB.
+    Even([f32; 3]),
+    /// As a picture shows it.
+    Picture(Arc<Image>),
 }
 
 /// The pictures of a mesh, and where they lie on it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Skin {
-    /// Places in the picture of the corners of each triangle, in widths to the right and heights downwards.
+    /// Places in the pictures of the corners of each triangle, in widths to the right and heights downwards.
     pub corners: Vec<[Vec2; 3]>,
-    /// The pictures.
-    pub images: Vec<Arc<Image>>,
+    /// The pictures by coat.
+    pub coats: Vec<Coat>,
 }
 
 /// What is seen beyond an edge of a picture.
@@ -70,7 +101,7 @@ pub struct Level {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// sRGB red, green, blue, row by row from the top.
+    /// Red, green, blue, row by row from the top: sRGB where they are colour or light.
     pub texels: Vec<[u8; 3]>,
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use crate::gltf::{Faces, Maker, png};
+use crate::gltf::{Faces, Maker, png, png_with_alpha};
 use crate::person::person;
 
 pub(crate) const ALL: [f32; 4] = [0.0, 0.0, 1.0, 1.0];
@@ -23,6 +23,8 @@ fn cuboid(low: [f32; 3], high: [f32; 3], uv: [f32; 4]) -> Faces {
 /// Colours of the van's picture.
 const YELLOW: [u8; 3] = [244, 190, 20];
 const BLUE: [u8; 3] = [24, 52, 140];
+/// A normal that leans nowhere.
+const RIDGE: [u8; 3] = [128, 128, 255];
 
 /// A van of 5.2 by 2.0 by 2.5 m; glTF's axes: x to the left, y up, z ahead.
 pub(crate) fn van() -> Maker {
@@ -35,6 +37,25 @@ pub(crate) fn van() -> Maker {
     });
     let texture = m.picture(&picture, "image/png");
     let side = m.material("Livery", [1.0; 3], Some(texture));
+    // Upright ribs, dull in their grooves, and a sign that is lit.
+    let ribs = m.picture(
+        &png(64, 2, |x, _| [[60, 128, 235], RIDGE, [196, 128, 235], RIDGE][x as usize % 4]),
+        "image/png",
+    );
+    let grooves = m.picture(&png(64, 2, |x, _| [0, if x % 4 == 3 { 255 } else { 128 }, 0]), "image/png");
+    let sign = m.picture(
+        &png(
+            32,
+            16,
+            |x, y| if (12..20).contains(&x) && (2..5).contains(&y) { [255, 236, 190] } else { [0; 3] },
+        ),
+        "image/png",
+    );
+    let livery = &mut m.list("materials")[side];
+    livery["normalTexture"] = json!({ "index": ribs, "scale": 0.8 });
+    livery["pbrMetallicRoughness"]["metallicRoughnessTexture"] = json!({ "index": grooves });
+    livery["emissiveTexture"] = json!({ "index": sign });
+    livery["emissiveFactor"] = json!([1.0, 1.0, 1.0]);
     let glass = m.material("Windows", [0.02; 3], None);
     let black = m.material("Tyres", [0.02; 3], None);
     let dark = m.material("Inside", [0.06; 3], None);
@@ -52,7 +73,15 @@ pub(crate) fn van() -> Maker {
     let uv = [[0.0; 2]; 4];
     window.quad([[-0.88, 1.25, 2.5], [0.88, 1.25, 2.5], [0.88, 2.05, 1.9], [-0.88, 2.05, 1.9]], uv);
     let inside = cuboid([-0.9, 1.25, 1.1], [0.9, 2.05, 1.85], ALL);
-    let body = m.mesh(&[(side, &load), (side, &cab), (glass, &window), (dark, &inside)]);
+    // A grille of bars, cut out of a sheet.
+    let bars =
+        m.picture(&png_with_alpha(2, 16, |_, y| [30, 30, 32, if y % 4 < 2 { 255 } else { 0 }]), "image/png");
+    let grille = m.material("Grille", [1.0; 3], Some(bars));
+    m.list("materials")[grille]["alphaMode"] = json!("MASK");
+    let mut sheet = Faces::default();
+    let corners = [[-0.5, 0.5, 2.603], [0.5, 0.5, 2.603], [0.5, 0.9, 2.603], [-0.5, 0.9, 2.603]];
+    sheet.quad(corners, [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]);
+    let body = m.mesh(&[(side, &load), (side, &cab), (glass, &window), (dark, &inside), (grille, &sheet)]);
     m.node("Body", body, [0.0; 3]);
     // From farther away: two boxes.
     let coarse = cuboid([-0.9, 0.35, 1.1], [0.9, 1.9, 2.6], [0.0, 0.0, 0.1, 0.4]);

@@ -435,20 +435,33 @@ fn pictures_are_measured_before_they_are_decoded() {
     assert!(read(PAGE, picture(&jpeg(64), "image/jpeg")).is_ok());
     says(&fault(&jpeg(2056)), &["picture 0: "]);
     says(&fault(&jpeg(64)[..40]), &["picture 0: "]);
-    // Many pictures at once.
-    let many = with(|m| {
-        let bytes = png(2048, 2048, |x, _| [x as u8; 3]);
-        let mesh = m.json["meshes"][0].clone();
-        for i in 0..5 {
-            let texture = m.picture(&bytes, "image/png");
-            let material = m.material(&format!("M{i}"), [1.0; 3], Some(texture));
-            let mut other = mesh.clone();
-            other["primitives"][0]["material"] = json!(material);
-            let other = m.put("meshes", other);
-            m.node(&format!("N{i}"), other, [0.0; 3]);
-        }
-    });
-    says(&read(PAGE, many).expect_err("too many").to_string(), &["more than 16777216 pixels together"]);
+    // Many pictures at once, one in many colours, and what is no colour: that is kept at half its size, so that its reading is too much.
+    let mut grey = Vec::new();
+    jpeg_encoder::Encoder::new(&mut grey, 90)
+        .encode(&vec![128_u8; 2048 * 2048], 2048, 2048, jpeg_encoder::ColorType::Luma)
+        .expect("encodes");
+    for (pictures, colours, as_normals, most) in
+        [(13, 1, false, 33_554_432), (1, 9, false, 33_554_432), (13, 1, true, 50_331_648)]
+    {
+        let many = with(|m| {
+            let textures: Vec<usize> = (0..pictures).map(|_| m.picture(&grey, "image/jpeg")).collect();
+            let mesh = m.json["meshes"][0].clone();
+            for i in 0..pictures.max(colours) {
+                let texture = textures[i % pictures];
+                let rgb = [(i % colours) as f32 / colours as f32, 1.0, 1.0];
+                let material = m.material(&format!("M{i}"), rgb, (!as_normals).then_some(texture));
+                if as_normals {
+                    m.list("materials")[material]["normalTexture"] = json!({ "index": texture });
+                }
+                let mut other = mesh.clone();
+                other["primitives"][0]["material"] = json!(material);
+                let other = m.put("meshes", other);
+                m.node(&format!("N{i}"), other, [0.0; 3]);
+            }
+        });
+        let fault = read(PAGE, many).expect_err("too many").to_string();
+        says(&fault, &[&format!("more than {most} pixels together")]);
+    }
 }
 
 /// The checksum of PNG's chunks (ISO 3309), bit by bit.

@@ -190,11 +190,25 @@ impl Maker {
 
 /// A PNG of pixels.
 pub(crate) fn png(width: u32, height: u32, of: impl Fn(u32, u32) -> [u8; 3]) -> Vec<u8> {
+    encoded(width, height, png::ColorType::Rgb, of)
+}
+
+/// A PNG of pixels with alpha.
+pub(crate) fn png_with_alpha(width: u32, height: u32, of: impl Fn(u32, u32) -> [u8; 4]) -> Vec<u8> {
+    encoded(width, height, png::ColorType::Rgba, of)
+}
+
+fn encoded<const N: usize>(
+    width: u32,
+    height: u32,
+    colours: png::ColorType,
+    of: impl Fn(u32, u32) -> [u8; N],
+) -> Vec<u8> {
     let pixels: Vec<u8> =
         (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).flat_map(|(x, y)| of(x, y)).collect();
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_color(colours);
     // The same bytes with every compressor.
     encoder.set_compression(png::Compression::NoCompression);
     encoder.set_filter(png::Filter::NoFilter);

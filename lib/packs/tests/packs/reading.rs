@@ -6,9 +6,11 @@ use packs::{Hang, PackModel, read_folder};
 use schema::Tag;
 use schema::geometry::{Surface, TriMesh};
 use schema::lights;
-use schema::skin::Wrap;
+use schema::skin::{Glow, Wrap};
+use serde_json::json;
 
 use crate::example;
+use crate::gltf::{Faces, Maker, png_with_alpha};
 
 fn example() -> Vec<PackModel> {
     read_folder(&example::folder()).expect("is a pack")
@@ -117,10 +119,10 @@ fn parts_have_surfaces_lamps_and_pictures() {
     }
     // The picture: yellow and blue, of which triangles see shares.
     let skin = body.mesh.skin.as_deref().expect("has a picture");
-    assert_eq!((skin.images.len(), skin.corners.len()), (1, body.mesh.triangles.len()));
-    let finest = &skin.images[0].levels[0];
+    assert_eq!((skin.coats.len(), skin.corners.len()), (2, body.mesh.triangles.len()));
+    let finest = &skin.coats[0].colour.as_ref().expect("a colour").levels[0];
     assert_eq!((finest.width, finest.height, finest.texels[0]), (128, 64, [244, 190, 20]));
-    let livery = parts.iter().find(|part| matches!(part.surface, Surface::Skin(f) if f.image == Some(0)));
+    let livery = parts.iter().find(|part| matches!(part.surface, Surface::Skin(f) if f.coat == Some(0)));
     let [r, g, b] = livery.expect("is there").rgb;
     assert!(r > g && g > b && b < 0.2, "{r} {g} {b}");
     let wheel = van.levels[0]
@@ -130,8 +132,81 @@ fn parts_have_surfaces_lamps_and_pictures() {
         .expect("has wheels");
     let rim = wheel.mesh.parts.iter().find(|part| matches!(part.surface, Surface::Skin(_))).expect("a rim");
     let Surface::Skin(finish) = rim.surface else { unreachable!() };
-    assert_eq!((finish.image, finish.metallic), (None, 1.0));
+    assert_eq!((finish.coat, finish.metallic), (None, 1.0));
     assert!(wheel.mesh.parts.iter().any(|part| part.surface == Surface::Rubber));
+}
+
+#[test]
+fn materials_bring_relief_gloss_light_and_cut_outs() {
+    let van = van();
+    let mesh = &van.levels[0].pieces[0].mesh;
+    let skin = mesh.skin.as_deref().expect("has pictures");
+    let livery = &skin.coats[0];
+    let relief = livery.relief.as_ref().expect("has ribs");
+    assert_eq!((relief.image.levels[0].texels[0], relief.strength), ([60, 128, 235], 0.8));
+    // Roughness is the factor's times the picture's: 0.6 and half of it; the part has their mean.
+    let gloss = livery.gloss.as_ref().expect("has grooves");
+    assert_eq!(gloss.levels[0].texels[..4], [[0, 77, 0], [0, 77, 0], [0, 77, 0], [0, 153, 0]]);
+    let finish = mesh.parts.iter().find_map(|part| match part.surface {
+        Surface::Skin(finish) if finish.coat == Some(0) => Some(finish),
+        _ => None,
+    });
+    let mean = 0.6 * (3.0 * 128.0 + 255.0) / (4.0 * 255.0);
+    assert!((finish.expect("is there").roughness - mean).abs() < 1e-4);
+    let Some(Glow::Picture(sign)) = &livery.glow else { panic!("has no sign") };
+    assert_eq!(sign.levels[0].texels[3 * 32 + 15], [255, 236, 190]);
+    // Half of the grille's square metre times 0.4 is bars, and what is between them is no surface.
+    let bars =
+        mesh.parts.iter().position(|part| matches!(part.surface, Surface::Skin(f) if f.coat == Some(1)));
+    let bars = bars.expect("has a grille");
+    let mut area_m2 = 0.0;
+    for t in (0..mesh.triangles.len()).filter(|t| usize::from(mesh.triangle_part[*t]) == bars) {
+        let [a, b, c] = mesh.corners(t);
+        area_m2 += 0.5 * (b - a).cross(c - a).length();
+        // From 0.9 m down: bars of 5 cm, 5 cm apart.
+        let down = 0.9 - (a.z + b.z + c.z) / 3.0;
+        assert!((down / 0.05).rem_euclid(2.0) < 1.05, "{down}");
+    }
+    assert!((area_m2 - 0.2).abs() < 0.004, "{area_m2}");
+}
+
+/// A sheet whose picture is half there: masked by the file's alpha, blended where it is nearly invisible.
+#[test]
+fn alpha_cuts_by_the_mode_of_its_material() {
+    let left = |mode: &str, alpha: u8, factor: f32| {
+        let mut m = Maker::new();
+        let half = png_with_alpha(2, 1, |x, _| [90, 90, 90, if x == 0 { 255 } else { alpha }]);
+        let texture = m.picture(&half, "image/png");
+        let sheet = m.material("Sheet", [1.0; 3], Some(texture));
+        m.list("materials")[sheet]["alphaMode"] = json!(mode);
+        m.list("materials")[sheet]["pbrMetallicRoughness"]["baseColorFactor"][3] = json!(factor);
+        let mut faces = Faces::default();
+        faces.cuboid([-0.5, 0.0, -0.5], [0.5, 1.0, 0.5], example::ALL);
+        let mesh = m.mesh(&[(sheet, &faces)]);
+        m.node("Box", mesh, [0.0; 3]);
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("box.glb"), m.glb()).expect("writes");
+        let page = "name = \"cone.box\"\nbase = \"cone\"\nsize_m = [1, 1, 1]\n";
+        std::fs::write(folder.path().join("box.toml"), page).expect("writes");
+        let model = read_folder(folder.path()).expect("is a pack").remove(0);
+        let mesh = &model.levels[0].pieces[0].mesh;
+        let area = |t| {
+            let [a, b, c] = mesh.corners(t);
+            0.5 * (b - a).cross(c - a).length()
+        };
+        (0..mesh.triangles.len()).map(area).sum::<f32>()
+    };
+    for (mode, alpha, factor, area_m2) in [
+        ("OPAQUE", 0, 1.0, 6.0),
+        ("MASK", 100, 1.0, 3.0),
+        ("MASK", 200, 1.0, 6.0),
+        ("MASK", 200, 0.6, 3.0),
+        ("BLEND", 100, 0.3, 6.0),
+        ("BLEND", 20, 0.3, 3.0),
+    ] {
+        let left_m2 = left(mode, alpha, factor);
+        assert!((left_m2 - area_m2).abs() < 0.1, "{mode} {alpha} {factor}: {left_m2}");
+    }
 }
 
 #[test]
@@ -141,7 +216,10 @@ fn files_of_their_own_and_normals_by_creases() {
     let files: Vec<&str> = bollard.files.keys().map(String::as_str).collect();
     assert_eq!(files, ["bollard.bin", "bollard.gltf", "bollard.toml", "stripes.png"]);
     let mesh = &bollard.levels[0].pieces[0].mesh;
-    assert_eq!(mesh.skin.as_ref().expect("a picture").images[0].wrap, [Wrap::Repeat, Wrap::Clamp]);
+    assert_eq!(
+        mesh.skin.as_ref().expect("a picture").coats[0].colour.as_ref().expect("colours").wrap,
+        [Wrap::Repeat, Wrap::Clamp]
+    );
     // Round about, flat on top: the normal of the wall points away from the axis.
     let mut round = 0;
     for t in 0..mesh.triangles.len() {

@@ -8,6 +8,7 @@ use schema::{ObjectId, Tag};
 
 use super::front::Front;
 use super::lane::{Across, Kerbed};
+pub(crate) use super::points::Points;
 use super::skin::Draped;
 
 /// What is the same for all points of one triangle.
@@ -25,23 +26,12 @@ pub(crate) struct Facet<'a> {
     pub(super) tangents_object: [Vec3; 2],
     /// How it is divided, if it is a house front.
     pub(super) front: Option<Front>,
-    /// The picture on it, if it has one of its own.
+    /// The pictures on it, if it has some of its own.
     pub(super) draped: Option<Draped<'a>>,
     /// Where on its lane it lies, if it is a piece of one.
     pub(super) lane: Option<Across>,
     /// Where kerbs stand beside it.
     pub(super) kerbed: Option<Kerbed>,
-}
-
-/// Points of a facet.
-#[derive(Clone, Copy)]
-pub(crate) struct Points {
-    /// Object frame, metres.
-    pub(crate) object_m: Vec3s,
-    /// World, repeating after [`Surroundings::WRAP_M`], metres.
-    pub(crate) world_m: Vec3s,
-    /// Width of a pixel there, metres.
-    pub(crate) footprint_m: Lanes,
 }
 
 /// How points send light back.
@@ -118,7 +108,9 @@ impl<'a> Facet<'a> {
             eye_object_m: triangle.camera_object_m(),
             tangents_object,
             front,
-            draped: Draped::new(part.surface, triangle.skin(), corners_object_m),
+            draped: Draped::new(part.surface, triangle.skin(), corners_object_m, || {
+                upright(normal_local).map(|axis| object_from_local * axis)
+            }),
             lane: if is_road { Across::new(corners_object_m) } else { None },
             kerbed: Kerbed::new(part.surface, corners_object_m),
         }
@@ -143,7 +135,7 @@ impl<'a> Facet<'a> {
     /// looks at it and up.
     pub(crate) fn tangents_local(&self) -> [Vec3; 2] {
         let is_built = self.part.tag == Tag::Building
-            || matches!(self.part.surface, Surface::RoofTiles | Surface::Gravel);
+            || matches!(self.part.surface, Surface::RoofTiles | Surface::Gravel | Surface::Skin(_));
         if self.is_ground() && !is_built { [Vec3::X, Vec3::Y] } else { upright(self.normal_local) }
     }
 }

@@ -14,6 +14,7 @@ use super::facade::facade;
 use super::facet::{Facet, Gloss, Look, Points, Surroundings, shades};
 use super::ground;
 use super::pattern::{Width, bars};
+use super::skin::Draped;
 
 /// What patterns are made of.
 #[derive(Clone, Copy)]
@@ -47,13 +48,7 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
         Surface::Opening => Look::dull(Vec3s::splat(rgb)),
         Surface::Metal if facet.part.tag == Tag::Building => sheeting(noise, facet, rgb, p),
         Surface::Metal => Look::glossy(shades(rgb * 0.75, speckle(noise, p, 0.1)), 0.15, 0.45),
-        Surface::Skin(finish) => {
-            let rgb = facet
-                .draped
-                .as_ref()
-                .map_or_else(|| Vec3s::splat(rgb), |draped| draped.at(&p.object_m, p.footprint_m));
-            finished(finish, rgb)
-        }
+        Surface::Skin(finish) => finished(finish, rgb, facet.draped.as_ref(), p),
         Surface::Asphalt | Surface::KerbedAsphalt(_) => ground::asphalt(both, around, facet, p),
         Surface::RoadMarking => ground::marking(both, around, rgb, p),
         Surface::Concrete if facet.is_ground() && facet.part.tag != Tag::Building => {
@@ -88,15 +83,22 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
     }
 }
 
-/// How a finish of some colour sends light back: plastic mirrors a twenty-fifth, metal more and scatters less (as `Surface::Metal` does).
-fn finished(finish: Finish, rgb: Vec3s) -> Look {
-    let Finish { roughness, metallic, .. } = finish;
-    let gloss =
-        Gloss { mirror: Lanes::splat(0.04 + 0.16 * metallic), roughness: Lanes::splat(roughness.max(0.02)) };
-    let albedo = rgb * Lanes::splat(1.0 - 0.25 * metallic);
+/// How a finish sends light back, as pictures say where it has some: plastic mirrors a twenty-fifth, metal more and scatters less (as
+/// `Surface::Metal` does).
+fn finished(finish: Finish, rgb: Vec3, draped: Option<&Draped<'_>>, p: &Points) -> Look {
+    let rgb = draped.and_then(|draped| draped.colour(p)).unwrap_or(Vec3s::splat(rgb));
+    let even = [finish.roughness, finish.metallic].map(Lanes::splat);
+    let [roughness, metallic] = draped.and_then(|draped| draped.gloss(p)).unwrap_or(even);
     // What is as rough as can be mirrors nothing that would be seen.
-    let gloss = (roughness < 0.95 || metallic > 0.0).then_some(gloss);
-    Look { albedo, gloss, ..Look::default() }
+    let shows = roughness.simd_lt(0.95) | metallic.simd_gt(0.0);
+    let mirror = shows.select(metallic * 0.16 + 0.04, Lanes::ZERO);
+    let gloss = Gloss { mirror, roughness: roughness.fast_max(Lanes::splat(0.02)) };
+    Look {
+        albedo: rgb * (1.0 - metallic * 0.25),
+        lean: draped.and_then(|draped| draped.lean(p)),
+        emission: draped.and_then(|draped| draped.glow(p)),
+        gloss: shows.any().then_some(gloss),
+    }
 }
 
 /// Slight unevenness: 1 on average, `strength` from end to end.

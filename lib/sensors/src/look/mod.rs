@@ -10,6 +10,7 @@ mod gutter;
 mod lane;
 mod material;
 mod pattern;
+mod points;
 mod room;
 mod skin;
 

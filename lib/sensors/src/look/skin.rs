@@ -6,35 +6,39 @@ use frames::math;
 use glam::{Vec2, Vec3};
 use lanes::{LANES, Lanes, Vec3s};
 use schema::geometry::Surface;
-use schema::skin::{Finish, Image, Level, Skin};
+use schema::skin::{Coat, Finish, Glow, Image, Level, Relief, Skin, Wrap};
 
-/// A picture that lies on a triangle: its places follow evenly from those on the triangle's plane.
+use super::points::Points;
+
+/// Normals in pictures lean by less than some 73 degrees.
+const LEAST_OUTWARD: f32 = 0.3;
+
+/// The pictures that lie on a triangle: their places follow evenly from those on the triangle's plane.
 pub(super) struct Draped<'a> {
-    image: &'a Image,
-    /// Place in the picture, in texels of its finest copy, at the first corner.
+    coat: &'a Coat,
+    /// Place in the pictures at the first corner, in widths and heights.
     at: Vec2,
     corner: Vec3,
-    /// Texels for a metre along each axis of the object, to the right and downwards in the picture.
+    /// Widths and heights for a metre along each axis of the object, to the right and downwards in the pictures.
     right: Vec3,
     down: Vec3,
-    /// Texels in a metre, where they are densest.
-    per_m: f32,
+    /// To the right and up in the pictures, along the axes that surfaces lean by.
+    axes: [Vec2; 2],
 }
 
 impl<'a> Draped<'a> {
-    /// The picture of a part on a triangle of its mesh; none where it has none, or the triangle no area.
+    /// The pictures of a part on a triangle of its mesh, whose looks lean along `tangents_object`; none where it has none, or the triangle
+    /// no area.
     pub(super) fn new(
         surface: Surface,
         skin: Option<(&'a Skin, [Vec2; 3])>,
         corners_m: [Vec3; 3],
+        tangents_object: impl FnOnce() -> [Vec3; 2],
     ) -> Option<Self> {
-        let Surface::Skin(Finish { image: Some(image), .. }) = surface else { return None };
-        let (skin, uv) = skin?;
-        let image = skin.images.get(usize::from(image))?;
-        let finest = image.levels.first()?;
-        let size = Vec2::new(finest.width as f32, finest.height as f32);
+        let Surface::Skin(Finish { coat: Some(coat), .. }) = surface else { return None };
+        let (skin, [ua, ub, uc]) = skin?;
+        let coat = skin.coats.get(usize::from(coat))?;
         let [a, b, c] = corners_m;
-        let [ua, ub, uc] = uv.map(|place| place * size);
         let (ab, ac) = (b - a, c - a);
         let normal = ab.cross(ac);
         let double = normal.length_squared();
@@ -45,45 +49,96 @@ impl<'a> Draped<'a> {
         let (along_b, along_c) = (ac.cross(normal) / double, normal.cross(ab) / double);
         let gradient = |k: usize| along_b * (ub[k] - ua[k]) + along_c * (uc[k] - ua[k]);
         let (right, down) = (gradient(0), gradient(1));
-        let per_m = right.length().max(down.length());
-        (per_m.is_finite()).then_some(Self { image, at: ua, corner: a, right, down, per_m })
+        if !(right.is_finite() && down.is_finite()) {
+            return None;
+        }
+        let mut axes = [Vec2::ZERO; 2];
+        if coat.relief.is_some() {
+            // Along the one the other stays as it is.
+            let sideways = down.cross(normal);
+            let sideways = (sideways * sideways.dot(right).signum()).normalize_or_zero();
+            let upwards = right.cross(normal);
+            let upwards = (upwards * -upwards.dot(down).signum()).normalize_or_zero();
+            let tangents = tangents_object();
+            axes = [sideways, upwards].map(|axis| Vec2::new(axis.dot(tangents[0]), axis.dot(tangents[1])));
+        }
+        Some(Self { coat, at: ua, corner: a, right, down, axes })
     }
 
-    /// The colours of eight points, linear RGB: between the middles of four texels of the copy that is about as coarse as the nearest
-    /// of them wants.
-    pub(super) fn at(&self, object_m: &Vec3s, footprint_m: Lanes) -> Vec3s {
-        let widths = footprint_m.as_array();
-        let texels = self.per_m * widths[0].min(widths[LANES - 1]);
-        let top = self.image.levels.len() - 1;
-        // The exponent of a floating-point number is the floor of its base-2 logarithm.
-        let wanted = if texels < 1.0 { 0 } else { (texels.to_bits() >> 23) as usize - 127 };
-        let level = wanted.min(top);
-        let finest = &self.image.levels[0];
-        let copy = &self.image.levels[level];
-        let scale =
-            Vec2::new(copy.width as f32 / finest.width as f32, copy.height as f32 / finest.height as f32);
-        Vec3s::from_fn(|i| {
-            let from_corner = object_m.lane(i) - self.corner;
-            let place = self.at + Vec2::new(self.right.dot(from_corner), self.down.dot(from_corner));
-            self.between(copy, place * scale - Vec2::splat(0.5))
+    /// The colours of eight points, linear RGB; none where the part's own is all over.
+    pub(super) fn colour(&self, p: &Points) -> Option<Vec3s> {
+        Some(self.light(self.coat.colour.as_deref()?, p))
+    }
+
+    /// Their own light; none where they have none.
+    pub(super) fn glow(&self, p: &Points) -> Option<Vec3s> {
+        Some(match self.coat.glow.as_ref()? {
+            Glow::Even(rgb) => Vec3s::splat(Vec3::from_array(*rgb)),
+            Glow::Picture(image) => self.light(image, p),
         })
     }
 
-    /// The colour between four texels of a copy.
-    fn between(&self, copy: &Level, place: Vec2) -> Vec3 {
-        let low = place.floor();
-        let share = place - low;
-        let [x, y] = [low.x as i32, low.y as i32];
-        let texel = |dx: i32, dy: i32| {
-            let x = self.image.wrap[0].texel(x.saturating_add(dx), copy.width);
-            let y = self.image.wrap[1].texel(y.saturating_add(dy), copy.height);
-            let bytes = copy.texels.get((y * copy.width + x) as usize).copied().unwrap_or_default();
-            Vec3::from_array(bytes.map(|byte| linear()[usize::from(byte)]))
-        };
-        let upper = texel(0, 0).lerp(texel(1, 0), share.x);
-        let lower = texel(0, 1).lerp(texel(1, 1), share.x);
-        upper.lerp(lower, share.y)
+    /// Their roughness and metalness; none where these are even.
+    pub(super) fn gloss(&self, p: &Points) -> Option<[Lanes; 2]> {
+        let seen = self.between(self.coat.gloss.as_deref()?, p, share);
+        Some([seen.y, seen.z])
     }
+
+    /// How they lean; none where they are even.
+    pub(super) fn lean(&self, p: &Points) -> Option<[Lanes; 2]> {
+        let Relief { image, strength } = self.coat.relief.as_ref()?;
+        let normals = self.between(image, p, share) * Lanes::splat(2.0) - Vec3s::splat(Vec3::ONE);
+        let steepness = Lanes::splat(*strength) / normals.z.fast_max(Lanes::splat(LEAST_OUTWARD));
+        // The middle of the bytes is 127.5: less than half a byte is even.
+        let tilt = |v: Lanes| (v.abs().simd_gt(0.004)).select(v, Lanes::ZERO) * steepness;
+        let (sideways, upwards) = (tilt(normals.x), tilt(normals.y));
+        let [r, u] = self.axes;
+        Some([sideways * r.x + upwards * u.x, sideways * r.y + upwards * u.y])
+    }
+
+    fn light(&self, image: &Image, p: &Points) -> Vec3s {
+        self.between(image, p, |bytes| Vec3::from_array(bytes.map(|byte| linear()[usize::from(byte)])))
+    }
+
+    /// What a picture shows at eight points: between the middles of four texels of the copy that is about as coarse as the nearest of them
+    /// wants.
+    fn between(&self, image: &Image, p: &Points, value: impl Fn([u8; 3]) -> Vec3) -> Vec3s {
+        let finest = &image.levels[0];
+        let widths = p.footprint_m.as_array();
+        let nearest_m = widths[0].min(widths[LANES - 1]);
+        let (width, height) = (finest.width as f32, finest.height as f32);
+        let texels = (self.right.length() * width).max(self.down.length() * height) * nearest_m;
+        let top = image.levels.len() - 1;
+        // The exponent of a floating-point number is the floor of its base-2 logarithm.
+        let wanted = if texels < 1.0 { 0 } else { (texels.to_bits() >> 23) as usize - 127 };
+        let copy = &image.levels[wanted.min(top)];
+        let size = Vec2::new(copy.width as f32, copy.height as f32);
+        Vec3s::from_fn(|i| {
+            let from_corner = p.object_m.lane(i) - self.corner;
+            let place = self.at + Vec2::new(self.right.dot(from_corner), self.down.dot(from_corner));
+            between(image.wrap, copy, place * size - Vec2::splat(0.5), &value)
+        })
+    }
+}
+
+/// The value between four texels of a copy.
+fn between(wrap: [Wrap; 2], copy: &Level, place: Vec2, value: impl Fn([u8; 3]) -> Vec3) -> Vec3 {
+    let low = place.floor();
+    let share = place - low;
+    let [x, y] = [low.x as i32, low.y as i32];
+    let texel = |dx: i32, dy: i32| {
+        let x = wrap[0].texel(x.saturating_add(dx), copy.width);
+        let y = wrap[1].texel(y.saturating_add(dy), copy.height);
+        value(copy.texels.get((y * copy.width + x) as usize).copied().unwrap_or_default())
+    };
+    let upper = texel(0, 0).lerp(texel(1, 0), share.x);
+    let lower = texel(0, 1).lerp(texel(1, 1), share.x);
+    upper.lerp(lower, share.y)
+}
+
+/// Bytes as shares.
+fn share(bytes: [u8; 3]) -> Vec3 {
+    Vec3::from_array(bytes.map(f32::from)) / 255.0
 }
 
 /// Linear light of sRGB bytes (IEC 61966-2-1).
@@ -102,33 +157,38 @@ mod tests {
     use std::sync::Arc;
 
     use lanes::STEPS;
-    use schema::skin::Wrap;
 
     use super::*;
 
-    /// Four texels: red, green over blue, white.
-    fn skin() -> Skin {
-        let texels = vec![[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 255]];
-        let levels = vec![
-            Level { width: 2, height: 2, texels },
-            Level { width: 1, height: 1, texels: vec![[128, 128, 128]] },
-        ];
-        let corners = vec![[Vec2::ZERO, Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0)]];
-        Skin { corners, images: vec![Arc::new(Image { levels, wrap: [Wrap::Clamp; 2] })] }
+    fn image(width: u32, height: u32, texels: Vec<[u8; 3]>, mean: [u8; 3]) -> Arc<Image> {
+        let levels = vec![Level { width, height, texels }, Level { width: 1, height: 1, texels: vec![mean] }];
+        Arc::new(Image { levels, wrap: [Wrap::Clamp; 2] })
+    }
+
+    fn skin(coat: Coat) -> Skin {
+        Skin { corners: vec![[Vec2::ZERO, Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0)]], coats: vec![coat] }
+    }
+
+    const SURFACE: Surface = Surface::Skin(Finish { coat: Some(0), roughness: 1.0, metallic: 0.0 });
+    /// Two metres wide and high, in the plane x = 3: to the right is y, downwards is -z; it looks along +x from behind.
+    const CORNERS: [Vec3; 3] = [Vec3::new(3.0, 0.0, 2.0), Vec3::new(3.0, 2.0, 2.0), Vec3::new(3.0, 0.0, 0.0)];
+
+    fn points(y: Lanes, z: f32, footprint: f32) -> Points {
+        let object_m = Vec3s::new(Lanes::splat(3.0), y, Lanes::splat(z));
+        Points { object_m, world_m: object_m, footprint_m: Lanes::splat(footprint) }
     }
 
     #[test]
     fn places_on_a_triangle_are_places_in_its_picture() {
-        let skin = skin();
-        let surface = Surface::Skin(Finish { image: Some(0), roughness: 1.0, metallic: 0.0 });
-        // Two metres wide and high, in the plane x = 3: to the right is y, downwards is -z.
-        let corners = [Vec3::new(3.0, 0.0, 2.0), Vec3::new(3.0, 2.0, 2.0), Vec3::new(3.0, 0.0, 0.0)];
-        let draped = Draped::new(surface, Some((&skin, skin.corners[0])), corners).expect("a picture");
-        assert!((draped.per_m - 1.0).abs() < 1e-6);
-        let at = |y: Lanes, z: f32, footprint: f32| {
-            let object_m = Vec3s::new(Lanes::splat(3.0), y, Lanes::splat(z));
-            draped.at(&object_m, Lanes::splat(footprint))
-        };
+        // Red, green over blue, white.
+        let texels = vec![[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 255]];
+        let colour = Some(image(2, 2, texels, [128, 128, 128]));
+        let skin = skin(Coat { colour, ..Coat::default() });
+        let draped = Draped::new(SURFACE, Some((&skin, skin.corners[0])), CORNERS, || [Vec3::ZERO; 2])
+            .expect("a picture");
+        assert!((draped.right.length() - 0.5).abs() < 1e-6 && (draped.down.length() - 0.5).abs() < 1e-6);
+        let at =
+            |y: Lanes, z: f32, footprint: f32| draped.colour(&points(y, z, footprint)).expect("a colour");
         // From the middle of the left texel to that of the right one, beside the upper edge.
         let seen = at(STEPS * (1.0 / 7.0) + 0.5, 1.5, 0.01);
         assert_eq!([seen.lane(0), seen.lane(7)], [Vec3::X, Vec3::Y]);
@@ -137,6 +197,67 @@ mod tests {
         // From far away the mean is seen.
         let far = at(Lanes::splat(0.5), 0.5, 5.0).lane(3);
         assert!((far - Vec3::splat(0.2158)).length() < 1e-3, "{far}");
-        assert!(Draped::new(Surface::Plain, Some((&skin, skin.corners[0])), corners).is_none());
+        let none = || [Vec3::ZERO; 2];
+        assert!(Draped::new(Surface::Plain, Some((&skin, skin.corners[0])), CORNERS, none).is_none());
+        let here = points(STEPS, 0.5, 0.01);
+        assert!(
+            draped.gloss(&here).is_none() && draped.lean(&here).is_none() && draped.glow(&here).is_none()
+        );
+    }
+
+    /// Turned by any angle on its plane, mirrored or stretched: red leans to where the picture's columns grow, green to where its rows
+    /// fall.
+    #[test]
+    fn normals_lean_as_their_picture_lies() {
+        // 45 degrees to its right, then 45 degrees up: the diagonal of a square is 180.3 of 255.
+        let leaning = [[218, 128, 218], [128, 218, 218]];
+        for (number, texel) in leaning.into_iter().enumerate() {
+            let relief = Relief { image: image(1, 1, vec![texel], texel), strength: 1.0 };
+            for [b, c] in [
+                [Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0)],
+                [Vec2::new(0.6, 0.8), Vec2::new(-0.8, 0.6)],
+                [Vec2::new(-2.0, 0.0), Vec2::new(0.0, 0.5)],
+            ] {
+                let mut skin = skin(Coat { relief: Some(relief.clone()), ..Coat::default() });
+                skin.corners[0] = [Vec2::ZERO, b, c];
+                let draped =
+                    Draped::new(SURFACE, Some((&skin, skin.corners[0])), CORNERS, || [Vec3::Y, Vec3::Z])
+                        .expect("a picture");
+                let [right, up] = draped.lean(&points(STEPS, 0.5, 0.01)).expect("leans");
+                let lean = Vec3::new(0.0, right.as_array()[0], up.as_array()[0]);
+                assert!((lean.length() - 1.0).abs() < 0.02, "{lean}");
+                // One step along it in the picture, by the places at the corners: y grows to b, z falls to c.
+                let step = b * (lean.y / 2.0) - c * (lean.z / 2.0);
+                let expected = [Vec2::X, -Vec2::Y][number];
+                assert!(step.normalize().dot(expected) > 0.99, "{number} {b} {c}: {step}");
+            }
+        }
+        // Half a byte beside the middle is even.
+        let even = Relief { image: image(1, 1, vec![[128, 127, 255]], [0; 3]), strength: 4.0 };
+        let skin = skin(Coat { relief: Some(even), ..Coat::default() });
+        let draped = Draped::new(SURFACE, Some((&skin, skin.corners[0])), CORNERS, || [Vec3::Y, Vec3::Z]);
+        let lean = draped.and_then(|draped| draped.lean(&points(STEPS, 0.5, 0.01))).expect("is even");
+        assert_eq!(lean, [Lanes::ZERO; 2]);
+    }
+
+    #[test]
+    fn light_and_gloss_are_as_painted() {
+        let even = Coat { glow: Some(Glow::Even([0.5, 0.25, 0.0])), ..Coat::default() };
+        let painted = Coat {
+            glow: Some(Glow::Picture(image(1, 1, vec![[255, 188, 0]], [0; 3]))),
+            gloss: Some(image(1, 1, vec![[9, 51, 255]], [0; 3])),
+            ..Coat::default()
+        };
+        let here = points(STEPS, 0.5, 0.01);
+        for (coat, green) in [(even, 0.25), (painted.clone(), 0.5029)] {
+            let skin = skin(coat);
+            let draped = Draped::new(SURFACE, Some((&skin, [Vec2::ZERO; 3])), CORNERS, || [Vec3::ZERO; 2]);
+            let glow = draped.and_then(|draped| draped.glow(&here)).expect("shines");
+            assert!((glow.lane(5).y - green).abs() < 1e-3, "{glow:?}");
+        }
+        let skin = skin(painted);
+        let draped = Draped::new(SURFACE, Some((&skin, [Vec2::ZERO; 3])), CORNERS, || [Vec3::ZERO; 2]);
+        let gloss = draped.and_then(|draped| draped.gloss(&here)).expect("is given");
+        assert_eq!(gloss.map(|v| v.as_array()[2]), [0.2, 1.0]);
     }
 }
