@@ -1,5 +1,6 @@
 //! What somebody looks like: age, sex, build, clothes, hair, what they carry. It follows from model and variant alone.
 
+use schema::geometry::Weave;
 use schema::models::{BaseType, Model};
 
 /// Looks that a model has; variants beyond begin again.
@@ -123,6 +124,8 @@ pub struct Look {
     pub stance: Stance,
     /// Height compared to what is usual of the model.
     pub height: f32,
+    pub top_weave: Weave,
+    pub bottom_weave: Weave,
     pub top_rgb: [f32; 3],
     pub bottom_rgb: [f32; 3],
     pub skin_rgb: [f32; 3],
@@ -296,6 +299,20 @@ impl Look {
             (_, 3) => Stance::Talks,
             _ => Stance::HandsOnHips,
         };
+        let top_weave = match (top, ask(18) % 6) {
+            (Top::Tee, 0 | 1) | (Top::Dress | Top::Shirt, 0) => Weave::Stripes,
+            (Top::Shirt, 1 | 2) | (Top::Dress | Top::Coat, 1) => Weave::Checks,
+            (Top::Hoodie, _) | (Top::Shirt, 3) => Weave::Knit,
+            (Top::Jacket, 0) => Weave::Denim,
+            _ => Weave::Plain,
+        };
+        let bottom_rgb = pick(&BOTTOMS, 10);
+        let bottom_weave = match (bottom, bottom_rgb) {
+            (Bottom::Skirt, _) if ask(19) % 4 == 0 => Weave::Checks,
+            // Blue ones are jeans.
+            (_, [r, _, b]) if b > 1.5 * r => Weave::Denim,
+            _ => Weave::Plain,
+        };
         let spread = (ask(8) % 1000) as f32 / 1000.0;
         let look = Self {
             age,
@@ -308,8 +325,10 @@ impl Look {
             carried,
             stance,
             height: 0.95 + 0.10 * spread,
+            top_weave,
+            bottom_weave,
             top_rgb: TOPS[(3 * turn + ask(9)) % TOPS.len()],
-            bottom_rgb: pick(&BOTTOMS, 10),
+            bottom_rgb,
             skin_rgb: SKIN[(turn + ask(11)) % SKIN.len()],
             hair_rgb: if age == Age::Elder { pick(&GREY, 12) } else { pick(&HAIR, 12) },
             shoe_rgb: pick(&SHOES, 13),
@@ -343,6 +362,8 @@ impl Look {
             carried: Carried::Nothing,
             stance: Stance::ArmsHang,
             height: 1.0,
+            top_weave: Weave::Plain,
+            bottom_weave: Weave::Plain,
             top_rgb: TOPS[0],
             bottom_rgb: BOTTOMS[0],
             skin_rgb: SKIN[0],
@@ -369,7 +390,21 @@ impl Look {
         let stance = if free { self.stance } else { Stance::ArmsHang };
         let hair = if self.woman { Hair::Ponytail } else { Hair::Short };
         let bottom = Bottom::Trousers;
-        Self { top, hat, top_rgb, bottom_rgb, extra_rgb, carried, stance, hair, bottom, ..self }
+        let (top_weave, bottom_weave) = (Weave::Plain, Weave::Plain);
+        Self {
+            top,
+            top_weave,
+            bottom_weave,
+            hat,
+            top_rgb,
+            bottom_rgb,
+            extra_rgb,
+            carried,
+            stance,
+            hair,
+            bottom,
+            ..self
+        }
     }
 
     /// The same on a two-wheeler: a helmet, nothing in the hands, trousers.

@@ -26,8 +26,10 @@ pub enum Surface {
     Metal,
     /// Rubber.
     Rubber,
-    /// Cloth or skin.
+    /// Skin, hair, leather, and cloth that lies flat.
     Cloth,
+    /// Clothes as they are worn.
+    Clothes(Weave),
     /// Road surface.
     Asphalt,
     /// The same of a lane, or a flat strip of no use, with kerbs beside it: strips of quadrangles (right, right, left, left border), of two triangles each that begin
@@ -115,6 +117,21 @@ pub enum Wall {
     Panels,
     /// Glass from floor to floor.
     Curtain,
+}
+
+/// How clothes are woven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Weave {
+    /// Of one colour.
+    Plain,
+    /// Of one colour, worn in places.
+    Denim,
+    /// In ribs.
+    Knit,
+    /// With stripes around limbs and trunk, of a second colour that follows from the first.
+    Stripes,
+    /// With bands of that colour both ways.
+    Checks,
 }
 
 /// A part of a mesh: triangles with one tag and one look.

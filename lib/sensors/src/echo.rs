@@ -95,7 +95,7 @@ fn scatter(part: &Part) -> Scatter {
             of(diffuse, lobe, if finish.metallic > 0.5 { METAL.narrow } else { PLASTIC.narrow })
         }
         Surface::Rubber => of(0.05, 0.05, 5),
-        Surface::Cloth | Surface::Opening => of(0.10, 0.0, 0),
+        Surface::Cloth | Surface::Clothes(_) | Surface::Opening => of(0.10, 0.0, 0),
         Surface::Plain | Surface::Concrete | Surface::Facade(_) | Surface::Gravel | Surface::RoofTiles => {
             of(0.10, 0.15, 15)
         }

@@ -20,10 +20,14 @@ pub(crate) struct Stuffs {
 impl Stuffs {
     pub(crate) fn new(look: &Look, tag: Tag) -> Self {
         let cloth = |rgb: [f32; 3]| Part::new(tag, Surface::Cloth, rgb);
+        let clothes = |weave, rgb: [f32; 3]| Part::new(tag, Surface::Clothes(weave), rgb);
         Self {
             tag,
-            top: cloth(look.top_rgb),
-            bottom: cloth(if look.top == Top::Dress { look.top_rgb } else { look.bottom_rgb }),
+            top: clothes(look.top_weave, look.top_rgb),
+            bottom: match look.top {
+                Top::Dress => clothes(look.top_weave, look.top_rgb),
+                _ => clothes(look.bottom_weave, look.bottom_rgb),
+            },
             skin: cloth(look.skin_rgb),
             hair: cloth(look.hair_rgb),
             shoe: Part::new(tag, Surface::Rubber, look.shoe_rgb),

@@ -54,9 +54,12 @@ pub(super) fn reflectance(part: &Part, paint: [f32; 3], level: bool, wetness: f3
     let returned = if part.surface == Surface::Reflector { 1.0 } else { 0.0 };
     let wet = if level { wetness } else { 0.0 };
     let (matt, mirrored) = match part.surface {
-        Surface::Plain | Surface::Reflector | Surface::Gravel | Surface::RoofTiles | Surface::Cloth => {
-            (0.15 + 0.6 * brightness(part.rgb), 0.0)
-        }
+        Surface::Plain
+        | Surface::Reflector
+        | Surface::Gravel
+        | Surface::RoofTiles
+        | Surface::Cloth
+        | Surface::Clothes(_) => (0.15 + 0.6 * brightness(part.rgb), 0.0),
         // What is neither metal nor plastic lies between them.
         Surface::Skin(finish) => {
             let plain = 0.15 + 0.6 * brightness(part.rgb);

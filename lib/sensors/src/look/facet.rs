@@ -22,7 +22,7 @@ pub(crate) struct Facet<'a> {
     pub(super) normal_object: Vec3,
     /// Where the camera is.
     pub(super) eye_object_m: Vec3,
-    /// The axes of an upright or sloping surface, object frame.
+    /// The axes of an upright or sloping surface, object frame; of clothes those along which normals lean.
     pub(super) tangents_object: [Vec3; 2],
     /// How it is divided, if it is a house front.
     pub(super) front: Option<Front>,
@@ -89,7 +89,10 @@ impl<'a> Facet<'a> {
         let corners_object_m = triangle.corners_object_m();
         let part = triangle.part;
         let normal_object = object_from_local * normal_local;
-        let tangents_object = upright(normal_object);
+        let tangents_object = match part.surface {
+            Surface::Clothes(_) => tangents_local(part, normal_local).map(|axis| object_from_local * axis),
+            _ => upright(normal_object),
+        };
         let front = match part.surface {
             Surface::Facade(wall) if normal_object.z.abs() < 0.85 => {
                 Some(Front::new(wall, instance.object, tangents_object[0], corners_object_m))
@@ -134,10 +137,15 @@ impl<'a> Facet<'a> {
     /// The axes of its texture, local frame: x and y of the world on the ground, elsewhere (on roofs too) to the right of someone who
     /// looks at it and up.
     pub(crate) fn tangents_local(&self) -> [Vec3; 2] {
-        let is_built = self.part.tag == Tag::Building
-            || matches!(self.part.surface, Surface::RoofTiles | Surface::Gravel | Surface::Skin(_));
-        if self.is_ground() && !is_built { [Vec3::X, Vec3::Y] } else { upright(self.normal_local) }
+        tangents_local(self.part, self.normal_local)
     }
+}
+
+/// See [`Facet::tangents_local`].
+fn tangents_local(part: &Part, normal_local: Vec3) -> [Vec3; 2] {
+    let is_built = part.tag == Tag::Building
+        || matches!(part.surface, Surface::RoofTiles | Surface::Gravel | Surface::Skin(_));
+    if is_level(normal_local) && !is_built { [Vec3::X, Vec3::Y] } else { upright(normal_local) }
 }
 
 /// Whether a surface with such a normal is ground.

@@ -9,6 +9,7 @@ use schema::skin::Finish;
 use schema::{Tag, lights};
 use textures::{Noise, Texture, Textures};
 
+use super::cloth::clothes;
 use super::dirt;
 use super::facade::facade;
 use super::facet::{Facet, Gloss, Look, Points, Surroundings, shades};
@@ -38,6 +39,7 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
     match facet.part.surface {
         Surface::Plain => Look::dull(shades(rgb, speckle(noise, p, 0.08))),
         Surface::Cloth => Look::dull(shades(rgb, speckle(noise, p, 0.2))),
+        Surface::Clothes(weave) => clothes(noise, weave, facet, rgb, p),
         // By day it is smooth plastic; what it sends back to a lamp is light of lamps.
         Surface::Reflector => Look::glossy(Vec3s::splat(rgb), 0.04, 0.3),
         Surface::Rubber => Look::glossy(Vec3s::splat(rgb), 0.03, 0.7),

@@ -1,6 +1,7 @@
 //! How surfaces look before light falls on them.
 
 mod cells;
+mod cloth;
 mod dirt;
 mod facade;
 mod facet;
