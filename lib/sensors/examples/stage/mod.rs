@@ -9,7 +9,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use actors::{Piece, Posture, actor_mesh};
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
+use packs::{Hang, PackModel};
 use people::Walker;
 use schema::Tag;
 use schema::geometry::{Instance, Snapshot, Surface, TriMesh};
@@ -83,6 +84,20 @@ impl Stage {
             let pose = at * bones.object_from_bone(*bone);
             self.instances.push(common::instance(self.meshes.len() as u32, object, pose));
             self.meshes.push(Arc::clone(mesh));
+        }
+    }
+
+    /// A model of a pack with its doors closed.
+    pub(crate) fn add_pack(&mut self, model: &PackModel, at: Affine3A) {
+        let object = self.instances.len() as u16 + 1;
+        for piece in model.levels.first().map_or(&[][..], |level| &level.pieces) {
+            let place_m = match piece.hang {
+                Hang::Wheel { at, .. } | Hang::Door { at, .. } => at,
+                Hang::Body | Hang::Bone(_) => Vec3::ZERO,
+            };
+            let pose = at * Affine3A::from_translation(place_m);
+            self.instances.push(common::instance(self.meshes.len() as u32, object, pose));
+            self.meshes.push(Arc::clone(&piece.mesh));
         }
     }
 
