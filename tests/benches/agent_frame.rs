@@ -1,6 +1,7 @@
 //! Seconds per agent-frame, part by part, beside the budgets of the design: the full default sensor suite on our own
 //! town; and how fast road networks are. Run by `make bench`; numbers mean something on an idle machine only.
 
+mod features;
 mod materials;
 mod roads;
 
@@ -12,6 +13,7 @@ use std::time::Instant;
 use annotation::boxes::{ObservedObject, Observer};
 use bev::{Areas, BevRasterizer};
 use bevmap::Reach;
+use features::{Feature, VARIANTS};
 use fill::Filler;
 use formats::{DEFAULT_LEVEL, Scalar, encode_member};
 use frames::{Agent, Pose, World};
@@ -108,6 +110,7 @@ fn main() {
     let materials = scene.measure(&mut rows);
     print(&rows, scene.triangles());
     print_materials(&materials);
+    print_features(&scene.features());
     let mut rows = Vec::new();
     roads::measure(&mut rows);
     print_roads(&rows);
@@ -294,6 +297,45 @@ impl<'a> Agentframe<'a> {
         CameraTimes { raster, shade, encode, others, materials }
     }
 
+    /// Shading with one feature of pictures after the other switched on or off.
+    fn features(&self) -> Vec<Feature> {
+        let rig = &self.settings.vehicle_rig;
+        let before = self.log.states.iter().find(|s| s.frame == FRAME - 1 && s.id == self.own);
+        let before = before.map_or(self.pose, |s| Pose::from_xyz_wxyz(s.xyz_m, s.quaternion));
+        let painter = CpuPainter::new(&self.renderer, self);
+        let mut features = Vec::new();
+        for variant in &VARIANTS {
+            let mut snapshot = self.snapshot(1000.0);
+            if !variant.cabins {
+                snapshot.cabins.clear();
+            }
+            let scene = &*self.renderer.place(&snapshot).expect("all meshes are prepared");
+            let origin = scene.snapshot().origin;
+            let mut camera = rig.camera.clone();
+            (variant.camera)(&mut camera);
+            let views: Vec<CameraView> = rig
+                .cameras
+                .iter()
+                .map(|spec| {
+                    Camera::new(spec, &camera).expect("is a camera").view(&origin, &self.pose, &before)
+                })
+                .collect();
+            let pinholes: Vec<_> = views.iter().map(CameraView::pinhole).collect();
+            let seen = scene.look(&pinholes).expect("has no device");
+            let shots: Vec<Shot<'_>> =
+                views.iter().zip(&seen).map(|(view, seen)| Shot { view, seen }).collect();
+            let mut weather = self.log.frames[FRAME as usize].weather();
+            (variant.weather)(&mut weather);
+            let is_steady = variant.is_steady;
+            let when = FrameWeather { frame: FRAME as u32, time_s: 2.0, weather, is_steady };
+            let place = origin.local_from_world(self.pose.xyz());
+            let paint = || painter.paint(scene, &when, place, &shots).expect("has no device");
+            paint();
+            features.push(Feature { name: variant.name, taken: best(5, paint) });
+        }
+        features
+    }
+
     fn ranging(&self, scene: &dyn Scene) -> Taken {
         let rig = &self.settings.vehicle_rig;
         let origin = scene.snapshot().origin;
@@ -410,6 +452,16 @@ fn print_materials(materials: &[Material]) {
     for Material { name, pixels, spans, taken } in materials {
         let (of_span, ns) = (*pixels as f64 / *spans as f64, 1e9 * taken.cpu_s / *pixels as f64);
         println!("| {name} | {pixels} | {of_span:.1} | {:.4} | {ns:.1} |", taken.wall_s);
+    }
+}
+
+#[expect(clippy::print_stdout, reason = "this is the benchmark's answer")]
+fn print_features(features: &[Feature]) {
+    println!("\nShading of six cameras with one change each");
+    println!("| change | seconds | processor seconds | more than by default |\n|---|---|---|---|");
+    let plain = features.first().map_or(0.0, |feature| feature.taken.cpu_s);
+    for Feature { name, taken: Taken { wall_s, cpu_s } } in features {
+        println!("| {name} | {wall_s:.4} | {cpu_s:.4} | {:+.4} |", cpu_s - plain);
     }
 }
 

@@ -28,6 +28,7 @@ fn name_of(surface: &Surface) -> &'static str {
         Surface::Reflector => "reflector",
         Surface::Rubber => "rubber",
         Surface::Cloth => "cloth",
+        Surface::Clothes(_) => "clothes",
         Surface::Asphalt | Surface::KerbedAsphalt(_) => "asphalt",
         Surface::RoadMarking => "road marking",
         Surface::Concrete => "concrete",
