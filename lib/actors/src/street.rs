@@ -6,7 +6,7 @@ use frames::math::f32::sin_cos;
 use glam::Vec3;
 use schema::footprint::LightMount;
 use schema::geometry::{Part, Surface, TriMesh};
-use schema::{Tag, lights};
+use schema::{SignFace, Tag, lights};
 
 use crate::{sign, warning};
 use solids::MeshBuilder;
@@ -17,7 +17,7 @@ pub(crate) fn street(family: &str, kind: &str, size: Vec3, variant: u32) -> Opti
     match (family, kind) {
         ("light", "signal") => Some(signal(size, LightMount::from_variant(variant))),
         ("sign", "accident" | "road_works" | "danger") => warning::warning(kind, size),
-        ("sign", _) => Some(sign::sign(kind, size, (variant & 0xfff) as f32 / 100.0)),
+        ("sign", _) => Some(sign::sign(kind, size, SignFace::from_variant(variant))),
         ("pole", "lamp") => Some(lamp(size)),
         ("pole", "rsu") => Some(rsu(size)),
         _ => None,

@@ -51,7 +51,8 @@ pub enum Surface {
     RoofTiles,
     /// A house front: windows in a grid of storeys and bays drawn by the shader from the object position.
     Facade(Wall),
-    /// Sheeting that sends light back to where it came from: number plates, signs' faces, reflectors, bands that warn.
+    /// Sheeting that sends light back to where it came from: number plates, signs' faces, reflectors, bands that warn. Where its mesh has a
+    /// [`Skin`], the first coat's colour is on it.
     Reflector,
     /// Emits light while one of these [`crate::lights`] bits is set on its instance.
     Lamp(u32),

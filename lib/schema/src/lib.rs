@@ -67,6 +67,6 @@ pub use nuscenes::{NUSCENES_ATTRIBUTES, nuscenes_attribute};
 pub use published::{Published, SceneBins};
 pub use return_kind::ReturnKind;
 pub use sensor_kind::SensorKind;
-pub use sign_type::{SIGN_TYPES, speed_limit_type};
+pub use sign_type::{SIGN_TYPES, SignFace, speed_limit_type};
 pub use signal_state::SignalState;
 pub use tag::Tag;

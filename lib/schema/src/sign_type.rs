@@ -79,3 +79,58 @@ pub fn speed_limit_type(value: f64) -> &'static str {
     };
     SIGN_TYPES.iter().find(numbered).copied().unwrap_or("speed_limit")
 }
+
+/// What the board of a sign shows besides its kind, as the variant of the object keeps it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SignFace {
+    /// Bottom of the board over the ground, centimetres: at most 4095.
+    pub bottom_cm: u16,
+    /// Place of what it says in [`SIGN_TYPES`].
+    pub sign_type: u8,
+    /// The number on it; of boards with made-up names, which names. At most 16383; 0: none.
+    pub number: u16,
+}
+
+impl SignFace {
+    const BOTTOM_BITS: u32 = 12;
+    const TYPE_BITS: u32 = 6;
+    const NUMBER_BITS: u32 = 14;
+
+    /// Of an object's variant.
+    ///
+    /// ```
+    /// use schema::SignFace;
+    ///
+    /// let face = SignFace { bottom_cm: 220, sign_type: 3, number: 130 };
+    /// assert_eq!(SignFace::from_variant(face.variant()), face);
+    /// // A variant that is the bottom alone says nothing else.
+    /// assert_eq!(SignFace::from_variant(220), SignFace { bottom_cm: 220, sign_type: 0, number: 0 });
+    /// ```
+    #[must_use]
+    pub fn from_variant(variant: u32) -> Self {
+        let bits = |from: u32, count: u32| variant >> from & ((1 << count) - 1);
+        Self {
+            bottom_cm: bits(0, Self::BOTTOM_BITS) as u16,
+            sign_type: bits(Self::BOTTOM_BITS, Self::TYPE_BITS) as u8,
+            number: bits(Self::BOTTOM_BITS + Self::TYPE_BITS, Self::NUMBER_BITS) as u16,
+        }
+    }
+
+    /// The variant of an object.
+    #[must_use]
+    pub fn variant(self) -> u32 {
+        let most = |value: u32, bits: u32| value.min((1 << bits) - 1);
+        most(u32::from(self.bottom_cm), Self::BOTTOM_BITS)
+            | most(u32::from(self.sign_type), Self::TYPE_BITS) << Self::BOTTOM_BITS
+            | most(u32::from(self.number), Self::NUMBER_BITS) << (Self::BOTTOM_BITS + Self::TYPE_BITS)
+    }
+
+    /// The word for what it says.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        SIGN_TYPES.get(usize::from(self.sign_type)).copied().unwrap_or_default()
+    }
+}
+
+// All words have a place.
+const _: () = assert!(SIGN_TYPES.len() <= 1 << SignFace::TYPE_BITS);

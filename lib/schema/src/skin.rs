@@ -1,4 +1,4 @@
-//! Pictures on meshes: what models of packs bring along.
+//! Pictures on meshes: what models of packs bring along, and the faces of signs.
 
 use std::sync::Arc;
 

@@ -3,9 +3,11 @@
 use frames::OrientedRect;
 use nalgebra::Point3;
 use opendrive::{ObjectInfo, SignalInfo};
-use schema::{ActorKind, Attribute, Attributes, Tag};
+use random::Stream;
+use schema::{ActorKind, Attribute, Attributes, SIGN_TYPES, SignFace, Tag};
 
 use super::codes::{Meaning, of_object, of_signal};
+use super::plates::{GUIDE, NAME};
 use crate::draft::Draft;
 use crate::land::Land;
 use crate::site::{FOOT_M, Site, reach_m};
@@ -68,11 +70,27 @@ pub(super) fn board(site: &Site<'_>, foot: Point3<f64>, yaw: f64, meaning: Meani
     let xyz = [foot.x, foot.y, ground_z + plate.bottom_m];
     let mut draft = Draft::new(ActorKind::Sign, plate.model, Tag::TrafficSign, plate.size_m, xyz, yaw);
     draft.tags.insert(0, Tag::Pole);
-    draft.variant = (plate.bottom_m * 100.0).round() as u32;
+    draft.variant = SignFace {
+        bottom_cm: (plate.bottom_m * 100.0).round() as u16,
+        sign_type: SIGN_TYPES.iter().position(|word| *word == meaning.sign_type).unwrap_or(0) as u8,
+        number: match meaning.value {
+            Some(value) => value.round() as u16,
+            None if [NAME.model, GUIDE.model].contains(&plate.model) => names(site, &foot),
+            None => 0,
+        },
+    }
+    .variant();
     let mut facts = Attributes::new().with(Attribute::SignType, meaning.sign_type);
     if let Some(value) = meaning.value {
         facts = facts.with(Attribute::Value, value);
     }
     draft.attributes = facts.with(Attribute::GroundZ, format_args!("{ground_z:.3}"));
     draft
+}
+
+/// Which made-up names a board has that says some: the same wherever it is asked from.
+fn names(site: &Site<'_>, foot: &Point3<f64>) -> u16 {
+    let [x, y] = [foot.x, foot.y].map(|v| (v * 10.0).round() as i64 as u64);
+    let mut random = Stream::new(site.rules.seed, 0, "world/signs/names", x << 32 ^ y & 0xffff_ffff);
+    (random.next_u32() & 0x3fff) as u16
 }

@@ -76,6 +76,16 @@ impl Stage {
         triangles
     }
 
+    /// Whatever is no vehicle and nobody, so high over the plane.
+    pub(crate) fn add_thing(&mut self, model: &str, size_m: [f64; 3], variant: u32, at: Affine3A) {
+        let Some(made) = actor_mesh(model, size_m, variant) else { return };
+        let object = self.instances.len() as u16 + 1;
+        for piece in &made.pieces {
+            self.instances.push(common::instance(self.meshes.len() as u32, object, at));
+            self.meshes.push(Arc::clone(&piece.mesh));
+        }
+    }
+
     /// A walker with meshes of their own.
     pub(crate) fn add_walker(&mut self, walker: &Walker, at: Affine3A, phase_rad: f32, gait_mps: f32) {
         let bones = walker.figure().walking(phase_rad, gait_mps);

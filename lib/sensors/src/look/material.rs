@@ -41,7 +41,10 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
         Surface::Cloth => Look::dull(shades(rgb, speckle(noise, p, 0.2))),
         Surface::Clothes(weave) => clothes(noise, weave, facet, rgb, p),
         // By day it is smooth plastic; what it sends back to a lamp is light of lamps.
-        Surface::Reflector => Look::glossy(Vec3s::splat(rgb), 0.04, 0.3),
+        Surface::Reflector => {
+            let painted = facet.draped.as_ref().and_then(|draped| draped.colour(p));
+            Look::glossy(painted.unwrap_or(Vec3s::splat(rgb)), 0.04, 0.3)
+        }
         Surface::Rubber => Look::glossy(Vec3s::splat(rgb), 0.03, 0.7),
         Surface::Paint => dirt::painted(noise, facet, p),
         Surface::Glass | Surface::Window => {

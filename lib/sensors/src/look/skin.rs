@@ -1,4 +1,4 @@
-//! Pictures on meshes: what models of packs bring along.
+//! Pictures on meshes: what models of packs bring along, and the faces of signs.
 
 use std::sync::OnceLock;
 
@@ -35,7 +35,12 @@ impl<'a> Draped<'a> {
         corners_m: [Vec3; 3],
         tangents_object: impl FnOnce() -> [Vec3; 2],
     ) -> Option<Self> {
-        let Surface::Skin(Finish { coat: Some(coat), .. }) = surface else { return None };
+        let coat = match surface {
+            Surface::Skin(Finish { coat, .. }) => coat?,
+            // What is painted on a sign.
+            Surface::Reflector => 0,
+            _ => return None,
+        };
         let (skin, [ua, ub, uc]) = skin?;
         let coat = skin.coats.get(usize::from(coat))?;
         let [a, b, c] = corners_m;
@@ -199,6 +204,11 @@ mod tests {
         assert!((far - Vec3::splat(0.2158)).length() < 1e-3, "{far}");
         let none = || [Vec3::ZERO; 2];
         assert!(Draped::new(Surface::Plain, Some((&skin, skin.corners[0])), CORNERS, none).is_none());
+        // What sends light back has the first coat, if there is one.
+        let sheet = Draped::new(Surface::Reflector, Some((&skin, skin.corners[0])), CORNERS, none);
+        let sheet = sheet.and_then(|sheet| sheet.colour(&points(Lanes::splat(0.5), 0.5, 0.01)));
+        assert_eq!(sheet.expect("a colour").lane(0), Vec3::Z);
+        assert!(Draped::new(Surface::Reflector, None, CORNERS, none).is_none());
         let here = points(STEPS, 0.5, 0.01);
         assert!(
             draped.gloss(&here).is_none() && draped.lean(&here).is_none() && draped.glow(&here).is_none()
