@@ -74,7 +74,7 @@ pub struct Paint {
     pub stop_lines: Vec<Vec<Point3<f64>>>,
     /// Outlines of parking spaces: chains of points, the last one equal to the first.
     pub parking: Vec<Vec<Point3<f64>>>,
-    /// Arrows: closed polygons, corners each once.
+    /// Arrows and words: closed polygons, corners each once.
     pub arrows: Vec<Vec<Point3<f64>>>,
 }
 
@@ -90,10 +90,10 @@ impl Paint {
             if object.kind.eq_ignore_ascii_case("parkingspace") && ring.len() >= 3 && reach.touches(ring) {
                 let closed = ring.iter().chain(ring.first());
                 paint.parking.push(closed.copied().collect());
-            } else if object.is_arrow() {
-                paint.arrows.extend(object.areas().into_iter().filter(|area| reach.touches(area)));
             }
         }
+        let read = map.road_symbols().into_iter().flat_map(|symbol| symbol.areas);
+        paint.arrows.extend(read.filter(|area| reach.touches(area)));
         paint
     }
 }

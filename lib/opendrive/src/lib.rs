@@ -41,8 +41,8 @@ mod write;
 
 pub use map::{
     Ahead, Area, Crosswalk, CrosswalkSpan, GroupController, JunctionInfo, LaneBounds, LaneHit, LaneId,
-    LaneInfo, LanePoint, LanePolyline, LanePos, Map, Marking, ObjectInfo, OutlineInfo, Sidewalk, SignalGroup,
-    SignalInfo, StopLine, StopLineSource, Stripe, StripeStrip, VEHICLE_LANE_WIDTH_M,
+    LaneInfo, LanePoint, LanePolyline, LanePos, Map, Marking, ObjectInfo, OutlineInfo, RoadSymbol, Sidewalk,
+    SignalGroup, SignalInfo, StopLine, StopLineSource, Stripe, StripeStrip, VEHICLE_LANE_WIDTH_M,
 };
 pub use model::{
     AccessRule, BoundarySegment, BoxSide, Bridge, Connection, ConnectionKind, ContactPoint, Controller,

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use opendrive::{Map, StopLine};
+use opendrive::{Map, RoadSymbol, StopLine};
 use schema::geometry::SurfaceMesh;
 
 use crate::blocks::Blocks;
@@ -30,6 +30,7 @@ pub struct Atlas<'a> {
     field: Field,
     paving: Paving,
     stop_lines: Vec<StopLine>,
+    symbols: Vec<RoadSymbol>,
 }
 
 /// The ground of an area and around it.
@@ -37,6 +38,7 @@ pub struct Atlas<'a> {
 pub struct AreaGround<'a> {
     map: &'a Map,
     stop_lines: &'a [StopLine],
+    symbols: &'a [RoadSymbol],
     /// The area.
     pub area: Region,
     /// The area and what around it lanes are known of: [`HALO_M`] more on each side.
@@ -63,6 +65,7 @@ impl<'a> Atlas<'a> {
             waters,
             paving: Paving::new(map),
             stop_lines: map.stop_lines(),
+            symbols: map.road_symbols(),
         }
     }
 
@@ -92,7 +95,8 @@ impl<'a> Atlas<'a> {
         let terrain = Terrain::new(&sections, &patches, &waters, &self.field, &around);
         patches.into_iter().for_each(|facet| cover.add(facet));
         let levels = GroundLevels { cover, terrain, waters };
-        AreaGround { map: self.map, stop_lines: &self.stop_lines, area: *area, around, sections, levels }
+        let (stop_lines, symbols) = (&self.stop_lines[..], &self.symbols[..]);
+        AreaGround { map: self.map, stop_lines, symbols, area: *area, around, sections, levels }
     }
 }
 
@@ -111,7 +115,7 @@ impl AreaGround<'_> {
         let mut blocks = Blocks::new(area);
         lanes::build(sections, area, ground, &mut blocks);
         holes::build(&ground.cover, area, &mut blocks);
-        marks::build(self.map, self.stop_lines, sections, area, &ground.cover, &mut blocks);
+        marks::build(self.map, (self.stop_lines, self.symbols), sections, area, &ground.cover, &mut blocks);
         bridges::build(sections, area, ground, &mut blocks);
         tracks::build(sections, area, ground, &mut blocks);
         ground.terrain.build(area, &mut blocks);

@@ -1,8 +1,8 @@
-//! Paint on the road: lane markings, crosswalks, stop lines, parking spaces, arrows.
+//! Paint on the road: lane markings, crosswalks, stop lines, parking spaces, arrows, words.
 
 use earcut::Earcut;
 use nalgebra::{Point3, Vector3};
-use opendrive::{Map, MarkColour, ObjectInfo, StopLine, Stripe};
+use opendrive::{Map, MarkColour, RoadSymbol, StopLine, Stripe};
 use schema::Tag;
 use schema::geometry::{Part, Surface};
 
@@ -27,7 +27,7 @@ const YELLOW: Part = Part::new(Tag::RoadLine, Surface::RoadMarking, [0.72, 0.50,
 /// Draws the paint whose pieces have their middles in an area.
 pub(crate) fn build(
     map: &Map,
-    stop_lines: &[StopLine],
+    (stop_lines, symbols): (&[StopLine], &[RoadSymbol]),
     sections: &[&Section],
     area: &Region,
     cover: &Cover,
@@ -47,7 +47,7 @@ pub(crate) fn build(
     let mut painter = Painter { area, cover, blocks };
     crosswalks(map, &mut painter);
     parking_spaces(map, &mut painter);
-    arrows(map, &mut painter);
+    read(symbols, &mut painter);
     for line in stop_lines {
         painter.band(WHITE, line.ends[0], line.ends[1], line.width_m);
     }
@@ -280,12 +280,12 @@ fn parking_spaces(map: &Map, painter: &mut Painter<'_>) {
     }
 }
 
-/// The arrows that the map holds as objects.
-fn arrows(map: &Map, painter: &mut Painter<'_>) {
+/// Arrows and words that the map holds.
+fn read(symbols: &[RoadSymbol], painter: &mut Painter<'_>) {
     let mut earcut = Earcut::new();
     let mut corners: Vec<u32> = Vec::new();
-    for area in map.objects().iter().filter(|o| o.is_arrow()).flat_map(ObjectInfo::areas) {
-        if !painter.reaches(&area) {
+    for area in symbols.iter().flat_map(|symbol| &symbol.areas) {
+        if !painter.reaches(area) {
             continue;
         }
         earcut.earcut(area.iter().map(|p| [p.x, p.y]), &[], &mut corners);

@@ -15,6 +15,7 @@ use crate::movements::Movement;
 use crate::path::Path;
 use crate::section::{EndStrip, Turn, Use};
 use crate::street::rectangle;
+use crate::word::stops;
 
 /// Distance of a post from the kerb, metres.
 const POST_FROM_KERB_M: f64 = 0.6;
@@ -143,6 +144,9 @@ pub(crate) fn equip(
                 .filter(|s| *hold != Hold::YieldPocket || s.kind == Use::Lane(Turn::Left))
                 .collect();
             here.objects.extend(stop_line(ids, arm, &lanes));
+        }
+        if *hold == Hold::Stop && !here.signals.is_empty() {
+            here.objects.extend(stops(ids, arm));
         }
         if matches!(hold, Hold::Light | Hold::Stop | Hold::Yield) && entering.len() > 1 {
             here.objects.extend(arrows(ids, arms, index, &built.movements));

@@ -41,6 +41,7 @@ mod street;
 mod strips;
 mod terrain;
 mod water;
+mod word;
 
 #[cfg(test)]
 #[path = "../tests/town/check/mod.rs"]

@@ -13,6 +13,7 @@ use crate::path::Path;
 use crate::profile::Profile;
 use crate::section::{CrossSection, Ending, RoadKind, Turn, Use};
 use crate::strips::{PARKING_TAPER_M, Strip, Strips};
+use crate::word::bicycles;
 
 /// Length of a parking space, metres.
 const SPACE_M: f64 = 6.0;
@@ -59,6 +60,7 @@ pub(crate) fn street(ids: &mut Ids, plan: Plan<'_>) -> Result<Road, TownError> {
         before = Some(numbers);
     }
     parking_spaces(ids, &mut road, &strips);
+    road.objects.extend(bicycles(ids, &strips));
     Ok(road)
 }
 

@@ -16,6 +16,7 @@ mod sections;
 mod signals;
 mod spawn;
 mod stop_lines;
+mod symbols;
 mod tree;
 mod types;
 mod union;
@@ -26,6 +27,7 @@ pub use prepared::Map;
 pub use route::Ahead;
 pub use spawn::VEHICLE_LANE_WIDTH_M;
 pub use stop_lines::{StopLine, StopLineSource};
+pub use symbols::RoadSymbol;
 pub use types::{
     Crosswalk, GroupController, JunctionInfo, LaneBounds, LaneHit, LaneId, LaneInfo, LanePoint, LanePolyline,
     LanePos, Marking, ObjectInfo, OutlineInfo, SignalGroup, SignalInfo, Stripe, StripeStrip,

@@ -206,3 +206,28 @@ fn places_on_lanes_are_found_back() {
         }
     }
 }
+
+#[test]
+fn words_of_towns_lie_on_their_lanes_before_junctions() {
+    for (name, stops, arrows) in [("Town03", 22, 13), ("Town04", 10, 21), ("Town10HD", 3, 12)] {
+        let Some(map) = real_map(name) else { return };
+        let symbols = map.road_symbols();
+        let of = |word: &str| symbols.iter().filter(|symbol| symbol.word == word).count();
+        assert_eq!((of("STOP"), of("")), (stops, arrows), "{name}");
+        for symbol in symbols.iter().filter(|symbol| symbol.word == "STOP") {
+            let hit = map.nearest_driving_lane(symbol.place).expect("lies on a lane");
+            let here = map.lane_point(hit.lane, hit.s, 0.0).expect("place");
+            let (sin, cos) = frames::math::sin_cos(here.heading_rad);
+            let corners = || symbol.areas.iter().flatten().map(|p| p - symbol.place);
+            for off in corners() {
+                let (ahead, left) = (cos * off.x + sin * off.y, cos * off.y - sin * off.x);
+                assert!((hit.t_m + left).abs() < 0.5 * hit.width_m, "{name}: {left} on {:?}", hit.lane);
+                assert!(ahead.abs() < 2.01, "{name}: {ahead}");
+            }
+            // Whoever reads it comes to a junction: its lane ends soon.
+            let end = map.lane(hit.lane).map(|l| if l.direction > 0.0 { l.s_end } else { l.s_start });
+            let left_m = end.map_or(f64::INFINITY, |end| (end - hit.s).abs());
+            assert!(left_m < 40.0, "{name}: {left_m} m before the end of {:?}", hit.lane);
+        }
+    }
+}

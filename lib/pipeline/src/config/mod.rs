@@ -243,7 +243,7 @@ fn bev(section: &Section<'_>) -> BevSettings {
             d.sidewalks_from_above,
             "with rule `simbev2x`: a sidewalk seen from far above counts, too",
         ),
-        paint: section.flag("paint", d.paint, "write masks of stop lines, parking spaces and arrows"),
+        paint: section.flag("paint", d.paint, "write masks of stop lines, parking spaces, arrows and words"),
         ids: section.flag("ids", d.ids, "write the id of the object over each cell"),
         heights: section.flag("heights", d.heights, "write the height of the ground in each cell"),
         every_n_frames: every_n_frames(section, "masks are drawn"),

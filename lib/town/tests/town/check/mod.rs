@@ -8,6 +8,7 @@ mod curves;
 mod paving;
 mod signals;
 mod surfaces;
+mod words;
 
 use opendrive::{LaneId, LaneInfo, LaneType, Map, Network, write};
 use std::collections::BTreeSet;
@@ -23,6 +24,7 @@ pub(crate) fn faults(network: &Network) -> Vec<String> {
     faults.extend(paving::faults(&map));
     faults.extend(signals::faults(&map));
     faults.extend(arrows::faults(&map));
+    faults.extend(words::faults(&map));
     faults
 }
 
