@@ -45,6 +45,7 @@ pub mod tables;
 mod tag;
 pub mod text;
 pub mod tile;
+pub mod trains;
 pub mod works;
 
 pub use actor_kind::ActorKind;

@@ -143,11 +143,13 @@ impl Model {
         }
     }
 
-    /// Axles of a vehicle: heavy lorries have two at the rear.
+    /// Axles of a vehicle: heavy lorries have two at the rear, semi-trailers three.
     #[must_use]
     pub fn axles(&self) -> usize {
         match self.name {
             "truck.heavy" | "truck.tipper" | "truck.mixer" | "truck.tanker" | "truck.refuse" => 3,
+            "bus.articulated_rear" => 1,
+            name if name.starts_with("trailer.") => 3,
             _ => 2,
         }
     }
@@ -214,7 +216,7 @@ impl Model {
 /// See [`Attribute::Generation`].
 const GENERATION: u32 = 2;
 
-const fn model(
+pub(crate) const fn model(
     name: &'static str,
     base: BaseType,
     size_m: [f64; 3],

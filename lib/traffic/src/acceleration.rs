@@ -169,18 +169,20 @@ fn passed_gap(vehicle: &Vehicle, vehicles: &[Vehicle]) -> Option<(f64, f64)> {
     let other = vehicles.get(vehicle.lateral().change()?.passing()?)?;
     let yaw_rad = vehicle.motion().yaw_rad();
     let (sin, cos) = frames::math::sin_cos(yaw_rad);
-    let away = other.motion().position() - vehicle.motion().position();
-    let (ahead, left) = (away.x * cos + away.y * sin, away.y * cos - away.x * sin);
-    // The other one is askew seen from here: its ends reach farther across.
-    let (askew, straight) = frames::math::sin_cos(other.motion().yaw_rad() - yaw_rad);
-    let [length, width, _] = other.model().size_m;
-    let across = width * straight.abs() + length * askew.abs();
-    // Slowly one passes more closely.
-    let clearance = (0.1 + PASSED_ASIDE_S * vehicle.speed_mps()).min(PASSED_ASIDE_M);
-    let free = 0.5 * (vehicle.model().size_m[1] + across) + clearance;
-    let gap = ahead - vehicle.half_length_m() - other.half_length_m();
-    // By the time it is there it is farther over.
-    let over = vehicle.lateral().offset_after(gap.max(0.0))[0] - vehicle.lateral().offset_after(0.0)[0];
-    let aside = (left - over).abs();
-    (aside < free && ahead > 0.0).then_some((gap, other.speed_mps()))
+    let gaps_m = other.sections().filter_map(|(at, other_yaw_rad, [length, width, _])| {
+        let away = at - vehicle.motion().position();
+        let (ahead, left) = (away.x * cos + away.y * sin, away.y * cos - away.x * sin);
+        // The other one is askew seen from here: its ends reach farther across.
+        let (askew, straight) = frames::math::sin_cos(other_yaw_rad - yaw_rad);
+        let across = width * straight.abs() + length * askew.abs();
+        // Slowly one passes more closely.
+        let clearance = (0.1 + PASSED_ASIDE_S * vehicle.speed_mps()).min(PASSED_ASIDE_M);
+        let free = 0.5 * (vehicle.model().size_m[1] + across) + clearance;
+        let gap = ahead - vehicle.half_length_m() - 0.5 * length;
+        // By the time it is there it is farther over.
+        let over = vehicle.lateral().offset_after(gap.max(0.0))[0] - vehicle.lateral().offset_after(0.0)[0];
+        let aside = (left - over).abs();
+        (aside < free && ahead > 0.0).then_some(gap)
+    });
+    gaps_m.reduce(f64::min).map(|gap| (gap, other.speed_mps()))
 }

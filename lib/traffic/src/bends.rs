@@ -130,7 +130,7 @@ impl Bends {
         let goes = braking_to_stop(speed, first.gap_m) > HARD_BRAKING && speed > 1.0;
         if free || goes || first.gap_m < 0.0 || vehicle.driver().is_away(Class::Vehicles) {
             for a in &ahead {
-                let until_m = vehicle.route().odometer_m() + a.end_m + vehicle.half_length_m();
+                let until_m = vehicle.route().odometer_m() + a.end_m + vehicle.rear_m();
                 self.bends[a.bend].holders.push(Holder { vehicle: me, part: a.part, until_m });
             }
             self.waited[me] = 0;
@@ -152,7 +152,7 @@ impl Bends {
                 let b = &self.bends[bend];
                 let Part { from_m, to_m, .. } = b.parts[part];
                 let held = b.holders.iter().any(|h| h.vehicle == me);
-                if start + to_m + half > 0.0 && !held {
+                if start + to_m + vehicle.rear_m() > 0.0 && !held {
                     found.push(Ahead { bend, part, gap_m: start + from_m - half, end_m: start + to_m });
                 }
             }

@@ -3,7 +3,7 @@
 use frames::LocalOrigin;
 use glam::{Quat, Vec3};
 use nalgebra::Point3;
-use rapier3d::dynamics::{RigidBodyBuilder, RigidBodyHandle};
+use rapier3d::dynamics::{GenericJointBuilder, JointAxesMask, RigidBodyBuilder, RigidBodyHandle};
 use rapier3d::geometry::{ColliderBuilder, ColliderHandle, Group, InteractionGroups, InteractionTestMode};
 use rapier3d::pipeline::PhysicsWorld;
 use schema::FRAME_PERIOD_S;
@@ -146,6 +146,16 @@ impl Bodies {
         let half = Vec3::from_array(size_m.map(|v| 0.5 * v as f32));
         let mass = VEHICLE_KG_M3 * 8.0 * half.x * half.y * half.z;
         self.insert(ground, yaw_rad, half, mass, owner, [VEHICLE, VEHICLE | WALKER | FIXED | MOVABLE])
+    }
+
+    /// Joins two bodies at a place, so many metres ahead of the middle of each: they turn about it, and do not touch each other.
+    pub(crate) fn couple(&mut self, [lead, towed]: [Body; 2], ahead_m: [f64; 2]) {
+        // Heights are those of the road under each.
+        let joint = GenericJointBuilder::new(JointAxesMask::LIN_X | JointAxesMask::LIN_Y)
+            .local_anchor1(Vec3::X * ahead_m[0] as f32)
+            .local_anchor2(Vec3::X * ahead_m[1] as f32)
+            .contacts_enabled(false);
+        self.world.insert_impulse_joint(lead.0, towed.0, joint);
     }
 
     /// A walker's body, which only what is adrift touches until it is on the road.

@@ -124,6 +124,7 @@ fn begin(net: &Net, occupancy: &mut Occupancy, vehicle: &mut Vehicle, me: usize,
     let spot = Occupant {
         along_m: change.along_m,
         half_length_m: vehicle.half_length_m(),
+        behind_m: 0.0,
         speed_mps: vehicle.speed_mps(),
         vehicle: me,
         class: Class::Vehicles,
@@ -155,6 +156,9 @@ fn wish(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize) -> Op
         return Some(Wish::Around);
     }
     let speed = vehicle.speed_mps();
+    if vehicle.towed().is_some() {
+        return None;
+    }
     let settled = vehicle.route().since_change_m() >= (10.0 * speed).max(10.0);
     let slow = leader.speed_mps < SLOW * vehicle.wished_speed(net);
     let calm = vehicle.junction_gap_m(net) > CALM_M + speed * CHANGE_S;
@@ -169,8 +173,8 @@ fn look(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize, side:
     if matches!(wish, Wish::TurnLane(lane) if lane != beside.lane) {
         return Found::Nothing;
     }
-    let [length, width, _] = vehicle.model().size_m;
-    let (speed, half) = (vehicle.speed_mps(), 0.5 * length);
+    let (length, width) = (vehicle.length_m(), vehicle.model().size_m[1]);
+    let (speed, half) = (vehicle.speed_mps(), vehicle.half_length_m());
     let target = &net.lanes[beside.lane];
     let near_m = target.centre.project(vehicle.motion().position()).0;
     let (along_m, from_m) = target.centre.cross(vehicle.motion().position(), near_m);
@@ -196,7 +200,9 @@ fn look(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize, side:
         && level
         && square
         && better
-        && room_m > span_m + half + 1.0;
+        && vehicle.route().may_use(beside.lane)
+        // What is towed comes over later.
+        && room_m > span_m + vehicle.rear_m().max(half) + 1.0;
     if !reachable {
         return Found::Nothing;
     }
@@ -261,7 +267,7 @@ fn gap(
     if let Some((to_m, spot)) = occupancy.first(net, Sense::Behind, (lane, along_m), own, 80.0)
         && let Some(other) = vehicles.get(spot.vehicle).filter(|v| !v.is_crashed())
     {
-        let gap_m = to_m - half - spot.half_length_m;
+        let gap_m = to_m - vehicle.rear_m() - spot.half_length_m;
         if gap_m < 1.0 + 0.3 * spot.speed_mps {
             return None;
         }

@@ -28,6 +28,7 @@ mod sleep;
 mod swept_path;
 mod vehicle;
 mod walking;
+mod wide_ways;
 
 pub use car_following::{Idm, equilibrium_gap_m};
 pub use error::TrafficError;

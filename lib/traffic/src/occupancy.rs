@@ -24,7 +24,7 @@ const ASKED_M: f64 = 50.0;
 /// The ends of a vehicle that changes lanes are this part of its length, metres.
 const END_M: f64 = 1.0;
 /// Half the length of the longest vehicle, metres.
-const LONGEST_HALF_M: f64 = 6.0;
+const LONGEST_HALF_M: f64 = 7.0;
 /// A vehicle that reaches this far over the edge of a lane is on it, metres.
 const REACHES_M: f64 = 0.3;
 
@@ -59,6 +59,8 @@ pub(crate) struct CrossingWalker {
 pub(crate) struct Occupant {
     pub(crate) along_m: f64,
     pub(crate) half_length_m: f64,
+    /// Way from there on to the middle of the vehicle that leads it, metres: 0 but for what is towed.
+    pub(crate) behind_m: f64,
     pub(crate) speed_mps: f64,
     /// Index of the vehicle; things that stand in hazards have none of that index.
     pub(crate) vehicle: usize,
@@ -95,7 +97,8 @@ pub(crate) struct Occupancy {
 
 /// A parked vehicle that blocks a lane.
 fn parked(along_m: f64, half_length_m: f64) -> Occupant {
-    Occupant { along_m, half_length_m, speed_mps: 0.0, vehicle: STANDING, class: Class::Vehicles }
+    let (behind_m, speed_mps) = (0.0, 0.0);
+    Occupant { along_m, half_length_m, behind_m, speed_mps, vehicle: STANDING, class: Class::Vehicles }
 }
 
 /// Spots on every lane that a body reaches well into.
@@ -114,7 +117,8 @@ fn footprint(
         let point = at + nalgebra::Vector3::new(cos * off, sin * off, 0.0);
         for (lane, along_m) in net.lanes_at(&point, half_width - 0.4) {
             let half_length_m = half_width.max(0.25 * half_length);
-            spots.push((lane, Occupant { along_m, half_length_m, speed_mps: 0.0, vehicle, class }));
+            let (behind_m, speed_mps) = (0.0, 0.0);
+            spots.push((lane, Occupant { along_m, half_length_m, behind_m, speed_mps, vehicle, class }));
         }
     }
     spots
@@ -180,6 +184,7 @@ impl Occupancy {
                 let spot = Occupant {
                     along_m: vehicle.route().along_m(),
                     half_length_m,
+                    behind_m: 0.0,
                     speed_mps: vehicle.speed_mps(),
                     vehicle: i,
                     class: Class::Vehicles,
@@ -202,17 +207,45 @@ impl Occupancy {
                         }
                     }
                 }
+                self.add_towed(net, vehicle, spot);
                 if let Some(lane) = vehicle.lane_choice().wanted() {
-                    let along_m = net.lanes[lane].centre.project(vehicle.motion().position()).0;
+                    let front_m =
+                        net.lanes[lane].centre.project(vehicle.motion().position()).0 + half_length_m;
+                    let half_length_m = 0.5 * vehicle.length_m();
                     self.touched.push(lane);
-                    self.asking[lane].push(Occupant { along_m, ..spot });
+                    self.asking[lane].push(Occupant {
+                        along_m: front_m - half_length_m,
+                        half_length_m,
+                        ..spot
+                    });
                 }
                 continue;
             }
-            let (at, yaw_rad) = (vehicle.motion().position(), vehicle.motion().yaw_rad());
-            let body = (&at, yaw_rad, vehicle.model().size_m);
-            for (lane, spot) in footprint(net, body, i, Class::Vehicles) {
-                self.add_vehicle(lane, spot);
+            for (at, yaw_rad, size_m) in vehicle.sections() {
+                for (lane, spot) in footprint(net, (&at, yaw_rad, size_m), i, Class::Vehicles) {
+                    self.add_vehicle(lane, spot);
+                }
+            }
+        }
+    }
+
+    /// What a vehicle tows, on the lane that it comes along, and on those beside which it reaches into.
+    fn add_towed(&mut self, net: &Net, vehicle: &Vehicle, lead: Occupant) {
+        let Some(towed) = vehicle.towed() else { return };
+        let (train, (sin, cos)) = (towed.train(), frames::math::sin_cos(towed.yaw_rad()));
+        let [length_m, width_m, _] = train.towed.size_m;
+        let behind_m = train.apart_m();
+        let spot = Occupant { behind_m, half_length_m: 0.5 * length_m, ..lead };
+        let (own, along_m) = vehicle.route().lane_behind(behind_m);
+        self.add_vehicle(own, Occupant { along_m, ..spot });
+        for part in [-0.45, -0.15, 0.15, 0.45] {
+            let off_m = part * length_m;
+            let point = towed.position() + nalgebra::Vector3::new(cos * off_m, sin * off_m, 0.0);
+            for (lane, along_m) in net.lanes_at(&point, 0.5 * width_m - REACHES_M) {
+                if lane != own && net.lanes[lane].beside.iter().any(Option::is_some) {
+                    let (half_length_m, behind_m) = (0.15 * length_m, behind_m - off_m);
+                    self.add_vehicle(lane, Occupant { along_m, half_length_m, behind_m, ..spot });
+                }
             }
         }
     }
@@ -272,7 +305,9 @@ impl Occupancy {
                 let sibling_length = net.lanes[sibling].centre.length_m;
                 for spot in &self.vehicles[sibling] {
                     let to_end = sibling_length - spot.along_m;
-                    let first = to_end < own_to_end || (to_end == own_to_end && spot.vehicle < me);
+                    // What is towed goes where its lead goes.
+                    let lead_m = to_end - spot.behind_m;
+                    let first = lead_m < own_to_end || (lead_m == own_to_end && spot.vehicle < me);
                     // A sleeper is not going to merge.
                     let sleeps = vehicles.get(spot.vehicle).is_some_and(|v| v.wake() == Wake::Asleep);
                     let view_m = if sleeps { spot.half_length_m } else { MERGE_VIEW_M };

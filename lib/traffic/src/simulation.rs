@@ -23,7 +23,7 @@ use crate::lane_change::change_lanes;
 use crate::occupancy::Occupancy;
 use crate::road::net::Net;
 use crate::road::signals::Signals;
-use crate::scene::log::{log_vehicles, log_walkers, vehicle_lamps, weather_lamps};
+use crate::scene::log::{log_towed, log_vehicles, log_walkers, vehicle_lamps, weather_lamps};
 use crate::scene::placing::{ActorIds, Streets, add_parked, lamps, place_vehicles, place_walkers};
 use crate::scene::rolling::set_rolling;
 use crate::scene::rows::Snapshot;
@@ -32,6 +32,7 @@ use crate::sleep::Watch;
 use crate::swept_path::SweptPaths;
 use crate::vehicle::Vehicle;
 use crate::vehicle::attention::Class;
+use crate::vehicle::towed::Towed;
 use crate::vehicle::wake::Wake;
 use crate::walking::crowd::Crowd;
 use crate::walking::fixtures::Fixtures;
@@ -122,6 +123,7 @@ struct Simulation<'a> {
     walkers: Vec<Walker>,
     vehicle_ids: Vec<ObjectId>,
     walker_ids: Vec<ObjectId>,
+    towed_ids: Vec<ObjectId>,
     /// What stands in hazards.
     standing: Standing,
     /// Tiles of the fixed world that somebody came near.
@@ -136,7 +138,7 @@ struct Simulation<'a> {
     sweeps: SweptPaths,
     bends: Bends,
     watch: Watch,
-    /// Poses one step ago, for velocities: vehicles, then walkers.
+    /// Poses one step ago, for velocities: vehicles, walkers, what is towed.
     before: Vec<Pose<World, Object>>,
     log: SimulationLog,
 }
@@ -169,7 +171,8 @@ impl<'a> Cast<'a> {
             Stream::new(scene.seed, u64::from(scene.scene), "traffic/walker/place", i)
         });
         let background = starts.len() - agents.len();
-        let counts = [agents.len(), rsus.len(), background, walkers.len(), hazards.things.len()];
+        let towed = starts.iter().filter(|start| start.towed.is_some()).count();
+        let counts = [agents.len(), rsus.len(), background, walkers.len(), hazards.things.len(), towed];
         let ids = ActorIds::new(input, counts)?;
         Ok(Self { starts, rsus, hazards, agents, walkers, ids })
     }
@@ -216,6 +219,7 @@ impl<'a> Simulation<'a> {
         let walkers = place_walkers(input, &streets, &cast.walkers, &mut bodies);
         log_walkers(&mut log, &ids, &walkers);
         log.actors.extend(in_hazards);
+        log_towed(&mut log, &ids, &cast.starts);
         log.hazards = cast.hazards.placed;
         let mut occupancy = Occupancy::new(net.lanes.len());
         add_parked(&fixed, &net, &mut occupancy.kerbside, &mut bodies);
@@ -239,6 +243,7 @@ impl<'a> Simulation<'a> {
             walkers: walkers.into_iter().map(|(walker, _)| walker).collect(),
             vehicle_ids: [ids.agents, ids.background].concat(),
             walker_ids: ids.walkers,
+            towed_ids: ids.towed,
             right_of_way,
             bodies,
             log,
@@ -340,15 +345,16 @@ impl<'a> Simulation<'a> {
     fn drive(&mut self, wishes: &[f64]) {
         for (vehicle, wish) in self.vehicles.iter_mut().zip(wishes) {
             if vehicle.is_crashed() {
-                self.bodies.skid(vehicle.motion().body());
+                vehicle.bodies().for_each(|body| self.bodies.skid(body));
             } else if vehicle.wake() != Wake::Asleep {
                 let kerbside = &self.occupancy.kerbside;
                 if !kerbside.is_empty() && !vehicle.driver().is_away(Class::Vehicles) {
                     vehicle.make_room(&self.net, kerbside);
                 }
                 vehicle.drive(&self.net, *wish);
-                let (motion, height_m) = (vehicle.motion(), vehicle.model().size_m[2]);
-                self.bodies.drive(motion.body(), &motion.position(), motion.yaw_rad(), 0.5 * height_m);
+                for ((at, yaw_rad, size_m), body) in vehicle.sections().zip(vehicle.bodies()) {
+                    self.bodies.drive(body, &at, yaw_rad, 0.5 * size_m[2]);
+                }
             }
         }
     }
@@ -412,6 +418,9 @@ impl<'a> Simulation<'a> {
             if let Some(body) = self.bodies.motion(vehicle.motion().body()) {
                 vehicle.skid_to(&body);
             }
+            if let Some(body) = vehicle.towed().and_then(|towed| self.bodies.motion(towed.body())) {
+                vehicle.towed_skids_to(&body);
+            }
         }
         for walker in self.walkers.iter_mut().filter(|w| w.is_struck()) {
             if let Some(body) = self.bodies.motion(walker.body()) {
@@ -449,7 +458,7 @@ impl<'a> Simulation<'a> {
         let body = vehicle.motion().body();
         if is_accident {
             vehicle.crash();
-            self.bodies.set_adrift(body);
+            vehicle.bodies().for_each(|body| self.bodies.set_adrift(body));
         } else if let Some(at) = self.bodies.motion(body) {
             vehicle.nudge(&self.net, &at);
         }
@@ -460,6 +469,7 @@ impl<'a> Simulation<'a> {
         self.before.clear();
         self.before.extend(self.vehicles.iter().map(|v| v.motion().world_from_object()));
         self.before.extend(self.walkers.iter().map(Walker::world_from_object));
+        self.before.extend(self.vehicles.iter().filter_map(Vehicle::towed).map(Towed::world_from_object));
         self.standing.remember();
     }
 
@@ -540,6 +550,21 @@ impl<'a> Simulation<'a> {
             rows.push(snapshot.row(frame));
         }
         rows.extend(self.standing.states(frame, lamps));
+        let first = self.vehicles.len() + self.walkers.len();
+        let towed = self.vehicles.iter().filter_map(|v| Some((v, v.towed()?)));
+        for (i, (vehicle, towed)) in towed.enumerate() {
+            let snapshot = Snapshot {
+                id: self.towed_ids[i],
+                world_from_object: towed.world_from_object(),
+                world_from_object_before: self.before[first + i],
+                steer_rad: 0.0,
+                phase_rad: towed.rolled_m() / towed.train().towed.wheel_radius_m,
+                lights: vehicle_lamps(&self.net, vehicle, lamps),
+                door_rad: [0.0; 4],
+                dormant: vehicle.wake() == Wake::Asleep,
+            };
+            rows.push(snapshot.row(frame));
+        }
         rows
     }
 }

@@ -74,7 +74,7 @@ impl Watch {
             };
             vehicle.set_wake(wake);
             if wake == Wake::Asleep && !was_asleep {
-                bodies.rest(vehicle.motion().body());
+                vehicle.bodies().for_each(|body| bodies.rest(body));
             }
         }
     }

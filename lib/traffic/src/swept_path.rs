@@ -1,7 +1,8 @@
 //! The ground that vehicles are about to sweep, corners and all: drivers stop for whoever is on it, be it beside their lane,
 //! and for what stands there in accidents and road works; walkers who are not crossing step back from it.
 
-use nalgebra::{Point3, Vector2};
+use nalgebra::{Point3, Vector2, Vector3};
+use schema::trains::Train;
 
 use crate::grid::Grid;
 use crate::outline::outline;
@@ -9,6 +10,7 @@ use crate::road::net::Net;
 use crate::vehicle::Vehicle;
 use crate::vehicle::attention::Class;
 use crate::vehicle::motion::after_rod;
+use crate::vehicle::towed::{Towed, middle};
 
 /// Distances between the places on the way that are looked at, within the second one and beyond, metres.
 const STEPS_M: [f64; 2] = [0.25, 1.0];
@@ -32,6 +34,8 @@ const MINDED_M: f64 = 6.0;
 const CELL_M: f64 = 36.0;
 /// The same for what is swept, metres: half the diagonal of the longest vehicle and a walker.
 const PRINT_CELL_M: f64 = 8.0;
+/// What is towed comes no farther aside of its side than this, metres.
+const TOWED_ASIDE_M: f64 = 3.0;
 /// Bodies on other levels do not meet, metres.
 const LEVEL_M: f64 = 2.5;
 
@@ -44,9 +48,8 @@ struct Print {
 }
 
 impl Print {
-    fn new(at: Point3<f64>, yaw_rad: f64, vehicle: &Vehicle) -> Self {
+    fn new(at: Point3<f64>, yaw_rad: f64, [length, width, _]: [f64; 3]) -> Self {
         let (sin, cos) = frames::math::sin_cos(yaw_rad);
-        let [length, width, _] = vehicle.model().size_m;
         Self { at, ahead: Vector2::new(cos, sin), half_m: [0.5 * length, 0.5 * width] }
     }
 
@@ -64,6 +67,43 @@ impl Print {
 
     fn is_level(&self, point: &Point3<f64>) -> bool {
         (point.z - self.at.z).abs() < LEVEL_M
+    }
+}
+
+/// What a vehicle tows, as it is going to come after.
+#[derive(Clone, Debug)]
+struct Tow {
+    train: &'static Train,
+    /// Where it is now.
+    here: Print,
+    hitch: Point3<f64>,
+    yaw_rad: f64,
+}
+
+impl Tow {
+    fn new(towed: &Towed) -> Self {
+        let (train, yaw_rad) = (towed.train(), towed.yaw_rad());
+        let here = Print::new(towed.position(), yaw_rad, train.towed.size_m);
+        let ahead = here.ahead * train.coupling_m;
+        Self { train, here, hitch: here.at + Vector3::new(ahead.x, ahead.y, 0.0), yaw_rad }
+    }
+
+    /// Whether a disc is where it may come within a way.
+    fn is_near(&self, point: &Point3<f64>, radius_m: f64, reach_m: f64) -> bool {
+        let [ahead, left] = self.here.local(point);
+        ahead > -self.here.half_m[0]
+            && ahead - radius_m < self.here.half_m[0] + reach_m
+            && left.abs() < self.here.half_m[1] + radius_m + TOWED_ASIDE_M
+            && self.here.is_level(point)
+    }
+
+    /// Comes after the lead, which has gone on to a place.
+    fn follow(&mut self, lead: &Print) -> Print {
+        let back = lead.ahead * self.train.hitch_m;
+        let hitch = lead.at - Vector3::new(back.x, back.y, 0.0);
+        self.yaw_rad = after_rod(self.yaw_rad, &(hitch - self.hitch), self.train.rod_m);
+        self.hitch = hitch;
+        Print::new(middle(self.train, hitch, self.yaw_rad, 0.0), self.yaw_rad, self.train.towed.size_m)
     }
 }
 
@@ -136,16 +176,18 @@ impl SweptPaths {
 
     /// A vehicle that nobody drives: walkers keep out of it.
     pub(crate) fn add_wreck(&mut self, vehicle: &Vehicle) {
-        let here = Print::new(vehicle.motion().position(), vehicle.motion().yaw_rad(), vehicle);
-        let reach_m = here.half_m[0] + here.half_m[1] + MINDED_M;
-        let mut beside = false;
-        for walker in self.grid.around(here.at.x, here.at.y) {
-            if (self.walkers[walker].0 - here.at).xy().norm() < reach_m {
-                (self.minded[walker], beside) = (true, true);
+        for (at, yaw_rad, size_m) in vehicle.sections() {
+            let here = Print::new(at, yaw_rad, size_m);
+            let reach_m = here.half_m[0] + here.half_m[1] + MINDED_M;
+            let mut beside = false;
+            for walker in self.grid.around(here.at.x, here.at.y) {
+                if (self.walkers[walker].0 - here.at).xy().norm() < reach_m {
+                    (self.minded[walker], beside) = (true, true);
+                }
             }
-        }
-        if beside {
-            self.here.push(here);
+            if beside {
+                self.here.push(here);
+            }
         }
     }
 
@@ -155,14 +197,16 @@ impl SweptPaths {
         let sees = |class: Class| !vehicle.driver().is_away(class);
         let speed = vehicle.speed_mps();
         let reach_m = (speed * speed / (2.0 * BRAKING) + REACH_M[0]).min(REACH_M[1]);
-        let here = Print::new(vehicle.motion().position(), vehicle.motion().yaw_rad(), vehicle);
+        let size_m = vehicle.model().size_m;
+        let here = Print::new(vehicle.motion().position(), vehicle.motion().yaw_rad(), size_m);
+        let mut towed = vehicle.towed().map(Tow::new);
         // The tightest bend within reach bounds what is swept aside.
         let lanes = vehicle.lanes_ahead(net).take_while(|(_, start)| *start < reach_m);
         let radius_m = lanes.map(|(lane, _)| net.lanes[lane].radius_m).fold(f64::INFINITY, f64::min);
         let lateral_m = if vehicle.lateral().change().is_some() { 1.0 } else { 0.0 };
         // Whatever the vehicle sweeps lies within the way it looks ahead and half its diagonal.
         let at = vehicle.motion().position();
-        let half_m = here.half_m[0] + here.half_m[1];
+        let half_m = here.half_m[0].max(vehicle.rear_m()) + here.half_m[1];
         let soon_m = SOON_S * speed + SOON_M;
         let mut around = Vec::new();
         let walkers = sees(Class::Walkers).then(|| self.grid.around(at.x, at.y));
@@ -176,12 +220,16 @@ impl SweptPaths {
                 around.push((point, radius_m, Class::Walkers));
             }
         }
-        let beside = around.iter().any(|(point, radius, _)| {
-            let [ahead, left] = here.local(point);
-            ahead.abs() < here.half_m[0] + BESIDE_M
-                && left.abs() < here.half_m[1] + radius + BESIDE_M
-                && here.is_level(point)
-        });
+        let is_beside = |print: &Print| {
+            around.iter().any(|(point, radius, _)| {
+                let [ahead, left] = print.local(point);
+                ahead.abs() < print.half_m[0] + BESIDE_M
+                    && left.abs() < print.half_m[1] + radius + BESIDE_M
+                    && print.is_level(point)
+            })
+        };
+        let beside = [Some(here), towed.as_ref().map(|towed| towed.here)];
+        let beside = beside.map(|print| print.filter(is_beside));
         let things = self.thing_grid.around(at.x, at.y).map(|thing| self.things[thing]);
         let seen =
             things.filter(|(point, class)| (point - at).xy().norm() < half_m + reach_m && sees(*class));
@@ -192,15 +240,16 @@ impl SweptPaths {
                 let [ahead, left] = here.local(point);
                 let to = ahead - radius;
                 let aside = left.abs() - here.half_m[1] - radius - WALKERS_M;
-                ahead > -here.half_m[0]
+                let in_the_way = ahead > -here.half_m[0]
                     && to < here.half_m[0] + reach_m
                     && aside < lateral_m + to.abs() * to.abs() / radius_m
-                    && here.is_level(point)
+                    && here.is_level(point);
+                in_the_way || towed.as_ref().is_some_and(|towed| towed.is_near(point, *radius, reach_m))
             })
             .collect();
-        if beside {
-            self.here.push(here);
-            self.soon.push(here);
+        for print in beside.into_iter().flatten() {
+            self.here.push(print);
+            self.soon.push(print);
         }
         let mut gaps_m = Gaps::default();
         let mut on_m = 0.0;
@@ -211,14 +260,20 @@ impl SweptPaths {
             let Some(next) = vehicle.point_ahead(net, on_m) else { break };
             yaw_rad = after_rod(yaw_rad, &(next - at), vehicle.half_base_m());
             at = next;
-            let print = Print::new(at, yaw_rad, vehicle);
+            let print = Print::new(at, yaw_rad, size_m);
+            let tow = towed.as_mut().map(|towed| (towed.follow(&print), towed.here));
             if on_m <= soon_m {
                 self.soon.push(print);
+                self.soon.extend(tow.map(|(print, _)| print));
             }
             // Who is beside it and comes no nearer is passed.
-            let hit = |(point, radius, _): &&&(Point3<f64>, f64, Class)| {
+            let meets = |print: &Print, here: &Print, point: &Point3<f64>, radius: f64| {
                 let outside_m = print.outside_m(point);
                 outside_m < radius + DRIVERS_M && outside_m < here.outside_m(point) - NEARER_M
+            };
+            let hit = |(point, radius, _): &&&(Point3<f64>, f64, Class)| {
+                meets(&print, &here, point, *radius)
+                    || tow.is_some_and(|(print, here)| meets(&print, &here, point, *radius))
             };
             while let Some((.., class)) = near.iter().find(hit) {
                 gaps_m[*class as usize] = Some(on_m - step_m);

@@ -308,6 +308,18 @@ pub(crate) fn traffic(s: &Section<'_>) -> TrafficSettings {
             d.door_open,
             "chance that a background vehicle opens a door when it comes to a stop",
         ),
+        articulated_lorries: share(
+            s,
+            "articulated_lorries",
+            d.articulated_lorries,
+            "chance that a background vehicle is a tractor unit with a semi-trailer, where the way on is wide enough for one",
+        ),
+        articulated_buses: share(
+            s,
+            "articulated_buses",
+            d.articulated_buses,
+            "chance that a bus in the background is an articulated one, there",
+        ),
         spawn_radius_m: s.optional_number(
             "spawn_radius_m",
             "from the duration",

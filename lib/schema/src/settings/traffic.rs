@@ -42,6 +42,10 @@ pub struct TrafficSettings {
     pub emergency_lights: f64,
     /// Chance that a background vehicle that comes to a stop opens a door (0.1).
     pub door_open: f64,
+    /// Chance that a background vehicle is a tractor unit with a semi-trailer, where the way on is wide enough for one (0.02).
+    pub articulated_lorries: f64,
+    /// Chance that a bus in the background is an articulated one, there (0.3).
+    pub articulated_buses: f64,
     /// Actors are placed within this distance of any agent, metres; from the duration when absent.
     pub spawn_radius_m: Option<f64>,
     /// Background vehicles and walkers farther than this from every agent vehicle sleep, metres (1600).
@@ -69,6 +73,8 @@ impl Default for TrafficSettings {
             ignore_walkers: 0.001,
             emergency_lights: 0.5,
             door_open: 0.1,
+            articulated_lorries: 0.02,
+            articulated_buses: 0.3,
             spawn_radius_m: None,
             active_distance_m: 1600.0,
         }

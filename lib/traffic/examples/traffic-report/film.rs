@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use frames::math::sin_cos;
 use nalgebra::Point3;
 use opendrive::{LaneHit, LanePos, Map};
-use schema::{ActorKind, ActorRole, Attribute, models};
+use schema::{ActorKind, ActorRole, Attribute, models, trains};
 use traffic::SimulationLog;
 
 use crate::common::yaw;
@@ -151,7 +151,7 @@ impl<'a> Film<'a> {
             let actors = log.actors.iter().filter(|a| a.kind == kind && a.role != ActorRole::Hazard);
             actors
                 .filter_map(|actor| {
-                    let model = models::find(&actor.model)?;
+                    let model = models::find(&actor.model).or_else(|| trains::find(&actor.model))?;
                     let track = tracks.get(&actor.id)?.clone();
                     let (way, gone_m) =
                         if kind == ActorKind::Vehicle { way(map, &track) } else { Default::default() };

@@ -35,9 +35,10 @@ const MERGE_GAP_M: f64 = 2.0;
 const SLOW_SHARE: f64 = 0.4;
 const FAST_SHARE: f64 = 1.0;
 
-/// Half the width of the strip that a vehicle sweeps on a lane, metres: its front corners swing out.
+/// Half the width of the strip that a vehicle sweeps on a lane, metres: its front corners swing out, and what it tows cuts in.
 fn swept_half_width(vehicle: &Vehicle, lane: &Lane) -> f64 {
-    vehicle.reaches_m(lane.swing_radius_m)[1]
+    let [inwards_m, outwards_m] = vehicle.reaches_m(lane.swing_radius_m);
+    if vehicle.towed().is_some() { outwards_m.max(inwards_m) } else { outwards_m }
 }
 
 /// The way of one of two vehicles through the place where they meet, metres from where it is now.
@@ -57,7 +58,7 @@ impl Part {
         let before_m = if zone_m[0] < AT_LINE_M { net.lanes[lane].line_gap_m } else { 0.0 };
         Self {
             to_begin_m: from_m + zone_m[0] - before_m - half,
-            to_end_m: from_m + zone_m[1] + half + BEHIND_M,
+            to_end_m: from_m + zone_m[1] + vehicle.rear_m() + BEHIND_M,
             to_lane_end_m: from_m + net.lanes[lane].centre.length_m,
         }
     }
@@ -139,7 +140,7 @@ impl<'a> Conflict<'a> {
             here.is_some_and(|own| mine_m - own.start_m > (theirs_m - r.start_m).max(0.0))
         });
         let over = rival.is_crashed() || theirs.to_end_m < 0.0 || mine.to_end_m < 0.0 || follows;
-        let gap_m = mine.to_lane_end_m - theirs.to_lane_end_m - me.half_length_m() - rival.half_length_m();
+        let gap_m = mine.to_lane_end_m - theirs.to_lane_end_m - me.half_length_m() - rival.rear_m();
         (!over).then_some(Self { net, lane, me, rival, mine, theirs, gap_m, merges: area.merges })
     }
 
@@ -178,20 +179,22 @@ impl<'a> Conflict<'a> {
     /// Whether the rival, on its way out of the place, stands so that it leaves room: as who queues behind the junction with
     /// its rear still in it.
     fn stands_clear(&self) -> bool {
-        let is_leaving = self.theirs.to_end_m < self.rival.half_length_m() + BEHIND_M;
+        let is_leaving = self.theirs.to_end_m < self.rival.rear_m() + BEHIND_M;
         if !is_leaving || !self.rival.stands() {
             return false;
         }
         let way = &self.net.lanes[self.lane].centre;
-        let (sin, cos) = frames::math::sin_cos(self.rival.motion().yaw_rad());
-        let [length, width, _] = self.rival.model().size_m;
         let least_m = 0.5 * self.me.model().size_m[1] + CLEAR_M;
-        let corners = [[0.5, 0.5], [0.5, -0.5], [-0.5, -0.5], [-0.5, 0.5]].map(|[u, v]| {
-            let (ahead, left) = (u * length, v * width);
-            let off = nalgebra::Vector3::new(ahead * cos - left * sin, ahead * sin + left * cos, 0.0);
-            let corner = self.rival.motion().position() + off;
-            way.cross(corner, way.project(corner).0).1
+        let corners = self.rival.sections().flat_map(|(at, yaw_rad, [length, width, _])| {
+            let (sin, cos) = frames::math::sin_cos(yaw_rad);
+            [[0.5, 0.5], [0.5, -0.5], [-0.5, -0.5], [-0.5, 0.5]].map(|[u, v]| {
+                let (ahead, left) = (u * length, v * width);
+                let corner =
+                    at + nalgebra::Vector3::new(ahead * cos - left * sin, ahead * sin + left * cos, 0.0);
+                way.cross(corner, way.project(corner).0).1
+            })
         });
+        let corners: Vec<f64> = corners.collect();
         corners.iter().all(|left| *left > least_m) || corners.iter().all(|left| *left < -least_m)
     }
 
@@ -215,7 +218,7 @@ impl<'a> Conflict<'a> {
         if self.merges {
             let gap_m = self.theirs.to_lane_end_m
                 - self.mine.to_lane_end_m
-                - self.me.half_length_m()
+                - self.me.rear_m()
                 - self.rival.half_length_m();
             let (idm, speed) = (self.rival.driver().idm(), self.rival.speed_mps());
             let wished = self.rival.speed_here(self.net).max(speed);

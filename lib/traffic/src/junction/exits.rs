@@ -170,7 +170,8 @@ impl Exit<'_> {
             let on_lane = self.occupancy.on_lane(lane).iter();
             on_lane.map(move |there| (start + there.along_m - self.at_m, there))
         });
-        let before = there.filter(|(to_m, there)| *to_m < sleeper_m && there.vehicle != self.me);
+        let before = there
+            .filter(|(to_m, there)| *to_m < sleeper_m && there.vehicle != self.me && there.behind_m == 0.0);
         before.filter_map(|(_, there)| self.vehicles.get(there.vehicle)).map(queued_m).sum()
     }
 }
@@ -178,7 +179,7 @@ impl Exit<'_> {
 /// Whether somebody has leave for a way through a junction that leads to a vehicle, and counts on its going on.
 pub(crate) fn is_counted_on(reservations: &ReservationTable, net: &Net, vehicle: &Vehicle) -> bool {
     // Lanes upstream with the way from their beginnings to the vehicle's rear.
-    let mut open = vec![(vehicle.route().lane(), vehicle.route().along_m() - vehicle.half_length_m())];
+    let mut open = vec![(vehicle.route().lane(), vehicle.route().along_m() - vehicle.rear_m())];
     while let Some((lane, way_m)) = open.pop() {
         if way_m > STORED_M || open.len() > 64 {
             continue;

@@ -52,7 +52,7 @@ impl ReservationTable {
 
     /// Ends the reservations of lanes that a vehicle's rear has left.
     pub(crate) fn release_passed(&mut self, net: &Net, vehicle: &mut Vehicle, me: usize) {
-        let rear = vehicle.route().odometer_m() - vehicle.half_length_m();
+        let rear = vehicle.route().odometer_m() - vehicle.rear_m();
         self.keep(vehicle, me, |r| rear <= r.start_m + net.lanes[r.lane].centre.length_m + 0.3);
     }
 

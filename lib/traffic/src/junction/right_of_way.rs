@@ -161,7 +161,7 @@ impl RightOfWay {
     pub(crate) fn start(&mut self, net: &Net, vehicle: &mut Vehicle, me: usize) {
         let (lane, along_m) = (vehicle.route().lane(), vehicle.route().along_m());
         // Where the rear hangs back into a junction, the lanes under it are taken.
-        if along_m < vehicle.half_length_m() {
+        if along_m < vehicle.rear_m() {
             for &before in net.lanes[lane].previous.iter().filter(|&&l| net.lanes[l].junction.is_some()) {
                 self.table.reserve(vehicle, me, before, -along_m - net.lanes[before].centre.length_m);
             }

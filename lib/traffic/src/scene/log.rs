@@ -90,6 +90,19 @@ pub(crate) fn log_vehicles(
     }
 }
 
+/// Adds what background vehicles tow to the log, each attached to the one that tows it.
+pub(crate) fn log_towed(log: &mut SimulationLog, ids: &ActorIds, starts: &[Start]) {
+    let mut own = ids.towed.iter();
+    for (lead, start) in ids.agents.iter().chain(&ids.background).zip(starts) {
+        let Some(towed) = &start.towed else { continue };
+        let Some(id) = own.next() else { return };
+        let pose = Pose::from_xyz_rpy(towed.point.coords.into(), [0.0, 0.0, towed.yaw_rad]);
+        let model = towed.train.towed;
+        let row = moving(*id, ActorKind::Vehicle, start.role, model, &towed.color, &pose, model.facts());
+        log.actors.push(ActorRow { parent: Some(i32::from(*lead)), ..row });
+    }
+}
+
 /// Adds walkers, each given with whether it crosses roads anywhere, to the log.
 pub(crate) fn log_walkers(log: &mut SimulationLog, ids: &ActorIds, walkers: &[(Walker, bool)]) {
     for ((walker, anywhere), id) in walkers.iter().zip(&ids.walkers) {

@@ -20,6 +20,7 @@ use crate::vehicle::doors::Doors;
 use crate::vehicle::driver::Driver;
 use crate::vehicle::motion::Motion;
 use crate::vehicle::route::Route;
+use crate::vehicle::towed::{Towed, hitch};
 use crate::walking::company::{Company, abreast, draw_sizes};
 use crate::walking::crowd::{Crowd, radius_m};
 use crate::walking::fixtures::Fixtures;
@@ -37,6 +38,8 @@ const TALKS: f64 = 2.0;
 const PRAMS: f64 = 0.02;
 const DOGS: f64 = 0.03;
 const PRAM_MPS: f64 = 1.8;
+/// Routes of trains remember so much more than the train's length, metres.
+const KEPT_M: f64 = 10.0;
 /// Clothes of walkers (sRGB).
 const CLOTHES: [[u8; 3]; 8] = [
     [40, 44, 52],
@@ -65,10 +68,28 @@ pub(crate) fn place_vehicles(
         let route = Route::new(start.lane, start.along_m, stream("traffic/route"));
         let body = bodies.vehicle(&start.point, start.yaw_rad, start.model.size_m, Owner::Vehicle(i as u32));
         let at = net.lanes[start.lane].centre.place(start.along_m);
+        let (route, towed) = match &start.towed {
+            Some(follows) => {
+                let train = follows.train;
+                let keep_m = train.rear_m() + KEPT_M;
+                let size_m = train.towed.size_m;
+                let owner = Owner::Vehicle(i as u32);
+                let behind = bodies.vehicle(&follows.point, follows.yaw_rad, size_m, owner);
+                bodies.couple([body, behind], [-train.hitch_m, train.coupling_m]);
+                let hitch = hitch(train, at.point, start.yaw_rad, at.pitch_rad);
+                let route =
+                    route.of_train(net, (follows.ways_s.clone(), follows.enough_s), &follows.behind, keep_m);
+                let mut towed = Towed::new(train, hitch, follows.yaw_rad, behind);
+                towed.stand(&route.place_behind(net, train.hitch_m + train.rod_m));
+                (route, Some(towed))
+            }
+            None => (route, None),
+        };
         let motion = Motion::at_rest(at, start.yaw_rad, body);
         let door_open = if start.role == ActorRole::Background { traffic.door_open } else { 0.0 };
         let doors = Doors::new(start.model, door_open, stream("traffic/doors"));
-        let mut vehicle = Vehicle::new(net, start.model, driver, route, motion, doors, start.emergency);
+        let vehicle = Vehicle::new(net, start.model, driver, route, motion, doors, start.emergency);
+        let mut vehicle = vehicle.towing(towed);
         right_of_way.start(net, &mut vehicle, i);
         vehicles.push(vehicle);
     }
@@ -223,19 +244,20 @@ pub(crate) struct ActorIds {
     pub(crate) background: Vec<ObjectId>,
     pub(crate) walkers: Vec<ObjectId>,
     pub(crate) hazards: Vec<ObjectId>,
+    pub(crate) towed: Vec<ObjectId>,
 }
 
 impl ActorIds {
-    /// Numbers so many of each: agents, RSUs, background vehicles, walkers, things of hazards.
-    pub(crate) fn new(input: &SceneInput<'_>, counts: [usize; 5]) -> Result<Self, TrafficError> {
+    /// Numbers so many of each: agents, RSUs, background vehicles, walkers, things of hazards, what is towed.
+    pub(crate) fn new(input: &SceneInput<'_>, counts: [usize; 6]) -> Result<Self, TrafficError> {
         let (first, wanted) = (input.first_id, counts.iter().sum());
         let last = usize::from(first) + wanted;
         if first == 0 || last > usize::from(ObjectId::MAX) + 1 {
             return Err(TrafficError::TooManyObjects { scene: input.scene.scene, wanted, first });
         }
         let mut all = (usize::from(first)..last).map(|id| id as ObjectId);
-        let [agents, rsus, background, walkers, hazards] =
+        let [agents, rsus, background, walkers, hazards, towed] =
             counts.map(|count| all.by_ref().take(count).collect());
-        Ok(Self { agents, rsus, background, walkers, hazards })
+        Ok(Self { agents, rsus, background, walkers, hazards, towed })
     }
 }

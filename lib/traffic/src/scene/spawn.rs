@@ -1,12 +1,15 @@
 //! Who starts where.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
 
 use nalgebra::Point3;
 use opendrive::{LanePos, Map};
 use random::Stream;
-use schema::models::Model;
-use schema::tables::ActorRow;
+use schema::models::{BaseType, Model};
+use schema::settings::TrafficSettings;
+use schema::tables::{ActorRow, PlanSceneRow};
+use schema::trains::{self, Train};
 use schema::{ActorRole, AgentKind, fleet};
 
 use crate::error::TrafficError;
@@ -16,6 +19,28 @@ use crate::road::centreline::CentrelinePoint;
 use crate::road::net::Net;
 use crate::scene::free_space::Taken;
 use crate::vehicle::driver::DriverProfile;
+use crate::vehicle::towed::{hitch, middle};
+use crate::wide_ways::{towed_yaw_rad, wide_ways};
+
+/// What a vehicle tows, about to be placed behind it.
+#[derive(Debug)]
+pub(crate) struct TowedStart {
+    pub(crate) train: &'static Train,
+    pub(crate) color: Vec<u8>,
+    /// The middle of its footprint.
+    pub(crate) point: Point3<f64>,
+    pub(crate) yaw_rad: f64,
+    /// Lanes before that of its lead, nearest first.
+    pub(crate) behind: Vec<usize>,
+    /// For each lane how long it can drive on from there, seconds, and what is enough.
+    pub(crate) ways_s: Arc<[f64]>,
+    pub(crate) enough_s: f64,
+}
+
+/// Trains get on no faster than this, metres per second, however long they drive.
+const TRAIN_MPS: f64 = 28.0;
+/// They can drive on so much longer than a scene takes, seconds.
+const SPARE_S: f64 = 3.0;
 
 /// A vehicle about to be placed.
 #[derive(Debug)]
@@ -31,6 +56,7 @@ pub(crate) struct Start {
     pub(crate) along_m: f64,
     pub(crate) point: Point3<f64>,
     pub(crate) yaw_rad: f64,
+    pub(crate) towed: Option<TowedStart>,
 }
 
 /// All vehicles of a scene, agents in order, then background vehicles, and what stands in its hazards.
@@ -49,7 +75,7 @@ pub(crate) fn vehicle_starts(
         let (lane, along_m) = nearest_place(input.map, net, agent.xyz_m.into(), agent.rpy_rad[2])
             .ok_or_else(|| TrafficError::NoDrivingLanes { scene: scene.scene, map: scene.map.clone() })?;
         // Where the room clear of junctions is taken by another agent, the planned place is free.
-        let places = [clear_of_junctions(net, lane, along_m, model.size_m[0]), along_m]
+        let places = [clear_of_junctions(net, lane, along_m, both(model)), along_m]
             .map(|along_m| (along_m, net.lanes[lane].centre.place(along_m)));
         let is_free =
             |(_, at): &&(f64, CentrelinePoint)| taken.is_free(&at.point, at.heading_rad, model.size_m);
@@ -72,6 +98,7 @@ pub(crate) fn vehicle_starts(
             along_m,
             point: place.point,
             yaw_rad: place.heading_rad,
+            towed: None,
         });
     }
     let hazards = Hazards::place(input, fixed, &mut taken);
@@ -99,6 +126,7 @@ fn background(
     let drawn = stream("traffic/count", 0).int_inclusive(0, (points.len() as i64 - 3).max(0));
     let wanted = scene.background_vehicles.map_or(drawn, i64::from).max(0) as usize;
     let catalogue: Vec<&'static Model> = input.catalogue.vehicles().collect();
+    let mut roads = TrainRoads { net, agents: &agents, scene, ways_s: BTreeMap::new() };
     let order = stream("traffic/order", 0).sample_indices(points.len(), wanted);
     for (i, &(lane, along)) in order.into_iter().map(|k| &points[k]).enumerate() {
         let mut draw = stream("traffic/vehicle", i as u64);
@@ -116,10 +144,25 @@ fn background(
             traffic.speed_difference.unwrap_or(difference),
             traffic.standstill_gap_m.unwrap_or(gap),
         );
-        let along_m = clear_of_junctions(net, lane, along, model.size_m[0]);
+        let mut articulated = stream("traffic/articulated", i as u64);
+        if let Some(train) = train_instead(traffic, model, &mut articulated)
+            && let Some(start) = roads.start(train, (lane, along), taken, &mut articulated)
+        {
+            let driver = DriverProfile::new(
+                train.lead,
+                reckless,
+                distracted,
+                // No faster than the limit.
+                traffic.speed_difference.unwrap_or(difference).max(0.0),
+                traffic.standstill_gap_m.unwrap_or(gap),
+            );
+            starts.push(Start { driver, ..start });
+            continue;
+        }
+        let along_m = clear_of_junctions(net, lane, along, both(model));
         let place = net.lanes[lane].centre.place(along_m);
-        let fits = clear_of_junctions(net, lane, along_m, model.size_m[0]) == along_m
-            && !overhangs(net, lane, along_m, model.size_m[0]);
+        let fits = clear_of_junctions(net, lane, along_m, both(model)) == along_m
+            && !overhangs(net, lane, along_m, both(model));
         if !fits || !taken.is_free(&place.point, place.heading_rad, model.size_m) {
             continue;
         }
@@ -134,8 +177,106 @@ fn background(
             along_m,
             point: place.point,
             yaw_rad: place.heading_rad,
+            towed: None,
         });
     }
+}
+
+/// Whether a train drives in place of a background vehicle, and which.
+fn train_instead(traffic: &TrafficSettings, model: &Model, draw: &mut Stream) -> Option<&'static Train> {
+    let ordinary = model.special.is_empty();
+    let base = if draw.chance(traffic.articulated_lorries) {
+        BaseType::Truck
+    } else if model.base == BaseType::Bus && ordinary && draw.chance(traffic.articulated_buses) {
+        BaseType::Bus
+    } else {
+        return None;
+    };
+    draw.choose_common(&trains::of_base(base))
+}
+
+/// Where trains may be; what is known of the map is found when the first one of each kind is placed.
+struct TrainRoads<'a> {
+    net: &'a Net,
+    agents: &'a [Point3<f64>],
+    scene: &'a PlanSceneRow,
+    /// By the name of what is towed.
+    ways_s: BTreeMap<&'static str, Arc<[f64]>>,
+}
+
+impl TrainRoads<'_> {
+    /// A train with its lead near a place on a lane, if there is room for it and it can get on from there.
+    fn start(
+        &mut self,
+        train: &'static Train,
+        (lane, along): (usize, f64),
+        taken: &mut Taken,
+        draw: &mut Stream,
+    ) -> Option<Start> {
+        let (net, model) = (self.net, train.lead);
+        let reach_m = self.scene.spawn_radius_m + TRAIN_MPS * (self.scene.duration_s + self.scene.warmup_s);
+        let enough_s = self.scene.duration_s + self.scene.warmup_s + SPARE_S;
+        let ways_s = self
+            .ways_s
+            .entry(train.towed.name)
+            .or_insert_with(|| wide_ways(net, train, self.agents, reach_m))
+            .clone();
+        let ends = [0.5 * model.size_m[0], train.rear_m()];
+        let along_m = clear_of_junctions(net, lane, along, ends);
+        let fits =
+            clear_of_junctions(net, lane, along_m, ends) == along_m && !overhangs(net, lane, along_m, ends);
+        let behind = came_along(net, (lane, along_m), train.rear_m())?;
+        let room_s = ways_s[lane] - along_m / net.lanes[lane].limit_mps;
+        if !fits || room_s < enough_s || !behind.iter().all(|&l| ways_s[l] > 0.0) {
+            return None;
+        }
+        let at = net.lanes[lane].centre.place(along_m);
+        let hitch = hitch(train, at.point, at.heading_rad, at.pitch_rad);
+        let yaw_rad = towed_yaw_rad(net, train, (lane, along_m), &behind);
+        let point = middle(train, hitch, yaw_rad, at.pitch_rad);
+        let sections = [(at.point, at.heading_rad, model.size_m), (point, yaw_rad, train.towed.size_m)];
+        if !sections.iter().all(|&(at, yaw_rad, size_m)| taken.is_free(&at, yaw_rad, size_m)) {
+            return None;
+        }
+        let colors = [fleet::paints(model), fleet::paints(train.towed)].map(|paints| draw.choose(paints));
+        let [Some(color), Some(towed_color)] = colors else { return None };
+        for (at, yaw_rad, size_m) in sections {
+            taken.insert(at, yaw_rad, size_m);
+        }
+        let color_of = |paint: &[u8; 3]| paint.to_vec();
+        let towed =
+            TowedStart { train, color: color_of(towed_color), point, yaw_rad, behind, ways_s, enough_s };
+        Some(Start {
+            model,
+            color: color_of(color),
+            role: ActorRole::Background,
+            driver: DriverProfile::new(model, false, false, 0.0, 0.0),
+            emergency: false,
+            lane,
+            along_m,
+            point: at.point,
+            yaw_rad: at.heading_rad,
+            towed: Some(towed),
+        })
+    }
+}
+
+/// The lanes that a vehicle with its middle at a place and its rear so far behind came along, nearest first: of those that merge
+/// the first one. None where the road begins later.
+fn came_along(net: &Net, (lane, along_m): (usize, f64), rear_m: f64) -> Option<Vec<usize>> {
+    let mut behind = Vec::new();
+    let (mut at, mut left_m) = (lane, rear_m - along_m);
+    while left_m > 0.0 {
+        at = *net.lanes[at].previous.first()?;
+        left_m -= net.lanes[at].centre.length_m;
+        behind.push(at);
+    }
+    Some(behind)
+}
+
+/// From the middle of a vehicle to its front and its rear, metres.
+fn both(model: &Model) -> [f64; 2] {
+    [0.5 * model.size_m[0]; 2]
 }
 
 /// The map's spawn points, but for those in tight bends, which are shared like junctions: lane and metres along it.
@@ -149,20 +290,21 @@ fn spawn_points(map: &Map, net: &Net, separation_m: f64) -> Vec<(usize, f64)> {
 
 /// Moves a start along its lane so that the vehicle neither hangs back into a junction nor stands in the next one,
 /// as far as the lane is long enough.
-fn clear_of_junctions(net: &Net, lane: usize, along_m: f64, length_m: f64) -> f64 {
-    let half = 0.5 * length_m + 0.6;
+fn clear_of_junctions(net: &Net, lane: usize, along_m: f64, ends_m: [f64; 2]) -> f64 {
+    let [front_m, rear_m] = ends_m.map(|end_m| end_m + 0.6);
     let facts = &net.lanes[lane];
     let in_junction = |&i: &usize| net.lanes[i].junction.is_some();
-    let low = if facts.previous.iter().any(in_junction) { half } else { 0.0 };
-    let high = facts.centre.length_m - if facts.next.iter().any(in_junction) { half } else { 0.0 };
+    let low = if facts.previous.iter().any(in_junction) { rear_m } else { 0.0 };
+    let high = facts.centre.length_m - if facts.next.iter().any(in_junction) { front_m } else { 0.0 };
     along_m.max(low).min(high.max(0.0))
 }
 
 /// Whether a vehicle there would reach into a junction, over lanes of any length.
-fn overhangs(net: &Net, lane: usize, along_m: f64, length_m: f64) -> bool {
+fn overhangs(net: &Net, lane: usize, along_m: f64, [front_m, rear_m]: [f64; 2]) -> bool {
     let reach = |forward: bool| {
         let from = if forward { net.lanes[lane].centre.length_m - along_m } else { along_m };
-        let mut open = VecDeque::from([(lane, 0.5 * length_m - from)]);
+        let end_m = if forward { front_m } else { rear_m };
+        let mut open = VecDeque::from([(lane, end_m - from)]);
         while let Some((at, left)) = open.pop_front() {
             let onward = if forward { &net.lanes[at].next } else { &net.lanes[at].previous };
             for &i in onward {

@@ -1,7 +1,8 @@
 //! A vehicle, in parts that each own what they change: others read them, and change them by what is meant to happen.
 //!
 //! [`Route`]: where it goes. [`Motion`]: where it is. [`Lateral`]: what it is off its lane's middle. [`Driver`]: who drives.
-//! [`LaneChoice`]: which lane it asks for. [`Claim`]: what is reserved for it in junctions. [`Doors`]: which are open.
+//! [`LaneChoice`]: which lane it asks for. [`Claim`]: what is reserved for it in junctions. [`Doors`]: which are open. [`Towed`]: what
+//! comes after it.
 
 pub(crate) mod attention;
 pub(crate) mod claim;
@@ -12,6 +13,7 @@ pub(crate) mod lateral;
 pub(crate) mod motion;
 pub(crate) mod route;
 pub(crate) mod sway;
+pub(crate) mod towed;
 pub(crate) mod wake;
 
 use nalgebra::{Point3, Vector3};
@@ -24,8 +26,9 @@ use self::lane_choice::LaneChoice;
 use self::lateral::{LaneChange, Lateral};
 use self::motion::{Course, Motion, half_base_m};
 use self::route::Route;
+use self::towed::Towed;
 use self::wake::Wake;
-use crate::bodies::BodyMotion;
+use crate::bodies::{Body, BodyMotion};
 use crate::car_following::envelope;
 use crate::road::kerbside::Kerbside;
 use crate::road::net::{Net, PLANNED_BRAKING};
@@ -65,6 +68,7 @@ pub(crate) struct Vehicle {
     motion: Motion,
     claim: Claim,
     doors: Doors,
+    towed: Option<Towed>,
     wake: Wake,
     /// Its odometer where it has passed what it keeps aside of, metres.
     aside_until_m: f64,
@@ -91,6 +95,7 @@ impl Vehicle {
             motion,
             claim: Claim::default(),
             doors,
+            towed: None,
             wake: Wake::Awake,
             aside_until_m: f64::NEG_INFINITY,
         };
@@ -99,8 +104,30 @@ impl Vehicle {
         vehicle
     }
 
+    /// It tows something.
+    pub(crate) fn towing(self, towed: Option<Towed>) -> Self {
+        Self { towed, ..self }
+    }
+
     pub(crate) fn model(&self) -> &'static Model {
         self.model
+    }
+
+    /// What it tows.
+    pub(crate) fn towed(&self) -> Option<&Towed> {
+        self.towed.as_ref()
+    }
+
+    /// Its bodies, and what it tows after it: middle on the ground, yaw and size.
+    pub(crate) fn sections(&self) -> impl Iterator<Item = (Point3<f64>, f64, [f64; 3])> {
+        let own = (self.motion.position(), self.motion.yaw_rad(), self.model.size_m);
+        let towed = self.towed.as_ref().map(|t| (t.position(), t.yaw_rad(), t.train().towed.size_m));
+        std::iter::once(own).chain(towed)
+    }
+
+    /// The bodies that the engine of physics moves.
+    pub(crate) fn bodies(&self) -> impl Iterator<Item = Body> {
+        std::iter::once(self.motion.body()).chain(self.towed.as_ref().map(Towed::body))
     }
 
     /// Whether its emergency lights flash.
@@ -153,10 +180,20 @@ impl Vehicle {
         self.motion.is_crashed()
     }
 
+    /// From its front to its rear, what it tows included, metres.
     pub(crate) fn length_m(&self) -> f64 {
-        self.model.size_m[0]
+        match &self.towed {
+            Some(towed) => self.half_length_m() + towed.train().rear_m(),
+            None => self.model.size_m[0],
+        }
     }
 
+    /// From its middle back to the rear of what it tows, or its own, metres.
+    pub(crate) fn rear_m(&self) -> f64 {
+        self.towed.as_ref().map_or(self.half_length_m(), |towed| towed.train().rear_m())
+    }
+
+    /// From its middle to its front, and to its own rear, metres.
     pub(crate) fn half_length_m(&self) -> f64 {
         0.5 * self.model.size_m[0]
     }
@@ -169,7 +206,11 @@ impl Vehicle {
     /// How far it reaches inwards and outwards from a circle that its middle goes round on, metres.
     pub(crate) fn reaches_m(&self, radius_m: f64) -> [f64; 2] {
         let [length, width, _] = self.model.size_m;
-        swept_m([length, width], self.half_base_m(), radius_m)
+        let [inwards_m, outwards_m] = swept_m([length, width], self.half_base_m(), radius_m);
+        let Some(train) = self.towed.as_ref().map(Towed::train) else { return [inwards_m, outwards_m] };
+        // What is towed cuts the corner; in most bends by less than it would on a whole circle.
+        let towed_m = radius_m - train.axle_radius_m(radius_m) + 0.5 * train.towed.size_m[1];
+        [inwards_m.max(towed_m), outwards_m]
     }
 
     /// How far ahead it looks, metres.
@@ -285,6 +326,11 @@ impl Vehicle {
         if self.motion.advance(&mut course, self.model, acceleration_mps2) {
             self.draw_route(net);
         }
+        if let Some(towed) = &mut self.towed {
+            let train = towed.train();
+            let under = self.route.place_behind(net, train.hitch_m + train.rod_m);
+            towed.follow(self.motion.hitch(train), &under);
+        }
     }
 
     /// It has been driving at this speed before the scene began.
@@ -296,17 +342,18 @@ impl Vehicle {
     /// Keeps clear of parked vehicles that reach into its lane and leave room to pass.
     pub(crate) fn make_room(&mut self, net: &Net, kerbside: &Kerbside) {
         let (half_m, width_m, speed) = (self.half_length_m(), self.model.size_m[1], self.speed_mps());
+        let rear_m = self.rear_m();
         let view_m = half_m + ASIDE_FROM_M + ASIDE_FROM_S * speed;
         let (mut room_m, mut first_m) = ([f64::NEG_INFINITY, f64::INFINITY], f64::INFINITY);
         let mut past_m = f64::NEG_INFINITY;
         for (lane, start) in self.route.lanes_ahead(net).take_while(|(_, start)| *start < view_m) {
             for intrusion in kerbside.on_lane(lane).iter().filter(|i| i.lets_by(width_m)) {
                 let [from_m, to_m] = intrusion.along_m.map(|along_m| start + along_m);
-                if from_m < view_m && to_m + half_m + ASIDE_PAST_M > 0.0 {
+                if from_m < view_m && to_m + rear_m + ASIDE_PAST_M > 0.0 {
                     let [low, high] = intrusion.room_m(width_m);
                     room_m = [room_m[0].max(low), room_m[1].min(high)];
                     first_m = first_m.min(from_m - half_m - ASIDE_PAST_M);
-                    past_m = past_m.max(to_m + half_m + ASIDE_PAST_M);
+                    past_m = past_m.max(to_m + rear_m + ASIDE_PAST_M);
                 }
             }
         }
@@ -347,6 +394,13 @@ impl Vehicle {
     /// Takes over where the body of a crashed vehicle has skidded to.
     pub(crate) fn skid_to(&mut self, body: &BodyMotion) {
         self.motion.skid_to(body);
+    }
+
+    /// The same of what it tows.
+    pub(crate) fn towed_skids_to(&mut self, body: &BodyMotion) {
+        if let Some(towed) = &mut self.towed {
+            towed.skid_to(body);
+        }
     }
 
     /// Those inside may open doors while it stands, or shut them.

@@ -4,6 +4,7 @@ use frames::{Object, Pose, World};
 use nalgebra::{Point3, Vector3};
 use schema::FRAME_PERIOD_S;
 use schema::models::{BaseType, Model};
+use schema::trains::Train;
 
 use crate::bodies::{Body, BodyMotion};
 use crate::car_following::COMFORT_BRAKING;
@@ -12,6 +13,7 @@ use crate::road::net::Net;
 use crate::vehicle::lateral::Lateral;
 use crate::vehicle::route::Route;
 use crate::vehicle::sway::Sway;
+use crate::vehicle::towed;
 
 /// Largest steering angle, radians: that of a town bus's inner wheel.
 const MAX_STEER_RAD: f64 = 0.9;
@@ -98,6 +100,11 @@ impl Motion {
 
     pub(crate) fn body(&self) -> Body {
         self.body
+    }
+
+    /// Where it has what it tows, on the ground.
+    pub(crate) fn hitch(&self, train: &Train) -> Point3<f64> {
+        towed::hitch(train, self.at.point, self.yaw_rad, self.at.pitch_rad)
     }
 
     /// Pose on the slope under it, leaning on its springs: the slope is given along the road, the body may be askew.

@@ -11,4 +11,5 @@ mod report;
 mod simulation;
 mod sleep;
 mod start;
+mod trains;
 mod walkers;

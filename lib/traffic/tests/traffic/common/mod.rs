@@ -508,10 +508,12 @@ pub(crate) fn touch(a: &StateRow, a_size: [f64; 2], b: &StateRow, b_size: [f64; 
     })
 }
 
-/// Pairs of a kind of actors that overlap in any frame.
+/// Pairs of a kind of actors that overlap in any frame; what is towed lies over its own lead.
 pub(crate) fn collisions(log: &SimulationLog, with_walkers: bool) -> Vec<(i32, u16, u16)> {
     let size: BTreeMap<u16, ([f64; 2], bool)> =
         log.actors.iter().map(|a| (a.id, ([a.length_m, a.width_m], a.kind == ActorKind::Walker))).collect();
+    let parents: BTreeMap<u16, i32> = log.actors.iter().filter_map(|a| Some((a.id, a.parent?))).collect();
+    let coupled = |lead: u16, towed: u16| parents.get(&towed) == Some(&i32::from(lead));
     let mut found = Vec::new();
     for frame in log.states.chunk_by(|a, b| a.frame == b.frame) {
         for (i, a) in frame.iter().enumerate() {
@@ -519,7 +521,8 @@ pub(crate) fn collisions(log: &SimulationLog, with_walkers: bool) -> Vec<(i32, u
                 let (sa, sb) = (size[&a.id], size[&b.id]);
                 let wanted = if with_walkers { !sa.1 && sb.1 } else { !sa.1 && !sb.1 };
                 let near = (a.xyz_m[0] - b.xyz_m[0]).abs() < 14.0 && (a.xyz_m[1] - b.xyz_m[1]).abs() < 14.0;
-                if wanted && near && touch(a, sa.0, b, sb.0) {
+                let apart = coupled(a.id, b.id) || coupled(b.id, a.id);
+                if wanted && near && !apart && touch(a, sa.0, b, sb.0) {
                     found.push((a.frame, a.id, b.id));
                 }
             }
