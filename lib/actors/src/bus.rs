@@ -5,6 +5,7 @@ use schema::Tag;
 use schema::geometry::{Part, Surface};
 use schema::lights;
 use schema::models::Model;
+use schema::trains::Train;
 use solids::{Detail, MeshBuilder};
 
 use crate::cabin::REAR_PANE;
@@ -79,6 +80,37 @@ const SCHOOL: Style = Style {
     ..CITY
 };
 
+/// The rear section of an articulated bus: nobody looks out ahead.
+const REAR: Style = Style {
+    cowl: (0.001, 0.36),
+    roof: (0.006, 0.985),
+    windows: (0.05, 0.94),
+    pillars: &[0.27, 0.50, 0.72],
+    bow_m: [0.02, 0.10],
+    glass_bow_m: [0.02, 0.09],
+    ends_width: [0.985, 0.96],
+    nose_lean: &[(0.0, 0.0), (1.0, 0.0)],
+    belt: [0.985, 0.985],
+    ..CITY
+};
+/// The front one: it ends upright before its bellows.
+const FRONT: Style = Style {
+    pillars: &[0.20, 0.36, 0.52, 0.68, 0.84],
+    bow_m: [0.20, 0.02],
+    glass_bow_m: [0.20, 0.02],
+    ends_width: [0.93, 0.985],
+    tail_lean: &[(0.0, 0.0), (1.0, 0.0)],
+    deck: (0.9985, 0.37),
+    ..CITY
+};
+/// Half of the bellows, from either section to where they turn, and half their width; their lower edge and how much lower than
+/// the roof they end.
+const HALF_BELLOWS_M: f32 = 0.80;
+const BELLOWS_Y: f32 = 1.15;
+const BELLOWS_Z: [f32; 2] = [0.40, 0.22];
+/// Door of the rear section, from its axle ahead.
+pub(crate) const REAR_DOOR_M: f32 = 1.75;
+
 /// A bus.
 pub(crate) fn bus(model: &Model, size: Vec3) -> ActorMesh {
     let half = 0.5 * size;
@@ -86,11 +118,14 @@ pub(crate) fn bus(model: &Model, size: Vec3) -> ActorMesh {
     let (style, overhang_m) = match model.name {
         "bus.coach" => (COACH, 2.70),
         "bus.school" => (SCHOOL, 1.05),
+        "bus.articulated" => (FRONT, 2.75),
         _ => (CITY, 2.75),
     };
+    let is_front = model.name == "bus.articulated";
+    let back = if is_front { HALF_BELLOWS_M - half.x } else { -half.x };
     let front = half.x - overhang_m;
     let axles = [front, front - model.wheelbase_m as f32];
-    let hull = Hull::new(style, [-half.x, half.x], [half.y, size.z], &axles, radius);
+    let hull = Hull::new(style, [back, half.x], [half.y, size.z], &axles, radius);
     let wheels =
         Wheels { tag: Tag::Bus, axles: &axles, radius, width: 0.32, outer_y: half.y - 0.07, rim: Rim::Heavy };
     let car = Car { model, hull: &hull, looks: Looks::new(Tag::Bus, model), wheels };
@@ -98,7 +133,11 @@ pub(crate) fn bus(model: &Model, size: Vec3) -> ActorMesh {
         let mut b = MeshBuilder::new();
         car.shell(&mut b, detail);
         car.nose(&mut b, detail);
-        car.tail(&mut b, detail);
+        if is_front {
+            bellows(&mut b, [-half.x, back + 0.05], size.z, detail);
+        } else {
+            car.tail(&mut b, detail);
+        }
         doors(&mut b, &car, detail);
         glass_and_signs(&mut b, &car, detail);
         bands(&mut b, &car, detail);
@@ -109,21 +148,84 @@ pub(crate) fn bus(model: &Model, size: Vec3) -> ActorMesh {
         let fit = b.fit(Vec3::new(-half.x, -half.y, style.clearance * size.z), half.with_z(size.z));
         (car.wheels.under(b, detail), fit)
     };
-    // Panes that lie on the skin: those of the doors, and the rear window.
-    let on_the_skin = |f: f32, place: Place, left: bool| match place {
+    let on_the_skin = |f: f32, place: Place, left: bool| is_pane(&car, f, place, left);
+    ActorMesh::with_cabin(made, |fit| car.cabin(fit, &on_the_skin))
+}
+
+/// Folds of an articulated bus's bellows between two places along it.
+fn bellows(b: &mut MeshBuilder, x: [f32; 2], high_m: f32, detail: Detail) {
+    let rubber = Part::new(Tag::Bus, Surface::Rubber, [0.045, 0.045, 0.048]);
+    let folds = match detail {
+        Detail::Full => 6,
+        Detail::Half => 3,
+        Detail::Coarse => 1,
+    };
+    let z = [BELLOWS_Z[0], high_m - BELLOWS_Z[1]];
+    let ring = |x: f32, inset: f32| -> Vec<Vec3> {
+        let (y, z0, z1) = (BELLOWS_Y - inset, z[0] + inset, z[1] - inset);
+        [(y, z0), (y, z1 - 0.15), (y - 0.15, z1), (0.15 - y, z1), (-y, z1 - 0.15), (-y, z0)]
+            .map(|(y, z)| Vec3::new(x, y, z))
+            .to_vec()
+    };
+    let deep = if folds > 1 { 0.05 } else { 0.0 };
+    let at = |k: usize| x[0] + (x[1] - x[0]) * k as f32 / (2 * folds) as f32;
+    let rings: Vec<Vec<Vec3>> =
+        (0..=2 * folds).map(|k| ring(at(k), if k % 2 == 1 { deep } else { 0.0 })).collect();
+    b.loft(&rings, |_, _| rubber, [rubber; 2]);
+}
+
+/// The rear section of an articulated bus: bellows about the joint, a door, an engine behind.
+pub(crate) fn rear_section(train: &Train, size: Vec3) -> ActorMesh {
+    let (model, half) = (train.towed, 0.5 * size);
+    let radius = model.wheel_radius_m as f32;
+    let joint = train.coupling_m as f32;
+    let axles = [joint - train.rod_m as f32];
+    let nose = joint - HALF_BELLOWS_M;
+    let hull = Hull::new(REAR, [-half.x, nose], [half.y, size.z], &axles, radius);
+    let wheels =
+        Wheels { tag: Tag::Bus, axles: &axles, radius, width: 0.32, outer_y: half.y - 0.07, rim: Rim::Heavy };
+    let car = Car { model, hull: &hull, looks: Looks::new(Tag::Bus, model), wheels };
+    let made = |detail: Detail| {
+        let mut b = MeshBuilder::new();
+        car.shell(&mut b, detail);
+        car.tail(&mut b, detail);
+        bellows(&mut b, [nose - 0.05, joint], size.z, detail);
+        // However the sections turn, a drum fills the gap between the two halves of the bellows.
+        let rubber = Part::new(Tag::Bus, Surface::Rubber, [0.04, 0.04, 0.042]);
+        let foot = Vec3::new(joint, 0.0, BELLOWS_Z[0] + 0.04);
+        let high = size.z - BELLOWS_Z[1] - 0.05;
+        let sides = if detail == Detail::Full { 32 } else { 16 };
+        b.stack(rubber, &[(foot, BELLOWS_Y, BELLOWS_Y), (foot.with_z(high), BELLOWS_Y, BELLOWS_Y)], sides);
+        doors(&mut b, &car, detail);
+        glass_and_signs(&mut b, &car, detail);
+        bands(&mut b, &car, detail);
+        on_the_roof(&mut b, &car, size, detail);
+        let fit = b.fit(Vec3::new(-half.x, -half.y, REAR.clearance * size.z), half.with_z(size.z));
+        (car.wheels.under(b, detail), fit)
+    };
+    let on_the_skin = |f: f32, place: Place, left: bool| is_pane(&car, f, place, left);
+    ActorMesh::with_cabin(made, |fit| car.cabin(fit, &on_the_skin))
+}
+
+/// Whether a pane lies on the skin there: those of the doors, and the rear window.
+fn is_pane(car: &Car<'_>, f: f32, place: Place, left: bool) -> bool {
+    let (hull, style) = (car.hull, &car.hull.style);
+    match place {
         Place::Side(row) => {
             let x = hull.x_of(f);
             !left
                 && (0.14..1.9).contains(&row)
-                && door_places(&car).iter().any(|(at, wide)| (x - at).abs() < wide - 0.04)
+                && door_places(car).iter().any(|(at, wide)| (x - at).abs() < wide - 0.04)
         }
         Place::Top(s) => {
             let down = (f - style.roof.1) / (style.deck.0 - style.roof.1);
-            s.abs() < 0.84 && (REAR_PANE[0]..REAR_PANE[1]).contains(&down)
+            // Behind the rear section stands the engine.
+            !car.model.name.starts_with("bus.articulated")
+                && s.abs() < 0.84
+                && (REAR_PANE[0]..REAR_PANE[1]).contains(&down)
         }
         _ => false,
-    };
-    ActorMesh::with_cabin(made, |fit| car.cabin(fit, &on_the_skin))
+    }
 }
 
 /// What cools the air, or hatches; flashing lamps of a school bus.
@@ -148,6 +250,7 @@ fn on_the_roof(b: &mut MeshBuilder, car: &Car<'_>, size: Vec3, detail: Detail) {
             }
             boxed([0.06, 0.12], 0.36 * half.y, size.z, car.looks.paint);
         }
+        "bus.articulated_rear" => boxed([-0.30, 0.02], 0.66 * half.y, size.z, unit),
         _ => {
             boxed([-0.30, 0.02], 0.66 * half.y, size.z, unit);
             boxed([0.10, 0.34], 0.66 * half.y, size.z - 0.05, unit);
@@ -226,13 +329,16 @@ fn bands(b: &mut MeshBuilder, car: &Car<'_>, detail: Detail) {
 }
 
 /// x of the middles of doors in the right side, and half their widths: where one gets in front, and between the axles.
-fn door_places(car: &Car<'_>) -> [(f32, f32); 2] {
+fn door_places(car: &Car<'_>) -> Vec<(f32, f32)> {
     let hull = car.hull;
+    if let [axle] = hull.axles[..] {
+        return vec![(axle + REAR_DOOR_M, 0.64)];
+    }
     let middle = 0.5 * (hull.axles[0] + hull.axles[1]);
     match car.model.name {
-        "bus.coach" => [(hull.x[1] - 1.15, 0.46), (middle - 0.9, 0.40)],
-        "bus.school" => [(hull.x_of(0.21), 0.42), (hull.x_of(0.92), 0.34)],
-        _ => [(hull.x[1] - 1.25, 0.64), (middle, 0.64)],
+        "bus.coach" => vec![(hull.x[1] - 1.15, 0.46), (middle - 0.9, 0.40)],
+        "bus.school" => vec![(hull.x_of(0.21), 0.42), (hull.x_of(0.92), 0.34)],
+        _ => vec![(hull.x[1] - 1.25, 0.64), (middle, 0.64)],
     }
 }
 
@@ -268,11 +374,11 @@ fn glass_and_signs(b: &mut MeshBuilder, car: &Car<'_>, detail: Detail) {
     };
     let sign = looks.lamp(lights::POSITION, [0.75, 0.5, 0.1]);
     let screen = roof0 - cowl;
-    if car.model.name != "bus.school" {
+    if !matches!(car.model.name, "bus.school" | "bus.articulated_rear") {
         pane(looks.gap, [roof0 - 0.28 * screen, roof0 - 0.02 * screen], 0.86, Vec3::X * 0.008);
         pane(sign, [roof0 - 0.23 * screen, roof0 - 0.08 * screen], 0.62, Vec3::X * 0.014);
     }
-    if detail != Detail::Coarse {
+    if detail != Detail::Coarse && !car.model.name.starts_with("bus.articulated") {
         let rear = deck - roof1;
         pane(looks.window, REAR_PANE.map(|share| roof1 + share * rear), 0.84, Vec3::X * -0.008);
     }

@@ -11,10 +11,10 @@ use crate::lorry::{Load, Lorry};
 use crate::pieces::ActorMesh;
 use crate::pod::rounded;
 use crate::wheel::{Rim, Wheels};
-use crate::{brigade, load, tanks};
+use crate::{brigade, load, tanks, trailer};
 
 /// A cab above its engine.
-const CAB: Style = Style {
+pub(crate) const CAB: Style = Style {
     nose_z: 0.47,
     cowl: (0.012, 0.485),
     roof: (0.17, 0.985),
@@ -44,7 +44,7 @@ const CREW_CAB: Style =
 /// How much narrower than the body a cab is on each side: mirrors fill that.
 const NARROWER_M: f32 = 0.07;
 /// Width of tyres.
-const TYRE_M: f32 = 0.34;
+pub(crate) const TYRE_M: f32 = 0.34;
 
 /// A lorry: cab over the front axle, frame, and a box (or the body of a fire engine).
 pub(crate) fn truck(model: &Model, size: Vec3) -> ActorMesh {
@@ -74,7 +74,8 @@ pub(crate) fn truck(model: &Model, size: Vec3) -> ActorMesh {
         rim: Rim::Heavy,
     };
     let cab = Car { model, hull: &hull, looks: Looks::new(Tag::Truck, model), wheels };
-    let lorry = Lorry { size, cab: &cab, axles: &axles, cab_back, cab_top, load };
+    let floor_m = 2.0 * radius + 0.08;
+    let lorry = Lorry { size, cab: &cab, axles: &axles, cab_back, cab_top, load, floor_m };
     let made = |detail: Detail| {
         let mut b = MeshBuilder::new();
         cab.shell(&mut b, detail);
@@ -130,6 +131,11 @@ fn carried(lorry: &Lorry<'_>, b: &mut MeshBuilder, detail: Detail) {
         Load::Tow => tanks::tow(lorry, b, detail),
         Load::Sweeper => tanks::sweeper(lorry, b, detail),
         Load::Fire | Load::Ladder => brigade::fire_engine(lorry, b, detail),
+        Load::Coupling => {
+            trailer::coupling(lorry, b, detail);
+            deflector(lorry, b, detail);
+        }
+        Load::Container => trailer::container(lorry, b, detail),
     }
 }
 

@@ -37,6 +37,7 @@ mod sign;
 mod skin;
 mod street;
 mod tanks;
+mod trailer;
 mod two_wheeler;
 mod warning;
 mod wheel;
@@ -49,6 +50,7 @@ use glam::Vec3;
 use people::Walker;
 use schema::geometry::TriMesh;
 use schema::models::{self, BaseType};
+use schema::trains;
 
 pub use pieces::{ActorMesh, Cabin, Coarser, Joint, Piece};
 pub use posture::Posture;
@@ -56,7 +58,7 @@ pub use rig::{Pedals, Pusher, Rider, Rig};
 
 /// The mesh of an actor.
 ///
-/// `model` is a name of [`schema::models::MODELS`], of a parked two-wheeler, or of the scenery (`building.*`, `tree.*`, `light.signal`, ...);
+/// `model` is a name of [`schema::models::MODELS`], of [`schema::trains`], of a parked two-wheeler, or of the scenery (`building.*`, `tree.*`, `light.signal`, ...);
 /// `size_m` is length, width, height; `variant` tells apart objects of the same model. Walkers are as high as that says, and as
 /// long and wide as such people are ([`people::Walker::size_m`]). The mesh stands on z = 0 inside the
 /// box of that size, centred in x and y; poles of lights and signs reach below z = 0. `None`: no such model.
@@ -68,7 +70,13 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
     if let Some((parked, ridden)) = models::find_parked(model) {
         return Some(two_wheeler::parked(parked, ridden, size));
     }
-    if let Some(known) = models::find(model) {
+    if let Some(train) = trains::of_towed(model) {
+        return Some(match train.towed.base {
+            BaseType::Bus => bus::rear_section(train, size),
+            _ => trailer::trailer(train, size),
+        });
+    }
+    if let Some(known) = models::find(model).or_else(|| trains::find(model)) {
         return match known.base {
             BaseType::Car | BaseType::Van => Some(car::vehicle(known, size)),
             BaseType::Truck if known.name == "truck.pickup" => Some(car::vehicle(known, size)),

@@ -79,7 +79,7 @@ fn edges(l: &Lorry<'_>, b: &mut MeshBuilder, top: f32, detail: Detail) {
 }
 
 /// Doors at the rear: where they meet, their bars with handles, hinges.
-fn rear_doors(l: &Lorry<'_>, b: &mut MeshBuilder, top: f32, detail: Detail) {
+pub(crate) fn rear_doors(l: &Lorry<'_>, b: &mut MeshBuilder, top: f32, detail: Detail) {
     if detail == Detail::Coarse {
         return;
     }

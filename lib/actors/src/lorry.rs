@@ -25,6 +25,10 @@ pub(crate) enum Load {
     Sweeper,
     Fire,
     Ladder,
+    /// A semi-trailer's front.
+    Coupling,
+    /// What stands on a semi-trailer of its own.
+    Container,
 }
 
 impl Load {
@@ -42,6 +46,11 @@ impl Load {
             "truck.sweeper" => Self::Sweeper,
             "truck.fire" => Self::Fire,
             "truck.ladder" => Self::Ladder,
+            "truck.tractor" => Self::Coupling,
+            "trailer.curtain" => Self::Curtain,
+            "trailer.tanker" => Self::Tank,
+            "trailer.container" => Self::Container,
+            "trailer.box" => Self::Goods(true),
             _ => Self::Goods(false),
         }
     }
@@ -57,6 +66,9 @@ impl Load {
             Self::Refuse => 0.85 * high_m,
             Self::Fire => high_m - 0.25,
             Self::Ladder => high_m - 0.62,
+            Self::Coupling => 0.80 * high_m,
+            // Nothing drives it.
+            Self::Container => high_m,
         }
     }
 
@@ -74,6 +86,8 @@ pub(crate) struct Lorry<'a> {
     pub(crate) cab_back: f32,
     pub(crate) cab_top: f32,
     pub(crate) load: Load,
+    /// Lower edge of the body.
+    pub(crate) floor_m: f32,
 }
 
 impl Lorry<'_> {
@@ -87,7 +101,7 @@ impl Lorry<'_> {
 
     /// Lower edge and front of the body.
     pub(crate) fn body_floor(&self) -> f32 {
-        2.0 * self.radius() + 0.08
+        self.floor_m
     }
 
     pub(crate) fn body_front(&self) -> f32 {

@@ -1,5 +1,6 @@
 //! Draws vehicles: `cargo run -p convoy-sensors --example vehicles -- FOLDER [--levels | --cabins] [MODEL ...]`. One sheet for each model: from the
-//! front, the side and the rear (with open doors), or as it is farther away, or without its panes. Prints how many triangles its levels have.
+//! front, the side and the rear (with open doors), or as it is farther away, or without its panes; of each train one in line, in a
+//! bend, and from behind. Prints how many triangles its levels have.
 
 mod stage;
 
@@ -9,6 +10,7 @@ use std::path::Path;
 use actors::Posture;
 use schema::fleet;
 use schema::models::{Model, PARKED_TWO_WHEELERS, vehicles};
+use schema::trains::{TRAINS, Train, sections};
 
 use stage::{Stage, at};
 
@@ -23,7 +25,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let of_levels = wanted.iter().any(|w| w == "--levels");
     let of_cabins = wanted.iter().any(|w| w == "--cabins");
     wanted.retain(|w| !w.starts_with("--"));
-    let all = vehicles().chain(PARKED_TWO_WHEELERS);
+    for train in
+        TRAINS.iter().filter(|t| !of_cabins && wanted.iter().any(|w| t.towed.name.starts_with(w.as_str())))
+    {
+        draw_train(train, Path::new(&folder))?;
+    }
+    let all = vehicles().chain(PARKED_TWO_WHEELERS).chain(sections());
     let chosen = all.filter(|m| wanted.is_empty() || wanted.iter().any(|w| m.name.starts_with(w.as_str())));
     for (k, model) in chosen.enumerate() {
         let (paint, folder) = (paint(model, k), Path::new(&folder));
@@ -66,6 +73,33 @@ fn cabin(model: &Model, paint: [f32; 3], folder: &Path) -> Result<Vec<usize>, Bo
         57.0,
     )?;
     Ok(vec![count])
+}
+
+/// Draws a train in line from its side, then in a bend to the left from ahead and from behind.
+fn draw_train(train: &Train, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let mut stage = Stage::new();
+    for (k, (at_m, yaw_deg, turned_deg)) in
+        [([4.0, 7.5], 180.0, 0.0), ([-9.5, -3.0], -140.0, 30.0), ([13.0, -4.0], 48.0, 30.0)]
+            .into_iter()
+            .enumerate()
+    {
+        let paint = PAINTS[(k + 1) % PAINTS.len()];
+        let (sin, cos) = frames::math::sin_cos(frames::deg(yaw_deg));
+        let towed_rad = frames::deg(yaw_deg - turned_deg);
+        let (towed_sin, towed_cos) = frames::math::sin_cos(towed_rad);
+        let [x, y] = [
+            at_m[0] - train.hitch_m * cos - train.coupling_m * towed_cos,
+            at_m[1] - train.hitch_m * sin - train.coupling_m * towed_sin,
+        ];
+        let rest = Posture { phase_rad: 0.4, ..Posture::default() };
+        let steered = Posture { steer_rad: if turned_deg > 0.0 { 0.35 } else { 0.0 }, ..rest };
+        stage.add_level(train.lead, 3, 0, at(at_m[0] as f32, at_m[1] as f32, yaw_deg as f32), steered, paint);
+        let yaw_deg = (yaw_deg - turned_deg) as f32;
+        stage.add_level(train.towed, 3, 0, at(x as f32, y as f32, yaw_deg), rest, paint);
+    }
+    let name = format!("train-{}.jpg", train.towed.name.replace('.', "-"));
+    stage.save(&folder.join(name), [0.0, -26.0, 7.0], frames::deg(14.0), [1600, 700], 62.0)?;
+    Ok(())
 }
 
 /// Draws a model and counts the triangles of its levels.

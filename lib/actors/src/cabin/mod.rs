@@ -11,6 +11,7 @@ use std::sync::Arc;
 use schema::Tag;
 use schema::geometry::{Part, Surface};
 use schema::models::{BaseType, Model};
+use schema::trains;
 use solids::{Fit, MeshBuilder};
 
 use crate::hull::Hull;
@@ -42,11 +43,16 @@ pub(crate) fn cabin(
     let stuffs = Stuffs::new(stuff, seats);
     let mut b = MeshBuilder::new();
     lining::lining(&mut b, &room, &plan, stuff, pane);
-    seats::dashboard(&mut b, stuffs.plastic, &plan, hull);
+    let is_towed = trains::of_towed(model.name).is_some();
+    if !is_towed {
+        seats::dashboard(&mut b, stuffs.plastic, &plan, hull);
+    }
     seats::rows(&mut b, &stuffs, &plan, hull);
-    seats::steering_wheel(&mut b, &stuffs, &plan);
-    seats::inner_mirror(&mut b, stuffs.plastic, hull);
+    if !is_towed {
+        seats::steering_wheel(&mut b, &stuffs, &plan);
+        seats::inner_mirror(&mut b, stuffs.plastic, hull);
+    }
     b.reshape(|p| fit.apply(room.held(p)));
-    let driver = driver::driver(model, tag, &plan, &room, fit);
-    Cabin { seats: Arc::new(b.finish()), driver: Some(Arc::new(driver)) }
+    let driver = (!is_towed).then(|| Arc::new(driver::driver(model, tag, &plan, &room, fit)));
+    Cabin { seats: Arc::new(b.finish()), driver }
 }

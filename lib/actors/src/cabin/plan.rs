@@ -3,6 +3,7 @@
 use schema::models::{BaseType, Model};
 
 use super::room::Room;
+use crate::bus;
 
 /// A row of seats: of hips that are so far ahead and so high, metres.
 #[derive(Clone, Copy, Debug)]
@@ -161,8 +162,12 @@ impl Plan {
         let floor_z = (room.least_z() + 0.06).max(belt_z - 0.74);
         let (front_x, aside) = (cowl_x - 1.0, 0.62 * hull.half_width);
         let rear_x = hull.x_of(1.0) + 0.10;
-        let middle_door = 0.5 * (hull.axles[0] + hull.axles[1]);
-        let first = front_x - 1.55;
+        // What is towed has its door before its only axle, and seats where others have a driver.
+        let (middle_door, first) = match hull.axles[..] {
+            [ahead, behind, ..] => (0.5 * (ahead + behind), front_x - 1.55),
+            [one] => (one + bus::REAR_DOOR_M, cowl_x - 0.75),
+            [] => (cowl_x, cowl_x),
+        };
         let count = ((first - rear_x - 0.6) / 0.80) as usize;
         let rows = (0..count).map(|k| {
             let x = first - 0.80 * k as f32;

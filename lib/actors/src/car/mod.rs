@@ -201,7 +201,9 @@ impl Car<'_> {
             }
             Place::Top(s) if s.abs() < 0.94 => {
                 let (roof, deck) = (style.roof, style.deck);
-                if f > style.cowl.0 && f < roof.0 || style.rear_glass && f > roof.1 && f < deck.0 {
+                // Sections of trains that are towed have no windscreen.
+                let ahead = roof.0 - style.cowl.0 > LEAST_SCREEN && f > style.cowl.0 && f < roof.0;
+                if ahead || style.rear_glass && f > roof.1 && f < deck.0 {
                     looks.window
                 } else if !cuts.is_empty() && f > FRONT_GAP[0] && f < FRONT_GAP[1] {
                     looks.gap
@@ -216,6 +218,8 @@ impl Car<'_> {
     }
 }
 
+/// Windscreens are longer than this, as a share of the car's length.
+const LEAST_SCREEN: f32 = 0.008;
 /// The gap before the bonnet, as places along the car.
 const FRONT_GAP: [f32; 2] = [0.028, 0.0305];
 /// Half width of the pillars between side windows.

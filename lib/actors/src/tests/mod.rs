@@ -7,7 +7,7 @@ use scenery::{BUILDINGS, BuildingKind, PLATES, TREES};
 use schema::footprint::LightMount;
 use schema::geometry::{Surface, TriMesh};
 use schema::models::{BaseType, MODELS, Model, PARKED_TWO_WHEELERS};
-use schema::{Tag, lights, works};
+use schema::{Tag, lights, trains, works};
 
 use super::*;
 
@@ -26,6 +26,7 @@ fn everything() -> Vec<(String, [f64; 3], u32)> {
         all.extend((0..LOOKS).map(|look| (model.name.to_owned(), standing_m(model, look), look)));
     }
     all.extend(PARKED_TWO_WHEELERS.iter().map(|model| (model.name.to_owned(), model.size_m, 0)));
+    all.extend(trains::sections().map(|model| (model.name.to_owned(), model.size_m, 0)));
     for BuildingKind { model, width_m, depth_m, storeys } in BUILDINGS {
         for (share, variant) in [(0, 0), (1, 5), (1, 13)] {
             let size = [depth_m[share], width_m[share], 3.0 * storeys[share] as f64 + 2.0];
@@ -150,6 +151,7 @@ fn vehicles_and_people_fill_their_boxes() {
         .iter()
         .filter(|m| m.wheelbase_m > 0.0 || m.base == BaseType::Pedestrian)
         .chain(PARKED_TWO_WHEELERS)
+        .chain(trains::sections())
     {
         let size_m = if walks(model) { standing_m(model, 5) } else { model.size_m };
         let b = bounds(&made(model.name, size_m, 5), 0.0, |_| true);
@@ -176,7 +178,8 @@ fn sizes_in_triangles_are_moderate() {
         let seen = |p: &&Piece| p.joint.object_from_piece(&posture).is_some();
         let count: usize = actor.pieces.iter().filter(seen).map(|p| p.mesh.triangles.len()).sum();
         let drives = models::find(&name).is_some_and(|model| model.wheelbase_m > 0.0)
-            || models::find_parked(&name).is_some();
+            || models::find_parked(&name).is_some()
+            || trains::find(&name).is_some();
         let most = if drives {
             8000
         } else if actor.rig.is_some() {
