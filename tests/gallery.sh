@@ -87,7 +87,7 @@ page() {
     printf '## Vehicles\n\n'
     width=600
     local kinds
-    kinds=$(cd "$dest" && ls | sed -n 's/^\(\(car\|van\|truck\|bus\|motorcycle\|bicycle\)-.*\)\.jpg$/\1/p')
+    kinds=$(cd "$dest" && ls | sed -n 's/^\(\(car\|van\|truck\|bus\|motorcycle\|bicycle\|train\)-.*\)\.jpg$/\1/p')
     # shellcheck disable=SC2086
     row $kinds
     printf '## People\n\n'

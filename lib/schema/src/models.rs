@@ -101,7 +101,7 @@ pub struct Model {
     pub wheelbase_m: f64,
     /// Wheel radius, metres.
     pub wheel_radius_m: f64,
-    /// `emergency`, `taxi`, `electric`, of people `police`, `worker`, `wheelchair`, `pram`, `dog`; or empty.
+    /// `emergency`, `taxi`, `electric`, `trailer`, `articulated` (sections of buses), of people `police`, `worker`, `wheelchair`, `pram`, `dog`; or empty.
     pub special: &'static str,
     /// What a pack says of its model, which follows from kind and name of all others.
     pub own: Option<OwnFacts>,

@@ -23,12 +23,16 @@ pub struct Train {
 }
 
 const TRACTOR: &Model = &model("truck.tractor", BaseType::Truck, [6.00, 2.50, 3.80], 3.70, 0.50, "");
-const CURTAIN: &Model = &model("trailer.curtain", BaseType::Truck, [13.60, 2.55, 4.00], 2.62, 0.50, "");
-const BOX: &Model = &model("trailer.box", BaseType::Truck, [13.60, 2.55, 4.00], 2.62, 0.50, "");
-const TANKER: &Model = &model("trailer.tanker", BaseType::Truck, [12.20, 2.55, 3.60], 2.62, 0.50, "");
-const CONTAINER: &Model = &model("trailer.container", BaseType::Truck, [12.60, 2.50, 3.95], 2.62, 0.50, "");
-const BUS_FRONT: &Model = &model("bus.articulated", BaseType::Bus, [10.60, 2.55, 3.10], 5.90, 0.48, "");
-const BUS_REAR: &Model = &model("bus.articulated_rear", BaseType::Bus, [8.55, 2.55, 3.10], 0.0, 0.48, "");
+const CURTAIN: &Model =
+    &model("trailer.curtain", BaseType::Truck, [13.60, 2.55, 4.00], 2.62, 0.50, "trailer");
+const BOX: &Model = &model("trailer.box", BaseType::Truck, [13.60, 2.55, 4.00], 2.62, 0.50, "trailer");
+const TANKER: &Model = &model("trailer.tanker", BaseType::Truck, [12.20, 2.55, 3.60], 2.62, 0.50, "trailer");
+const CONTAINER: &Model =
+    &model("trailer.container", BaseType::Truck, [12.60, 2.50, 3.95], 2.62, 0.50, "trailer");
+const BUS_FRONT: &Model =
+    &model("bus.articulated", BaseType::Bus, [10.60, 2.55, 3.10], 5.90, 0.48, "articulated");
+const BUS_REAR: &Model =
+    &model("bus.articulated_rear", BaseType::Bus, [8.55, 2.55, 3.10], 0.0, 0.48, "articulated");
 
 /// A tractor unit with a semi-trailer whose front is so far ahead of its kingpin, metres.
 const fn semi(towed: &'static Model, before_m: f64, rod_m: f64, commonness: f64) -> Train {

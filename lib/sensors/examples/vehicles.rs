@@ -8,9 +8,9 @@ use std::error::Error;
 use std::path::Path;
 
 use actors::Posture;
-use schema::fleet;
 use schema::models::{Model, PARKED_TWO_WHEELERS, vehicles};
 use schema::trains::{TRAINS, Train, sections};
+use schema::{fleet, trains};
 
 use stage::{Stage, at};
 
@@ -25,13 +25,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let of_levels = wanted.iter().any(|w| w == "--levels");
     let of_cabins = wanted.iter().any(|w| w == "--cabins");
     wanted.retain(|w| !w.starts_with("--"));
-    for train in
-        TRAINS.iter().filter(|t| !of_cabins && wanted.iter().any(|w| t.towed.name.starts_with(w.as_str())))
-    {
+    let is_wanted = |name: &str| wanted.iter().any(|w| name.starts_with(w.as_str()));
+    let whole = !of_levels && !of_cabins;
+    for train in TRAINS.iter().filter(|t| whole && (wanted.is_empty() || is_wanted(t.towed.name))) {
         draw_train(train, Path::new(&folder))?;
     }
     let all = vehicles().chain(PARKED_TWO_WHEELERS).chain(sections());
-    let chosen = all.filter(|m| wanted.is_empty() || wanted.iter().any(|w| m.name.starts_with(w.as_str())));
+    // Sections of trains are shown together, unless they are asked for.
+    let alone = |name: &str| whole && trains::find(name).is_some();
+    let chosen = all.filter(|m| if wanted.is_empty() { !alone(m.name) } else { is_wanted(m.name) });
     for (k, model) in chosen.enumerate() {
         let (paint, folder) = (paint(model, k), Path::new(&folder));
         let counts =
@@ -79,7 +81,7 @@ fn cabin(model: &Model, paint: [f32; 3], folder: &Path) -> Result<Vec<usize>, Bo
 fn draw_train(train: &Train, folder: &Path) -> Result<(), Box<dyn Error>> {
     let mut stage = Stage::new();
     for (k, (at_m, yaw_deg, turned_deg)) in
-        [([4.0, 7.5], 180.0, 0.0), ([-9.5, -3.0], -140.0, 30.0), ([13.0, -4.0], 48.0, 30.0)]
+        [([5.0, 9.0], 180.0, 0.0), ([-11.0, -3.5], -140.0, 30.0), ([16.5, -2.0], 40.0, 24.0)]
             .into_iter()
             .enumerate()
     {

@@ -20,14 +20,14 @@ pub(crate) const CATEGORIES: [(&str, &str); 32] = [
     ("movable_object.trafficcone", "A traffic cone."),
     ("static_object.bicycle_rack", "Not in this dataset."),
     ("vehicle.bicycle", "A bicycle, with its rider."),
-    ("vehicle.bus.bendy", "Not in this dataset."),
+    ("vehicle.bus.bendy", "A section of an articulated bus, each with a box of its own."),
     ("vehicle.bus.rigid", "A bus."),
     ("vehicle.car", "A car."),
     ("vehicle.construction", "Not in this dataset."),
     ("vehicle.emergency.ambulance", "Not in this dataset: ambulances are trucks."),
     ("vehicle.emergency.police", "Not in this dataset: police cars are cars."),
     ("vehicle.motorcycle", "A motorcycle, with its rider."),
-    ("vehicle.trailer", "Not in this dataset."),
+    ("vehicle.trailer", "A semi-trailer; the tractor unit before it is a truck."),
     ("vehicle.truck", "A truck or van."),
     ("flat.driveable_surface", "Roads and what is painted on them."),
     ("flat.other", "Other flat ground: rails, water."),
@@ -51,8 +51,14 @@ pub(crate) const VISIBILITIES: [(&str, &str, &str); 4] = [
 pub(crate) fn category(class: DetectionClass, facts: &Attributes) -> &'static str {
     match class {
         DetectionClass::Car => "vehicle.car",
-        DetectionClass::Truck => "vehicle.truck",
-        DetectionClass::Bus => "vehicle.bus.rigid",
+        DetectionClass::Truck => match facts.get(&Attribute::SpecialType) {
+            Some("trailer") => "vehicle.trailer",
+            _ => "vehicle.truck",
+        },
+        DetectionClass::Bus => match facts.get(&Attribute::SpecialType) {
+            Some("articulated") => "vehicle.bus.bendy",
+            _ => "vehicle.bus.rigid",
+        },
         DetectionClass::Motorcycle => "vehicle.motorcycle",
         DetectionClass::Bicycle => "vehicle.bicycle",
         DetectionClass::TrafficCone => "movable_object.trafficcone",
@@ -113,9 +119,9 @@ pub(crate) fn index_of_tag(tag: u8) -> u8 {
     category_index(name)
 }
 
-/// Whether returns of a tag are of a thing whose object says more than the tag: who walks, what is ridden.
+/// Whether returns of a tag are of a thing whose object says more than the tag: who walks, what is ridden, what is towed.
 pub(crate) fn is_told_by_object(tag: u8) -> bool {
-    matches!(Tag::from_u8(tag), Some(Tag::Pedestrian | Tag::Rider))
+    matches!(Tag::from_u8(tag), Some(Tag::Pedestrian | Tag::Rider | Tag::Truck | Tag::Bus))
 }
 
 /// What a channel's readings are.
@@ -214,6 +220,24 @@ mod tests {
         assert_eq!(person(&facts(Attribute::SpecialType, "dog")), "human.pedestrian.adult");
         assert_eq!(person(&facts(Attribute::UseWheelchair, "true")), "human.pedestrian.wheelchair");
         assert_eq!(category(DetectionClass::TrafficSign, &Attributes::new()), "static.other");
+    }
+
+    #[test]
+    fn sections_of_trains_are_told_apart() {
+        for (name, wanted) in [
+            ("truck.tractor", "vehicle.truck"),
+            ("trailer.box", "vehicle.trailer"),
+            ("bus.articulated", "vehicle.bus.bendy"),
+            ("bus.articulated_rear", "vehicle.bus.bendy"),
+        ] {
+            let model = schema::trains::find(name).expect("a section");
+            let tags: Vec<u8> = model.base.tags().iter().map(|tag| *tag as u8).collect();
+            let class = DetectionClass::from_tags(&tags).expect("a class");
+            assert_eq!(category(class, &model.facts()), wanted, "{name}");
+            assert!(tags.iter().all(|tag| is_told_by_object(*tag)));
+        }
+        let bus = schema::models::find("bus.city").expect("a bus");
+        assert_eq!(category(DetectionClass::Bus, &bus.facts()), "vehicle.bus.rigid");
     }
 
     #[test]

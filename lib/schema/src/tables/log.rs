@@ -32,7 +32,7 @@ table! {
         quaternion: [f64; 4],
         /// Number that varies its shape among objects of the same model.
         variant: u32,
-        /// Object it is attached to.
+        /// Object it is attached to: of what is towed, the one that tows it.
         parent: Option<i32>,
         /// OpenDRIVE id of its signal or object.
         opendrive_id: Option<String>,

@@ -73,6 +73,8 @@ pub(crate) struct Body {
     pub(crate) two_wheeled: bool,
     /// Neither reckless nor distracted.
     pub(crate) ordinary: bool,
+    /// The one that tows it, if one does: nobody drives it.
+    pub(crate) towed_by: Option<u16>,
     /// Collects data: those far from all of these sleep.
     pub(crate) is_agent: bool,
     /// First state at which it touches another vehicle or a walker, if it ever does.
@@ -98,6 +100,11 @@ impl Body {
     /// Whether a point is over its footprint, widened by a margin.
     pub(crate) fn covers(&self, i: usize, point: &Point3<f64>, margin_m: f64) -> bool {
         self.track[i].covers(self.size_m, point, margin_m)
+    }
+
+    /// Whether it is coupled with another one.
+    pub(crate) fn is_coupled(&self, other: &Self) -> bool {
+        self.towed_by == Some(other.id) || other.towed_by == Some(self.id)
     }
 
     /// Whether it has touched something before.
@@ -163,6 +170,7 @@ impl<'a> Film<'a> {
                         size_m: [actor.length_m, actor.width_m],
                         wheelbase_m: model.wheelbase_m,
                         two_wheeled: actor.width_m < 1.2,
+                        towed_by: actor.parent.and_then(|id| u16::try_from(id).ok()),
                         is_agent: kind == ActorKind::Vehicle && actor.role != ActorRole::Background,
                         ordinary: !unruly,
                         touched: None,

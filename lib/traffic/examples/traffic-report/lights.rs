@@ -41,7 +41,9 @@ pub(crate) fn measure(film: &Film<'_>) -> Lights {
         for (pos, line) in &hold.lines {
             let mut passages: Vec<Passage> = Vec::new();
             for (vehicle, body) in film.vehicles.iter().enumerate() {
-                if body.track.iter().step_by(20).all(|s| (s.at - line.at).norm() > 40.0) {
+                if body.towed_by.is_some()
+                    || body.track.iter().step_by(20).all(|s| (s.at - line.at).norm() > 40.0)
+                {
                     continue;
                 }
                 let ahead = |i: usize| -> Option<f64> {

@@ -48,7 +48,7 @@ fn watch(plan: &Plan, dump: Option<&Path>) -> Report {
     let fixed: Vec<_> = fixed.iter().chain(log.actors.iter().filter(|a| a.fixed)).collect();
     Report {
         name: plan.name(),
-        vehicles: film.vehicles.len(),
+        vehicles: film.vehicles.iter().filter(|b| b.towed_by.is_none()).count(),
         walkers: film.walkers.len(),
         touching,
         lights: lights::measure(&film),

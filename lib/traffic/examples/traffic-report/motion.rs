@@ -41,7 +41,7 @@ pub(crate) struct Motion {
 
 pub(crate) fn measure(film: &Film<'_>) -> Motion {
     let mut motion = Motion::default();
-    for body in film.vehicles.iter().filter(|b| b.ordinary) {
+    for body in film.vehicles.iter().filter(|b| b.ordinary && b.towed_by.is_none()) {
         let end = body.touched.unwrap_or(film.states);
         forces(body, end, &mut motion);
         on_lanes(film, body, end, &mut motion);

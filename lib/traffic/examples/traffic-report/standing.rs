@@ -111,7 +111,10 @@ pub(crate) fn measure(film: &Film<'_>) -> Standing {
     let mut since: Vec<[usize; 2]> = vec![[0; 2]; film.vehicles.len()];
     for i in film.samples() {
         let reasons: Vec<Option<Reason>> = (0..film.vehicles.len())
-            .map(|n| stands(&film.vehicles[n], i).then(|| reason(film, n, i)))
+            .map(|n| {
+                (film.vehicles[n].towed_by.is_none() && stands(&film.vehicles[n], i))
+                    .then(|| reason(film, n, i))
+            })
             .collect();
         for (n, body) in film.vehicles.iter().enumerate() {
             let Some(reason) = reasons[n].filter(|_| body.ordinary && !body.is_wrecked(i)) else {
@@ -174,8 +177,9 @@ fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
         return Reason::Asleep;
     }
     let near = |other: &Body| (other.track[i].at - body.track[i].at).norm() < 30.0;
-    let others: Vec<usize> =
-        (0..film.vehicles.len()).filter(|&m| m != n && near(&film.vehicles[m])).collect();
+    let others: Vec<usize> = (0..film.vehicles.len())
+        .filter(|&m| m != n && !body.is_coupled(&film.vehicles[m]) && near(&film.vehicles[m]))
+        .collect();
     let Way { reached_m, junction, reason } = way_ahead(film, body, &others, i);
     let reason = reason
         .or_else(|| reason_ahead(film, body, &others, i))
@@ -197,7 +201,7 @@ fn reason(film: &Film<'_>, n: usize, i: usize) -> Reason {
     if others.iter().any(|&m| is_let_in(body, &film.vehicles[m], i)) {
         return Reason::LetIn;
     }
-    if film.vehicles.iter().any(|other| comes_through(film, body, other, i)) {
+    if film.vehicles.iter().any(|other| !body.is_coupled(other) && comes_through(film, body, other, i)) {
         return Reason::Meeting;
     }
     Reason::None

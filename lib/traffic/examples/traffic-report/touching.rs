@@ -67,6 +67,9 @@ pub(crate) fn find(film: &mut Film<'_>) -> Touching {
             let (x, y) = ((here.x / CELL_M).floor() as i32, (here.y / CELL_M).floor() as i32);
             for other in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (x + dx, y + dy))) {
                 for &m in cells.get(&other).into_iter().flatten() {
+                    if body.is_coupled(all[m]) {
+                        continue;
+                    }
                     let near =
                         (all[m].track[i].at - here).norm() < 0.6 * (all[m].size_m[0] + body.size_m[0] + 2.0);
                     let margin_m = if m < count { ROUNDING_M } else { -ROUNDING_M };

@@ -231,7 +231,7 @@ fn trains_touch_nobody_and_nothing_in_towns() {
             }
             assert_eq!(collisions(&log, false), [], "{name} {seed}");
             assert_eq!(collisions(&log, true), [], "{name} {seed}");
-            assert_eq!(red_runs(&map, &log, &common_lights(&fixed)), [], "{name} {seed}");
+            assert_eq!(red_runs(&map, &log, &shown(&fixed)), [], "{name} {seed}");
             // Parked vehicles.
             let tracks = tracks(&log);
             for (actor, train) in towed(&log) {
@@ -257,15 +257,13 @@ fn trains_touch_nobody_and_nothing_in_towns() {
             };
             let all = towed(&log);
             let gone = all.iter().filter(|(a, _)| moved(&tracks[&a.id]) > 15.0).count();
-            println!("{name} {seed}: {} trains, {gone} got on, of {} vehicles", all.len(), log.n_vehicles);
             assert!(2 * gone >= all.len(), "{name} {seed}: {gone} of {} got on", all.len());
         }
     }
-    println!("{met:?}");
     assert!(met.values().sum::<usize>() >= 20 && met.len() >= 4, "{met:?}");
 }
 
 /// The traffic lights of what stands beside the roads.
-fn common_lights(fixed: &[ActorRow]) -> Vec<ActorRow> {
+fn shown(fixed: &[ActorRow]) -> Vec<ActorRow> {
     fixed.iter().filter(|a| a.kind == ActorKind::TrafficLight).cloned().collect()
 }
