@@ -24,6 +24,8 @@ pub enum Joint {
         /// Whether its outer face looks right: the mesh is turned by half a turn about z.
         right: bool,
     },
+    /// Wheels that neither turn nor steer.
+    Standing,
     /// A bone of the rig.
     Bone(Bone),
     /// A bicycle's crank: turns about y by a share of the wheels' rotation.
@@ -151,7 +153,7 @@ impl Joint {
     pub fn object_from_piece(&self, posture: &Posture) -> Option<Affine3A> {
         let open = |door: usize| posture.door_rad.get(door).copied().filter(|angle| *angle > 0.0);
         Some(match *self {
-            Self::Fixed => Affine3A::IDENTITY,
+            Self::Fixed | Self::Standing => Affine3A::IDENTITY,
             Self::Wheel { at, steered, right } => {
                 let steer = if steered { posture.steer_rad } else { 0.0 };
                 // The half turn swaps the axle's ends, and with them the sense of rotation.
@@ -180,6 +182,12 @@ impl Joint {
         Affine3A::from_translation(self.at())
     }
 
+    /// Whether the piece stays on the road when the body leans on its springs.
+    #[must_use]
+    pub fn stays_on_road(&self) -> bool {
+        matches!(self, Self::Wheel { .. } | Self::Standing)
+    }
+
     /// Where the piece hangs, object frame, metres.
     #[must_use]
     pub fn at(&self) -> Vec3 {
@@ -189,7 +197,7 @@ impl Joint {
             | Self::Leaf { at, .. }
             | Self::Crank { at, .. }
             | Self::Pedal { at, .. } => at,
-            Self::Fixed | Self::Bone(_) | Self::Doorway { .. } => Vec3::ZERO,
+            Self::Fixed | Self::Standing | Self::Bone(_) | Self::Doorway { .. } => Vec3::ZERO,
         }
     }
 }

@@ -229,13 +229,14 @@ impl Wheels<'_> {
             .collect()
     }
 
-    /// A body and its wheels. Far away these are a part of it and neither turn nor steer.
-    pub(crate) fn under(&self, mut body: MeshBuilder, detail: Detail) -> Vec<Piece> {
-        if detail == Detail::Coarse {
-            self.stand(&mut body);
-        }
+    /// A body and its wheels. Far away these are one piece and neither turn nor steer.
+    pub(crate) fn under(&self, body: MeshBuilder, detail: Detail) -> Vec<Piece> {
         let mut pieces = vec![Piece { mesh: Arc::new(body.finish()), joint: Joint::Fixed }];
-        if detail != Detail::Coarse {
+        if detail == Detail::Coarse {
+            let mut wheels = MeshBuilder::at(detail);
+            self.stand(&mut wheels);
+            pieces.push(Piece { mesh: Arc::new(wheels.finish()), joint: Joint::Standing });
+        } else {
             pieces.extend(self.pieces(detail));
         }
         pieces

@@ -128,6 +128,14 @@ pub const AGES: [&str; 3] = ["adult", "child", "elderly"];
 pub const GENDERS: [&str; 2] = ["male", "female"];
 
 impl Model {
+    /// How far the springs of a vehicle on four wheels let its body come down on a wheel, or up from it, metres: less than
+    /// there is room in the arches. Lorries and buses are stiff.
+    #[must_use]
+    pub fn spring_travel_m(&self) -> f64 {
+        let share = if matches!(self.base, BaseType::Truck | BaseType::Bus) { 0.05 } else { 0.1 };
+        share * self.wheel_radius_m
+    }
+
     /// Doors that open: the two in front, or four; none of trucks, buses, large vans and two-wheelers.
     #[must_use]
     pub fn doors(&self) -> usize {

@@ -29,6 +29,7 @@
 //! ```
 
 mod error;
+mod state;
 mod world;
 
 pub use error::WorldError;

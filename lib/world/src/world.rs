@@ -13,6 +13,7 @@ use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
 use schema::{ActorKind, Layer, ObjectId, SignalState, lights, street_lamps};
 
 use crate::error::WorldError;
+use crate::state::{flashing, local_from_level, local_from_state, usable};
 
 /// What the log says about one frame.
 #[derive(Clone, Copy, Debug)]
@@ -419,6 +420,8 @@ impl SceneWorld {
             let before = before.filter(|s| usable(s)).unwrap_or(state);
             let now = local_from_state(&origin, state);
             let then = local_from_state(&origin, before);
+            let [level_now, level_then] =
+                [(state, now), (before, then)].map(|(state, pose)| local_from_level(&origin, state, pose));
             let [posture, posture_before] =
                 [state, before].map(|state| mover.model.posed(Posture::from(state)));
             let lamps = flashing(state, moment.frame.time_s);
@@ -435,11 +438,13 @@ impl SceneWorld {
                 let Some(piece_now) = joint.object_from_piece(&posture) else { continue };
                 // A door that was still closed has swung from there.
                 let piece_then = joint.object_from_piece(&posture_before).unwrap_or_else(|| joint.at_rest());
+                let [body_now, body_then] =
+                    if joint.stays_on_road() { [level_now, level_then] } else { [now, then] };
                 instances.push(Instance {
                     mesh: *mesh,
                     object: state.id,
-                    local_from_object: now * piece_now,
-                    previous_local_from_object: then * piece_then,
+                    local_from_object: body_now * piece_now,
+                    previous_local_from_object: body_then * piece_then,
                     paint: mover.paint,
                     lights: lamps,
                     glow: [0.0; 3],
@@ -539,44 +544,9 @@ fn check(actor: &ActorRow) -> Result<(), WorldError> {
     Ok(())
 }
 
-fn usable(state: &StateRow) -> bool {
-    let norm: f64 = state.quaternion.iter().map(|q| q * q).sum();
-    state.xyz_m.iter().all(|v| v.abs() < 1e8)
-        && (0.5..2.0).contains(&norm)
-        && state.steer_rad.is_finite()
-        && state.phase_rad.is_finite()
-        && state.gait_mps.is_finite()
-        && state.door_rad.iter().all(|angle| angle.is_finite())
-}
-
-/// Blinkers flash so often a second (the rule is 1 to 2 Hz), emergency lights to either side so often.
-const BLINK_HZ: f64 = 1.5;
-const EMERGENCY_HZ: f64 = 2.0;
-/// The golden ratio: no two objects flash in step.
-const OUT_OF_STEP: f64 = 0.618_033_988_749_895;
-
-/// The lamps of a state that burn at a time: those that flash do so in the first half of their period; of the emergency
-/// lights one half burns while the other is dark.
-fn flashing(state: &StateRow, time_s: f64) -> u32 {
-    let offset = OUT_OF_STEP * f64::from(state.id);
-    let first_half = |hz: f64| (time_s * hz + offset).rem_euclid(1.0) < 0.5;
-    let mut lamps = state.lights & !lights::EMERGENCY_OTHER;
-    if !first_half(BLINK_HZ) {
-        lamps &= !(lights::BLINK_LEFT | lights::BLINK_RIGHT);
-    }
-    if lamps & lights::EMERGENCY != 0 && !first_half(EMERGENCY_HZ) {
-        lamps = lamps & !lights::EMERGENCY | lights::EMERGENCY_OTHER;
-    }
-    lamps
-}
-
 fn rotation(pose: &Pose<World, Object>) -> Mat3A {
     let [w, x, y, z] = pose.wxyz();
     Mat3A::from_quat(Quat::from_xyzw(x as f32, y as f32, z as f32, w as f32).normalize())
-}
-
-fn local_from_state(origin: &LocalOrigin, state: &StateRow) -> Affine3A {
-    origin.local_from_body(&Pose::<World, Object>::from_xyz_wxyz(state.xyz_m, state.quaternion))
 }
 
 fn signal_bits(state: SignalState) -> u32 {

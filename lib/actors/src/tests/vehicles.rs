@@ -198,6 +198,45 @@ fn wheels_turn_and_steer_clear_of_the_body() {
 }
 
 #[test]
+fn wheels_stay_in_their_arches_while_the_body_leans() {
+    let mut leaned = 0;
+    for model in on_four_wheels() {
+        let travel_m = model.spring_travel_m() as f32;
+        let at_m = [0.5 * model.wheelbase_m.max(1.0), 0.5 * model.size_m[1]].map(|m| m as f32);
+        let actor = made(model.name, model.size_m, 0);
+        let mesh = &actor.pieces[0].mesh;
+        // All of the springs' travel ahead, aside, and half of each: nobody accelerates as hard as they brake.
+        for [ahead, aside] in [[1.0, 0.0], [-0.5, 0.0], [0.0, 1.0], [0.5, 0.5], [-0.5, 0.5]] {
+            // Traffic lets them lean by no more than this.
+            let pitch = (ahead * travel_m / at_m[0]).clamp(-0.03, 0.03);
+            let roll = (aside * travel_m / at_m[1]).min(0.025);
+            let lean =
+                glam::Affine3A::from_mat3(glam::Mat3::from_euler(glam::EulerRot::ZYX, 0.0, pitch, roll));
+            let leaning = |i: usize| mesh.corners(i).map(|p| lean.transform_point3(p));
+            let body: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(leaning).collect();
+            for wheel in actor.pieces.iter().filter(|p| p.joint.stays_on_road()) {
+                let pose =
+                    wheel.joint.object_from_piece(&Posture::default()).expect("wheels are always there");
+                let radius = model.wheel_radius_m as f32;
+                let tread = wheel.mesh.positions.iter().filter(|p| p.length() > 0.93 * radius);
+                // The beds of lorries lie close over their wheels, unseen.
+                let share = if model.base == BaseType::Truck { 1.0 - 0.012 / radius } else { 1.0 };
+                for p in tread.map(|p| pose.transform_point3(*p * Vec3::new(share, 1.0, share))) {
+                    assert!(times_inside(&body, p) <= 0, "{} leaning by {pitch} {roll}: {p}", model.name);
+                }
+            }
+            leaned += 1;
+        }
+        // Far away the wheels are a piece of their own, too, and stand on the ground.
+        let coarse = &actor.coarser[actor.coarser.len() - 1].pieces;
+        let standing: Vec<&Piece> = coarse.iter().filter(|p| p.joint.stays_on_road()).collect();
+        assert!(standing.len() == 1 && standing[0].mesh.aabb().min.z.abs() < 1e-3, "{}", model.name);
+        assert!(coarse[0].mesh.aabb().min.z > 0.05, "{}: the body stands on the ground", model.name);
+    }
+    assert!(leaned >= 50);
+}
+
+#[test]
 fn the_readme_names_every_vehicle() {
     let readme = include_str!("../../README.md");
     for model in vehicles().chain(trains::sections()) {

@@ -56,6 +56,8 @@ table! {
         velocity_mps: [f32; 3],
         /// Angular velocity in the world, rad/s.
         angular_velocity_radps: [f32; 3],
+        /// What of the orientation's roll and pitch (it is Rz(yaw) Ry(pitch) Rx(roll)) is a body's lean on its springs, rad: right side down, nose down. Wheels stand on the ground by the pose without it; zeros of all but vehicles on four wheels.
+        lean_rad: [f32; 2],
         /// Steering angle of the front wheels, rad, positive left.
         steer_rad: f32,
         /// Rotation of the wheels since the start, rad; of walkers the gait phase, which goes on while they stand (not of those with a pram).

@@ -222,6 +222,7 @@ impl Thing {
             id,
             world_from_object: self.pose(),
             world_from_object_before: *before,
+            lean_rad: [0.0; 2],
             steer_rad: 0.0,
             phase_rad: 0.0,
             lights: self.lamps | weather_lamps,

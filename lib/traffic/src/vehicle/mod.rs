@@ -393,7 +393,7 @@ impl Vehicle {
 
     /// Takes over where the body of a crashed vehicle has skidded to.
     pub(crate) fn skid_to(&mut self, body: &BodyMotion) {
-        self.motion.skid_to(body);
+        self.motion.skid_to(body, self.model);
     }
 
     /// The same of what it tows.

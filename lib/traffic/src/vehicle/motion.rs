@@ -12,7 +12,7 @@ use crate::road::centreline::{Centreline, CentrelinePoint, heading};
 use crate::road::net::Net;
 use crate::vehicle::lateral::Lateral;
 use crate::vehicle::route::Route;
-use crate::vehicle::sway::Sway;
+use crate::vehicle::sway::{Springs, Sway};
 use crate::vehicle::towed;
 
 /// Largest steering angle, radians: that of a town bus's inner wheel.
@@ -27,6 +27,18 @@ const STANDS_MPS: f64 = 0.004;
 const SEAM_M: f64 = 1e-3;
 const WEARS_OFF_S: f64 = 1.0;
 const WEARS_OFF_M: f64 = 3.0;
+
+fn is_two_wheeled(model: &Model) -> bool {
+    matches!(model.base, BaseType::Motorcycle | BaseType::Bicycle)
+}
+
+/// What its body leans on.
+fn springs(model: &Model) -> Springs {
+    if is_two_wheeled(model) {
+        return Springs::Rider;
+    }
+    Springs::Wheels { at_m: [half_base_m(model), 0.5 * model.size_m[1]], travel_m: model.spring_travel_m() }
+}
 
 /// From the middle between the axles back to the rear one, metres.
 pub(crate) fn half_base_m(model: &Model) -> f64 {
@@ -107,6 +119,11 @@ impl Motion {
         towed::hitch(train, self.at.point, self.yaw_rad, self.at.pitch_rad)
     }
 
+    /// What of its pose's roll and pitch is lean on its springs, radians; that of two-wheelers is theirs, wheels and all.
+    pub(crate) fn lean_rad(&self, model: &Model) -> [f64; 2] {
+        if is_two_wheeled(model) { [0.0; 2] } else { [self.sway.roll_rad, self.sway.pitch_rad] }
+    }
+
     /// Pose on the slope under it, leaning on its springs: the slope is given along the road, the body may be askew.
     pub(crate) fn world_from_object(&self) -> Pose<World, Object> {
         let (at, sway) = (&self.at, &self.sway);
@@ -185,8 +202,7 @@ impl Motion {
             self.turn_after(&from, half_base_m(model));
         }
         let turn = frames::wrap_pi(self.yaw_rad - before_rad) / dt;
-        let two_wheeled = matches!(model.base, BaseType::Motorcycle | BaseType::Bicycle);
-        self.sway.step(self.acceleration_mps2, speed * turn, two_wheeled, dt);
+        self.sway.step(self.acceleration_mps2, speed * turn, &springs(model), dt);
         moves
     }
 
@@ -228,7 +244,7 @@ impl Motion {
     }
 
     /// Takes over where the body of a crashed vehicle has skidded to, on the plane of the last place on its route.
-    pub(super) fn skid_to(&mut self, body: &BodyMotion) {
+    pub(super) fn skid_to(&mut self, body: &BodyMotion, model: &Model) {
         let at = &mut self.at;
         let (sin, cos) = frames::math::sin_cos(at.heading_rad);
         let (dx, dy) = (body.x_m - at.point.x, body.y_m - at.point.y);
@@ -239,6 +255,8 @@ impl Motion {
         let [x, y] = body.velocity_mps;
         self.speed_mps = (x * x + y * y).sqrt();
         self.acceleration_mps2 = -COMFORT_BRAKING;
+        // Nothing holds the body where it leaned when it hit.
+        self.sway.step(0.0, 0.0, &springs(model), FRAME_PERIOD_S);
     }
 }
 

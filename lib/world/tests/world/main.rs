@@ -3,4 +3,5 @@
 mod common;
 mod footprint;
 mod ground;
+mod lean;
 mod town;
