@@ -12,7 +12,7 @@ use schema::tables::{FrameRow, Weather};
 use sensors::{Camera, CpuPainter, FrameWeather, Painter, Shot};
 use tiles::{Surroundings, TileMaker};
 use visibility::CpuRenderer;
-use world::{Moment, SceneWorld};
+use world::{Light, Moment, OwnModels, SceneWorld};
 
 /// Name, height over the road, sideways from the middle of the lane, pitch downwards, yaw to the left, field of view, in degrees
 /// and metres.
@@ -53,7 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let rules = SceneryRules::default();
     let Surroundings { actors, ground } =
         TileMaker::new(&map, &rules, schema::catalogue::Catalogue::built_in()).around(&[centre], 300.0, 1)?;
-    let world = SceneWorld::new(&actors, ground)?;
+    let world = SceneWorld::with_models(&actors, ground, &OwnModels::new(), Light::Sheltered)?;
     let mut renderer = CpuRenderer::default();
     renderer.prepare(&world.meshes())?;
     for (name, weather) in weathers() {

@@ -33,6 +33,7 @@ mod pod;
 mod posture;
 mod props;
 mod rig;
+mod shelter;
 mod sign;
 mod skin;
 mod street;

@@ -150,6 +150,13 @@ impl<'v, 'a> Facet<'v, 'a> {
         Bend::new(mesh.corners(self.triangle as usize), normals, &self.view.to_local, side)
     }
 
+    /// The share of the light of sky and ground that reaches its corners past its own body; `None` where that is all.
+    #[must_use]
+    pub fn open(&self) -> Option<[f32; 3]> {
+        let open = self.view.mesh.corner_open.get(self.triangle as usize)?;
+        Some(open.map(|open| f32::from(open) * (1.0 / 255.0)))
+    }
+
     /// The points of eight pixels, as [`Surfaces::at`] gives each: `x` are their columns, all in row `y`.
     #[inline]
     pub fn points(&self, buffer: &VisibilityBuffer, x: &[u32; LANES], y: u32) -> SurfacePoints {

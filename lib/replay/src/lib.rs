@@ -4,3 +4,4 @@ mod models;
 mod replay;
 
 pub use replay::{Replay, ReplayError};
+pub use world::Light;

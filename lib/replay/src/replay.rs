@@ -7,7 +7,7 @@ use opendrive::Map;
 use scene::{SceneError, SceneLog, SceneReader, read_ground};
 use schema::ObjectId;
 use schema::geometry::{Snapshot, TriMesh};
-use world::{Moment, SceneWorld, WorldError};
+use world::{Light, Moment, SceneWorld, WorldError};
 
 use crate::models;
 
@@ -49,12 +49,21 @@ impl Replay {
     /// # Errors
     /// The log, the map or a tile is missing or broken, or an actor has no mesh.
     pub fn open(scene: &SceneReader) -> Result<Self, ReplayError> {
+        Self::in_light(scene, Light::Any)
+    }
+
+    /// The same with what is to be known of the light on its models.
+    ///
+    /// # Errors
+    /// As [`Replay::open`].
+    pub fn in_light(scene: &SceneReader, light: Light) -> Result<Self, ReplayError> {
         let log = SceneLog::read(scene)?;
         let map = mapstore::read(scene.store(), &log.info.map, &log.info.map_hash)?;
         let models = models::read(scene.store(), &log.info.models)?;
         let number = scene.scene();
         let wrong = |source| ReplayError::World { scene: number, source };
-        let mut world = SceneWorld::with_models(&log.actors, read_ground(scene)?, &models).map_err(wrong)?;
+        let mut world =
+            SceneWorld::with_models(&log.actors, read_ground(scene)?, &models, light).map_err(wrong)?;
         world.set_lamps(&log.lamps);
         Ok(Self { log, map, world })
     }

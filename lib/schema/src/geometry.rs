@@ -167,6 +167,9 @@ pub struct TriMesh {
     pub parts: Vec<Part>,
     /// Normals for light at the corners of each triangle ; empty where all are flat.
     pub corner_normals: Vec<[Normal; 3]>,
+    /// What of the light of sky and ground reaches the corners of each triangle past its own body, in 255ths; empty where that
+    /// is not known: all of it.
+    pub corner_open: Vec<[u8; 3]>,
     /// Pictures on it, where it has some of its own.
     pub skin: Option<Arc<Skin>>,
 }

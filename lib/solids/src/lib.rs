@@ -1,5 +1,6 @@
 //! Putting meshes together from closed solids: lofts, bars, ellipsoids, boxes, all facing outward.
 
+mod shelter;
 mod smooth;
 
 use std::f32::consts::TAU;
@@ -9,6 +10,7 @@ use frames::math::f32::sin_cos;
 use glam::Vec3;
 use schema::geometry::{Part, TriMesh};
 
+pub use shelter::{Place, sheltered};
 use smooth::smooth;
 
 /// Cosine of the sharpest bend that is round and no edge: round bars of six sides are round.

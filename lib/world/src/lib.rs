@@ -33,4 +33,4 @@ mod state;
 mod world;
 
 pub use error::WorldError;
-pub use world::{Moment, OwnModels, SceneWorld};
+pub use world::{Light, Moment, OwnModels, SceneWorld};

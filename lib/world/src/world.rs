@@ -151,6 +151,16 @@ pub struct SceneWorld {
 /// Models that are not made by rule, by name: they stand for the built-in ones of that name.
 pub type OwnModels = BTreeMap<String, ActorMesh>;
 
+/// What is known of the light on models.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Light {
+    /// Nothing: who paints no pictures needs none.
+    #[default]
+    Any,
+    /// What reaches them past themselves ([`TriMesh::corner_open`]).
+    Sheltered,
+}
+
 /// Meshes while they are gathered: identical models share theirs.
 #[derive(Default)]
 struct Library {
@@ -176,13 +186,14 @@ impl Library {
     }
 
     /// A library with the models of some rows at hand: they are made side by side, and numbered when they are asked for.
-    fn with_models_of(rows: &[&ActorRow], own: &OwnModels) -> Self {
+    fn with_models_of(rows: &[&ActorRow], own: &OwnModels, light: Light) -> Self {
         let keys: BTreeSet<ModelKey> = rows.iter().map(|actor| model_key(actor, own)).collect();
         let make = |key: ModelKey| {
             let made = match own.get(&key.0) {
                 Some(own) => own.clone(),
                 None => actor_mesh(&key.0, key.1.map(f64::from_bits), key.2)?,
             };
+            let made = if light == Light::Sheltered { made.sheltered() } else { made };
             Some((key, made))
         };
         let keys: Vec<ModelKey> = keys.into_iter().collect();
@@ -232,10 +243,10 @@ impl SceneWorld {
     /// # Errors
     /// An id is used twice, a model is unknown, or a row has numbers that are not usable.
     pub fn new(actors: &[ActorRow], ground: Vec<SurfaceMesh>) -> Result<Self, WorldError> {
-        Self::with_models(actors, ground, &OwnModels::new())
+        Self::with_models(actors, ground, &OwnModels::new(), Light::Any)
     }
 
-    /// The same, with models of packs.
+    /// The same, with models of packs, and with what light matters for.
     ///
     /// # Errors
     /// As [`SceneWorld::new`].
@@ -243,6 +254,7 @@ impl SceneWorld {
         actors: &[ActorRow],
         ground: Vec<SurfaceMesh>,
         own: &OwnModels,
+        light: Light,
     ) -> Result<Self, WorldError> {
         let mut rows: Vec<&ActorRow> = actors.iter().collect();
         rows.sort_by_key(|a| a.id);
@@ -252,7 +264,7 @@ impl SceneWorld {
         let layers = layers(&rows)?;
         rows.retain(|actor| actor.kind != ActorKind::Surface);
         rows.iter().try_for_each(|actor| check(actor))?;
-        let mut library = Library::with_models_of(&rows, own);
+        let mut library = Library::with_models_of(&rows, own, light);
         let mut world = Self {
             meshes: Arc::new([]),
             fixed: Vec::new(),

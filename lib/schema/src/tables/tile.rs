@@ -183,6 +183,7 @@ impl SurfaceRow {
             parts: (0..parts).map(part).collect::<Option<_>>()?,
             // The ground is flat in its triangles.
             corner_normals: Vec::new(),
+            corner_open: Vec::new(),
             skin: None,
         };
         Some(SurfaceMesh { layer: self.layer, origin_m: self.origin_m, mesh })
