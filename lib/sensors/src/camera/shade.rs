@@ -14,7 +14,7 @@ use super::rain::{Rain, draw_rain};
 use super::soften::soften;
 use super::view::CameraView;
 use super::vignette::Vignette;
-use crate::light::{Lighting, Lit};
+use crate::light::{Facing, Lighting, Lit, Ramp};
 use crate::look::{Facet, Gloss, Points, Stuff, gets_wet, look};
 use crate::panes::{Behind, PASSES, Panes, Passing};
 
@@ -35,8 +35,6 @@ impl Picture {
         let blocks = blocks(width);
         let mut bright = vec![Vec3::ZERO; blocks * buffer.height as usize];
         let exposure = lighting.exposure.per_radiance(view.settings.f_stop);
-        let mut ambient = lighting.sky.ambient;
-        ambient[0] += lighting.sky.bounced_klx();
         let mut shader = Shader {
             buffer,
             lighting,
@@ -49,7 +47,8 @@ impl Picture {
             balance: lighting.exposure.balance(view.settings.white_balance),
             hazy: !lighting.fog.is_clear(),
             veil: lighting.fog.rgb * exposure,
-            ambient: ambient.map(|a| a * (exposure / std::f32::consts::PI)),
+            ambient: lighting.sky.ambient.map(|a| a * (exposure / std::f32::consts::PI)),
+            bounced: lighting.sky.bounced_klx() * (exposure / std::f32::consts::PI),
             key: lighting.sky.key_klx * (exposure / std::f32::consts::PI),
             mirror: None,
         };
@@ -194,6 +193,10 @@ struct Run<'a> {
     /// The light on its plane.
     turned: Turned,
     relief: Relief,
+    /// What of sky and ground is seen past its own body; all of it without one.
+    shelter: Option<Ramp>,
+    /// How it is turned to what houses leave of the sky.
+    facing: Facing,
     /// Whether it mirrors what is around it.
     gets_wet: bool,
 }
@@ -223,8 +226,10 @@ struct Turned {
 struct Light {
     /// Share of the sun that is seen.
     sunlit: Lanes,
-    /// Share of the sky that is seen.
+    /// Share of the sky that is seen past what is above.
     open: Lanes,
+    /// Share of what is left that houses around leave.
+    between_houses: Lanes,
     /// Film value of a white surface by lamps.
     lamps: Vec3s,
     /// Share of light that passes the fog.
@@ -238,6 +243,18 @@ struct Knots {
     light: Light,
     sun: Lit,
 }
+
+/// How far apart places are whose light is asked for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Spread {
+    /// Neighbours: houses leave all of them the same of the sky.
+    Near,
+    Far,
+}
+
+/// What a wall that hides the sky sends in its place, of what the sky gives: walls reflect some four tenths, and half of what the
+/// ground has reaches them.
+const WALLS: Vec3 = Vec3::new(0.27, 0.24, 0.20);
 
 /// Shade from above may differ by this at the ends of an even stretch.
 const ALIKE: f32 = 0.06;
@@ -271,6 +288,8 @@ struct Shader<'a> {
     veil: Vec3,
     /// Film value of a white surface, by the sky's ambient terms.
     ambient: [Vec3; 4],
+    /// Film value of a white surface by sunlight that comes back from what it falls on.
+    bounced: Vec3,
     /// Film value of a white surface that faces the sun.
     key: Vec3,
     /// What wet ground mirrors, when the rest is painted.
@@ -313,7 +332,7 @@ impl Shader<'_> {
             let from = group * LANES;
             let columns = span.columns(from, 1);
             let here = triangle.points(self.buffer, &columns, span.y);
-            let light = self.light(&run, &here).light;
+            let light = self.light(&run, &here, Spread::Near).light;
             let seen = self.behind(surfaces, &columns, span.y, behind, light.passes);
             self.develop(self.surface(&run, (&columns, span.y), &here, &light, Some(seen)), &mut span, from);
         }
@@ -347,7 +366,7 @@ impl Shader<'_> {
                 Some(facet) => {
                     let run = self.begin(&facet);
                     let there = facet.points(self.buffer, columns, y);
-                    let mut light = self.light(&run, &there).light;
+                    let mut light = self.light(&run, &there, Spread::Near).light;
                     light.passes = (light.passes / passes).fast_min(Lanes::ONE);
                     if surfaces.is_behind_panes(instance) {
                         light.open = light.open.fast_max(Lanes::splat(OPEN_IN_CABINS));
@@ -370,12 +389,13 @@ impl Shader<'_> {
         if length <= LANES {
             let columns = span.columns(0, 1);
             let here = points(&columns, span.y);
-            let light = self.light(&run, &here).light;
+            let light = self.light(&run, &here, Spread::Near).light;
             self.develop(self.surface(&run, (&columns, span.y), &here, &light, None), &mut span, 0);
             return;
         }
         for stretch in (0..length).step_by(LANES * (LANES - 1)) {
-            let knots = self.light(&run, &points(&span.columns(stretch, LANES), span.y));
+            let places = points(&span.columns(stretch, LANES), span.y);
+            let knots = self.light(&run, &places, Spread::Far);
             for knot in 0..LANES - 1 {
                 let from = stretch + knot * LANES;
                 if from >= length {
@@ -400,7 +420,7 @@ impl Shader<'_> {
 
     /// The light at some places.
     #[inline]
-    fn light(&self, run: &Run<'_>, points: &SurfacePoints) -> Knots {
+    fn light(&self, run: &Run<'_>, points: &SurfacePoints, spread: Spread) -> Knots {
         let light = self.lighting;
         let positions = &points.position_local;
         let normal = run.facet.normal_local;
@@ -426,6 +446,10 @@ impl Shader<'_> {
         let light = Light {
             sunlit: sun.share,
             open: light.overhead.open(positions, normal),
+            between_houses: match spread {
+                Spread::Near => Lanes::splat(light.walls.open(positions.lane(0), &run.facing)),
+                Spread::Far => light.walls.open_all(positions, &run.facing),
+            },
             lamps,
             passes: light.fog.passes(self.camera.z, positions.z, distance_m),
             // A pixel on a slanted surface is longer than wide; the geometric mean blurs neither way too much.
@@ -474,6 +498,7 @@ impl Shader<'_> {
             } else {
                 self.lighting.overhead.open(&here.position_local, run.facet.normal_local)
             },
+            between_houses: mix(light.between_houses),
             lamps,
             passes: mix(light.passes),
             footprint_at_1_m: mix(light.footprint_at_1_m),
@@ -507,6 +532,14 @@ impl Shader<'_> {
             facing = (facing + a * fa + b * fb).fast_max(Lanes::ZERO);
             ambient += Vec3s::splat(sa) * a + Vec3s::splat(sb) * b;
         }
+        let mut light = *light;
+        if let Some(shelter) = &run.shelter {
+            light.open *= shelter.at(&here.position_object);
+        }
+        let walls = 1.0 - light.between_houses;
+        let left = |wall: f32| walls * (wall - 1.0) + 1.0;
+        ambient =
+            ambient * Vec3s::new(left(WALLS.x), left(WALLS.y), left(WALLS.z)) + Vec3s::splat(self.bounced);
         let received = Vec3s::splat(self.key) * (facing * light.sunlit) + ambient * light.open + light.lamps;
         let mut out = behind.unwrap_or(look.albedo * received);
         if let Some(emission) = look.emission {
@@ -525,7 +558,7 @@ impl Shader<'_> {
                 Some(mirror) if run.gets_wet => Some(mirrored(mirror, pixels, gloss, look.lean, &toward)),
                 _ => None,
             };
-            out = self.gloss(out, gloss, normals, toward, light, mirrored);
+            out = self.gloss(out, gloss, normals, toward, &light, mirrored);
         }
         Vec3s::splat(self.veil).lerp(out, light.passes)
     }
@@ -536,6 +569,8 @@ impl Shader<'_> {
         let facet = Facet::new(triangle.placed(), triangle);
         let gets_wet = self.mirror.is_some() && gets_wet(triangle.part, n);
         let relief = self.relief(&facet);
+        let shelter = triangle.open().map(|open| Ramp::new(triangle.corners_object_m(), open));
+        let towards = Facing::new(n);
         let bend = triangle.bend();
         let turned = self.turned(facet.is_leaf(), &Vec3s::splat(n));
         if facet.is_leaf() {
@@ -547,12 +582,14 @@ impl Shader<'_> {
                 is_lit: true,
                 turned,
                 relief,
+                shelter,
+                facing: towards,
                 gets_wet,
             };
         }
         let corners = bend.as_ref().map_or([n; 3], Bend::corner_normals);
         let is_lit = corners.iter().any(|normal| normal.dot(to_key) > 0.0);
-        Run { facet, normal: n, bend, outward: n, is_lit, turned, relief, gets_wet }
+        Run { facet, normal: n, bend, outward: n, is_lit, turned, relief, shelter, facing: towards, gets_wet }
     }
 
     fn relief(&self, facet: &Facet<'_>) -> Relief {
@@ -607,6 +644,7 @@ impl Shader<'_> {
         let sky = self.lighting.sky.radiance(&mirrored);
         let sharp = self.lighting.skyline.before(&sky, &mirrored) * Lanes::splat(self.exposure);
         let [level, .., rise] = self.ambient;
+        let level = level + self.bounced;
         let wide = |level: f32, rise: f32| (mirrored.z * rise + level).fast_max(Lanes::ZERO);
         let wide = Vec3s::new(wide(level.x, rise.x), wide(level.y, rise.y), wide(level.z, rise.z));
         let blur = (gloss.roughness * 2.0).fast_min(Lanes::ONE);

@@ -38,6 +38,9 @@ pub(super) const MAPS: [Size; 3] = [
 /// The map from above.
 pub(super) const ABOVE: Size =
     Size { half_m: 56.0, side: 448, cell: 192, steps: 256.0, through_panes: false };
+/// The map of houses from above.
+pub(super) const HOUSES: Size =
+    Size { half_m: 128.0, side: 256, cell: 64, steps: 256.0, through_panes: false };
 /// No lens stands farther from the place that it is for, metres.
 pub(super) const ASIDE_M: f64 = 66.0;
 
@@ -186,7 +189,7 @@ mod tests {
             let place = DVec3::new(x, y, z);
             let (sin, cos) = frames::math::f32::sin_cos(turn);
             let flat = (1.0 - up * up).sqrt();
-            for size in MAPS.iter().chain([&ABOVE]) {
+            for size in MAPS.iter().chain([&ABOVE, &HOUSES]) {
                 let (lens, window) = Lens::at(place, Vec3::new(flat * cos, flat * sin, up), size);
                 prop_assert!(window.corner.iter().all(|c| c + window.side <= lens.side && c % BLOCK as u32 == 0));
                 let origin = LocalOrigin::near(place.to_array());

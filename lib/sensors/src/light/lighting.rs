@@ -13,6 +13,7 @@ use super::shadow::{Caster, Overhead, Shadows, shadows_at};
 use super::sky::Sky;
 use super::skyline::{Seen, Skyline};
 use super::still::StillMaps;
+use super::walls::Enclosed;
 use crate::look::Surroundings;
 
 /// What decides the light of a frame.
@@ -39,6 +40,7 @@ pub struct Lighting {
     pub(crate) sky: Arc<Sky>,
     pub(crate) shadows: Shadows,
     pub(crate) overhead: Overhead,
+    pub(crate) walls: Enclosed,
     pub(crate) lamps: Lamps,
     pub(crate) exposure: Exposure,
     pub(crate) fog: Fog,
@@ -81,11 +83,14 @@ impl Lighting {
         let caster = sky
             .key_casts_shadows()
             .then_some(Caster { to_light: sky.key_direction, is_steady: when.is_steady });
-        let (shadows, lamps) = rayon::join(
+        let (shadows, (lamps, walls)) = rayon::join(
             || shadows_at(scene, still, caster, centre_local),
-            || Lamps::new(scene, sky.lamps_matter(), centre_local),
+            || {
+                let walls = Enclosed::around(scene, still, centre_local);
+                (Lamps::new(scene, sky.lamps_matter(), centre_local), walls)
+            },
         );
-        let ((shadows, overhead), lamps) = (shadows?, lamps?);
+        let ((shadows, overhead), lamps, walls) = (shadows?, lamps?, walls?);
         let exposure = Exposure::new(sky.around_klx, lamps.on_the_ground(centre_local));
         let fog = Fog::new(weather, &sky, centre_local.z);
         let seen = Seen { sky: &sky, shadows: &shadows, lamps: &lamps, fog: &fog };
@@ -93,6 +98,7 @@ impl Lighting {
         Ok(Self {
             shadows,
             overhead,
+            walls,
             lamps,
             exposure,
             fog,

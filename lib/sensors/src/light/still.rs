@@ -9,9 +9,12 @@ use schema::geometry::Snapshot;
 
 use super::lens::{ASIDE_M, Lens, LensKey};
 use super::map::{Map, Still};
+use super::walls::Walls;
 
 /// Maps kept at most: some 5 MiB each.
 const MOST_MAPS: usize = 16;
+/// What houses leave of the sky is kept for so many places at most, 3 MiB each.
+const MOST_WALLS: usize = 24;
 
 /// What never moves in a scene.
 pub trait StillWorld: Send + Sync {
@@ -34,6 +37,7 @@ pub(crate) struct StillMaps<'a> {
     renderer: &'a dyn Renderer,
     world: &'a dyn StillWorld,
     kept: Mutex<Kept>,
+    walls: Mutex<BTreeMap<LensKey, Arc<Walls>>>,
 }
 
 #[derive(Default)]
@@ -56,7 +60,7 @@ enum Slot {
 impl<'a> StillMaps<'a> {
     /// Maps of a world, seen through a renderer that has its meshes.
     pub(crate) fn new(renderer: &'a dyn Renderer, world: &'a dyn StillWorld) -> Self {
-        Self { renderer, world, kept: Mutex::default() }
+        Self { renderer, world, kept: Mutex::default(), walls: Mutex::default() }
     }
 
     /// Numbers of a snapshot's instances that may move, ascending.
@@ -122,6 +126,27 @@ impl<'a> StillMaps<'a> {
         let camera = lens.camera(&snapshot.origin, lens.whole());
         let depth_m = lens.depths(&*self.renderer.place(&snapshot)?, &camera, None)?;
         Ok(Map::new(lens, lens.whole(), &camera, depth_m, None).into_still())
+    }
+
+    /// What the houses that stand in a lens's sight leave of the sky.
+    ///
+    /// # Errors
+    /// The renderer failed.
+    pub(super) fn walls(&self, lens: &Lens) -> Result<Arc<Walls>, RenderError> {
+        let known = |walls: &BTreeMap<LensKey, Arc<Walls>>| walls.get(&lens.key).cloned();
+        if let Some(known) = self.walls.lock().ok().and_then(|walls| known(&walls)) {
+            return Ok(known);
+        }
+        // Outside the lock: whoever makes them twice makes the same ones.
+        let snapshot = self.world.around(lens.centre_m.to_array(), ASIDE_M);
+        let made = Arc::new(Walls::new(&*self.renderer.place(&snapshot)?, lens)?);
+        if let Ok(mut walls) = self.walls.lock() {
+            if walls.len() >= MOST_WALLS {
+                walls.clear();
+            }
+            walls.insert(lens.key, Arc::clone(&made));
+        }
+        Ok(made)
     }
 
     fn kept(&self) -> MutexGuard<'_, Kept> {
