@@ -8,7 +8,7 @@ use schema::models::Model;
 use schema::trains::Train;
 use solids::{Detail, MeshBuilder};
 
-use crate::cabin::REAR_PANE;
+use crate::cabin::{REAR_DOOR_M, REAR_PANE};
 use crate::car::{Car, Looks};
 use crate::decal::patch;
 use crate::heavy::tall_mirrors;
@@ -108,8 +108,6 @@ const FRONT: Style = Style {
 const HALF_BELLOWS_M: f32 = 0.80;
 const BELLOWS_Y: f32 = 1.15;
 const BELLOWS_Z: [f32; 2] = [0.40, 0.22];
-/// Door of the rear section, from its axle ahead.
-pub(crate) const REAR_DOOR_M: f32 = 1.75;
 
 /// A bus.
 pub(crate) fn bus(model: &Model, size: Vec3) -> ActorMesh {

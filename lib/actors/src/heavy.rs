@@ -7,35 +7,11 @@ use solids::{Detail, MeshBuilder};
 
 use crate::car::{Car, Looks};
 use crate::hull::{Hull, Style};
-use crate::lorry::{Load, Lorry};
+use crate::lorry::{CAB, Load, Lorry, TYRE_M};
 use crate::pieces::ActorMesh;
 use crate::pod::rounded;
 use crate::wheel::{Rim, Wheels};
 use crate::{brigade, load, tanks, trailer};
-
-/// A cab above its engine.
-pub(crate) const CAB: Style = Style {
-    nose_z: 0.47,
-    cowl: (0.012, 0.485),
-    roof: (0.17, 0.985),
-    deck: (0.995, 0.50),
-    tail_z: 0.49,
-    windows: (0.13, 0.60),
-    pillars: &[],
-    roof_width: 0.90,
-    clearance: 0.12,
-    rear_glass: false,
-    roof_z: 1.0,
-    bow_m: [0.13, 0.01],
-    glass_bow_m: [0.10, 0.01],
-    tuck: 0.012,
-    ends_width: [0.94, 0.985],
-    nose_lean: &[(0.2, 0.04), (0.36, 0.0), (0.8, 0.008), (1.0, 0.03)],
-    tail_lean: &[(0.0, 0.0), (1.0, 0.0)],
-    belt: [0.97, 0.97],
-    crown_m: 0.05,
-    falls: [0.05, 0.01],
-};
 
 /// That of a fire engine, with room for a crew.
 const CREW_CAB: Style =
@@ -43,8 +19,6 @@ const CREW_CAB: Style =
 
 /// How much narrower than the body a cab is on each side: mirrors fill that.
 const NARROWER_M: f32 = 0.07;
-/// Width of tyres.
-pub(crate) const TYRE_M: f32 = 0.34;
 
 /// A lorry: cab over the front axle, frame, and a box (or the body of a fire engine).
 pub(crate) fn truck(model: &Model, size: Vec3) -> ActorMesh {

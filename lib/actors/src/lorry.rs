@@ -7,7 +7,35 @@ use schema::{Tag, lights};
 use solids::{Detail, MeshBuilder};
 
 use crate::car::Car;
+use crate::hull::Style;
 use crate::pod::rounded;
+
+/// A cab above its engine.
+pub(crate) const CAB: Style = Style {
+    nose_z: 0.47,
+    cowl: (0.012, 0.485),
+    roof: (0.17, 0.985),
+    deck: (0.995, 0.50),
+    tail_z: 0.49,
+    windows: (0.13, 0.60),
+    pillars: &[],
+    roof_width: 0.90,
+    clearance: 0.12,
+    rear_glass: false,
+    roof_z: 1.0,
+    bow_m: [0.13, 0.01],
+    glass_bow_m: [0.10, 0.01],
+    tuck: 0.012,
+    ends_width: [0.94, 0.985],
+    nose_lean: &[(0.2, 0.04), (0.36, 0.0), (0.8, 0.008), (1.0, 0.03)],
+    tail_lean: &[(0.0, 0.0), (1.0, 0.0)],
+    belt: [0.97, 0.97],
+    crown_m: 0.05,
+    falls: [0.05, 0.01],
+};
+
+/// Width of tyres.
+pub(crate) const TYRE_M: f32 = 0.34;
 
 /// What a lorry carries behind its cab.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,9 +7,8 @@ use schema::trains::Train;
 use solids::{Detail, MeshBuilder};
 
 use crate::car::{Car, Looks};
-use crate::heavy::{CAB, TYRE_M};
 use crate::hull::Hull;
-use crate::lorry::{Load, Lorry};
+use crate::lorry::{CAB, Load, Lorry, TYRE_M};
 use crate::pieces::ActorMesh;
 use crate::pod::rounded;
 use crate::wheel::{Rim, Wheels};

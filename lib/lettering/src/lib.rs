@@ -13,6 +13,7 @@ mod glyphs;
 mod stroke;
 
 use glyphs::glyph;
+pub use stroke::Point;
 use stroke::outlines;
 
 /// Breadth of the pen.
@@ -21,9 +22,6 @@ const PEN: f64 = 0.17;
 const GAP: f64 = 0.15;
 /// See [`GAP`].
 const SPACE: f64 = 0.42;
-
-/// A point: to the right and up, in heights of a capital.
-pub type Point = [f64; 2];
 
 /// What was written: it stands on the line of height 0 and begins at 0 to the right.
 #[derive(Clone, Debug, PartialEq)]
@@ -156,7 +154,8 @@ mod tests {
     /// Read by a few places where ink must be and must not be.
     #[test]
     fn letters_are_themselves() {
-        let probes: [(&str, &[[f64; 2]], &[[f64; 2]]); 5] = [
+        type Places = &'static [Point];
+        let probes: [(&str, Places, Places); 5] = [
             // As shares of the width, and heights.
             ("L", &[[0.1, 0.9], [0.1, 0.1], [0.9, 0.08]], &[[0.6, 0.6], [0.9, 0.9]]),
             ("P", &[[0.1, 0.1], [0.5, 0.92], [0.9, 0.75]], &[[0.9, 0.2], [0.5, 0.1], [0.5, 0.73]]),

@@ -1,7 +1,9 @@
 //! What a broad pen leaves along a line.
 
-use crate::Point;
 use crate::glyphs::Step;
+
+/// A point: to the right and up, in heights of a capital.
+pub type Point = [f64; 2];
 
 /// Sines of 22.5, 45 and 67.5 degrees: an arc is that of a quarter of an ellipse in four pieces.
 const SINES: [f64; 3] = [0.382_683_432_365_089_8, std::f64::consts::FRAC_1_SQRT_2, 0.923_879_532_511_286_7];

@@ -3,7 +3,9 @@
 use schema::models::{BaseType, Model};
 
 use super::room::Room;
-use crate::bus;
+
+/// The door of a bus's rear section is so far ahead of its axle, metres.
+pub(crate) const REAR_DOOR_M: f32 = 1.75;
 
 /// A row of seats: of hips that are so far ahead and so high, metres.
 #[derive(Clone, Copy, Debug)]
@@ -165,7 +167,7 @@ impl Plan {
         // What is towed has its door before its only axle, and seats where others have a driver.
         let (middle_door, first) = match hull.axles[..] {
             [ahead, behind, ..] => (0.5 * (ahead + behind), front_x - 1.55),
-            [one] => (one + bus::REAR_DOOR_M, cowl_x - 0.75),
+            [one] => (one + REAR_DOOR_M, cowl_x - 0.75),
             [] => (cowl_x, cowl_x),
         };
         let count = ((first - rear_x - 0.6) / 0.80) as usize;

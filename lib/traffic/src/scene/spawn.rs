@@ -19,7 +19,8 @@ use crate::road::centreline::CentrelinePoint;
 use crate::road::net::Net;
 use crate::scene::free_space::Taken;
 use crate::vehicle::driver::DriverProfile;
-use crate::vehicle::towed::{hitch, middle};
+use crate::vehicle::motion::hitch;
+use crate::vehicle::towed::middle;
 use crate::wide_ways::{towed_yaw_rad, wide_ways};
 
 /// What a vehicle tows, about to be placed behind it.

@@ -13,7 +13,6 @@ use crate::road::net::Net;
 use crate::vehicle::lateral::Lateral;
 use crate::vehicle::route::Route;
 use crate::vehicle::sway::{Springs, Sway};
-use crate::vehicle::towed;
 
 /// Largest steering angle, radians: that of a town bus's inner wheel.
 const MAX_STEER_RAD: f64 = 0.9;
@@ -33,7 +32,7 @@ fn is_two_wheeled(model: &Model) -> bool {
 }
 
 /// What its body leans on.
-fn springs(model: &Model) -> Springs {
+pub(crate) fn springs(model: &Model) -> Springs {
     if is_two_wheeled(model) {
         return Springs::Rider;
     }
@@ -43,6 +42,12 @@ fn springs(model: &Model) -> Springs {
 /// From the middle between the axles back to the rear one, metres.
 pub(crate) fn half_base_m(model: &Model) -> f64 {
     0.5 * model.wheelbase_m.max(0.5)
+}
+
+/// The hitch of a lead: its middle on the ground, the direction that it heads, and how that slopes.
+pub(crate) fn hitch(train: &Train, at: Point3<f64>, yaw_rad: f64, pitch_rad: f64) -> Point3<f64> {
+    let (sin, cos) = frames::math::sin_cos(yaw_rad);
+    at - Vector3::new(cos, sin, -frames::math::tan(pitch_rad)) * train.hitch_m
 }
 
 /// Where a vehicle is, how fast it goes, and how its body stands. The followed point is the middle of its footprint.
@@ -116,7 +121,7 @@ impl Motion {
 
     /// Where it has what it tows, on the ground.
     pub(crate) fn hitch(&self, train: &Train) -> Point3<f64> {
-        towed::hitch(train, self.at.point, self.yaw_rad, self.at.pitch_rad)
+        hitch(train, self.at.point, self.yaw_rad, self.at.pitch_rad)
     }
 
     /// What of its pose's roll and pitch is lean on its springs, radians; that of two-wheelers is theirs, wheels and all.

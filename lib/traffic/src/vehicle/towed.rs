@@ -8,7 +8,7 @@ use schema::trains::Train;
 
 use crate::bodies::{Body, BodyMotion};
 use crate::road::centreline::CentrelinePoint;
-use crate::vehicle::motion::after_rod;
+use crate::vehicle::motion::{after_rod, springs};
 use crate::vehicle::sway::Sway;
 
 /// A towed unit, where it is and how it stands.
@@ -27,12 +27,6 @@ pub(crate) struct Towed {
     body: Body,
     /// Where its body has skidded to since an accident, and the middle's height over the hitch's plane.
     adrift: Option<Point3<f64>>,
-}
-
-/// The hitch of a lead: its middle on the ground, the direction that it heads, and how that slopes.
-pub(crate) fn hitch(train: &Train, at: Point3<f64>, yaw_rad: f64, pitch_rad: f64) -> Point3<f64> {
-    let (sin, cos) = sin_cos(yaw_rad);
-    at - Vector3::new(cos, sin, -tan(pitch_rad)) * train.hitch_m
 }
 
 /// The middle of what is towed, from its hitch.
@@ -85,6 +79,11 @@ impl Towed {
         Pose::from_xyz_rpy(self.position().into(), [roll_rad, pitch_rad, self.yaw_rad])
     }
 
+    /// What of its pose's roll and pitch is lean on its springs, radians.
+    pub(crate) fn lean_rad(&self) -> [f64; 2] {
+        [self.sway.roll_rad, 0.0]
+    }
+
     /// Comes after its hitch, which has moved straight on to a place. `under`: the road under its axle.
     pub(crate) fn follow(&mut self, hitch: Point3<f64>, under: &CentrelinePoint) {
         let moved = hitch - self.hitch;
@@ -98,7 +97,8 @@ impl Towed {
         self.rolled_m += ahead_m;
         self.stand(under);
         let turn_radps = turned_rad / FRAME_PERIOD_S;
-        self.sway.step(0.0, ahead_m / FRAME_PERIOD_S * turn_radps, false, FRAME_PERIOD_S);
+        let springs = springs(self.train.towed);
+        self.sway.step(0.0, ahead_m / FRAME_PERIOD_S * turn_radps, &springs, FRAME_PERIOD_S);
     }
 
     /// Stands on the road under its axle, as high as that and its hitch are.
