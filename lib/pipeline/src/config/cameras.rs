@@ -135,6 +135,13 @@ pub(crate) fn camera(s: &Section<'_>, d: &CameraSettings) -> CameraSettings {
             "width of the opening that blurs RGB images where they are out of focus, millimetres (brightness follows `f_stop`); 0 leaves all sharp",
         ),
         focus_m: s.number("focus_m", d.focus_m, 0.1, 10_000.0, "distance at which an `aperture_mm` leaves RGB images sharp, metres"),
+        lens_drops: s.number(
+            "lens_drops",
+            d.lens_drops,
+            0.0,
+            10.0,
+            "drops on the glass before the lens in RGB images when it rains, times a usual number; 0 keeps it dry",
+        ),
         jpeg_quality: s.integer(
             "jpeg_quality",
             d.jpeg_quality.into(),

@@ -25,6 +25,8 @@ pub struct CameraSettings {
     pub aperture_mm: f64,
     /// What is so far away is sharp, metres (20).
     pub focus_m: f64,
+    /// Drops of rain on the glass before the lens in RGB images, times a usual number. 0: it stays dry (0).
+    pub lens_drops: f64,
     /// JPEG quality of the RGB images, 1 to 100 (80).
     pub jpeg_quality: u8,
     /// Write the boxes of objects in the pictures (false).
@@ -49,6 +51,7 @@ impl Default for CameraSettings {
             exposure_time_s: 0.0,
             aperture_mm: 0.0,
             focus_m: 20.0,
+            lens_drops: 0.0,
             jpeg_quality: 80,
             boxes_2d: false,
             flow_half: false,

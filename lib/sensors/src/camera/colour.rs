@@ -6,9 +6,11 @@ use schema::images::{OfKind, Rgb};
 use schema::settings::Rig;
 use schema::tables::CameraRow;
 
+use super::drops::Drops;
 use super::encode;
 use super::image::{Image, Images};
 use super::noise::Noise;
+use super::picture::Picture;
 use super::sight::Sight;
 use crate::error::SensorError;
 use crate::observation::Observation;
@@ -24,20 +26,23 @@ impl Image for Rgb {
     }
 }
 
-/// Colour images of one camera, with the noise of its chip.
+/// Colour images of one camera, through the drops on its glass and with the noise of its chip.
 pub(super) struct ColourImages {
     images: Images<Rgb>,
+    drops: Option<Drops>,
     noise: Option<Noise>,
     stream: Stream,
 }
 
 impl ColourImages {
     pub(super) fn new(rig: &Rig, camera: usize, carrier: &Carrier) -> Self {
-        let strength = rig.camera.noise;
+        let (strength, drops) = (rig.camera.noise, rig.camera.lens_drops);
+        let table = Rgb::KIND.table(&rig.cameras[camera].name);
         Self {
             images: Images::new(rig, camera),
+            drops: (drops > 0.0).then(|| Drops::new(drops, carrier.stream(&format!("{table}/drops")))),
             noise: (strength > 0.0).then(|| Noise::new(strength)),
-            stream: carrier.stream(&Rgb::KIND.table(&rig.cameras[camera].name)),
+            stream: carrier.stream(&table),
         }
     }
 }
@@ -50,12 +55,13 @@ impl Sensor for ColourImages {
     }
 
     fn sense(&self, at: &Observation<'_>) -> Result<Vec<CameraRow>, SensorError> {
-        let (Some(noise), Some(sight)) = (&self.noise, self.images.sight(at)) else {
-            return self.images.sense(at);
-        };
+        let Some(sight) = self.images.sight(at) else { return Ok(Vec::new()) };
         let picture = sight.picture.as_ref().ok_or(SensorError::NoPainter)?;
-        let image =
-            encode::jpeg(&noise.on(picture, &self.stream, at.frame), sight.view.settings.jpeg_quality)?;
+        let rain = (at.weather.precipitation / 100.0).clamp(0.0, 1.0) as f32;
+        let wet: Option<Picture> = self.drops.as_ref().and_then(|drops| drops.on(picture, at.frame, rain));
+        let picture = wet.as_ref().unwrap_or(picture);
+        let noisy = self.noise.as_ref().map(|noise| noise.on(picture, &self.stream, at.frame));
+        let image = encode::jpeg(noisy.as_ref().unwrap_or(picture), sight.view.settings.jpeg_quality)?;
         Ok(vec![encode::camera_row(at.frame, image)])
     }
 

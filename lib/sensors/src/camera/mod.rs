@@ -6,6 +6,7 @@ mod boxes_2d;
 mod colour;
 mod defocus;
 mod depth;
+mod drops;
 mod encode;
 mod film;
 mod flow;
