@@ -135,3 +135,117 @@ fn labels_know_no_rain_and_pictures_no_threads() {
         assert!(pool.install(|| looked(&rain)).picture == wet.picture, "{threads} threads");
     }
 }
+
+/// Dark asphalt with a car on it, 25 m ahead, that has come so far since the frame before.
+fn driven(came_m: f32) -> Snapshot {
+    let mut scene = board([60.0, 30.0, -30.0, 0.0, 12.0], [0.05; 3]);
+    let car = testkit::block([2.2, 0.9, 1.4], Tag::Car, Surface::Plain);
+    let mut meshes = scene.meshes.to_vec();
+    meshes.push(car);
+    let placed = instance(2, 3, at(25.0, 0.0, 0.0, 0.0));
+    scene.instances.push(schema::geometry::Instance {
+        previous_local_from_object: at(25.0 - came_m, 0.0, 0.0, 0.0),
+        ..placed
+    });
+    snapshot(meshes, scene.instances)
+}
+
+#[test]
+fn who_drives_fast_on_a_wet_road_trails_spray_and_labels_do_not_know_it() {
+    let view = set_view([0.0; 3], [0.0; 3], optics(320, 180), &plain());
+    let seen = |came_m: f32, weather: &Weather| {
+        with_scene(&driven(came_m), |scene| {
+            let sight = sight(scene, &view, weather);
+            (sight.picture.expect("in colour").rgb, sight.seen)
+        })
+    };
+    let dry = Weather { wetness: 0.0, precipitation_deposits: 0.0, ..soaked() };
+    let changed = |a: &[u8], b: &[u8]| a.chunks(3).zip(b.chunks(3)).filter(|(a, b)| a != b).count();
+    let (stands, buffer) = seen(0.0, &soaked());
+    for (came_m, least, most) in [(0.3, 0, 0), (0.8, 100, 30_000), (1.5, 500, 40_000)] {
+        let (drives, other) = seen(came_m, &soaked());
+        let count = changed(&drives, &stands);
+        assert!((least..=most).contains(&count), "{came_m}: {count}");
+        assert!(buffer.instance == other.instance && buffer.depth_m == other.depth_m);
+        // Dark asphalt behind it becomes lighter; above nothing changes, and far to the side as good as nothing.
+        let mean = |rgb: &[u8], rows: std::ops::Range<usize>, columns: std::ops::Range<usize>| {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for row in rows {
+                for pixel in rgb[3 * (320 * row + columns.start)..3 * (320 * row + columns.end)].chunks(3) {
+                    sum += f64::from(pixel[1]);
+                    count += 1.0;
+                }
+            }
+            sum / count
+        };
+        let lighter = |rows: std::ops::Range<usize>, columns: std::ops::Range<usize>| {
+            mean(&drives, rows.clone(), columns.clone()) - mean(&stands, rows, columns)
+        };
+        assert_eq!(lighter(0..50, 0..320), 0.0);
+        assert!(lighter(60..120, 0..60).abs() < 0.5, "{}", lighter(60..120, 0..60));
+        assert!(came_m < 1.0 || lighter(104..109, 150..170) > 8.0, "{}", lighter(104..109, 150..170));
+    }
+    assert_eq!(seen(0.0, &dry).0, seen(1.5, &dry).0);
+}
+
+/// Keeps the tables of all sensors of a rig.
+struct Kept<'a>(&'a sensors::Observation<'a>, Vec<(String, Vec<schema::table::Column>)>);
+
+impl sensors::SensorVisitor for Kept<'_> {
+    type Error = sensors::SensorError;
+
+    fn visit<S: sensors::Sensor>(&mut self, sensor: S) -> Result<(), sensors::SensorError> {
+        use schema::table::Row;
+        self.1.push((sensor.table().name, S::Row::to_columns(&sensor.sense(self.0)?)));
+        Ok(())
+    }
+}
+
+#[test]
+fn drops_on_the_lens_change_colour_alone_and_only_when_it_rains() {
+    use schema::settings::{CameraSpec, Mount, Rig};
+    let tables = |lens_drops: f64, weather: &Weather, frame: u32| {
+        let camera = CameraSettings { lens_drops, ..CameraSettings::default() };
+        let spec = CameraSpec {
+            name: "CAM".into(),
+            mount: Mount::upright([0.6, 0.0, 1.6], 0.0),
+            optics: optics(320, 180),
+        };
+        let rig = Rig {
+            camera,
+            cameras: vec![spec],
+            lidars: Vec::new(),
+            radars: Vec::new(),
+            gnss: None,
+            imu: None,
+        };
+        with_scene(&street(false), |scene| {
+            let still = sensors::Motion {
+                world_from_agent: frames::Pose::from_xyz_rpy([0.0; 3], [0.0; 3]),
+                velocity_mps: nalgebra::Vector3::zeros(),
+                angular_velocity_radps: nalgebra::Vector3::zeros(),
+            };
+            let agent = sensors::AgentState { own: 1, motion: still, previous: None };
+            let painter = sensors::CpuPainter::default();
+            let when = sensors::FrameWeather { frame, ..common::first_frame(weather) };
+            let cameras = sensors::Cameras::of(&rig).expect("is a camera");
+            let at =
+                sensors::Observation::new(scene, Some(&painter), &cameras, &when, agent).expect("no device");
+            let agent = schema::AgentId::vehicle(0);
+            let carrier =
+                sensors::Carrier { seed: 3, scene: 1, agent, geo_origin: sensors::GeoOrigin::default() };
+            let mut kept = Kept(&at, Vec::new());
+            sensors::visit_sensors(&rig, &carrier, &mut kept).expect("no device");
+            kept.1
+        })
+    };
+    let rain = Weather { precipitation: 90.0, ..soaked() };
+    let (without, with) = (tables(0.0, &rain, 30), tables(2.0, &rain, 30));
+    assert_eq!(without.len(), with.len());
+    for ((name, without), (_, with)) in without.iter().zip(&with) {
+        assert_eq!(without == with, !name.starts_with("RGB"), "{name}");
+    }
+    assert!(without.iter().any(|(name, _)| name.starts_with("RGB")) && without.len() > 1);
+    assert_eq!(with, tables(2.0, &rain, 30));
+    assert_eq!(tables(0.0, &soaked(), 30), tables(2.0, &soaked(), 30));
+}

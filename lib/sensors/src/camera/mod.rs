@@ -23,6 +23,7 @@ mod shade;
 mod shutter;
 pub(crate) mod sight;
 mod soften;
+mod spray;
 pub(crate) mod view;
 mod vignette;
 mod visible;

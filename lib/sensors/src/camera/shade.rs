@@ -12,6 +12,7 @@ use super::mirror::{Dry, Mirror, WetSpan};
 use super::picture::Picture;
 use super::rain::{Rain, draw_rain};
 use super::soften::soften;
+use super::spray::Spray;
 use super::view::CameraView;
 use super::vignette::Vignette;
 use crate::light::{Facing, Lighting, Lit, Ramp};
@@ -114,6 +115,17 @@ impl Picture {
         }
         let electrons = lighting.exposure.electrons();
         let mut picture = Self { width: buffer.width, height: buffer.height, rgb, electrons };
+        if is_wet {
+            let spray = Spray {
+                snapshot,
+                lighting,
+                film: &shader.film,
+                vignette: shader.vignette,
+                balance: shader.balance,
+                exposure,
+            };
+            spray.draw(&mut picture, view, buffer);
+        }
         bloom(&mut picture, &shader.film, &bright, view.settings.bloom as f32);
         smooth_edges(&mut picture);
         soften(&mut picture, &shader.film, snapshot, view, buffer);
