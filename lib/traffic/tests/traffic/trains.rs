@@ -111,6 +111,43 @@ fn a_follower_keeps_its_distance_to_the_rear_of_the_whole_train() {
 }
 
 #[test]
+fn after_an_accident_both_sections_skid_and_stay_coupled() {
+    let (_, mut scene, settings) = straight_train();
+    let map = two_lanes(MarkType::Solid, None);
+    let mut struck = 0;
+    for seed in 0..12 {
+        scene.seed = 500 + seed;
+        let mut agents = [agent(0, [12.0, -1.75, 0.0], 0.0), agent(1, [12.0, -5.25, 0.0], 0.0)];
+        for driver in &mut agents {
+            (driver.reckless, driver.speed_difference) = (true, -0.9);
+        }
+        let log = run(&map, &scene, &agents, &settings);
+        if towed(&log).is_empty() {
+            continue;
+        }
+        let (lead, rear, train) = first_train(&log);
+        let hit = collisions(&log, false).into_iter().find(|(_, a, b)| *a == rear || *b == rear);
+        let Some((frame, ..)) = hit else { continue };
+        struck += 1;
+        let tracks = tracks(&log);
+        let (led, own) = (&tracks[&lead], &tracks[&rear]);
+        for (lead, state) in led.iter().zip(own) {
+            let [hitch, coupling] =
+                [point(lead, [-train.hitch_m, 0.0]), point(state, [train.coupling_m, 0.0])];
+            let off_m = (hitch - coupling).xy().norm();
+            assert!(off_m < 0.25, "seed {seed} frame {}: {off_m} m apart", state.frame);
+        }
+        // Nobody drives on.
+        let last = own[own.len() - 1];
+        if frame + 120 < last.frame {
+            let speed = f64::from(last.velocity_mps[0]).abs() + f64::from(last.velocity_mps[1]).abs();
+            assert!(speed < 0.1, "seed {seed}: {speed} m/s at the end");
+        }
+    }
+    assert!(struck >= 1, "{struck} were struck");
+}
+
+#[test]
 fn trains_change_lanes_before_a_hazard_with_room_for_all_of_them() {
     let (map, mut scene, settings) = straight_train();
     scene.duration_s = 45.0;
