@@ -11,7 +11,7 @@ const ROLL_PER_MPS2: f64 = 0.005;
 /// Largest of both, radians: wheels have two centimetres of room inward.
 const MOST_RAD: [f64; 2] = [0.03, 0.025];
 /// Largest lean of two-wheelers, radians.
-const MOST_LEAN_RAD: f64 = 0.6;
+const MOST_LEAN_RAD: f64 = 0.45;
 /// Natural frequency of bodies (1.3 Hz), radians per second, and their share of critical damping; of leaning riders.
 const SPRING: [f64; 2] = [8.2, 0.7];
 const RIDER: [f64; 2] = [6.0, 1.0];

@@ -151,6 +151,48 @@ fn on_a_circle_the_wheels_roll_where_they_point() {
 }
 
 #[test]
+fn bodies_roll_out_of_curves_on_their_springs_and_two_wheelers_lean_into_them() {
+    for (model, radius_m) in
+        [("car.sedan", 25.0), ("bus.city", 25.0), ("motorcycle.sport", 25.0), ("bicycle.city", 20.0)]
+    {
+        let rider = PlanAgentRow { model: model.into(), ..agent(0, [5.0, -1.75, 0.0], 0.0) };
+        let log = run(&circle(radius_m), &scene(40.0), &[rider], &settings());
+        let roll_of = |s: &StateRow| {
+            let pose = frames::Pose::<frames::World, frames::Object>::from_xyz_wxyz(s.xyz_m, s.quaternion);
+            pose.rpy()[0]
+        };
+        let track = &tracks(&log)[&1];
+        let (mut steady, mut most) = (0, 0.0_f64);
+        for window in track.windows(41) {
+            let (long_ago, before, now) = (window[0], window[39], window[40]);
+            // The road is level: all of the roll is the body's, and it comes and goes smoothly.
+            let (roll, step) = (roll_of(now), roll_of(now) - roll_of(before));
+            assert!(step.abs() < 0.04, "{model} at {}: {step} in a step", now.frame);
+            let (v, rate) = (speed(now), f64::from(now.angular_velocity_radps[2]));
+            let inward = v * v / radius_m;
+            let two_wheeled = model.starts_with("motor") || model.starts_with("bi");
+            if two_wheeled {
+                assert_eq!(now.lean_rad, [0.0; 2]);
+            } else {
+                assert!((f64::from(now.lean_rad[0]) - roll).abs() < 1e-6, "{model}: {:?}", now.lean_rad);
+            }
+            most = most.max(roll.abs());
+            // For two seconds round at one speed.
+            if (speed(long_ago) - v).abs() < 0.02
+                && v > 2.0
+                && (rate * radius_m - v).abs() < 0.02 * v
+                && window.iter().all(|s| (f64::from(s.angular_velocity_radps[2]) - rate).abs() < 0.01)
+            {
+                let expected = if two_wheeled { -atan(inward / 9.81) } else { 0.005 * inward };
+                assert!((roll - expected).abs() < 0.01 * expected.abs() + 1e-3, "{model}: {roll} {expected}");
+                steady += 1;
+            }
+        }
+        assert!(steady >= 5, "{model}: {steady} steady states of {}, at most {most}", track.len());
+    }
+}
+
+#[test]
 fn a_bus_whose_corner_sweeps_the_sidewalk_hits_nobody_there() {
     let radius_m = 10.0;
     let map = circle(radius_m);

@@ -1,6 +1,6 @@
 //! Bodies lean on their springs and wheels stay on the road; two-wheelers lean with theirs. All in closed form.
 
-use frames::math::sin;
+use frames::math::{cos, sin, tan};
 use frames::{Object, Pose, World};
 use glam::Vec3;
 use schema::geometry::{Instance, Snapshot};
@@ -114,4 +114,47 @@ fn wheels_stand_on_the_road_while_the_roof_goes_aside() {
             }
         }
     }
+}
+
+#[test]
+fn two_wheelers_lean_about_the_line_on_which_their_wheels_stand() {
+    let mut ridden = 0;
+    for model in models::vehicles().filter(|m| !on_four_wheels(m)) {
+        let world = world(model);
+        for roll in [0.2, -0.3, 0.45] {
+            let state = leaning([roll, 0.0], false);
+            let snapshot = seen(&world, &state, &state, 0.0);
+            let motion = snapshot.motion(7).expect("it moves");
+            let points: Vec<Vec<Vec3>> =
+                snapshot.instances.iter().map(|instance| on_road(&snapshot, instance, false)).collect();
+            // Tyres are round, all but: they neither lift off nor sink in by more than their edge does.
+            let all = points.iter().map(|p| low(p)).fold(f32::INFINITY, f32::min);
+            let most = if model.base == BaseType::Bicycle { 0.008 } else { 0.020 };
+            assert!((-most..0.004).contains(&all), "{} leaning by {roll}: {all}", model.name);
+            // All of it goes with the lean, the rider's head most.
+            let high =
+                points.iter().flatten().fold(Vec3::ZERO, |high, p| if p.z > high.z { *p } else { high });
+            let aside = f64::from(-high.y) / f64::from(high.z);
+            assert!((aside - tan(roll)).abs() < 0.12, "{} leaning by {roll}: {high}", model.name);
+            // The box leans with it and holds it.
+            let inside = motion.local_from_object.inverse();
+            let half = Vec3::from_array(model.size_m.map(|side| 0.5 * side as f32));
+            for (instance, _) in snapshot.instances.iter().zip(&points) {
+                let pose = inside * instance.local_from_object;
+                for p in &snapshot.mesh(instance).positions {
+                    let p = pose.transform_point3(*p);
+                    let over = (p.abs() - half).with_z((p.z - 2.0 * half.z).max(-p.z)).max_element();
+                    assert!(over < 0.05, "{}: {p}", model.name);
+                }
+            }
+            let top = f64::from(half.z) * 2.0 * cos(roll);
+            assert!(
+                f64::from(high.z) < top + 0.5 * model.size_m[1] * sin(roll.abs()) + 0.01,
+                "{}",
+                model.name
+            );
+        }
+        ridden += 1;
+    }
+    assert!(ridden >= 6, "{ridden}");
 }
