@@ -120,6 +120,7 @@ fn check_scene(store: &Path, config: &Config, number: u32, every: u32) -> (Ledge
     let mut ledger = Ledger::at(format!("scene {number}"));
     let Some(scene) = Scene::open(store, number, &mut ledger) else { return (ledger, [0; 2]) };
     checks::log::check(&scene, &mut ledger);
+    checks::seats::check(&scene, &mut ledger);
     let (said, wanted) = (&scene.facts["label_every_n_frames"], config.label_every());
     ledger.expect(Rule::Times, said.as_u64() == Some(wanted.into()), || {
         format!("log/scene.json: label_every_n_frames is {said}, the configuration says {wanted}")

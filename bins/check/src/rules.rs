@@ -36,6 +36,7 @@ rules! {
     Units "units": "every value lies in its unit's range, every word in its vocabulary, lists of a row are equally long",
     Calibration "calibration": "poses, intrinsics, lenses and rates in sensor files are those of the configuration within 1e-9",
     Poses "poses": "agents are where the log has them within 1e-6; objects move as their velocities say within 0.5 m/s and 0.5 rad/s",
+    Seats "seats": "who sits is a walker who stands still on a bench of the log: the rear of its box at the back rest within 5 cm, its middle on one of two places and the seat as high as the bench's within 1 cm, looking away from the back rest; no two have one place",
     BoxList "box list": "an agent lists exactly the objects that annotation asks for nearer than the radius, within 1 mm",
     BoxShape "box shape": "corners, centre, size, rotation, velocity, distance, angle, tags (or some of them) and state of a box are those of the log within 1e-5",
     ImageIds "image ids": "an instance image shows only ids of the log, each with a tag of its list; 0 is sky",
@@ -79,6 +80,7 @@ impl Rule {
     /// was imported has none of these, and what stands in their place was taken from its labels.
     pub(crate) const OF_THE_LOG: &[Self] = &[
         Self::Poses,
+        Self::Seats,
         Self::BoxList,
         Self::BoxShape,
         Self::ImageIds,

@@ -34,6 +34,8 @@ pub(crate) struct State {
     pub(crate) turning_radps: V3,
     /// Length, width and height about a walker's pose, m; zeros of everything else.
     pub(crate) size_m: V3,
+    /// Height of the seat that somebody sits on, m; 0 of all others.
+    pub(crate) seat_m: f64,
     /// Whether a door stands open.
     pub(crate) open_door: bool,
 }
@@ -203,6 +205,7 @@ impl Scene {
             let (velocities, turning) =
                 (rows.vectors("velocity_mps")?, rows.vectors("angular_velocity_radps")?);
             let (doors, sizes) = (rows.vectors::<4>("door_rad")?, rows.vectors("size_m")?);
+            let seats = rows.reals("seat_m")?;
             for k in 0..rows.len() {
                 let id = u16::try_from(ids[k]).unwrap_or(0);
                 let known = self.actors.get(&id).is_some_and(|actor| !actor.fixed);
@@ -212,6 +215,7 @@ impl Scene {
                     velocity_mps: velocities[k],
                     turning_radps: turning[k],
                     size_m: sizes[k],
+                    seat_m: seats[k],
                     open_door: doors[k].iter().any(|&door| door > 0.0),
                 };
                 let place = usize::try_from(frames[k] + 1).ok().and_then(|at| self.states.get_mut(at));

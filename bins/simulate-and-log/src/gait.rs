@@ -1,16 +1,17 @@
 //! How walkers walk: from where they are at each frame follows the phase of their stride, and the box about their pose. While
-//! somebody stands, the phase goes on with the time, and with it what they do then.
+//! somebody stands or sits, the phase goes on with the time, and with it what they do then.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use frames::{Object, Pose, World};
 use modelstore::ModelError;
-use people::Walker;
+use people::{LOOKS, Look, Walker};
 use random::Stream;
 use schema::models::Model;
 use schema::tables::{ActorRow, PlanModelRow, StateRow};
-use schema::{ActorKind, ActorRole, FRAME_PERIOD_S, ObjectId};
+use schema::{ActorKind, ActorRole, FRAME_PERIOD_S, ObjectId, benches};
 use store::Store;
 
 /// Share of the way to their speed that they come within a frame: strides get longer and shorter over some four steps of it.
@@ -78,6 +79,18 @@ impl Bodies {
         }
     }
 
+    /// Puts those who sit so far before the back rest that they lean at it: traffic, which does not know their bodies, has all of
+    /// them as far before it.
+    pub(crate) fn seat(&self, states: &mut [StateRow]) {
+        for state in states.iter_mut().filter(|state| state.seat_m > 0.0) {
+            let Some(pacer) = self.pacers.get(&state.id) else { continue };
+            let length_m = pacer.body.posed_box_m(&pacer.body.bones(0.0, 0.0, state.seat_m)).x;
+            let pose = Pose::<World, Object>::from_xyz_wxyz(state.xyz_m, state.quaternion);
+            let by = pose.forward() * (0.5 * f64::from(length_m) - benches::SITS_M);
+            state.xyz_m = [0, 1, 2].map(|k| state.xyz_m[k] + by[k]);
+        }
+    }
+
     /// Says phase, stride and box of each walker; states come by frame.
     pub(crate) fn walk(&mut self, states: &mut [StateRow]) {
         for state in states {
@@ -86,6 +99,12 @@ impl Bodies {
             }
         }
     }
+}
+
+/// The first variant from some on in which somebody of a model is dressed so as to sit.
+pub(crate) fn seated_variant(model: &Model, variant: u32) -> u32 {
+    let variants = (0..LOOKS).map(|k| (variant + k) % LOOKS);
+    variants.into_iter().find(|v| Look::new(model, *v).may_sit()).unwrap_or(variant)
 }
 
 impl Pacer {
@@ -104,6 +123,7 @@ impl Pacer {
             self.phase_rad += TAU * FRAME_PERIOD_S / IDLES_S;
         }
         (state.phase_rad, state.gait_mps) = (self.phase_rad as f32, gait_mps as f32);
-        state.size_m = self.body.box_m(state.phase_rad, state.gait_mps).to_array();
+        let bones = self.body.bones(state.phase_rad, state.gait_mps, state.seat_m);
+        state.size_m = self.body.posed_box_m(&bones).to_array();
     }
 }

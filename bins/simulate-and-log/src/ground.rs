@@ -27,6 +27,10 @@ const HALF_STEP_M: f64 = 0.25;
 /// Samples of the ground on either side; the next one would be at the end of that way.
 const TAPS: i32 = 10;
 
+/// Feet stand on the ground where the seat is no lower or higher over it than this, metres.
+const LEAST_SEAT_M: f64 = 0.33;
+const MOST_SEAT_M: f64 = 0.52;
+
 /// Triangles by the cells of a grid that they touch.
 type Cells = BTreeMap<(i32, i32), Vec<[Point3<f64>; 3]>>;
 
@@ -135,7 +139,14 @@ pub(crate) fn stand<E>(
             .collect();
         let heights: Vec<f64> = profile.iter().map(|[way_m, _]| stepped(&profile, *way_m)).collect();
         for (k, &i) in track.iter().enumerate() {
-            states[i].xyz_m[2] = heights[k];
+            let state = &mut states[i];
+            let seat_z = state.xyz_m[2] + f64::from(state.seat_m);
+            state.xyz_m[2] = heights[k];
+            if state.seat_m > 0.0 {
+                // The seat stays where it is, whatever the ground before it does.
+                state.seat_m = (seat_z - heights[k]).clamp(LEAST_SEAT_M, MOST_SEAT_M) as f32;
+                state.xyz_m[2] = seat_z - f64::from(state.seat_m);
+            }
             // The first state has none before it: it moves on as it is going to.
             let (from, to) = if k == 0 { (0, 1.min(heights.len() - 1)) } else { (k - 1, k) };
             states[i].velocity_mps[2] = ((heights[to] - heights[from]) / FRAME_PERIOD_S) as f32;

@@ -72,11 +72,14 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
         if actor.kind == ActorKind::Walker
             && let Some(model) = catalogue.find(&actor.model)
         {
+            if actor.attributes.is_true(&Attribute::SitsOnBench) {
+                actor.variant = gait::seated_variant(model, actor.variant);
+            }
             actor.attributes.say(Attribute::Gender, model.gender(actor.variant));
             bodies.add(actor, model, plan.seed, scene);
         }
     }
-    bodies.walk(&mut log.states);
+    bodies.seat(&mut log.states);
     let mut world = SceneTiles::of(&tiles, &log, settings.reach_m, &place)?;
     log.signals = world.signals(&log.signals);
     let lamps = lamps::draw(&mut world.actors, &plan, &settings.lights);
@@ -86,6 +89,7 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     check_ids(&actors.iter().map(|a| a.id).collect::<Vec<_>>()).at(|| place.clone())?;
     let grounds = world.indices().map(|index| tiles.surfaces(index));
     ground::stand(grounds, &mut actors, &mut log.states).map_err(|error| failed(error, &place))?;
+    bodies.walk(&mut log.states);
 
     let mut info = info::scene_info(&plan, &agents, &log, &map, &settings)?;
     info.models = info::models(&models, &actors);

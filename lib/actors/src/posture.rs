@@ -12,6 +12,8 @@ pub struct Posture {
     pub phase_rad: f32,
     /// The speed that walkers stride at, m/s.
     pub gait_mps: f32,
+    /// Height of the seat that a walker sits on, metres; 0 of who does not sit.
+    pub seat_m: f32,
     /// How far the doors stand open, radians.
     pub door_rad: [f32; 4],
     /// Where the bones are: [`ActorMesh::posed`] says it of actors that have some.
@@ -24,6 +26,7 @@ impl From<&StateRow> for Posture {
             steer_rad: state.steer_rad,
             phase_rad: state.phase_rad,
             gait_mps: state.gait_mps,
+            seat_m: state.seat_m,
             door_rad: state.door_rad,
             bones: None,
         }

@@ -1,8 +1,8 @@
 //! Benches, bins, racks, fences, walls and rocks.
 
 use glam::Vec3;
-use schema::Tag;
 use schema::geometry::{Part, Surface, TriMesh};
+use schema::{Tag, benches};
 
 use solids::MeshBuilder;
 
@@ -27,6 +27,7 @@ fn bench(b: &mut MeshBuilder, size: Vec3) {
     let wood = Part::new(Tag::Static, Surface::Wood, [0.30, 0.16, 0.07]);
     let iron = Part::new(Tag::Static, Surface::Metal, [0.06; 3]);
     // The seat looks along +x; the back rest is behind it.
+    let (seat_z, back_x) = (benches::SEAT as f32 * size.z, -half.x + benches::BACK_M as f32);
     for y in [-0.8 * half.y, 0.8 * half.y] {
         b.cuboid(iron, Vec3::new(-half.x, y - 0.03, 0.0), Vec3::new(half.x, y + 0.03, 0.45 * size.z));
         b.cuboid(
@@ -40,14 +41,14 @@ fn bench(b: &mut MeshBuilder, size: Vec3) {
         b.cuboid(
             wood,
             Vec3::new(x, -half.y, 0.45 * size.z),
-            Vec3::new((x + 0.11).min(half.x), half.y, 0.50 * size.z),
+            Vec3::new((x + 0.11).min(half.x), half.y, seat_z),
         );
     }
     for z in [0.66, 0.84] {
         b.cuboid(
             wood,
-            Vec3::new(-half.x + 0.06, -half.y, z * size.z),
-            Vec3::new(-half.x + 0.09, half.y, (z + 0.13) * size.z),
+            Vec3::new(back_x - 0.03, -half.y, z * size.z),
+            Vec3::new(back_x, half.y, (z + 0.13) * size.z),
         );
     }
 }

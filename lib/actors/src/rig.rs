@@ -11,7 +11,7 @@ use crate::posture::Posture;
 /// What moves bones.
 #[derive(Clone, Debug)]
 pub enum Rig {
-    /// A walker's gait.
+    /// A walker's gait, or how it sits on a bench.
     Walks(Walker),
     /// Somebody on a two-wheeler.
     Rides(Rider),
@@ -24,7 +24,7 @@ impl Rig {
     #[must_use]
     pub fn posed(&self, posture: Posture) -> Posture {
         let bones = match self {
-            Self::Walks(walker) => walker.figure().walking(posture.phase_rad, posture.gait_mps),
+            Self::Walks(walker) => walker.bones(posture.phase_rad, posture.gait_mps, posture.seat_m),
             Self::Rides(rider) => rider.figure.seated(&rider.seat_at(posture.phase_rad)),
             Self::Pushes(pusher) => pusher.figure.seated(&pusher.seat_at(posture.phase_rad)),
         };

@@ -175,6 +175,9 @@ pub struct Figure {
     pub hips_left: f32,
     /// How much farther ahead they are of somebody who strides out: who has something before them reaches farther back then.
     pub strides_ahead: f32,
+    /// How far the hips are ahead and to the left of the origin of somebody who sits on a bench, for the same reason.
+    pub sits_ahead: f32,
+    pub sits_left: f32,
 }
 
 /// Where somebody's joints are while they stand upright, metres: see the fields of [`Figure`] of these names.
@@ -245,6 +248,8 @@ impl Figure {
             hips_ahead: 0.0,
             hips_left: 0.0,
             strides_ahead: 0.0,
+            sits_ahead: 0.0,
+            sits_left: 0.0,
         }
     }
 

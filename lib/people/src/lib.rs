@@ -13,6 +13,7 @@ mod joints;
 mod look;
 mod pram;
 mod reach;
+mod sitting;
 mod walk;
 mod walker;
 

@@ -432,6 +432,15 @@ impl Look {
         self
     }
 
+    /// Whether somebody dressed so may sit on a bench: no coat or skirt stands off stiffly, and nothing is in the way of the seat
+    /// or its back.
+    #[must_use]
+    pub fn may_sit(&self) -> bool {
+        self.bottom != Bottom::Skirt
+            && !matches!(self.top, Top::Coat | Top::Dress | Top::Suit)
+            && matches!(self.carried, Carried::Nothing | Carried::Phone)
+    }
+
     /// Whether the legs' skin is seen.
     #[must_use]
     pub fn bare_legs(&self) -> bool {

@@ -451,3 +451,106 @@ fn far_away_people_are_as_large_of_fewer_triangles() {
         }
     }
 }
+
+/// Everybody who may sit, on a seat of a height at a phase: the points by bone.
+fn sitting() -> impl Iterator<Item = (String, Walker)> {
+    let plain = |model: &&Model| model.special.is_empty() && model.name != "walker.child";
+    models().filter(plain).flat_map(|model| {
+        let may = (0..LOOKS).map(|look| Walker::new(model, look)).filter(|who| who.figure().look.may_sit());
+        let found: Vec<(String, Walker)> = may.map(|who| (model.name.to_owned(), who)).collect();
+        assert!(found.len() >= 2, "{}: {} of its looks may sit", model.name, found.len());
+        found
+    })
+}
+
+#[test]
+fn who_sits_is_on_the_seat_with_both_feet_on_the_ground() {
+    // Of a bench as `benches` has it: 0.55 deep, the back rest before its rear end.
+    let front_m = 0.195 - (-0.275 + schema::benches::BACK_M as f32);
+    let mut sat = 0;
+    for (name, who) in sitting() {
+        let figure = who.figure();
+        for seat_m in [0.40, 0.425, 0.45] {
+            for phase_rad in [0.0, 1.3, 2.9, 4.4] {
+                let bones = figure.sitting(phase_rad, seat_m);
+                let size = who.posed_box_m(&bones);
+                let (mut all, mut feet) = (Aabb::EMPTY, Aabb::EMPTY);
+                for (bone, mesh) in who.meshes() {
+                    let pose = bones.object_from_bone(*bone);
+                    for p in mesh.positions.iter().map(|p| pose.transform_point3(*p)) {
+                        all = all.with(p);
+                        if [Bone::FootLeft, Bone::FootRight, Bone::ToesLeft, Bone::ToesRight].contains(bone) {
+                            feet = feet.with(p);
+                        }
+                        // The rear of the box leans at the back rest: nothing goes through the seat before that.
+                        let over = p.x + 0.5 * size.x;
+                        assert!(
+                            over > front_m || p.z > seat_m - 0.02,
+                            "{name}: {bone:?} at {over} before the back rest is {} below the seat",
+                            seat_m - p.z
+                        );
+                    }
+                }
+                assert!(all.min.z > -0.005 && feet.min.z.abs() < 0.005, "{name}: {all:?}");
+                // Both feet are flat on it.
+                for side in Side::BOTH {
+                    let foot = bones.object_from_bone(side.leg()[2]);
+                    assert!(foot.matrix3.z_axis.z > 0.9999, "{name}: a foot is up");
+                    assert!(
+                        (foot.translation.z - figure.ankle).abs() < 1e-3,
+                        "{name}: a foot is off the ground"
+                    );
+                }
+                // Hips over the seat's middle third, somewhat above it; upright.
+                let hips = bones.joint(Bone::Pelvis);
+                let over = hips.x + 0.5 * size.x;
+                assert!((0.08..0.26).contains(&over), "{name}: the hips are {over} before the back rest");
+                assert!((0.06..0.165).contains(&(hips.z - seat_m)), "{name}: {hips}");
+                let head = bones.joint(Bone::Head);
+                assert!(
+                    head.z - hips.z > 0.25 * figure.stature && (head.x - hips.x).abs() < 0.12,
+                    "{name}: {head}"
+                );
+                // The box is that of the mesh, on five faces.
+                let faces = [
+                    all.min.x + 0.5 * size.x,
+                    all.max.x - 0.5 * size.x,
+                    all.min.y + 0.5 * size.y,
+                    all.max.y - 0.5 * size.y,
+                    all.max.z - size.z,
+                ];
+                assert!(faces.iter().all(|off| off.abs() < 0.02), "{name}: {faces:?}");
+                // Two have room on a bench.
+                assert!(size.y < 0.72 && size.x < 1.0, "{name}: {size}");
+                sat += 1;
+            }
+        }
+    }
+    assert!(sat > 200, "{sat}");
+}
+
+#[test]
+fn limbs_of_who_sits_hang_together() {
+    for (name, who) in sitting() {
+        let figure = who.figure();
+        let bones = figure.sitting(0.7, 0.425);
+        let end =
+            |bone: Bone, length: f32| bones.object_from_bone(bone).transform_point3(Vec3::NEG_Z * length);
+        for side in Side::BOTH {
+            let [thigh, shin, foot, _] = side.leg();
+            let [upper, lower] = side.arm();
+            let pairs = [
+                (end(thigh, figure.thigh), bones.joint(shin)),
+                (end(shin, figure.shin), bones.joint(foot)),
+                (end(upper, figure.upper_arm), bones.joint(lower)),
+            ];
+            for (above, below) in pairs {
+                assert!((above - below).length() < 2e-3, "{name}: {above} {below}");
+            }
+            // Knees are ahead, thighs all but level.
+            let [hip, knee] = [thigh, shin].map(|bone| bones.joint(bone));
+            assert!(knee.x - hip.x > 0.8 * figure.thigh, "{name}: {hip} {knee}");
+        }
+        assert!(bones.0.iter().all(|bone| bone.is_finite()), "{name}");
+    }
+}

@@ -174,7 +174,7 @@ impl Figure {
     }
 
     /// Takes the right hand so much of the way to the ear: the wrist to before the jaw.
-    fn raise_to_ear(&self, bones: &mut Bones, share: f32) {
+    pub(crate) fn raise_to_ear(&self, bones: &mut Bones, share: f32) {
         let [a, b] = Side::Right.arm();
         let length = self.forearm;
         let [shoulder, elbow] = [a, b].map(|bone| bones.joint(bone));

@@ -14,6 +14,9 @@ use crate::figure::{Bone, Bones, Figure};
 use crate::gait::USUAL_MPS;
 use crate::look::{Carried, Look};
 
+/// Height of a bench's seat, metres: how far ahead somebody sits on it is the same on others.
+const USUAL_SEAT_M: f32 = 0.425;
+
 /// Somebody who walks, with meshes and a box.
 #[derive(Clone, Debug)]
 pub struct Walker {
@@ -54,6 +57,9 @@ impl Walker {
         if matches!(figure.look.carried, Carried::Pram | Carried::Dog) {
             figure.strides_ahead = striding_ahead(&figure, &outer);
         }
+        let sitting = bounds(&figure.sitting(0.0, USUAL_SEAT_M), &outer);
+        let middle = 0.5 * (sitting.min + sitting.max);
+        (figure.sits_ahead, figure.sits_left) = (-middle.x, -middle.y);
         let mut walker = Self { figure, meshes, outer, size_m: Vec3::ZERO };
         walker.size_m = walker.box_m(0.0, 0.0);
         walker
@@ -84,10 +90,27 @@ impl Walker {
         self.size_m
     }
 
-    /// Length, width and height of the upright box about its pose, metres: the origin is the middle of its lower face.
+    /// Where its bones are: on a seat of a height, or, where that is 0, walking or standing.
+    #[must_use]
+    pub fn bones(&self, phase_rad: f32, speed_mps: f32, seat_m: f32) -> Bones {
+        if seat_m > 0.0 {
+            self.figure.sitting(phase_rad, seat_m)
+        } else {
+            self.figure.walking(phase_rad, speed_mps)
+        }
+    }
+
+    /// Length, width and height of the upright box about it while it walks or stands, metres: the origin is the middle of its
+    /// lower face.
     #[must_use]
     pub fn box_m(&self, phase_rad: f32, speed_mps: f32) -> Vec3 {
-        let found = bounds(&self.figure.walking(phase_rad, speed_mps), &self.outer);
+        self.posed_box_m(&self.figure.walking(phase_rad, speed_mps))
+    }
+
+    /// The same in a pose ([`Walker::bones`]).
+    #[must_use]
+    pub fn posed_box_m(&self, bones: &Bones) -> Vec3 {
+        let found = bounds(bones, &self.outer);
         let reach = found.max.max(-found.min);
         Vec3::new(2.0 * reach.x, 2.0 * reach.y, found.max.z)
     }

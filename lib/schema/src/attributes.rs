@@ -68,6 +68,8 @@ keys! {
     UseWheelchair = "use_wheelchair",
     /// Whether a walker of this model may sit in a wheelchair.
     CanUseWheelchair = "can_use_wheelchair",
+    /// Whether a walker sits on a bench, for the whole scene.
+    SitsOnBench = "sits_on_bench",
     /// Whether a walker cannot be hurt: never.
     IsInvincible = "is_invincible",
     /// How fast a walker goes, m/s.
@@ -196,7 +198,7 @@ mod tests {
     #[test]
     fn keys_are_those_of_the_format() {
         let keys = "base_type special_type number_of_wheels has_lights has_dynamic_doors generation gender age \
-                    reckless distracted crosses_anywhere use_wheelchair can_use_wheelchair is_invincible speed \
+                    reckless distracted crosses_anywhere use_wheelchair can_use_wheelchair sits_on_bench is_invincible speed \
                     green_time yellow_time red_time pole_index sign_type value ground_z_m hazard";
         assert_eq!(KNOWN.iter().map(|(_, key)| *key).collect::<Vec<_>>().join(" "), keys);
         for (attribute, key) in KNOWN {

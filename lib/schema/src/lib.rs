@@ -8,6 +8,7 @@ mod actor_role;
 pub mod agent;
 pub mod arrays;
 mod attributes;
+pub mod benches;
 pub mod bev;
 pub mod calibration;
 pub mod catalogue;

@@ -9,7 +9,7 @@ pub const NUSCENES_ATTRIBUTES: [(&str, &str); 8] = [
     ("vehicle.parked", "The vehicle stands for the whole scene."),
     ("cycle.with_rider", "Somebody rides it."),
     ("cycle.without_rider", "Nobody rides it."),
-    ("pedestrian.sitting_lying_down", "Not in this dataset."),
+    ("pedestrian.sitting_lying_down", "The person sits on a bench."),
     ("pedestrian.standing", "The person stands."),
     ("pedestrian.moving", "The person moves."),
 ];
@@ -38,6 +38,7 @@ pub fn nuscenes_attribute(
         Motorcycle | Bicycle if tags.contains(&(Tag::Rider as u8)) => Some("cycle.with_rider"),
         Motorcycle | Bicycle => Some("cycle.without_rider"),
         Pedestrian if moves => Some("pedestrian.moving"),
+        Pedestrian if facts.is_true(&Attribute::SitsOnBench) => Some("pedestrian.sitting_lying_down"),
         Pedestrian => Some("pedestrian.standing"),
         _ => None,
     }
@@ -62,6 +63,11 @@ mod tests {
         assert_eq!(
             nuscenes_attribute(Pedestrian, ActorKind::Walker, &[12], &none, 0.0),
             Some("pedestrian.standing")
+        );
+        let sits = Attributes::new().with(Attribute::SitsOnBench, true);
+        assert_eq!(
+            nuscenes_attribute(Pedestrian, ActorKind::Walker, &[12], &sits, 0.0),
+            Some("pedestrian.sitting_lying_down")
         );
         assert_eq!(nuscenes_attribute(TrafficCone, ActorKind::Prop, &[30], &none, 0.0), None);
     }

@@ -1,5 +1,5 @@
 //! Draws people: `cargo run -p convoy-sensors --example people -- FOLDER`. One sheet for each model with all of its looks from the
-//! front, the side and the back, a strip of eight phases of a walk and of a run from the side, and riders.
+//! front, the side and the back, a strip of eight phases of a walk and of a run from the side, people on benches, and riders.
 
 mod stage;
 
@@ -7,7 +7,7 @@ use std::error::Error;
 use std::path::Path;
 
 use actors::Posture;
-use people::LOOKS;
+use people::{LOOKS, Look};
 use schema::models::{BaseType, MODELS, Model};
 
 use stage::{Stage, at};
@@ -63,6 +63,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let file = folder.join(format!("people-near-{k}-{name}.jpg"));
         stage.save(&file, [0.0, -4.2, -0.45], frames::deg(3.0), [700, 450], 50.0)?;
     }
+    benches(&people, folder)?;
     let riders = MODELS.iter().filter(|m| matches!(m.base, BaseType::Motorcycle | BaseType::Bicycle));
     let mut stage = Stage::new();
     for (k, model) in riders.chain(people.iter().copied().filter(|m| m.wheel_radius_m > 0.0)).enumerate() {
@@ -73,5 +74,26 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     stage.save(&folder.join("people-riders.jpg"), [0.0, -10.5, 0.6], frames::deg(5.0), [1320, 384], 68.0)?;
+    Ok(())
+}
+
+/// Two on each of four benches, from before and from the side: those of each model who are dressed so as to sit, in turn.
+fn benches(people: &[&Model], folder: &Path) -> Result<(), Box<dyn Error>> {
+    let sits = |model: &&&Model| model.special.is_empty() && model.name != "walker.child";
+    let mut all: Vec<(&Model, u32)> = Vec::new();
+    for model in people.iter().filter(sits) {
+        let looks = (0..LOOKS).filter(|look| Look::new(model, *look).may_sit());
+        all.extend(looks.map(|look| (*model, look)));
+    }
+    for (name, yaws) in [("people-benches.jpg", [-78.0, -110.0]), ("people-benches-side.jpg", [-8.0, -172.0])]
+    {
+        let mut stage = Stage::new();
+        for k in 0..4 {
+            let chosen: Vec<(&Model, u32)> = (0..2).map(|j| all[(2 * k + j) * all.len() / 8]).collect();
+            let place = at(2.4 * (k as f32 - 1.5), 0.0, yaws[k % 2]);
+            stage.add_bench(place, &chosen, 0.8 * k as f32);
+        }
+        stage.save(&folder.join(name), [0.0, -7.9, -0.1], frames::deg(5.5), [1320, 384], 66.0)?;
+    }
     Ok(())
 }

@@ -13,6 +13,7 @@ pub(crate) fn usable(state: &StateRow) -> bool {
         && state.steer_rad.is_finite()
         && state.phase_rad.is_finite()
         && state.gait_mps.is_finite()
+        && state.seat_m.is_finite()
         && state.lean_rad.iter().all(|angle| angle.is_finite())
         && state.door_rad.iter().all(|angle| angle.is_finite())
 }

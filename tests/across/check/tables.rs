@@ -24,6 +24,9 @@ pub(super) const OF_TABLES: &[Plant] = &[
         let row = a_box(store);
         change::<Float64Type>(table(store, "boxes"), "center_m", row, move |all| all[3 * row] = f64::NAN);
     }),
+    ("seats", "sits, but on no bench", |store| {
+        change::<Float32Type>(table(store, "log/states"), "seat_m", 0, |all| all.fill(0.4));
+    }),
     ("units", "difficulty says \"simple\"", |store| {
         let words = |_: usize, rows: RecordBatch| {
             let words = rows.column_by_name("difficulty").expect("is there").as_string::<i32>();

@@ -19,6 +19,7 @@ mod observed;
 mod ranging;
 mod raster;
 mod scans;
+pub(crate) mod seats;
 pub(crate) mod sightings;
 pub(crate) mod statistics;
 pub(crate) mod tables;

@@ -62,6 +62,7 @@ const RANGES: &[(&str, &str, f64, f64)] = &[
     ("log/actors", "height_m", 0.0, 500.0),
     ("log/states", "lean_rad", -0.05, 0.05),
     ("log/states", "steer_rad", -1.6, 1.6),
+    ("log/states", "seat_m", 0.0, 1.0),
     ("log/states", "door_rad", 0.0, 2.0),
     ("log/states", "lights", 0.0, 2047.0),
     ("log/frames", "cloudiness", 0.0, 100.0),

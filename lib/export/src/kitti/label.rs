@@ -34,7 +34,13 @@ fn kind_of(raw: &schema::tables::BoxRow) -> Option<&'static str> {
         DetectionClass::Car | DetectionClass::Truck if base == Some("van") => "Van",
         DetectionClass::Car => "Car",
         DetectionClass::Truck => "Truck",
-        DetectionClass::Pedestrian if raw.attributes.is_true(&Attribute::UseWheelchair) => "Person_sitting",
+        DetectionClass::Pedestrian
+            if [Attribute::UseWheelchair, Attribute::SitsOnBench]
+                .iter()
+                .any(|f| raw.attributes.is_true(f)) =>
+        {
+            "Person_sitting"
+        }
         DetectionClass::Pedestrian => "Pedestrian",
         DetectionClass::Bicycle if raw.semantic_tags.contains(&(Tag::Rider as u8)) => "Cyclist",
         DetectionClass::Bicycle | DetectionClass::Motorcycle | DetectionClass::Bus => "Misc",

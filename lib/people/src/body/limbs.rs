@@ -118,8 +118,19 @@ pub(super) fn forearm(b: &mut MeshBuilder, f: &Figure, s: &Stuffs, side: Side) {
     }
 }
 
+/// How thick thighs are.
+fn thighs(f: &Figure) -> f32 {
+    stout(f) * if f.look.woman { 1.10 } else { 1.0 }
+}
+
+/// How far behind its axis a trousers' leg reaches below the hip, and before it at the middle, metres: of somebody who sits these
+/// are its lower and its upper side.
+pub(crate) fn thigh_reach_m(f: &Figure) -> [f32; 2] {
+    [0.057, 0.044].map(|share| 1.06 * share * thighs(f) * f.stature)
+}
+
 pub(super) fn thigh(b: &mut MeshBuilder, f: &Figure, s: &Stuffs, side: Side) {
-    let by = stout(f) * if f.look.woman { 1.10 } else { 1.0 };
+    let by = thighs(f);
     let shape = [
         (-1.095, 0.012, 0.012, 0.012),
         (-1.060, 0.023, 0.022, 0.022),

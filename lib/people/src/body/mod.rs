@@ -2,7 +2,7 @@
 
 mod dog;
 mod head;
-mod limbs;
+pub(crate) mod limbs;
 mod pram;
 mod shape;
 mod stuffs;

@@ -358,7 +358,7 @@ pub(crate) fn walkers(s: &Section<'_>) -> WalkerSettings {
             s,
             "waiting",
             d.waiting,
-            "share of the others who stand and wait when the scene begins: at crossings, benches, buildings; twice that share of groups stands and talks",
+            "share of the others who stand and wait when the scene begins: at crossings, benches (where most sit), buildings; twice that share of groups stands and talks",
         ),
     }
 }

@@ -17,7 +17,7 @@ pub struct WalkerSettings {
     pub wheelchair: f64,
     /// Share of walkers who walk in groups of two or three, 0 to 1 (0.3).
     pub in_groups: f64,
-    /// Share of the other walkers who stand and wait when the scene begins, 0 to 1 (0.1): at crossings, benches, buildings. Twice
+    /// Share of the other walkers who stand and wait when the scene begins, 0 to 1 (0.1): at crossings, benches (where most sit), buildings. Twice
     /// that share of groups stands and talks.
     pub waiting: f64,
 }

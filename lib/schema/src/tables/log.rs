@@ -64,6 +64,8 @@ table! {
         phase_rad: f32,
         /// Speed that a walker strides at, m/s: its own, smoothed. With the phase it says where arms and legs are.
         gait_mps: f32,
+        /// Height of the seat that a walker sits on (of a bench), m; 0 of all others. Who sits does so for the whole scene, unless a vehicle hits them.
+        seat_m: f32,
         /// Length, width and height of the box about a walker's pose, m; zeros of what keeps the size of its row in `actors`.
         size_m: [f32; 3],
         /// Lamps that burn, as bits: 1 position, 2 low beam, 4 high beam, 8 brake, 16 and 32 blinkers right and left, 64 reverse, 128 fog, 512 emergency. Blinkers and emergency lights flash while they are on.

@@ -12,11 +12,11 @@ use actors::{Piece, Posture, actor_mesh};
 use glam::{Affine3A, Vec3};
 use packs::{Hang, PackModel};
 use people::Walker;
-use schema::Tag;
 use schema::geometry::{Instance, Snapshot, Surface, TriMesh};
 use schema::models::{BaseType, Model};
 use schema::settings::{CameraSettings, Optics};
 use schema::tables::Weather;
+use schema::{Tag, benches};
 
 /// What stands on the plane.
 #[derive(Default)]
@@ -84,6 +84,25 @@ impl Stage {
         for piece in &made.pieces {
             self.instances.push(common::instance(self.meshes.len() as u32, object, at));
             self.meshes.push(Arc::clone(&piece.mesh));
+        }
+    }
+
+    /// A bench, with somebody of each look on it from its left to its right; all of them at a phase.
+    pub(crate) fn add_bench(&mut self, at: Affine3A, sitters: &[(&Model, u32)], phase_rad: f32) {
+        let size_m = [0.55, 1.7, 0.85];
+        let Some(made) = actor_mesh(benches::MODEL, size_m, 0) else { return };
+        for piece in &made.pieces {
+            let object = self.instances.len() as u16 + 1;
+            self.instances.push(common::instance(self.meshes.len() as u32, object, at));
+            self.meshes.push(Arc::clone(&piece.mesh));
+        }
+        let seat_m = (benches::SEAT * size_m[2]) as f32;
+        for ((model, look), left) in sitters.iter().zip(benches::PLACES) {
+            let walker = Walker::new(model, *look);
+            let length_m = walker.posed_box_m(&walker.bones(phase_rad, 0.0, seat_m)).x;
+            let ahead_m = (benches::BACK_M - 0.5 * size_m[0]) as f32 + 0.5 * length_m;
+            let place = Affine3A::from_translation(Vec3::new(ahead_m, (left * size_m[1]) as f32, 0.0));
+            self.add(model, *look, at * place, Posture { phase_rad, seat_m, ..Posture::default() });
         }
     }
 

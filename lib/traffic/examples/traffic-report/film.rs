@@ -75,6 +75,8 @@ pub(crate) struct Body {
     pub(crate) ordinary: bool,
     /// The one that tows it, if one does: nobody drives it.
     pub(crate) towed_by: Option<u16>,
+    /// On a bench.
+    pub(crate) sits: bool,
     /// Collects data: those far from all of these sleep.
     pub(crate) is_agent: bool,
     /// First state at which it touches another vehicle or a walker, if it ever does.
@@ -173,6 +175,7 @@ impl<'a> Film<'a> {
                         towed_by: actor.parent.and_then(|id| u16::try_from(id).ok()),
                         is_agent: kind == ActorKind::Vehicle && actor.role != ActorRole::Background,
                         ordinary: !unruly,
+                        sits: actor.attributes.is_true(&Attribute::SitsOnBench),
                         touched: None,
                         track,
                         way,

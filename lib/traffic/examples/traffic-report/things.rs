@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use frames::{Object, Pose, World};
 use nalgebra::Point3;
-use schema::ActorKind;
 use schema::geometry::Surface;
 use schema::tables::ActorRow;
+use schema::{ActorKind, benches};
 
 use super::film::{Body, Film};
 
@@ -133,7 +133,9 @@ pub(crate) fn measure(film: &Film<'_>, fixed: &[&ActorRow]) -> Things {
             for &n in cells.get(&cell(at.x, at.y)).into_iter().flatten() {
                 let thing = &things[n];
                 let pair = (body.id, thing.actor.id);
-                if !seen.contains(&pair) && thing.holds(body, i) {
+                // Who sits on a bench is over it.
+                let seat = body.sits && thing.actor.model == benches::MODEL;
+                if !seat && !seen.contains(&pair) && thing.holds(body, i) {
                     seen.insert(pair);
                     let list = if body.wheelbase_m > 0.0 { &mut found.vehicles } else { &mut found.walkers };
                     list.push((i, pair.0, pair.1, thing.actor.model.clone()));

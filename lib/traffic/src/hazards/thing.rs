@@ -225,6 +225,7 @@ impl Thing {
             lean_rad: [0.0; 2],
             steer_rad: 0.0,
             phase_rad: 0.0,
+            seat_m: 0.0,
             lights: self.lamps | weather_lamps,
             door_rad: self.doors,
             dormant: false,

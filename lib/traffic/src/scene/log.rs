@@ -35,11 +35,14 @@ fn vehicle_actor(id: ObjectId, start: &Start) -> ActorRow {
 
 fn walker_actor(id: ObjectId, walker: &Walker, crosses_anywhere: bool) -> ActorRow {
     let pose = walker.world_from_object();
-    let facts = walker
+    let mut facts = walker
         .model()
         .facts()
         .with(Attribute::CrossesAnywhere, crosses_anywhere)
         .with(Attribute::Speed, format_args!("{:.3}", walker.wished_speed_mps()));
+    if walker.seat_m() > 0.0 {
+        facts.say(Attribute::SitsOnBench, true);
+    }
     moving(id, ActorKind::Walker, ActorRole::Walker, walker.model(), &walker.color(), &pose, facts)
 }
 

@@ -27,6 +27,7 @@ use crate::walking::crowd::{Crowd, radius_m};
 use crate::walking::fixtures::Fixtures;
 use crate::walking::paths::Paths;
 use crate::walking::routes::Routes;
+use crate::walking::seats;
 use crate::walking::talk::{self, TURNS_RAD};
 use crate::walking::waiting::WaitingPlaces;
 use crate::walking::walker::{AWAITS_S, WHEELCHAIR_MPS, Walker};
@@ -204,8 +205,14 @@ pub(crate) fn place_walkers(
             } else if waits.chance(settings.waiting) {
                 let place = waiting.draw(paths, place, &mut waits);
                 walker.wait(paths, &place, waits.uniform(WAITS_S[0], WAITS_S[1]));
+                let mut sits = stream("traffic/walker/sits", number as u64);
+                if let Some(seat) = seats::take(waiting.seats(&place), model, &crowd, &mut sits) {
+                    walker.sit(&seat);
+                }
             }
-            walker.find_room(paths, fixtures, &crowd);
+            if walker.seat_m() == 0.0 {
+                walker.find_room(paths, fixtures, &crowd);
+            }
             crowd.add(walker.position(), walker.velocity_mps(), walker.radius_m());
             walkers.push((walker, anywhere));
         }

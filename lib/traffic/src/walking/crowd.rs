@@ -101,6 +101,11 @@ impl Crowd {
             && fixtures.is_free(point, radius_m + BESIDE_M)
     }
 
+    /// Whether nobody is nearer to a place than this, counted from the circles about them.
+    pub(crate) fn keeps_off(&self, point: Point3<f64>, gap_m: f64) -> bool {
+        self.near(point).all(|(_, d)| flat(&point, &d.point).norm() > d.radius_m + gap_m)
+    }
+
     /// The velocity of walker `me` in the next step: towards the cheapest one, as fast as velocities change.
     pub(crate) fn velocity(&self, me: usize, wish: &Wish, fixtures: &Fixtures) -> Vector2<f64> {
         let Some(own) = self.discs.get(me) else { return Vector2::zeros() };

@@ -6,6 +6,7 @@ mod edges;
 pub(crate) mod fixtures;
 pub(crate) mod paths;
 pub(crate) mod routes;
+pub(crate) mod seats;
 pub(crate) mod surroundings;
 pub(crate) mod talk;
 pub(crate) mod together;

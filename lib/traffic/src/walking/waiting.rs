@@ -3,11 +3,12 @@
 use frames::{Object, Pose, World};
 use nalgebra::{Point3, Vector2};
 use random::Stream;
-use schema::ActorKind;
 use schema::tables::ActorRow;
+use schema::{ActorKind, benches};
 
 use crate::grid::Grid;
 use crate::walking::paths::Paths;
+use crate::walking::seats::{self, Seat};
 
 /// Whoever waits does so within this distance of where it was to start, metres.
 const WITHIN_M: f64 = 60.0;
@@ -29,6 +30,8 @@ pub(crate) struct WaitingPlace {
     pub(crate) share: f64,
     /// Where people look there.
     pub(crate) yaw_rad: f64,
+    /// The bench that it is beside, by number.
+    pub(crate) bench: Option<usize>,
 }
 
 /// All of them.
@@ -36,6 +39,7 @@ pub(crate) struct WaitingPlace {
 pub(crate) struct WaitingPlaces {
     places: Vec<WaitingPlace>,
     grid: Grid,
+    benches: Vec<[Seat; 2]>,
 }
 
 impl WaitingPlaces {
@@ -48,14 +52,15 @@ impl WaitingPlaces {
                 let over = crossing.ends[1 - side] - crossing.ends[side];
                 let left_m = paths.ways[way].cross(crossing.ends[side], along_m).1;
                 let share = AT_KERB * left_m.signum();
-                places.push(WaitingPlace { way, along_m, share, yaw_rad: heading(&over.xy()) });
+                places.push(WaitingPlace { way, along_m, share, yaw_rad: heading(&over.xy()), bench: None });
             }
         }
+        let mut benches = Vec::new();
         let waited_at = fixed.iter().filter_map(|actor| {
             let half_m = 0.5 * (actor.length_m.max(actor.width_m));
             match actor.kind {
                 ActorKind::Building => Some((actor, half_m + FRONT_M)),
-                ActorKind::Prop if actor.model == "prop.bench" => Some((actor, half_m + BENCH_M)),
+                ActorKind::Prop if actor.model == benches::MODEL => Some((actor, half_m + BENCH_M)),
                 _ => None,
             }
         });
@@ -70,12 +75,16 @@ impl WaitingPlaces {
             let along_m = (along_m + aside_m * frames::math::cos(pose.yaw()).signum())
                 .clamp(0.0, paths.ways[way].length_m);
             let share = AT_WALL * left_m.signum();
-            places.push(WaitingPlace { way, along_m, share, yaw_rad: heading(&out.xy()) });
+            let bench = (actor.kind == ActorKind::Prop).then(|| {
+                benches.push(seats::on_bench(actor, &pose));
+                benches.len() - 1
+            });
+            places.push(WaitingPlace { way, along_m, share, yaw_rad: heading(&out.xy()), bench });
         }
         let mut grid = Grid::new(WITHIN_M);
         let at = |p: &WaitingPlace| paths.ways[p.way].place(p.along_m).point;
         grid.fill(places.iter().enumerate().map(|(i, p)| ([at(p).x, at(p).y], i)));
-        Self { places, grid }
+        Self { places, grid, benches }
     }
 
     /// One of those around a place, each as likely; where there is none, at the edge of the way there.
@@ -97,10 +106,17 @@ impl WaitingPlaces {
             let share = if draw.chance(0.5) { AT_WALL } else { -AT_WALL };
             // Towards the middle.
             let yaw_rad = heading_rad - share.signum() * std::f64::consts::FRAC_PI_2;
-            WaitingPlace { way, along_m, share, yaw_rad }
+            WaitingPlace { way, along_m, share, yaw_rad, bench: None }
         });
         place.yaw_rad = frames::wrap_pi(place.yaw_rad + turn_rad);
         place
+    }
+}
+
+impl WaitingPlaces {
+    /// The seats of the bench that a place is beside.
+    pub(crate) fn seats(&self, place: &WaitingPlace) -> &[Seat] {
+        place.bench.and_then(|bench| self.benches.get(bench)).map_or(&[], |seats| seats)
     }
 }
 

@@ -15,6 +15,7 @@ use crate::walking::crowd::{Crowd, Wish, radius_m};
 use crate::walking::fixtures::Fixtures;
 use crate::walking::paths::{Crossing, Paths};
 use crate::walking::routes::{Leg, Route, Routes, Turn};
+use crate::walking::seats::Seat;
 use crate::walking::surroundings::Surroundings;
 use crate::walking::waiting::WaitingPlace;
 
@@ -78,6 +79,10 @@ enum Mode {
     Standing {
         yaw_rad: f64,
         until_s: f64,
+    },
+    /// Sits on something so high for the whole scene.
+    Sitting {
+        seat_m: f64,
     },
     /// Hit by a vehicle.
     Struck,
@@ -182,6 +187,17 @@ impl Walker {
         self.offset = place.share;
         (self.point, self.yaw_rad) = (paths.point(self.way, self.along_m, place.share).0, place.yaw_rad);
         self.mode = Mode::Standing { yaw_rad: place.yaw_rad, until_s };
+    }
+
+    /// Sits down, and stays.
+    pub(crate) fn sit(&mut self, seat: &Seat) {
+        (self.point, self.yaw_rad) = (seat.point, seat.yaw_rad);
+        self.mode = Mode::Sitting { seat_m: seat.seat_m };
+    }
+
+    /// Height of the seat that it sits on, metres; 0 if it does not sit on one.
+    pub(crate) fn seat_m(&self) -> f64 {
+        if let Mode::Sitting { seat_m } = self.mode { seat_m } else { 0.0 }
     }
 
     pub(crate) fn company(&self) -> Option<&Company> {
@@ -341,11 +357,11 @@ impl Walker {
         radius_m(self.model.size_m)
     }
 
-    /// What it wishes for now, and the height of the surface there; nothing once it is struck.
+    /// What it wishes for now, and the height of the surface there; nothing of who sits or was struck.
     fn wish(&mut self, around: &Surroundings<'_>) -> Option<(Wish, f64)> {
         let &Surroundings { paths, time_s, .. } = around;
         match self.mode.clone() {
-            Mode::Struck => None,
+            Mode::Struck | Mode::Sitting { .. } => None,
             Mode::Standing { yaw_rad, until_s } => {
                 if time_s > until_s {
                     self.set_out(around, None);

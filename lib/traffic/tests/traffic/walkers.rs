@@ -3,10 +3,11 @@
 use crate::common;
 
 use std::collections::BTreeMap;
+use std::f64::consts::FRAC_PI_2;
 
 use crate::common::{agent, collisions, crossing, run, scene, settings, straight, tracks};
 use opendrive::{Cubic, Lane, LaneType, Map, Object};
-use schema::tables::StateRow;
+use schema::tables::{ActorRow, StateRow};
 use schema::{ActorKind, Attribute, SignalState};
 use traffic::SimulationLog;
 
@@ -337,4 +338,56 @@ fn groups_who_stand_face_one_another_and_walk_on_together() {
         let together = nearest_m(&log, state).iter().filter(|d| **d < 3.0).count();
         assert!(together >= 36, "{together} of 45 are together at {state}");
     }
+}
+
+#[test]
+fn some_who_wait_sit_on_benches() {
+    let mut settings = settings();
+    settings.walkers.waiting = 1.0;
+    let mut plan = scene(100.0);
+    (plan.walkers, plan.walker_cross_factor) = (60, 0.0);
+    // Beyond the outer edges of both sidewalks, looking at the road.
+    let benches: Vec<ActorRow> = (0..20)
+        .map(|k| {
+            let (x, left) = (120.0 + 20.0 * f64::from(k), if k % 2 == 0 { 1.0 } else { -1.0 });
+            let bench = common::parked([x, left * 7.0, 0.1], -left * FRAC_PI_2, [0.55, 1.7, 0.85]);
+            ActorRow { kind: ActorKind::Prop, model: "prop.bench".into(), semantic_tags: vec![20], ..bench }
+        })
+        .collect();
+    let agents = [agent(0, [300.0, -1.75, 0.0], 0.0)];
+    let log = common::run_beside(&straight(600.0), &plan, &agents, &[], &settings, benches.clone());
+    let tracks = tracks(&log);
+    let mut taken = Vec::new();
+    for walker in log.actors.iter().filter(|a| a.kind == ActorKind::Walker) {
+        let track = &tracks[&walker.id];
+        let seat_m = f64::from(track[0].seat_m);
+        assert_eq!(walker.attributes.is_true(&Attribute::SitsOnBench), seat_m > 0.0);
+        if seat_m == 0.0 {
+            assert!(track.iter().all(|s| s.seat_m == 0.0));
+            continue;
+        }
+        // Half of a bench's height is its seat's; whoever sits stays there.
+        assert!((seat_m - 0.425).abs() < 1e-6, "{seat_m}");
+        let same = |s: &&StateRow| s.xyz_m == track[0].xyz_m && s.seat_m == track[0].seat_m;
+        assert!(track.iter().all(same), "{} moves", walker.id);
+        assert!(walker.model != "walker.child" && walker.attributes.get(&Attribute::SpecialType) == Some(""));
+        // Before the back rest of a bench, on one of two places, looking away from it.
+        let [x, y, z] = track[0].xyz_m;
+        let on = benches.iter().position(|b| (b.xyz_m[0] - x).abs() < 0.5 && b.xyz_m[1] * y > 0.0);
+        let bench = &benches[on.expect("a bench")];
+        let before_m = bench.xyz_m[1].abs() - y.abs();
+        assert!((before_m - (-0.275 + 0.09 + 0.33)).abs() < 1e-9, "{before_m}");
+        assert!(((x - bench.xyz_m[0]).abs() - 0.22 * 1.7).abs() < 1e-9 && z == bench.xyz_m[2]);
+        let turned = common::yaw(track[0].quaternion) - common::yaw(bench.quaternion);
+        assert!(frames::wrap_pi(turned).abs() < 1e-9);
+        taken.push((on, x > bench.xyz_m[0]));
+    }
+    let all = taken.len();
+    taken.sort_unstable();
+    taken.dedup();
+    assert!(all >= 12 && taken.len() == all, "{all} sit, on {} places", taken.len());
+    let both = taken.windows(2).filter(|pair| pair[0].0 == pair[1].0).count();
+    assert!(both >= 2, "{both} benches have two on them");
+    // Those who walk by keep off them.
+    assert_eq!(overlaps(&log), []);
 }
