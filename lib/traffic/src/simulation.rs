@@ -562,6 +562,7 @@ impl<'a> Simulation<'a> {
                 world_from_object: towed.world_from_object(),
                 world_from_object_before: self.before[first + i],
                 lean_rad: towed.lean_rad(),
+                seat_m: 0.0,
                 steer_rad: 0.0,
                 phase_rad: towed.rolled_m() / towed.train().towed.wheel_radius_m,
                 lights: vehicle_lamps(&self.net, vehicle, lamps),

@@ -86,7 +86,7 @@ impl Lighting {
         let (shadows, (lamps, walls)) = rayon::join(
             || shadows_at(scene, still, caster, centre_local),
             || {
-                let walls = Enclosed::around(scene, still, centre_local);
+                let walls = Enclosed::around(scene, centre_local, |lens| Some(still?.walls(lens)));
                 (Lamps::new(scene, sky.lamps_matter(), centre_local), walls)
             },
         );

@@ -15,7 +15,6 @@ use schema::Tag;
 use schema::geometry::TriMesh;
 
 use super::lens::{HOUSES, Lens};
-use super::still::StillMaps;
 
 /// Texels of the map a side of a cell.
 const CELL: usize = 2;
@@ -81,22 +80,19 @@ pub(crate) struct Enclosed {
 }
 
 impl Enclosed {
-    /// Around a place of a scene.
+    /// Around a place of a scene; `kept` answers for a lens where someone keeps what it sees.
     ///
     /// # Errors
     /// The renderer failed.
     pub(super) fn around(
         scene: &dyn Scene,
-        still: Option<&StillMaps<'_>>,
         centre_local: Vec3,
+        kept: impl FnOnce(&Lens) -> Option<Result<Arc<Walls>, RenderError>>,
     ) -> Result<Self, RenderError> {
         let origin = scene.snapshot().origin;
         let place_m = DVec3::from_array(origin.world_xyz()) + centre_local.as_dvec3();
         let (lens, _) = Lens::at(place_m, Vec3::Z, &HOUSES);
-        let walls = match still {
-            Some(still) => still.walls(&lens)?,
-            None => Arc::new(Walls::new(scene, &lens)?),
-        };
+        let walls = kept(&lens).unwrap_or_else(|| Walls::new(scene, &lens).map(Arc::new))?;
         let half_m = 0.5 * walls.side as f32 * walls.cell_m;
         let centre = origin.local_from_world(walls.centre_m.to_array());
         Ok(Self { walls, corner_local: centre - Vec3::new(half_m, half_m, 0.0) })
