@@ -6,6 +6,7 @@ use glam::Vec3;
 use renderer::{RenderError, Scene};
 use schema::tables::Weather;
 
+use super::enclosed::Enclosed;
 use super::exposure::Exposure;
 use super::fog::Fog;
 use super::lamps::Lamps;
@@ -13,7 +14,6 @@ use super::shadow::{Caster, Overhead, Shadows, shadows_at};
 use super::sky::Sky;
 use super::skyline::{Seen, Skyline};
 use super::still::StillMaps;
-use super::walls::Enclosed;
 use crate::look::Surroundings;
 
 /// What decides the light of a frame.
@@ -86,7 +86,7 @@ impl Lighting {
         let (shadows, (lamps, walls)) = rayon::join(
             || shadows_at(scene, still, caster, centre_local),
             || {
-                let walls = Enclosed::around(scene, centre_local, |lens| Some(still?.walls(lens)));
+                let walls = Enclosed::around(scene, still, centre_local);
                 (Lamps::new(scene, sky.lamps_matter(), centre_local), walls)
             },
         );

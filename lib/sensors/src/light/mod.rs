@@ -4,6 +4,7 @@
 //! sRGB.
 
 mod atmosphere;
+mod enclosed;
 mod exposure;
 mod fog;
 mod headlight;

@@ -5,16 +5,14 @@
 //! that they make is followed all around; what is left of an even sky, for surfaces that face up, north, west, south and east, is
 //! added up from it in closed form and kept. Places between cells and heights are interpolated.
 
-use std::sync::Arc;
-
 use glam::{DVec3, Vec3};
-use lanes::{Lanes, Vec3s};
+use lanes::Lanes;
 use rayon::prelude::*;
 use renderer::{RenderError, Scene};
 use schema::Tag;
 use schema::geometry::TriMesh;
 
-use super::lens::{HOUSES, Lens};
+use super::lens::Lens;
 
 /// Texels of the map a side of a cell.
 const CELL: usize = 2;
@@ -61,84 +59,14 @@ impl Facing {
 #[derive(Clone, Debug)]
 pub(super) struct Walls {
     /// Where its middle is in the world.
-    centre_m: DVec3,
+    pub(super) centre_m: DVec3,
     /// Cells a side, from the south-west; none without houses.
-    side: usize,
-    cell_m: f32,
+    pub(super) side: usize,
+    pub(super) cell_m: f32,
     /// Height of the ground over the middle, by cell.
     ground_m: Vec<f32>,
     /// By cell and height.
     left: Vec<Left>,
-}
-
-/// [`Walls`] around a place, in its local frame.
-#[derive(Clone, Debug)]
-pub(crate) struct Enclosed {
-    walls: Arc<Walls>,
-    /// Its south-west corner, and the height that its heights are over.
-    corner_local: Vec3,
-}
-
-impl Enclosed {
-    /// Around a place of a scene; `kept` answers for a lens where someone keeps what it sees.
-    ///
-    /// # Errors
-    /// The renderer failed.
-    pub(super) fn around(
-        scene: &dyn Scene,
-        centre_local: Vec3,
-        kept: impl FnOnce(&Lens) -> Option<Result<Arc<Walls>, RenderError>>,
-    ) -> Result<Self, RenderError> {
-        let origin = scene.snapshot().origin;
-        let place_m = DVec3::from_array(origin.world_xyz()) + centre_local.as_dvec3();
-        let (lens, _) = Lens::at(place_m, Vec3::Z, &HOUSES);
-        let walls = kept(&lens).unwrap_or_else(|| Walls::new(scene, &lens).map(Arc::new))?;
-        let half_m = 0.5 * walls.side as f32 * walls.cell_m;
-        let centre = origin.local_from_world(walls.centre_m.to_array());
-        Ok(Self { walls, corner_local: centre - Vec3::new(half_m, half_m, 0.0) })
-    }
-
-    /// The share of the sky's light that reaches a place of a surface, of what would without houses.
-    #[inline]
-    pub(crate) fn open(&self, position_local: Vec3, facing: &Facing) -> f32 {
-        let walls = &*self.walls;
-        if walls.side == 0 {
-            return 1.0;
-        }
-        let p = position_local + facing.off_m - self.corner_local;
-        let (x, y) = (p.x / walls.cell_m - 0.5, p.y / walls.cell_m - 0.5);
-        let last = (walls.side - 1) as f32;
-        let edge = x.min(y).min(last - x).min(last - y) * walls.cell_m;
-        if edge.is_nan() || edge <= 0.0 {
-            return 1.0;
-        }
-        let (x0, y0) = (x as usize, y as usize);
-        let first = (y0.min(walls.side - 2)) * walls.side + x0.min(walls.side - 2);
-        let over_m = (p.z - facing.off_m.z - walls.ground_m[first] - LOWEST_M).max(0.0);
-        let level = over_m.sqrt().min((LEVELS - 1) as f32);
-        // From a roof one looks from above it.
-        let level = if facing.is_roof && over_m > 2.0 { level.ceil() } else { level };
-        let below = (level as usize).min(LEVELS - 2);
-        let (fx, fy, fz) = (x - x0 as f32, y - y0 as f32, level - below as f32);
-        let at = |cell: usize| {
-            let column = &walls.left[cell * LEVELS + below..];
-            column[0] + (column[1] - column[0]) * fz
-        };
-        let south = at(first) + (at(first + 1) - at(first)) * fx;
-        let north = at(first + walls.side) + (at(first + walls.side + 1) - at(first + walls.side)) * fx;
-        let left = (south + (north - south) * fy) * facing.weights;
-        let open = left.reduce_add().clamp(0.0, 1.0);
-        1.0 - (1.0 - open) * (edge / FADE_M).min(1.0)
-    }
-
-    /// The same at eight places.
-    #[inline]
-    pub(crate) fn open_all(&self, positions: &Vec3s, facing: &Facing) -> Lanes {
-        if self.walls.side == 0 {
-            return Lanes::ONE;
-        }
-        Lanes::from(std::array::from_fn(|i| self.open(positions.lane(i), facing)))
-    }
 }
 
 impl Walls {
@@ -173,6 +101,39 @@ impl Walls {
         let houses_m = heights(&houses)?;
         let ground_m = heights(&of(&|mesh| is_ground(mesh) && !is_house(mesh)))?;
         Ok(Self::over(lens.centre_m, lens.texel_m, side, &houses_m, &ground_m))
+    }
+
+    /// The share of the sky's light that reaches a place of a surface, of what would without houses: from the south-west corner,
+    /// and over the middle.
+    #[inline]
+    pub(super) fn open(&self, from_corner: Vec3, facing: &Facing) -> f32 {
+        if self.side == 0 {
+            return 1.0;
+        }
+        let p = from_corner + facing.off_m;
+        let (x, y) = (p.x / self.cell_m - 0.5, p.y / self.cell_m - 0.5);
+        let last = (self.side - 1) as f32;
+        let edge = x.min(y).min(last - x).min(last - y) * self.cell_m;
+        if edge.is_nan() || edge <= 0.0 {
+            return 1.0;
+        }
+        let (x0, y0) = (x as usize, y as usize);
+        let first = (y0.min(self.side - 2)) * self.side + x0.min(self.side - 2);
+        let over_m = (from_corner.z - self.ground_m[first] - LOWEST_M).max(0.0);
+        let level = over_m.sqrt().min((LEVELS - 1) as f32);
+        // From a roof one looks from above it.
+        let level = if facing.is_roof && over_m > 2.0 { level.ceil() } else { level };
+        let below = (level as usize).min(LEVELS - 2);
+        let (fx, fy, fz) = (x - x0 as f32, y - y0 as f32, level - below as f32);
+        let at = |cell: usize| {
+            let column = &self.left[cell * LEVELS + below..];
+            column[0] + (column[1] - column[0]) * fz
+        };
+        let south = at(first) + (at(first + 1) - at(first)) * fx;
+        let north = at(first + self.side) + (at(first + self.side + 1) - at(first + self.side)) * fx;
+        let left = (south + (north - south) * fy) * facing.weights;
+        let open = left.reduce_add().clamp(0.0, 1.0);
+        1.0 - (1.0 - open) * (edge / FADE_M).min(1.0)
     }
 
     /// Of heights of houses and ground over the middle, by texel from the south-west; negative endless where there is none.
@@ -318,13 +279,11 @@ mod tests {
     const TEXELS: usize = 200;
 
     /// Walls over a height field of metres, the place that is asked for at its middle.
-    fn enclosed(houses_m: impl Fn(f32, f32) -> f32) -> Enclosed {
+    fn enclosed(houses_m: impl Fn(f32, f32) -> f32) -> Walls {
         let middle = |at: usize| at as f32 + 0.5 - 0.5 * TEXELS as f32;
         let houses: Vec<f32> =
             (0..TEXELS * TEXELS).map(|i| houses_m(middle(i % TEXELS), middle(i / TEXELS))).collect();
-        let walls = Walls::over(DVec3::ZERO, 1.0, TEXELS, &houses, &[0.0; TEXELS * TEXELS]);
-        let half_m = 0.5 * TEXELS as f32;
-        Enclosed { walls: Arc::new(walls), corner_local: Vec3::new(-half_m, -half_m, 0.0) }
+        Walls::over(DVec3::ZERO, 1.0, TEXELS, &houses, &[0.0; TEXELS * TEXELS])
     }
 
     /// The same by many rays through the height field, over what is left without houses.
@@ -349,7 +308,10 @@ mod tests {
     #[test]
     fn it_is_closed_forms_and_rays() {
         let none = enclosed(|_, _| f32::NEG_INFINITY);
-        let open = |walls: &Enclosed, place: Vec3, normal: Vec3| walls.open(place, &Facing::new(normal));
+        let open = |walls: &Walls, place: Vec3, normal: Vec3| {
+            let half_m = 0.5 * TEXELS as f32;
+            walls.open(place + Vec3::new(half_m, half_m, 0.0), &Facing::new(normal))
+        };
         for normal in [Vec3::Z, Vec3::X, -Vec3::Y, Vec3::new(0.6, 0.0, 0.8), -Vec3::Z] {
             assert!((open(&none, Vec3::new(3.0, 7.0, 0.0), normal) - 1.0).abs() < 1e-4, "{normal}");
         }
