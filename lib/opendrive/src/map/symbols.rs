@@ -1,10 +1,14 @@
 //! What is painted on lanes to be read: arrows, words, bicycles.
 
+use std::f64::consts::PI;
+
 use frames::math::sin_cos;
+use frames::wrap_pi;
 use lettering::Lettering;
 use nalgebra::{Point3, Vector3};
 
-use super::{Map, ObjectInfo};
+use super::{LaneHit, LaneInfo, Map, ObjectInfo};
+use crate::LaneType;
 
 /// Letters on roads are so many times as high as they would be upright: drivers see them at a flat angle.
 const STRETCH: f64 = 4.0;
@@ -14,6 +18,8 @@ const WORD_M: f64 = 2.8;
 const WORD_RANGE_M: [f64; 2] = [1.2, 4.0];
 /// A word is no wider than so much of its lane.
 const LANE_SHARE: f64 = 0.66;
+/// Words stay so far inside their lane, metres.
+const EDGE_M: f64 = 0.05;
 /// Width and length of a bicycle, metres.
 const BICYCLE_M: [f64; 2] = [1.1, 1.9];
 /// Lanes are looked for at most this far beside what is painted, metres: bicycles lie beside those for traffic.
@@ -74,7 +80,7 @@ impl Map {
         let signals = self.signals().iter().filter(|signal| !signal.dynamic).filter_map(|signal| {
             let symbol = meant(&signal.kind, &signal.name)?;
             let size = Vector3::new(0.0, signal.size_m[1].unwrap_or(0.0), 0.0);
-            Some(self.painted(symbol, signal.on_surface, size, signal.pose.yaw()))
+            Some(self.painted(symbol, signal.road, signal.on_surface, size, signal.pose.yaw()))
         });
         objects.chain(signals).collect()
     }
@@ -90,16 +96,42 @@ impl Map {
             let word = symbol.name();
             return Some(RoadSymbol { word, place, areas: object.areas() });
         }
-        Some(self.painted(symbol, place, object.size_m, object.pose.yaw()))
+        Some(self.painted(symbol, object.road, place, object.size_m, object.pose.yaw()))
     }
 
     /// A symbol about a place, as the traffic of the lane there reads it; where there is none, along a heading.
-    fn painted(&self, symbol: Symbol, place: Point3<f64>, size_m: Vector3<f64>, yaw_rad: f64) -> RoadSymbol {
-        let hit = self.nearest_driving_lane(place);
+    fn painted(
+        &self,
+        symbol: Symbol,
+        road: u32,
+        place: Point3<f64>,
+        size_m: Vector3<f64>,
+        yaw_rad: f64,
+    ) -> RoadSymbol {
+        // In a junction several ways lead over it: it is for the one in whose middle it lies, and along which it looks.
+        let within = |lane: &LaneInfo| lane.lane_type == LaneType::Driving;
+        let off = |hit: &LaneHit| {
+            let turn_rad =
+                self.lane_point(hit.lane, hit.s, 0.0).map_or(PI, |p| wrap_pi(p.heading_rad - yaw_rad));
+            hit.t_m.abs() + 2.0 * turn_rad.abs()
+        };
+        let over = self.lanes_within(place, ASIDE_M, within).into_iter().filter(LaneHit::is_inside);
+        let over = over.min_by(|a, b| off(a).total_cmp(&off(b)).then(a.lane.cmp(&b.lane)));
+        let beside = || {
+            let own = self.lanes_within(place, ASIDE_M, |lane| within(lane) && lane.id.road == road);
+            own.into_iter().min_by(|a, b| a.t_m.abs().total_cmp(&b.t_m.abs()))
+        };
+        let hit = over.or_else(beside).or_else(|| self.nearest_driving_lane(place));
         let hit = hit.filter(|hit| hit.t_m.abs() < 0.5 * hit.width_m + ASIDE_M);
         let lane = hit.as_ref().and_then(|hit| self.lane_point(hit.lane, hit.s, 0.0));
         let heading_rad = lane.map_or(yaw_rad, |lane| lane.heading_rad);
-        let lane_m = hit.filter(super::LaneHit::is_inside).map_or(3.0, |hit| hit.width_m);
+        let hit = hit.filter(LaneHit::is_inside);
+        let lane_m = hit.as_ref().map_or(3.0, |hit| hit.width_m);
+        // Some files have it farther aside than their lane is wide.
+        let aside_m = |half_m: f64| {
+            let free_m = (0.5 * lane_m - EDGE_M - half_m).max(0.0);
+            hit.as_ref().map_or(0.0, |hit| hit.t_m.clamp(-free_m, free_m) - hit.t_m)
+        };
         let (sin, cos) = sin_cos(heading_rad);
         let at = |ahead: f64, left: f64| {
             place + Vector3::new(cos * ahead - sin * left, sin * ahead + cos * left, 0.0)
@@ -107,7 +139,9 @@ impl Map {
         // Files state the box around it, whichever way it lies.
         let stated = [size_m.x.max(size_m.y), size_m.x.min(size_m.y)];
         let written = |lettering: &Lettering, length_m: f64, width_m: f64| {
-            let place = |[x, y]: &[f64; 2]| at((y - 0.5) * length_m, (0.5 - x / lettering.width) * width_m);
+            let aside_m = aside_m(0.5 * width_m);
+            let place =
+                |[x, y]: &[f64; 2]| at((y - 0.5) * length_m, aside_m + (0.5 - x / lettering.width) * width_m);
             lettering.outlines.iter().map(|outline| outline.iter().map(place).collect()).collect()
         };
         let word = symbol.name();
