@@ -154,13 +154,8 @@ mod tests {
     /// Read by a few places where ink must be and must not be.
     #[test]
     fn letters_are_themselves() {
-<<<<<<< ours
-        type Places = &'static [Point];
-        let probes: [(&str, Places, Places); 5] = [
-=======
         type Probe<'a> = (&'a str, &'a [Point], &'a [Point]);
         let probes: [Probe<'_>; 5] = [
->>>>>>> theirs
             // As shares of the width, and heights.
             ("L", &[[0.1, 0.9], [0.1, 0.1], [0.9, 0.08]], &[[0.6, 0.6], [0.9, 0.9]]),
             ("P", &[[0.1, 0.1], [0.5, 0.92], [0.9, 0.75]], &[[0.9, 0.2], [0.5, 0.1], [0.5, 0.73]]),

@@ -37,8 +37,10 @@ pub enum Surface {
     KerbedAsphalt(Kerbs),
     /// Paint on the road.
     RoadMarking,
-    /// Pavement slabs, kerbs, concrete.
+    /// Kerbs, walls, concrete.
     Concrete,
+    /// What a sidewalk is paved with. Where its mesh has a [`Skin`], places in it are metres along the sidewalk and away from its kerb.
+    Paving(Paving),
     /// Grass and soil.
     Grass,
     /// Leaves.
@@ -58,6 +60,21 @@ pub enum Surface {
     Lamp(u32),
     /// As the mesh's own [`Skin`] shows it; the part's colour is its mean.
     Skin(Finish),
+}
+
+/// What sidewalks are paved with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Paving {
+    /// Slabs of half a metre.
+    Slabs,
+    /// Small square tiles, light and dark.
+    Tiles,
+    /// Cobbles.
+    Setts,
+    /// Concrete with a joint every other metre.
+    Cast,
+    /// Asphalt.
+    Asphalt,
 }
 
 /// On which sides of a lane kerbs stand.

@@ -2,7 +2,7 @@
 
 use frames::math;
 use schema::Tag;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{Part, Paving, Surface};
 
 /// Echoes weaker than this are as good as none, dB (of a square metre, and over the noise).
 pub(crate) const FLOOR_DB: f64 = -80.0;
@@ -96,12 +96,18 @@ fn scatter(part: &Part) -> Scatter {
         }
         Surface::Rubber => of(0.05, 0.05, 5),
         Surface::Cloth | Surface::Clothes(_) | Surface::Opening => of(0.10, 0.0, 0),
-        Surface::Plain | Surface::Concrete | Surface::Facade(_) | Surface::Gravel | Surface::RoofTiles => {
-            of(0.10, 0.15, 15)
-        }
+        Surface::Plain
+        | Surface::Concrete
+        | Surface::Facade(_)
+        | Surface::Gravel
+        | Surface::RoofTiles
+        | Surface::Paving(Paving::Slabs | Paving::Tiles | Paving::Setts | Paving::Cast) => of(0.10, 0.15, 15),
         Surface::Wood => of(0.06, 0.06, 10),
         Surface::Foliage | Surface::Grass => of(0.04, 0.0, 0),
-        Surface::Asphalt | Surface::KerbedAsphalt(_) | Surface::RoadMarking => of(0.02, 0.0, 0),
+        Surface::Asphalt
+        | Surface::KerbedAsphalt(_)
+        | Surface::Paving(Paving::Asphalt)
+        | Surface::RoadMarking => of(0.02, 0.0, 0),
     }
 }
 

@@ -9,7 +9,7 @@ use opendrive::Map;
 
 use crate::blocks::Blocks;
 use crate::cover::{Cover, Facet, PATCH_BELOW_M};
-use crate::materials::{ASPHALT, PAVEMENT};
+use crate::materials::{ASPHALT, pavement};
 use crate::raster::Raster;
 use crate::region::Region;
 use crate::sections::Ground;
@@ -246,7 +246,7 @@ pub(crate) fn build(cover: &Cover, area: &Region, blocks: &mut Blocks) {
     };
     for facet in cover.facets().iter().filter(here) {
         match facet.ground {
-            Ground::Walk => blocks.triangle(Layer::Sidewalk, PAVEMENT, facet.corners),
+            Ground::Walk => blocks.triangle(Layer::Sidewalk, pavement(facet.middle()), facet.corners),
             _ => blocks.triangle(Layer::Road, ASPHALT, facet.corners),
         }
     }

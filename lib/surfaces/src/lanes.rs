@@ -7,7 +7,7 @@ use schema::geometry::{Kerbs, Part, Surface};
 use crate::blocks::Blocks;
 use crate::cover::{Cover, Facet, PATCH_BELOW_M};
 use crate::ground::GroundLevels;
-use crate::materials::{ASPHALT, GRASS, PAVEMENT};
+use crate::materials::{ASPHALT, GRASS, pavement};
 use crate::region::Region;
 use crate::sections::{Ground, Section, Strip, WIDEST_M};
 use schema::Layer;
@@ -124,17 +124,20 @@ pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels,
         }
         // A piece's ends depend on whether its neighbours are there, in the area or not.
         let asked = |i: usize| here[i.saturating_sub(1)..(i + 2).min(here.len())].contains(&true);
+        let begins = section.strips.first().map_or([0.0; 2], |strip| [strip.right[0].x, strip.right[0].y]);
         for (k, strip) in section.strips.iter().enumerate() {
             let (layer, top) = match strip.ground {
                 Ground::Paved => (Layer::Road, ASPHALT),
                 Ground::Waste => (Layer::Median, WASTE),
                 Ground::Track => (Layer::Track, BALLAST),
-                Ground::Walk => (Layer::Sidewalk, PAVEMENT),
+                Ground::Walk => (Layer::Sidewalk, pavement(begins)),
                 Ground::Median => (Layer::Median, MEDIAN),
                 Ground::Land => continue,
             };
             // A face is what its strip is: an object has no tags beside its own.
             let face = Part { tag: layer.tag(), ..KERB };
+            let along_m =
+                if layer == Layer::Sidewalk { along(section, strip) } else { vec![0.0; here.len() + 1] };
             let right = k.checked_sub(1).and_then(|k| section.strips.get(k));
             let left = section.strips.get(k + 1);
             let kept: Vec<Option<Share>> = (0..here.len())
@@ -151,7 +154,10 @@ pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels,
                     }
                     _ => top,
                 };
-                blocks.quad(layer, top, [right_start, right_end, left_end, left_start]);
+                let [near, far] = [along_m[i], along_m[i + 1]];
+                let away = away_m(strip, i, part);
+                let laid = [[near, away[0]], [far, away[1]], [far, away[2]], [near, away[3]]];
+                blocks.quad_along(layer, top, [right_start, right_end, left_end, left_start], laid);
                 if !strip.ground.raised() && strip.raise[i] == [0.0; 2] {
                     continue;
                 }
@@ -162,11 +168,13 @@ pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels,
                 };
                 if let Some(depth) = beside(part[1] == 1.0, left, 0) {
                     let (a, b) = (left_end, left_start);
-                    blocks.quad(layer, face, [down(a, depth[1]), down(b, depth[0]), b, a]);
+                    let laid = [far, near, near, far].map(|along| [along, 0.0]);
+                    blocks.quad_along(layer, face, [down(a, depth[1]), down(b, depth[0]), b, a], laid);
                 }
                 if let Some(depth) = beside(part[0] == 0.0, right, 1) {
                     let (a, b) = (right_start, right_end);
-                    blocks.quad(layer, face, [down(a, depth[0]), down(b, depth[1]), b, a]);
+                    let laid = [near, far, far, near].map(|along| [along, 0.0]);
+                    blocks.quad_along(layer, face, [down(a, depth[0]), down(b, depth[1]), b, a], laid);
                 }
                 // Where the strip begins or ends for good, or was cut away, its end is closed.
                 let goes_on = |k: Option<usize>| {
@@ -185,6 +193,25 @@ pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels,
         }
         verges(section, area, ground, blocks);
     }
+}
+
+/// Metres along the middle of a strip to each of its samples; it goes on from where its section begins.
+fn along(section: &Section, strip: &Strip) -> Vec<f64> {
+    let middle = |i: usize| nalgebra::center(&strip.left[i], &strip.right[i]);
+    let mut all = vec![section.s[0]];
+    for i in 1..section.s.len() {
+        all.push(all[i - 1] + (middle(i) - middle(i - 1)).xy().norm());
+    }
+    all
+}
+
+/// How far the corners of a part of a strip's piece, in the order of [`corners`], are from its inner border, metres.
+fn away_m(strip: &Strip, i: usize, [from, to]: Share) -> [f64; 4] {
+    let at = |k: usize, share: f64| {
+        let width_m = (strip.left[k] - strip.right[k]).xy().norm();
+        width_m * if strip.lane.lane > 0 { share } else { 1.0 - share }
+    };
+    [at(i, from), at(i + 1, from), at(i + 1, to), at(i, to)]
 }
 
 /// How deep the face beside a raised strip reaches at a piece's start and end; none where the neighbour is as high.

@@ -90,6 +90,43 @@ pub(crate) fn slabs() -> Texture {
     Texture::new(&canvas, 256.0)
 }
 
+/// Tiles of 0.25 m, light and dark in turn, joints of 5 mm.
+pub(crate) fn tiles() -> Texture {
+    let canvas = Canvas::new(512, |x, y| {
+        let (fine, cloud) = (grain(x, y, 96), clouds(x, y, 1.0, 23));
+        let (u, v) = (x * 8.0, y * 8.0);
+        let edge = |v: f32| smooth(0.007, 0.017, 0.5 - (v - v.floor() - 0.5).abs());
+        let piece = edge(u) * edge(v);
+        let (column, row) = (u as i32 & 7, v as i32 & 7);
+        let dark = if (column + row) & 1 == 0 { 0.80 } else { 1.06 };
+        let own = unit(hash2(column, row, 59));
+        let face = dark * (0.94 + 0.1 * own) * (0.82 + 0.2 * fine + 0.16 * cloud);
+        Spot { height: 1.6 * piece + 0.5 * fine, shade: 0.5 + (face - 0.5) * piece, tint: 1.0 - piece }
+    });
+    Texture::new(&canvas, 256.0)
+}
+
+/// Cobbles of 125 mm in half bond, rounded, with sand between them.
+pub(crate) fn setts() -> Texture {
+    let bond = Bond { across: [16.0, 16.0], joint: [0.07, 0.07], seed: 61 };
+    let canvas = Canvas::new(512, |x, y| {
+        let rough = grain(x, y, 72);
+        let laid = bond.at(x, y, 3.0 * (clouds(x, y, 1.0, 29) - 0.5));
+        // Higher in its middle.
+        let (u, v) = (x * 16.0, y * 16.0);
+        let half = if v.floor() as i32 & 1 == 0 { 0.0 } else { 0.5 };
+        let off = |v: f32| v - v.floor() - 0.5;
+        let dome = 1.0 - 2.0 * (off(u + half) * off(u + half) + off(v) * off(v));
+        let face = (0.72 + 0.5 * laid.own[0]) * (0.85 + 0.3 * rough);
+        Spot {
+            height: 4.0 * dome * laid.piece + 0.8 * rough,
+            shade: 0.55 + (face - 0.55) * laid.piece,
+            tint: 1.0 - laid.piece,
+        }
+    });
+    Texture::new(&canvas, 256.0)
+}
+
 /// Tiles of 250 by 333 mm: a wave across, a step down to the next row.
 pub(crate) fn roof() -> Texture {
     let canvas = Canvas::new(256, |x, y| {

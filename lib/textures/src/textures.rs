@@ -16,6 +16,10 @@ pub struct Textures {
     pub concrete: Texture,
     /// Slabs of 0.5 by 0.5 m in half bond; joints have a tint above 0.
     pub slabs: Texture,
+    /// Tiles of 0.25 m, light and dark in turn; joints have a tint above 0.
+    pub tiles: Texture,
+    /// Cobbles of 125 mm; joints have a tint above 0.
+    pub setts: Texture,
     /// Bricks of 250 mm in courses of 77 mm; mortar has a tint above 0.
     pub brick: Texture,
     /// Ashlar: stones of about 0.5 by 0.25 m; joints have a tint above 0.
@@ -48,6 +52,8 @@ impl Textures {
             wear: wear::wear(),
             concrete: stone::concrete(),
             slabs: laid::slabs(),
+            tiles: laid::tiles(),
+            setts: laid::setts(),
             brick: laid::brick(),
             ashlar: laid::ashlar(),
             plaster: stone::plaster(),
@@ -61,12 +67,14 @@ impl Textures {
 
     /// Each with its name.
     #[must_use]
-    pub fn all(&self) -> [(&'static str, &Texture); 12] {
+    pub fn all(&self) -> [(&'static str, &Texture); 14] {
         [
             ("asphalt", &self.asphalt),
             ("wear", &self.wear),
             ("concrete", &self.concrete),
             ("slabs", &self.slabs),
+            ("tiles", &self.tiles),
+            ("setts", &self.setts),
             ("brick", &self.brick),
             ("ashlar", &self.ashlar),
             ("plaster", &self.plaster),

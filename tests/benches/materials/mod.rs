@@ -31,7 +31,7 @@ fn name_of(surface: &Surface) -> &'static str {
         Surface::Clothes(_) => "clothes",
         Surface::Asphalt | Surface::KerbedAsphalt(_) => "asphalt",
         Surface::RoadMarking => "road marking",
-        Surface::Concrete => "concrete",
+        Surface::Concrete | Surface::Paving(_) => "concrete",
         Surface::Grass => "grass",
         Surface::Foliage => "foliage",
         Surface::Wood => "wood",

@@ -1,8 +1,11 @@
 //! The static world, tile by tile, and which of it a scene has.
 
-use glam::Vec3;
+use std::sync::Arc;
 
-use crate::geometry::{Kerbs, Part, Surface, SurfaceMesh, TriMesh};
+use glam::{Vec2, Vec3};
+
+use crate::geometry::{Kerbs, Part, Paving, Surface, SurfaceMesh, TriMesh};
+use crate::skin::Skin;
 use crate::tables::ActorRow;
 use crate::{ActorRole, Attributes, Layer, ObjectId, Tag, table};
 
@@ -28,10 +31,12 @@ table! {
         triangle_part: Vec<u8>,
         /// Semantic tag of each part.
         part_tag: Vec<u8>,
-        /// What each part is made of: `asphalt` (`asphalt_kerb_right`, `_left`, `_both` of a lane with kerbs beside it), `concrete`, `grass`, `road_marking`, `metal`, `glass`, `plain`, ...
+        /// What each part is made of: `asphalt` (`asphalt_kerb_right`, `_left`, `_both` of a lane with kerbs beside it), `concrete`, `paving_slabs` (`_tiles`, `_setts`, `_cast`, `_asphalt`), `grass`, `road_marking`, `metal`, `glass`, `plain`, ...
         part_surface: Vec<String>,
         /// Linear red, green, blue of each part, 0 to 1.
         part_rgb: Vec<f32>,
+        /// Of sidewalks, for the three corners of each triangle: how far along the sidewalk (but for whole multiples of 256) and how far from its kerb they are, m. Empty for other layers.
+        laid_m: Vec<f32>,
     }
 }
 
@@ -110,7 +115,7 @@ impl TileObjectRow {
 }
 
 /// Words for what parts are made of. Nothing in the ground shines.
-const SURFACES: [(&str, Surface); 16] = [
+const SURFACES: [(&str, Surface); 21] = [
     ("plain", Surface::Plain),
     ("paint", Surface::Paint),
     ("glass", Surface::Glass),
@@ -123,6 +128,11 @@ const SURFACES: [(&str, Surface); 16] = [
     ("asphalt_kerb_both", Surface::KerbedAsphalt(Kerbs::Both)),
     ("road_marking", Surface::RoadMarking),
     ("concrete", Surface::Concrete),
+    ("paving_slabs", Surface::Paving(Paving::Slabs)),
+    ("paving_tiles", Surface::Paving(Paving::Tiles)),
+    ("paving_setts", Surface::Paving(Paving::Setts)),
+    ("paving_cast", Surface::Paving(Paving::Cast)),
+    ("paving_asphalt", Surface::Paving(Paving::Asphalt)),
     ("grass", Surface::Grass),
     ("foliage", Surface::Foliage),
     ("wood", Surface::Wood),
@@ -148,6 +158,13 @@ impl From<&SurfaceMesh> for SurfaceRow {
             part_tag: parts.iter().map(|part| part.tag as u8).collect(),
             part_surface: parts.iter().map(word).collect(),
             part_rgb: parts.iter().flat_map(|part| part.rgb).collect(),
+            laid_m: piece
+                .mesh
+                .skin
+                .iter()
+                .flat_map(|skin| skin.corners.iter().flatten())
+                .flat_map(|at| at.to_array())
+                .collect(),
         }
     }
 }
@@ -159,11 +176,14 @@ impl SurfaceRow {
         let n = self.x.len();
         let (triangles, rest) = self.triangles.as_chunks::<3>();
         let (rgb, rgb_rest) = self.part_rgb.as_chunks::<3>();
+        let (laid, laid_rest) = self.laid_m.as_chunks::<6>();
         let parts = self.part_tag.len();
         let fits = self.y.len() == n
             && self.z.len() == n
             && rest.is_empty()
             && rgb_rest.is_empty()
+            && laid_rest.is_empty()
+            && (laid.is_empty() || laid.len() == triangles.len())
             && self.triangles.iter().all(|v| (*v as usize) < n)
             && self.triangle_part.len() == triangles.len()
             && self.triangle_part.iter().all(|p| usize::from(*p) < parts)
@@ -184,7 +204,12 @@ impl SurfaceRow {
             // The ground is flat in its triangles.
             corner_normals: Vec::new(),
             corner_open: Vec::new(),
-            skin: None,
+            skin: (!laid.is_empty()).then(|| {
+                let corners = laid
+                    .iter()
+                    .map(|[a, b, c, d, e, f]| [[a, b], [c, d], [e, f]].map(|[x, y]| Vec2::new(*x, *y)));
+                Arc::new(Skin { corners: corners.collect(), coats: Vec::new() })
+            }),
         };
         Some(SurfaceMesh { layer: self.layer, origin_m: self.origin_m, mesh })
     }
@@ -212,6 +237,18 @@ mod tests {
     }
 
     #[test]
+    fn places_along_sidewalks_survive_too() {
+        let mut piece = piece();
+        let part =
+            piece.mesh.part_index(Part::new(Tag::Sidewalk, Surface::Paving(Paving::Setts), [0.1, 0.2, 0.3]));
+        piece.mesh.triangle_part[0] = part;
+        let corners =
+            (0..piece.mesh.triangles.len()).map(|i| [0, 1, 2].map(|k| Vec2::new(i as f32, 0.5 * k as f32)));
+        piece.mesh.skin = Some(Arc::new(Skin { corners: corners.collect(), coats: Vec::new() }));
+        assert_eq!(SurfaceRow::from(&piece).mesh(), Some(piece));
+    }
+
+    #[test]
     fn pieces_survive_the_way_to_rows_and_back() {
         assert_eq!(SurfaceRow::from(&piece()).mesh(), Some(piece()));
     }
@@ -226,7 +263,9 @@ mod tests {
             SurfaceRow { triangle_part: vec![0, 2], ..whole.clone() },
             SurfaceRow { part_tag: vec![1, 200], ..whole.clone() },
             SurfaceRow { part_surface: vec!["asphalt".into(), "butter".into()], ..whole.clone() },
-            SurfaceRow { part_rgb: vec![0.0; 5], ..whole },
+            SurfaceRow { part_rgb: vec![0.0; 5], ..whole.clone() },
+            SurfaceRow { laid_m: vec![0.0; 6], ..whole.clone() },
+            SurfaceRow { laid_m: vec![0.0; 31], ..whole },
         ];
         for row in broken {
             assert_eq!(row.mesh(), None, "{row:?}");

@@ -12,7 +12,7 @@ use actors::{Piece, Posture, actor_mesh};
 use glam::{Affine3A, Vec3};
 use packs::{Hang, PackModel};
 use people::Walker;
-use schema::geometry::{Instance, Snapshot, Surface, TriMesh};
+use schema::geometry::{Instance, Snapshot, Surface, SurfaceMesh, TriMesh};
 use schema::models::{BaseType, Model};
 use schema::settings::{CameraSettings, Optics};
 use schema::tables::Weather;
@@ -106,6 +106,14 @@ impl Stage {
         }
     }
 
+    /// A piece of the ground, as seen from a place in the world.
+    pub(crate) fn add_ground(&mut self, piece: SurfaceMesh, from_m: [f64; 3]) {
+        let off = [0, 1, 2].map(|k| (piece.origin_m[k] - from_m[k]) as f32);
+        let at = Affine3A::from_translation(Vec3::from_array(off));
+        self.instances.push(common::instance(self.meshes.len() as u32, piece.layer as u16 + 1, at));
+        self.meshes.push(Arc::new(piece.mesh));
+    }
+
     /// A walker with meshes of their own.
     pub(crate) fn add_walker(&mut self, walker: &Walker, at: Affine3A, phase_rad: f32, gait_mps: f32) {
         let bones = walker.figure().walking(phase_rad, gait_mps);
@@ -168,6 +176,18 @@ impl Stage {
         size: [u32; 2],
         fov_deg: f64,
     ) -> Result<(), Box<dyn Error>> {
+        self.draw(path, eye, [0.0, down_rad, frames::deg(90.0)], size, fov_deg)
+    }
+
+    /// The stage from anywhere: roll, down and yaw in radians.
+    pub(crate) fn draw(
+        self,
+        path: &Path,
+        eye: [f64; 3],
+        rpy_rad: [f64; 3],
+        size: [u32; 2],
+        fov_deg: f64,
+    ) -> Result<(), Box<dyn Error>> {
         let day = Weather {
             sun_azimuth_deg: 215.0,
             sun_altitude_deg: 48.0,
@@ -176,8 +196,7 @@ impl Stage {
         };
         let snapshot = Snapshot { cabins: self.cabins, ..common::snapshot(self.meshes, self.instances) };
         let optics = Optics::pinhole(size[0], size[1], frames::deg(fov_deg));
-        let view =
-            common::set_view(eye, [0.0, down_rad, frames::deg(90.0)], optics, &CameraSettings::default());
+        let view = common::set_view(eye, rpy_rad, optics, &CameraSettings::default());
         let picture = common::picture(&snapshot, &view, &day);
         let [width, height] = [picture.width, picture.height].map(u16::try_from);
         let mut encoder = jpeg_encoder::Encoder::new_file(path, 78)?;

@@ -1,7 +1,7 @@
 //! How much of a lidar's light a surface sends back, by its material, the angle and the weather.
 
 use frames::math::f32::exp;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{Part, Paving, Surface};
 use schema::tables::Weather;
 
 use crate::retro;
@@ -70,9 +70,11 @@ pub(super) fn reflectance(part: &Part, paint: [f32; 3], level: bool, wetness: f3
         Surface::Opening => (0.15, 0.0),
         Surface::Metal => (0.4, 0.2),
         Surface::Rubber => (0.06, 0.0),
-        Surface::Asphalt | Surface::KerbedAsphalt(_) => (0.15 * (1.0 - SOAKED * wet), 0.0),
+        Surface::Asphalt | Surface::KerbedAsphalt(_) | Surface::Paving(Paving::Asphalt) => {
+            (0.15 * (1.0 - SOAKED * wet), 0.0)
+        }
         Surface::RoadMarking => (0.8 * (1.0 - FLOODED * wet), 0.0),
-        Surface::Concrete => (0.35 * (1.0 - SOAKED * wet), 0.0),
+        Surface::Concrete | Surface::Paving(_) => (0.35 * (1.0 - SOAKED * wet), 0.0),
         Surface::Facade(_) => (0.35, 0.0),
         Surface::Grass | Surface::Foliage => (0.5, 0.0),
         Surface::Wood => (0.35, 0.0),

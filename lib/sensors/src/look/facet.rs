@@ -7,6 +7,7 @@ use schema::geometry::{Instance, Part, Surface};
 use schema::{ObjectId, Tag};
 
 use super::front::Front;
+use super::laid::Laid;
 use super::lane::{Across, Kerbed};
 pub(crate) use super::points::Points;
 use super::skin::Draped;
@@ -30,6 +31,8 @@ pub(crate) struct Facet<'a> {
     pub(super) draped: Option<Draped<'a>>,
     /// Where on its lane it lies, if it is a piece of one.
     pub(super) lane: Option<Across>,
+    /// How it lies along its sidewalk, if it is a piece of one.
+    pub(super) laid: Option<Laid>,
     /// Where kerbs stand beside it.
     pub(super) kerbed: Option<Kerbed>,
 }
@@ -115,6 +118,7 @@ impl<'a> Facet<'a> {
                 upright(normal_local).map(|axis| object_from_local * axis)
             }),
             lane: if is_road { Across::new(corners_object_m) } else { None },
+            laid: Laid::new(part.tag, triangle.skin(), corners_object_m),
             kerbed: Kerbed::new(part.surface, corners_object_m),
         }
     }

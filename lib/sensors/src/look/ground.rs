@@ -1,4 +1,4 @@
-//! Roads, paint, paving, grass.
+//! Roads, paint, grass.
 
 use glam::Vec3;
 use lanes::{Lanes, Vec3s, Words, floor_words, hash2, smoothstep, unit};
@@ -23,7 +23,7 @@ const FRAME_M: f32 = 0.36;
 
 /// Noise over the ground: `per_m` texels a metre (a power of two, so that the wrapped world has no seam).
 #[inline]
-fn ground_noise(noise: &Noise, p: &Points, per_m: f32) -> Lanes {
+pub(super) fn ground_noise(noise: &Noise, p: &Points, per_m: f32) -> Lanes {
     noise.at_all(p.world_m.x * per_m, p.world_m.y * per_m, p.footprint_m * per_m)
 }
 
@@ -36,7 +36,7 @@ fn laid(texture: &textures::Texture, p: &Points) -> Texels {
 pub(crate) fn gets_wet(part: &Part, normal_local: Vec3) -> bool {
     is_level(normal_local)
         && match part.surface {
-            Surface::Asphalt | Surface::KerbedAsphalt(_) | Surface::RoadMarking => true,
+            Surface::Asphalt | Surface::KerbedAsphalt(_) | Surface::Paving(_) | Surface::RoadMarking => true,
             Surface::Concrete => part.tag != Tag::Building,
             _ => false,
         }
@@ -44,7 +44,7 @@ pub(crate) fn gets_wet(part: &Part, normal_local: Vec3) -> bool {
 
 /// Darkens and glosses a porous surface that is wet; `flat` is 1 where puddles can stand.
 #[inline]
-fn wet(noise: &Noise, around: &Surroundings, mut look: Look, p: &Points, flat: f32) -> Look {
+pub(super) fn wet(noise: &Noise, around: &Surroundings, mut look: Look, p: &Points, flat: f32) -> Look {
     if !around.are_wet() {
         return look;
     }
@@ -164,22 +164,6 @@ pub(super) fn marking(
     let dirt = wear.shade * 0.5 + 0.5;
     let albedo = shades(rgb, kept * dirt) + shades(Vec3::splat(0.07), (1.0 - kept) * stones.shade);
     wet(noise, around, Look::leaning(albedo, stones.lean.map(|v| v * 0.6)), p, 0.6)
-}
-
-/// Slabs of a sidewalk.
-#[inline]
-pub(super) fn paving(
-    (noise, textures): (&Noise, &Textures),
-    around: &Surroundings,
-    rgb: Vec3,
-    p: &Points,
-) -> Look {
-    let slabs = laid(&textures.slabs, p);
-    let stains = ground_noise(noise, p, 4.0);
-    // Dirt in the joints is browner than the stone.
-    let dirt = Vec3s::new(1.0 - slabs.tint * 0.05, 1.0 - slabs.tint * 0.12, 1.0 - slabs.tint * 0.25);
-    let albedo = shades(rgb, slabs.shade * (stains * 0.3 + 0.85)) * dirt;
-    wet(noise, around, Look::leaning(albedo, slabs.lean), p, 0.5)
 }
 
 #[inline]

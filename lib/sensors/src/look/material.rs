@@ -4,7 +4,7 @@
 
 use glam::Vec3;
 use lanes::{Lanes, Vec3s};
-use schema::geometry::Surface;
+use schema::geometry::{Paving, Surface};
 use schema::skin::Finish;
 use schema::{Tag, lights};
 use textures::{Noise, Texture, Textures};
@@ -15,6 +15,7 @@ use super::facade::facade;
 use super::facet::{Facet, Gloss, Look, Points, Surroundings, shades};
 use super::ground;
 use super::pattern::{Width, bars};
+use super::paving;
 use super::skin::Draped;
 
 /// What patterns are made of.
@@ -56,8 +57,9 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
         Surface::Skin(finish) => finished(finish, rgb, facet.draped.as_ref(), p),
         Surface::Asphalt | Surface::KerbedAsphalt(_) => ground::asphalt(both, around, facet, p),
         Surface::RoadMarking => ground::marking(both, around, rgb, p),
+        Surface::Paving(paving) => paving::paving(both, around, facet, paving, p),
         Surface::Concrete if facet.is_ground() && facet.part.tag != Tag::Building => {
-            ground::paving(both, around, rgb, p)
+            paving::paving(both, around, facet, Paving::Slabs, p)
         }
         Surface::Concrete => cast(both, facet, rgb, p),
         Surface::Grass => ground::grass(both, rgb, p),
@@ -149,7 +151,10 @@ fn upright(texture: &Texture, facet: &Facet<'_>, rgb: Vec3, p: &Points) -> Look 
 fn cast((noise, textures): (&Noise, &Textures), facet: &Facet<'_>, rgb: Vec3, p: &Points) -> Look {
     // Pieces of the ground go on from block to block of the world.
     let is_kerb = matches!(facet.part.tag, Tag::Sidewalk | Tag::Ground);
-    let [x, y] = if is_kerb {
+    let [x, y] = if let Some(laid) = &facet.laid {
+        // Kerbs go on from piece to piece of a bend.
+        [laid.places(&p.object_m)[0], p.world_m.z]
+    } else if is_kerb {
         // Along the axis that it runs along most: so no piece of a bend begins anew, and what repeats meets itself.
         let right = facet.tangents_local()[0].abs();
         [if right.x > right.y { p.world_m.x } else { p.world_m.y }, p.world_m.z]
