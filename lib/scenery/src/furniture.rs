@@ -11,7 +11,7 @@ use crate::frontage::{Frontage, Spot};
 use crate::land::Land;
 use crate::site::{FOOT_M, POLE_M, Site, reach_m};
 use crate::swept::is_swept;
-use surfaces::Ground;
+use surfaces::{Ground, beside_edge};
 
 const LAMP_M: [f64; 3] = [2.4, 0.28, 7.5];
 
@@ -78,7 +78,10 @@ impl Spot {
     }
 }
 
-/// A bench or bin.
+/// Benches and bins stand so far beyond the sidewalk's edge, metres.
+const BESIDE_M: f64 = 0.5;
+
+/// A bench or bin; `near_z_m` is the height of that edge.
 struct Small {
     model: &'static str,
     size_m: [f64; 3],
@@ -109,7 +112,7 @@ pub(crate) fn small_things(
                 continue;
             }
             let mut add = |model: &'static str, size_m: [f64; 3], sideways: f64, slot: u64| {
-                let at = spot.beside(0.5, sideways);
+                let at = spot.beside(BESIDE_M, sideways);
                 let rect = OrientedRect {
                     centre_m: [at.x, at.y],
                     axis: [-spot.away.x, -spot.away.y],
@@ -131,7 +134,8 @@ pub(crate) fn small_things(
     for Candidate { takes, what: thing, .. } in settle(candidates, land) {
         let [x, y] = takes.centre_m;
         if site.holds(x, y) {
-            let xyz = [x, y, site.levels().height(x, y, thing.near_z_m)];
+            let land_m = site.levels().height(x, y, thing.near_z_m);
+            let xyz = [x, y, beside_edge(land_m, thing.near_z_m, BESIDE_M)];
             let mut draft =
                 Draft::new(ActorKind::Prop, thing.model, Tag::Static, thing.size_m, xyz, thing.yaw_rad);
             draft.variant = thing.variant;

@@ -26,6 +26,18 @@ const SAME_LEVEL_M: f64 = 2.0;
 /// Cross-section of the grass beside a road: distance from the edge and drop, metres.
 const VERGE_PROFILE: [(f64, f64); 3] = [(0.0, 0.02), (1.0, 0.10), (3.2, 0.85)];
 
+/// How high the ground is beside a road's edge, which is as high as that: grass falls off from it, where the land is not much lower or higher.
+/// `far_m`: how far beyond the edge, metres.
+#[must_use]
+pub fn beside_edge(land_m: f64, edge_m: f64, far_m: f64) -> f64 {
+    let drop = VERGE_PROFILE.array_windows().find(|[_, (far, _)]| far_m <= *far);
+    let drop = drop.map(|[(a, from), (b, to)]| from + (far_m.max(*a) - a) / (b - a) * (to - from));
+    match drop {
+        Some(drop) if edge_m - land_m <= super::bridges::WALL_FROM_M => land_m.max(edge_m - drop),
+        _ => land_m,
+    }
+}
+
 /// Raised strips are narrowed in steps of so many parts of their width, to half of it at most, where vehicles of another road
 /// drive over an edge of them.
 const PARTS: usize = 8;
@@ -279,6 +291,17 @@ mod tests {
 
     use super::*;
     use crate::Atlas;
+
+    #[test]
+    fn grass_falls_off_beside_an_edge_down_to_the_land() {
+        // A tenth in the first metre, and from there on three quarters in 2.2 m.
+        for (far_m, drop_m) in [(0.0, 0.02), (0.5, 0.06), (1.0, 0.10), (2.1, 0.475), (3.2, 0.85)] {
+            assert!((beside_edge(-0.9, 0.0, far_m) + drop_m).abs() < 1e-9, "{far_m}");
+        }
+        // Higher land hides it, and beside a wall there is none.
+        assert_eq!([beside_edge(0.3, 0.0, 0.5), beside_edge(-1.5, 0.0, 0.5)], [0.3, -1.5]);
+        assert_eq!(beside_edge(-0.9, 0.0, 4.0), -0.9);
+    }
 
     /// Height at y in the middle of a road whose sidewalk lies from y = -3.5 to -5.5 m, beside a lane of another road
     /// that reaches from `other_m` on to the right.

@@ -36,6 +36,7 @@ mod water;
 pub use atlas::{AreaGround, Atlas, HALO_M, LEVELS_M};
 pub use cover::{Cover, Facet};
 pub use ground::GroundLevels;
+pub use lanes::beside_edge;
 pub use raster::Raster;
 pub use region::Region;
 pub use sections::{Edge, Ground, Section, Strip};
