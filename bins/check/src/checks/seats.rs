@@ -2,12 +2,19 @@
 
 use std::collections::BTreeSet;
 
-use schema::benches;
-
 use crate::ledger::Ledger;
 use crate::rules::Rule;
 use crate::scene::{Actor, Scene, State};
 use crate::space::{norm, within};
+
+/// The model of benches, as stores name it.
+const BENCH: &str = "prop.bench";
+/// Height of the seat, as a share of the bench's.
+const SEAT: f64 = 0.50;
+/// The front of the back rest is so far before the bench's rear end, metres.
+const REST_M: f64 = 0.09;
+/// Where people sit, as shares of the bench's width from its middle to the left.
+const PLACES: [f64; 2] = [0.22, -0.22];
 
 /// How far the rear of a box may be from the back rest, m: it follows the pose, the place does not.
 const BACK_M: f64 = 0.05;
@@ -22,7 +29,7 @@ pub(crate) fn check(scene: &Scene, ledger: &mut Ledger) {
     let benches: Vec<(u16, &Actor)> = scene
         .actors
         .iter()
-        .filter(|(_, actor)| actor.fixed && actor.model == benches::MODEL)
+        .filter(|(_, actor)| actor.fixed && actor.model == BENCH)
         .map(|(&id, actor)| (id, actor))
         .collect();
     for frame in 0..i64::from(scene.frames) {
@@ -50,11 +57,11 @@ fn place_on(bench: &Actor, state: &State) -> Option<usize> {
     let [length, width, height] = bench.size_m;
     let pose = &state.world_from_object;
     let at = bench.world_from_object.inward(pose.origin);
-    let back = at[0] - 0.5 * state.size_m[0] - (benches::BACK_M - 0.5 * length);
-    let seat = at[2] + state.seat_m - benches::SEAT * height;
+    let back = at[0] - 0.5 * state.size_m[0] - (REST_M - 0.5 * length);
+    let seat = at[2] + state.seat_m - SEAT * height;
     let leans = within(back, BACK_M) && within(seat, PLACE_M);
     let turned = within(pose.turned_from(&bench.world_from_object), TURN_RAD);
-    let place = benches::PLACES.iter().position(|left| within(at[1] - left * width, PLACE_M));
+    let place = PLACES.iter().position(|left| within(at[1] - left * width, PLACE_M));
     place.filter(|_| leans && turned)
 }
 
