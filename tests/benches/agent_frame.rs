@@ -40,7 +40,7 @@ use validity::{Evidence, PointCloud};
 use visibility::CpuRenderer;
 use voxelgrid::VoxelGrid;
 use voxels::{CpuVoxelRenderer, GridPlacement};
-use world::{Moment, SceneWorld};
+use world::{Light, Moment, OwnModels, SceneWorld};
 
 const CONFIG: &str = "seed = 27\n[scenes.train]\n\"convoy/demo\" = 1\n[agents]\nmin_vehicles = 2\nmax_vehicles = 2\n\
                       min_rsus = 0\nmax_rsus = 0\n[timing]\nmin_duration_s = 4\nmax_duration_s = 4\n\
@@ -105,12 +105,21 @@ fn main() {
     let log = simulation(&input, &mut rows);
     let mut actors = fixed.clone();
     actors.extend(log.actors.iter().cloned());
-    let world = SceneWorld::new(&actors, ground).expect("has meshes");
+    let made = |light| {
+        SceneWorld::with_models(&actors, ground.clone(), &OwnModels::new(), light).expect("has meshes")
+    };
+    let bare_start = best(3, || made(Light::Any));
+    let start = best(3, || made(Light::Sheltered));
+    let world = made(Light::Sheltered);
     let scene = Agentframe::new(&settings, &map, &actors, &log, &world);
     let materials = scene.measure(&mut rows);
+    for (what, taken) in [("without", bare_start), ("with", start)] {
+        let part = format!("a scene's models and meshes, {what} the sky's light on bodies (once a scene)");
+        rows.push(Row { part, taken, budget_s: f64::NAN });
+    }
     print(&rows, scene.triangles());
     print_materials(&materials);
-    print_features(&scene.features());
+    print_features(&scene.features(&made(Light::Any)));
     let mut rows = Vec::new();
     roads::measure(&mut rows);
     print_roads(&rows);
@@ -297,8 +306,9 @@ impl<'a> Agentframe<'a> {
         CameraTimes { raster, shade, encode, others, materials }
     }
 
-    /// Shading with one feature of pictures after the other switched on or off.
-    fn features(&self) -> Vec<Feature> {
+    /// Shading with one feature of pictures after the other switched on or off; `bare` is the same world without the sky's light on
+    /// bodies.
+    fn features(&self, bare: &SceneWorld) -> Vec<Feature> {
         let rig = &self.settings.vehicle_rig;
         let before = self.log.states.iter().find(|s| s.frame == FRAME - 1 && s.id == self.own);
         let before = before.map_or(self.pose, |s| Pose::from_xyz_wxyz(s.xyz_m, s.quaternion));
@@ -308,6 +318,9 @@ impl<'a> Agentframe<'a> {
             let mut snapshot = self.snapshot(1000.0);
             if !variant.cabins {
                 snapshot.cabins.clear();
+            }
+            if !variant.sheltered {
+                snapshot.meshes = bare.meshes();
             }
             let scene = &*self.renderer.place(&snapshot).expect("all meshes are prepared");
             let origin = scene.snapshot().origin;

@@ -14,6 +14,8 @@ pub(crate) struct Variant {
     pub(crate) weather: fn(&mut Weather),
     /// Whether cabins of vehicles are there.
     pub(crate) cabins: bool,
+    /// Whether it is known how much of the sky bodies see.
+    pub(crate) sheltered: bool,
     /// Whether the sun stands still, so that what it sees of the still world is kept.
     pub(crate) is_steady: bool,
 }
@@ -24,11 +26,17 @@ pub(crate) struct Feature {
     pub(crate) taken: Taken,
 }
 
-const PLAIN: Variant =
-    Variant { name: "as by default", camera: |_| {}, weather: |_| {}, cabins: true, is_steady: false };
+const PLAIN: Variant = Variant {
+    name: "as by default",
+    camera: |_| {},
+    weather: |_| {},
+    cabins: true,
+    sheltered: true,
+    is_steady: false,
+};
 
 /// The first is what the others are held against.
-pub(crate) const VARIANTS: [Variant; 12] = [
+pub(crate) const VARIANTS: [Variant; 13] = [
     PLAIN,
     Variant { name: "a sun that stands still", is_steady: true, ..PLAIN },
     Variant { name: "no noise", camera: |c| c.noise = 0.0, ..PLAIN },
@@ -36,6 +44,7 @@ pub(crate) const VARIANTS: [Variant; 12] = [
     Variant { name: "no vignette", camera: |c| c.vignetting = 0.0, ..PLAIN },
     Variant { name: "no white balance", camera: |c| c.white_balance = 0.0, ..PLAIN },
     Variant { name: "nothing behind panes", cabins: false, ..PLAIN },
+    Variant { name: "no sky's light on bodies", sheltered: false, ..PLAIN },
     Variant { name: "a shutter open for 20 ms", camera: |c| c.exposure_time_s = 0.02, ..PLAIN },
     Variant { name: "an aperture of 8 mm", camera: |c| c.aperture_mm = 8.0, ..PLAIN },
     Variant { name: "wet ground with puddles", weather: wet, ..PLAIN },
