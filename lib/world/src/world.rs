@@ -322,7 +322,7 @@ impl SceneWorld {
             _ => StaticLights::None,
         };
         let glow = match lights {
-            StaticLights::StreetLamp => linear_rgb(&lights::STREET_LAMP_RGB),
+            StaticLights::StreetLamp | StaticLights::Work => linear_rgb(&lights::STREET_LAMP_RGB),
             StaticLights::Building => linear_rgb(&lights::WINDOW_RGB),
             _ => [0.0; 3],
         };

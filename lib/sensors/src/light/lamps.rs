@@ -10,24 +10,30 @@ use renderer::{RenderError, Scene};
 use schema::geometry::{Snapshot, Surface, TriMesh};
 use schema::{ObjectId, lights};
 
-use super::headlight::{self, Seen};
 use super::math::luminance;
+use super::seen::{Outlook, Seen};
+use super::{headlight, street};
 use crate::retro;
 
-/// Half width of the area around an agent in which lamps give light, metres.
-const AREA_M: f32 = 96.0;
-/// Cells of the grid over it.
-const CELL_M: f32 = 8.0;
-const CELLS: usize = (2.0 * AREA_M / CELL_M) as usize;
-/// From a cell's middle to its corners, and a little.
-const CELL_REACH_M: f32 = 0.71 * CELL_M;
+/// Areas around an agent in which lamps give light, by the width of their cells, metres: a fine one near by, a coarse one around it.
+const CELLS_M: [f32; 2] = [8.0, 32.0];
+/// Cells a side of each.
+const CELLS: usize = 24;
+/// Half width of the fine area, and of the coarse one.
+const NEAR_M: f32 = 0.5 * CELLS as f32 * CELLS_M[0];
+const AREA_M: f32 = 0.5 * CELLS as f32 * CELLS_M[1];
+/// From a cell's middle to its corners, and a little, in widths.
+const TO_CORNERS: f32 = 0.71;
 /// Most lamps that light a cell: the strongest there.
 const PER_CELL: usize = 16;
+
+/// No lamp is followed farther, metres.
+const REACH_M: f32 = if headlight::REACH_M > street::REACH_M { headlight::REACH_M } else { street::REACH_M };
 
 /// Film is not made for brighter spots than this, kilolux.
 const SPOT_KLX: f32 = 0.05;
 
-/// So many vehicles around an agent have headlights that things stand in the way of.
+/// So many vehicles around an agent have headlights that things stand in the way of, and so many street lamps are like that.
 const MOST_SHADED: usize = 8;
 
 /// How a lamp spreads its light.
@@ -70,7 +76,14 @@ struct Lamp {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lamps {
     lamps: Vec<Lamp>,
+    areas: [Area; 2],
+}
+
+/// An area around an agent, in cells.
+#[derive(Clone, Debug, Default)]
+struct Area {
     corner: Vec3,
+    cell_m: f32,
     /// Indices into `lamps` cell by cell; cell `i` has `starts[i]..starts[i + 1]`.
     entries: Vec<u16>,
     starts: Vec<u32>,
@@ -98,35 +111,10 @@ impl Lamps {
         Ok(Self::by_cells(lamps, centre))
     }
 
-    /// Tells which lamps light which cell around a place.
+    /// Tells which lamps light which cells around a place.
     fn by_cells(lamps: Vec<Lamp>, centre: Vec3) -> Self {
-        let corner = centre - Vec3::new(AREA_M, AREA_M, 0.0);
-        let mut starts = vec![0u32];
-        let mut entries = Vec::new();
-        for cell in 0..CELLS * CELLS {
-            let middle = corner
-                + Vec3::new(
-                    (cell % CELLS) as f32 * CELL_M + 0.5 * CELL_M,
-                    (cell / CELLS) as f32 * CELL_M + 0.5 * CELL_M,
-                    0.0,
-                );
-            let mut here: Vec<(f32, u16)> = lamps
-                .iter()
-                .enumerate()
-                .filter_map(|(i, lamp)| {
-                    let off = (lamp.position - middle).truncate().length() - CELL_REACH_M;
-                    let most = lamp.most_kcd(middle);
-                    (off < lamp.radius_m && most > 0.0).then(|| {
-                        let nearest = off.max(3.0);
-                        (most / (nearest * nearest), i as u16)
-                    })
-                })
-                .collect();
-            here.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-            entries.extend(here.iter().take(PER_CELL).map(|&(_, i)| i));
-            starts.push(entries.len() as u32);
-        }
-        Self { lamps, corner, entries, starts }
+        let areas = CELLS_M.map(|cell_m| Area::new(&lamps, centre, cell_m));
+        Self { lamps, areas }
     }
 
     /// What they give the ground around a place in the mean, kilolux; a bright spot counts for little.
@@ -151,7 +139,7 @@ impl Lamps {
 
     /// Whether none burns near by.
     pub(crate) fn is_empty(&self) -> bool {
-        self.entries.is_empty()
+        self.areas.iter().all(|area| area.entries.is_empty())
     }
 
     /// Illuminance of places of surfaces that look along the normals by the lamps around, kilolux.
@@ -165,33 +153,78 @@ impl Lamps {
     }
 
     fn sum(&self, positions: &Vec3s, normals: &Vec3s, eye: Option<Vec3>) -> Vec3s {
-        let cell = |v: Lanes, corner: f32| (v - corner) * (1.0 / CELL_M);
-        let (x, y) = (cell(positions.x, self.corner.x), cell(positions.y, self.corner.y));
-        let limit = CELLS as f32;
-        let inside = x.simd_ge(0.0) & y.simd_ge(0.0) & x.simd_lt(limit) & y.simd_lt(limit);
-        let none = Lanes::ZERO;
-        let cells = floor_words(inside.select(y, none)) * CELLS as u32 + floor_words(inside.select(x, none));
-        let mut left = inside.to_bitmask();
+        let mut left = Lanes::ZERO.simd_eq(0.0).to_bitmask();
         let mut sum = Vec3s::default();
-        // Mostly all places are in one cell.
-        while left != 0 {
-            let cell = cells.as_array()[left.trailing_zeros() as usize];
-            let here = cells.simd_eq(Words::splat(cell));
-            left &= !here.to_bitmask();
-            let entries = self.starts[cell as usize] as usize..self.starts[cell as usize + 1] as usize;
-            let mut of_cell = Vec3s::default();
-            for &index in &self.entries[entries] {
-                self.lamps[usize::from(index)].add_to(&mut of_cell, positions, normals, eye);
+        for area in &self.areas {
+            if left == 0 {
+                break;
             }
-            sum += of_cell.or(Lanes::from_bits(here) & inside, Vec3s::default());
+            let cell = |v: Lanes, corner: f32| (v - corner) * (1.0 / area.cell_m);
+            let (x, y) = (cell(positions.x, area.corner.x), cell(positions.y, area.corner.y));
+            let limit = CELLS as f32;
+            let inside = x.simd_ge(0.0) & y.simd_ge(0.0) & x.simd_lt(limit) & y.simd_lt(limit);
+            let none = Lanes::ZERO;
+            let cells =
+                floor_words(inside.select(y, none)) * CELLS as u32 + floor_words(inside.select(x, none));
+            let mut here = inside.to_bitmask() & left;
+            left &= !here;
+            // Mostly all places are in one cell.
+            while here != 0 {
+                let cell = cells.as_array()[here.trailing_zeros() as usize];
+                let alike = cells.simd_eq(Words::splat(cell));
+                let bits = here & alike.to_bitmask();
+                here &= !bits;
+                let mut of_cell = Vec3s::default();
+                for &index in area.of(cell) {
+                    self.lamps[usize::from(index)].add_to(&mut of_cell, positions, normals, eye);
+                }
+                let chosen = Lanes::from(std::array::from_fn(|i| if bits >> i & 1 != 0 { 1.0 } else { 0.0 }));
+                sum += of_cell.or(chosen.simd_gt(0.0), Vec3s::default());
+            }
         }
         sum
     }
 }
 
+impl Area {
+    /// Finds the lamps of each cell.
+    fn new(lamps: &[Lamp], centre: Vec3, cell_m: f32) -> Self {
+        let half_m = 0.5 * CELLS as f32 * cell_m;
+        let corner = centre - Vec3::new(half_m, half_m, 0.0);
+        let reach_m = TO_CORNERS * cell_m;
+        let mut starts = vec![0u32];
+        let mut entries = Vec::new();
+        let place = |i: usize| (i as f32 + 0.5) * cell_m;
+        for cell in 0..CELLS * CELLS {
+            let middle = corner + Vec3::new(place(cell % CELLS), place(cell / CELLS), 0.0);
+            let mut here: Vec<(f32, u16)> = (0..)
+                .zip(lamps)
+                .filter_map(|(i, lamp)| {
+                    let off = (lamp.position - middle).truncate().length() - reach_m;
+                    let most = lamp.most_kcd(middle, reach_m);
+                    (off < lamp.radius_m && most > 0.0).then(|| {
+                        let nearest = off.max(3.0);
+                        (most / (nearest * nearest), i)
+                    })
+                })
+                .collect();
+            here.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            entries.extend(here.iter().take(PER_CELL).map(|&(_, i)| i));
+            starts.push(entries.len() as u32);
+        }
+        Self { corner, cell_m, entries, starts }
+    }
+
+    /// The lamps of a cell.
+    fn of(&self, cell: u32) -> &[u16] {
+        let [first, end] = [cell, cell + 1].map(|i| self.starts[i as usize] as usize);
+        &self.entries[first..end]
+    }
+}
+
 impl Lamp {
-    /// No place in a cell of this middle gets more than so much of its light, kilocandela.
-    fn most_kcd(&self, middle: Vec3) -> f32 {
+    /// No place within a distance of a cell's middle gets more than so much of its light, kilocandela.
+    fn most_kcd(&self, middle: Vec3, reach_m: f32) -> f32 {
         let rgb = self.rgb.max_element();
         if !self.beam.is_headlight() {
             return rgb;
@@ -199,7 +232,7 @@ impl Lamp {
         let to = (middle - self.position).truncate();
         let away = to.length();
         // Half the angle that the cell fills, which what is in it is nearer to the axis than its middle at most.
-        let sin = CELL_REACH_M / away;
+        let sin = reach_m / away;
         let ahead = self.direction.truncate();
         let cos_middle = to.dot(ahead.normalize_or_zero()) / away;
         let cos_half = (1.0 - sin * sin).max(0.0).sqrt();
@@ -228,17 +261,16 @@ impl Lamp {
         let r = r2.sqrt();
         let along = |axis: Vec3| to.dot(Vec3s::splat(-axis)) / r;
         let spread = match self.beam {
-            Beam::Street => {
-                let cos = along(self.direction);
-                cos.fast_max(Lanes::ZERO) * (1.4 - cos * 0.8)
-            }
+            Beam::Street => street::intensity(along(self.direction)),
             Beam::Low | Beam::High => {
                 let left = self.up.cross(self.direction);
-                let seen = self.seen.as_ref().map_or(Lanes::ONE, |seen| seen.reaches(positions));
                 headlight::intensity(self.beam == Beam::High, [self.direction, left, self.up].map(along))
-                    * seen
             }
             Beam::Glow => Lanes::ONE,
+        };
+        let spread = match &self.seen {
+            Some(seen) => spread * seen.reaches(positions),
+            None => spread,
         };
         // Ends smoothly at the radius.
         let window = 1.0 - r2 * (1.0 / reach2);
@@ -262,7 +294,8 @@ fn burning(snapshot: &Snapshot, centre: Vec3) -> Vec<Lamp> {
         }
         let pose = instance.local_from_object;
         let off = Vec3::from(pose.translation) - centre;
-        if off.truncate().abs().max_element() > 2.0 * AREA_M {
+        let off_m = off.truncate().abs().max_element();
+        if off_m > AREA_M + REACH_M {
             continue;
         }
         let found = fittings.entry(instance.mesh).or_insert_with(|| fittings_of(snapshot.mesh(instance)));
@@ -272,12 +305,16 @@ fn burning(snapshot: &Snapshot, centre: Vec3) -> Vec<Lamp> {
                 continue;
             }
             let (beam, rgb, radius_m, direction) = if on & lights::STREET_LAMP != 0 {
-                // 0.75 kcd downwards at the nominal flux.
-                let glow = Vec3::from_array(instance.glow);
-                (Beam::Street, glow * 0.75, reach_m(glow.max_element()), -Vec3::Z)
+                // Kilocandela at the nominal flux.
+                let rgb = Vec3::from_array(instance.glow)
+                    * (street::CD_PER_LM * 1e-3 * lights::STREET_LAMP_LM as f32);
+                (Beam::Street, rgb, street::REACH_M, -Vec3::Z)
             } else if on & (lights::LOW_BEAM | lights::HIGH_BEAM) != 0 {
                 let beam = if on & lights::HIGH_BEAM != 0 { Beam::High } else { Beam::Low };
                 (beam, warm(fitting.rgb), headlight::REACH_M, pose.transform_vector3(Vec3::X))
+            } else if off_m > NEAR_M + REACH_M {
+                // Glows are faint.
+                continue;
             } else if on & lights::EMERGENCY != 0 {
                 (Beam::Glow, fitting.rgb * 0.12, 16.0, Vec3::Z)
             } else {
@@ -292,34 +329,34 @@ fn burning(snapshot: &Snapshot, centre: Vec3) -> Vec<Lamp> {
     lamps
 }
 
-/// Finds what stands in the way of the headlights of the vehicles nearest to a place; those farther away shine through things.
+/// Finds what stands in the way of the light of the street lamps, and of the headlights of the vehicles, nearest to a place; those
+/// farther away shine through things.
 fn shade(scene: &dyn Scene, lamps: &mut [Lamp], centre: Vec3) -> Result<(), RenderError> {
-    // Middle, number of lamps, where they point and what is up.
-    let mut vehicles: BTreeMap<ObjectId, (Vec3, f32, [Vec3; 2])> = BTreeMap::new();
-    for lamp in lamps.iter().filter(|lamp| lamp.beam.is_headlight()) {
-        let (sum, count, _) =
-            vehicles.entry(lamp.object).or_insert((Vec3::ZERO, 0.0, [lamp.direction, lamp.up]));
-        (*sum, *count) = (*sum + lamp.position, *count + 1.0);
-    }
-    let mut nearest: Vec<_> =
-        vehicles.into_iter().map(|(object, (sum, count, axes))| (object, sum / count, axes)).collect();
-    let away = |place: Vec3| (place - centre).length_squared();
-    nearest.sort_by(|a, b| away(a.1).total_cmp(&away(b.1)).then(a.0.cmp(&b.0)));
-    nearest.truncate(MOST_SHADED);
-    let seen = |&(object, place, axes): &(ObjectId, Vec3, [Vec3; 2])| {
-        Ok((object, Arc::new(Seen::new(scene, object, place, axes)?)))
-    };
-    let seen: Result<BTreeMap<ObjectId, Arc<Seen>>, RenderError> = nearest.par_iter().map(seen).collect();
-    let seen = seen?;
-    for lamp in lamps.iter_mut().filter(|lamp| lamp.beam.is_headlight()) {
-        lamp.seen = seen.get(&lamp.object).cloned();
+    for (is_street, outlook) in [(false, Outlook::HEADLIGHT), (true, Outlook::STREET)] {
+        let is_of =
+            |lamp: &Lamp| if is_street { lamp.beam == Beam::Street } else { lamp.beam.is_headlight() };
+        // Middle, number of lamps, where they point and what is up.
+        let mut owners: BTreeMap<ObjectId, (Vec3, f32, [Vec3; 2])> = BTreeMap::new();
+        for lamp in lamps.iter().filter(|lamp| is_of(lamp)) {
+            let axes = if is_street { [lamp.direction, Vec3::X] } else { [lamp.direction, lamp.up] };
+            let (sum, count, _) = owners.entry(lamp.object).or_insert((Vec3::ZERO, 0.0, axes));
+            (*sum, *count) = (*sum + lamp.position, *count + 1.0);
+        }
+        let mut nearest: Vec<_> =
+            owners.into_iter().map(|(object, (sum, count, axes))| (object, sum / count, axes)).collect();
+        let away = |place: Vec3| (place - centre).length_squared();
+        nearest.sort_by(|a, b| away(a.1).total_cmp(&away(b.1)).then(a.0.cmp(&b.0)));
+        nearest.truncate(MOST_SHADED);
+        let seen = |&(object, place, axes): &(ObjectId, Vec3, [Vec3; 2])| {
+            Ok((object, Arc::new(Seen::new(scene, object, place, axes, &outlook)?)))
+        };
+        let seen: Result<BTreeMap<ObjectId, Arc<Seen>>, RenderError> = nearest.par_iter().map(seen).collect();
+        let seen = seen?;
+        for lamp in lamps.iter_mut().filter(|lamp| is_of(lamp)) {
+            lamp.seen = seen.get(&lamp.object).cloned();
+        }
     }
     Ok(())
-}
-
-/// How far a street lamp's light is followed, metres: 30 at the nominal flux, and to the same illuminance at others.
-fn reach_m(strength: f32) -> f32 {
-    (30.0 * strength.max(0.0).sqrt()).clamp(5.0, 60.0)
 }
 
 /// A lamp's colour at full brightness: its greatest component is 1.
@@ -367,12 +404,7 @@ mod tests {
             object: 1,
             seen: None,
         };
-        Lamps {
-            lamps: vec![lamp],
-            corner: Vec3::new(-AREA_M, -AREA_M, 0.0),
-            entries: vec![0; CELLS * CELLS],
-            starts: (0..=(CELLS * CELLS) as u32).collect(),
-        }
+        Lamps::by_cells(vec![lamp], Vec3::ZERO)
     }
 
     /// The light on one place, asked for among others.
@@ -397,7 +429,7 @@ mod tests {
 
     #[test]
     fn cells_leave_no_lamp_out() {
-        // As many as a cell keeps, all about the area and near its rim.
+        // As many as a cell keeps, all about the fine area and near its rim; places in both areas.
         let mut stream = random::Stream::new(3, 0, "lamps", 0);
         let centre = Vec3::new(11.0, -7.0, 0.5);
         for round in 0..20 {
@@ -418,9 +450,11 @@ mod tests {
                 .collect();
             let by_cells = Lamps::by_cells(lamps.clone(), centre);
             let mut lit = 0;
-            for _ in 0..500 {
+            for k in 0..500 {
+                let half_m = if k % 2 == 0 { 96.0 } else { 150.0 };
                 let places = Vec3s::from_fn(|_| {
-                    centre + Vec3::new(uniform(-96.0, 96.0), uniform(-96.0, 96.0), uniform(-1.0, 12.0))
+                    centre
+                        + Vec3::new(uniform(-half_m, half_m), uniform(-half_m, half_m), uniform(-1.0, 12.0))
                 });
                 let normal =
                     Vec3::new(uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0)).normalize();

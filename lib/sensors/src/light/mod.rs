@@ -15,10 +15,12 @@ mod map;
 mod math;
 mod ramp;
 mod scene_lights;
+mod seen;
 mod shadow;
 mod sky;
 mod skyline;
 mod still;
+mod street;
 mod walls;
 
 pub(crate) use fog::fog_extinction_per_m;

@@ -1,0 +1,163 @@
+//! What stands in the way of a lamp's light: a map of what it sees.
+
+use glam::{Affine3A, Mat3A, Vec3};
+use lanes::{Lanes, Vec3s};
+use renderer::{PinholeCamera, RenderError, Scene};
+use schema::geometry::Instance;
+use schema::{ObjectId, Tag};
+
+/// Tags of the ground.
+const GROUND: [Tag; 6] = [Tag::Road, Tag::RoadLine, Tag::Sidewalk, Tag::Ground, Tag::Terrain, Tag::Water];
+/// What is so near is not in the way, metres: rims of the lamp itself.
+const NEAR_M: f32 = 0.3;
+/// Surfaces are so thick for their own shadow: metres, and more with the distance.
+const THICK_M: f32 = 0.10;
+const THICK_SHARE: f32 = 0.02;
+
+/// How a lamp looks at the world: columns, rows, field of view across, and how far. Beyond it nothing casts a shadow.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Outlook {
+    columns: u32,
+    rows: u32,
+    fov_rad: f32,
+    reach_m: f32,
+}
+
+impl Outlook {
+    pub(super) const HEADLIGHT: Self =
+        Self { columns: 384, rows: 128, fov_rad: 1.9, reach_m: super::headlight::REACH_M };
+    /// Two and a quarter times as far to the sides as it is high, where its light is faint.
+    pub(super) const STREET: Self =
+        Self { columns: 320, rows: 320, fov_rad: 2.3, reach_m: 1.2 * super::street::REACH_M };
+}
+
+/// What a lamp, or both headlights of a vehicle from between them, see: what is behind that is in shadow.
+#[derive(Clone, Debug)]
+pub(super) struct Seen {
+    camera: PinholeCamera,
+    optical_from_local: Affine3A,
+    depth_m: Vec<f32>,
+}
+
+impl Seen {
+    /// From a place, looking ahead; the lamp's own object is not in the way.
+    ///
+    /// # Errors
+    /// The renderer failed.
+    pub(super) fn new(
+        scene: &dyn Scene,
+        own: ObjectId,
+        place: Vec3,
+        [ahead, up]: [Vec3; 2],
+        outlook: &Outlook,
+    ) -> Result<Self, RenderError> {
+        let right = ahead.cross(up);
+        let turn = Mat3A::from_cols(right.into(), (-up).into(), ahead.into());
+        let local_from_optical = Affine3A { matrix3: turn, translation: place.into() };
+        let camera = PinholeCamera {
+            near_m: NEAR_M,
+            far_m: outlook.reach_m,
+            ..PinholeCamera::centred(local_from_optical, outlook.columns, outlook.rows, outlook.fov_rad)
+        };
+        // Houses and vehicles have their origins within them. Light only grazes the ground, which would shade itself.
+        let snapshot = scene.snapshot();
+        let is_near = |i: &Instance| {
+            i.object != own
+                && (Vec3::from(i.local_from_object.translation) - place).length() < outlook.reach_m
+                && !snapshot.mesh(i).parts.iter().any(|part| GROUND.contains(&part.tag))
+        };
+        let instances = (0..).zip(&snapshot.instances);
+        let near: Vec<u32> = instances.filter(|(_, i)| is_near(i)).map(|(number, _)| number).collect();
+        let depth_m = scene.depths(&camera, Some(&near))?;
+        Ok(Self { camera, optical_from_local: local_from_optical.inverse(), depth_m })
+    }
+
+    /// Share of the light that reaches places: 1, or 0 behind what is in the way; of the four texels around each.
+    #[inline]
+    pub(super) fn reaches(&self, positions: &Vec3s) -> Lanes {
+        let turn = glam::Mat3::from(self.optical_from_local.matrix3);
+        let q = positions.turned(&turn) + Vec3s::splat(self.optical_from_local.translation.into());
+        let is_ahead = q.z.simd_gt(NEAR_M);
+        let z = is_ahead.select(q.z, Lanes::ONE);
+        let column = (q.x / z * self.camera.fx + (self.camera.cx - 0.5)).to_array();
+        let row = (q.y / z * self.camera.fy + (self.camera.cy - 0.5)).to_array();
+        let (near, nearest) = (is_ahead.to_bitmask(), (z * (1.0 - THICK_SHARE) - THICK_M).to_array());
+        let (columns, rows) = (self.camera.width as usize, self.camera.height as usize);
+        Lanes::from(std::array::from_fn(|i| {
+            let (x, y) = (column[i], row[i]);
+            let inside = x >= 0.0 && y >= 0.0 && x < (columns - 1) as f32 && y < (rows - 1) as f32;
+            if !inside || near >> i & 1 == 0 {
+                return 1.0;
+            }
+            let first = y as usize * columns + x as usize;
+            let lit = |at: usize| if nearest[i] <= self.depth_m[at] { 1.0 } else { 0.0 };
+            let (fx, fy) = (x - x.floor(), y - y.floor());
+            let along = |first: usize| {
+                let left: f32 = lit(first);
+                left + (lit(first + 1) - left) * fx
+            };
+            let upper = along(first);
+            upper + (along(first + columns) - upper) * fy
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use renderer::Renderer;
+    use schema::geometry::Surface;
+    use testkit::{block, instance, snapshot};
+    use visibility::CpuRenderer;
+
+    use super::*;
+
+    #[test]
+    fn what_is_behind_a_car_is_dark() {
+        // A block 2 m wide and 1.5 m high, 10 m ahead, and the vehicle whose lamps these are around them.
+        let at = |x: f32| Affine3A::from_translation(Vec3::new(x, 0.0, 0.0));
+        let meshes = vec![block([1.0, 2.0, 1.5], Tag::Car, Surface::Paint)];
+        let snapshot = snapshot(meshes, vec![instance(0, 1, at(0.0)), instance(0, 2, at(10.5))]);
+        let mut renderer = CpuRenderer::default();
+        renderer.prepare(&snapshot.meshes).expect("has no device");
+        let scene = renderer.place(&snapshot).expect("all meshes are prepared");
+        let lamps = Vec3::new(0.4, 0.0, 0.65);
+        let seen =
+            Seen::new(&*scene, 1, lamps, [Vec3::X, Vec3::Z], &Outlook::HEADLIGHT).expect("has no device");
+        let lit =
+            |x: f32, y: f32, z: f32| seen.reaches(&Vec3s::splat(Vec3::new(x, y, z))).to_array()[3] > 0.5;
+        // Its face itself, and what is before it and beside it.
+        assert!(lit(10.0, 0.3, 0.7) && lit(6.0, 0.0, 0.0) && lit(20.0, 6.0, 0.0));
+        // Behind it the shadow grows: at 30 m it is 6 m wide and reaches 3.2 m up.
+        for (y, z) in [(0.0, 0.5), (2.7, 0.5), (-2.7, 2.0), (0.0, 3.0)] {
+            assert!(!lit(30.0, y, z), "{y} {z}");
+        }
+        for (y, z) in [(3.5, 0.5), (-3.5, 2.0), (0.0, 3.6)] {
+            assert!(lit(30.0, y, z), "{y} {z}");
+        }
+        // To the sides and behind nothing is in the way.
+        assert!(lit(0.0, 5.0, 0.5) && lit(-20.0, 0.0, 0.5));
+    }
+
+    #[test]
+    fn what_is_under_a_roof_is_dark_to_a_street_lamp() {
+        // A lamp 8 m up, and a block 4 m wide and 1.6 m high that begins 3 m beside it.
+        let pole = Affine3A::from_translation(Vec3::new(0.0, -1.0, 0.0));
+        let car = Affine3A::from_translation(Vec3::new(5.0, 0.0, 0.0));
+        let meshes = vec![block([4.0, 2.0, 1.6], Tag::Car, Surface::Paint)];
+        let snapshot = snapshot(meshes, vec![instance(0, 1, pole), instance(0, 2, car)]);
+        let mut renderer = CpuRenderer::default();
+        renderer.prepare(&snapshot.meshes).expect("has no device");
+        let scene = renderer.place(&snapshot).expect("all meshes are prepared");
+        let axes = [-Vec3::Z, Vec3::X];
+        let seen = Seen::new(&*scene, 1, 8.0 * Vec3::Z, axes, &Outlook::STREET).expect("has no device");
+        let share = |x: f32, y: f32| seen.reaches(&Vec3s::splat(Vec3::new(x, y, 0.0))).to_array()[3];
+        // Its far upper edge lies at 7 m, so its shadow ends at 7 * 8 / 6.4.
+        let end = 7.0 * 8.0 / 6.4;
+        for (x, want) in [(2.8, 1.0), (3.3, 0.0), (end - 0.2, 0.0), (end + 0.2, 1.0), (15.0, 1.0)] {
+            assert_eq!(share(x, 0.0), want, "{x}");
+        }
+        // Its edge is as wide as a texel, half lit in the middle.
+        let across: f32 = (-50..50).map(|k| share(end + k as f32 * 0.004, 0.0)).sum::<f32>() / 100.0;
+        assert!((across - 0.5).abs() < 0.25, "{across}");
+    }
+}
