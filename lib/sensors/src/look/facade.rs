@@ -104,11 +104,31 @@ pub(super) fn facade(
         let warm = unit(word * 0xc2b2_ae35u32);
         let on = unit(word).simd_lt(LIT_SHARE).select(bright, Lanes::ZERO);
         let lit = lerp(on, Lanes::splat(LIT_SHARE * 0.65), far);
+        let glow = window_light(facet.glow, word);
         // Rooms of one building differ a little.
-        let glow = Vec3s::splat(facet.glow) * Vec3s::new(Lanes::ONE, warm * 0.3 + 1.0, warm * 1.2 + 0.8);
+        let glow = glow * Vec3s::new(Lanes::ONE, warm * 0.3 + 1.0, warm * 1.2 + 0.8);
         look.emission = Some(glow * by_night * (glass * lit * 0.55));
     }
     look
+}
+
+/// Light of windows by their words. Where colours were drawn each window has one of its own, near to its house's; lamp shades and
+/// curtains take it half way back to what windows are like without.
+#[inline]
+fn window_light(house: Vec3, word: Words) -> Vec3s {
+    // `lights::WINDOW_RGB`, linear.
+    const USUAL: Vec3 = Vec3::new(1.0, 0.672, 0.402);
+    const DRAWN: f32 = 0.45;
+    if (house - USUAL).abs().max_element() < 0.01 {
+        return Vec3s::splat(house);
+    }
+    let share = |salt: u32| unit(word * salt);
+    let shares = [share(0x9e37_79b1) + 1.0, share(0x632b_e5ab), share(0x2545_f491)];
+    let all = shares[0] + shares[1] + shares[2];
+    let mixed = |a: f32, b: f32, c: f32| (shares[0] * a + shares[1] * b + shares[2] * c) / all;
+    let Vec3 { x, y, z } = house;
+    let drawn = Vec3s::new(mixed(x, y, z), mixed(y, z, x), mixed(z, x, y));
+    Vec3s::splat(USUAL).lerp(drawn, Lanes::splat(DRAWN))
 }
 
 /// Share of daylight that comes back out of rooms on average.
