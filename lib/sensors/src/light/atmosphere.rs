@@ -2,7 +2,8 @@
 //!
 //! Rayleigh and Mie scattering with ozone absorption, constants as in Bruneton and Neyret, "Precomputed
 //! atmospheric scattering" (2008) and Hillaire (2020). Light scattered more than once is left out but for a share
-//! that keeps dusk from being too dark.
+//! of what reaches air from the sun, and of what the sky as a whole sends when the sun is down: that is what makes the upper
+//! sky of twilight blue, with the ozone.
 
 use glam::Vec3;
 
@@ -15,7 +16,9 @@ const MIE_HEIGHT_M: f32 = 1200.0;
 const RAYLEIGH_PER_M: Vec3 = Vec3::new(5.8e-6, 13.5e-6, 33.1e-6);
 const MIE_PER_M: f32 = 4.0e-6;
 const MIE_ABSORBED: f32 = 1.11;
-const OZONE_PER_M: Vec3 = Vec3::new(0.65e-6, 1.88e-6, 0.085e-6);
+/// Cross-sections of some 4.6, 3.2 and 0.5e-25 m2 at the wavelengths of sRGB's primaries (615, 545 and 465 nm; Chappuis' bands), and
+/// 5e18 molecules per m3 where there are most.
+const OZONE_PER_M: Vec3 = Vec3::new(2.3e-6, 1.6e-6, 0.25e-6);
 /// How much Mie scattering prefers its direction.
 const MIE_FORWARD: f32 = 0.76;
 /// Illuminance above the air, kilolux.
@@ -69,17 +72,25 @@ impl Atmosphere {
         }
         let top = f64::from(TOP_M) * f64::from(TOP_M);
         let length = (-along + (top - closest2).max(0.0).sqrt()) as f32;
+        // The air is thickest near the start; for a sun below the horizon where its light comes closest to the ground.
+        let thickest = (-along).max(0.0) as f32;
         let mut depth = Vec3::ZERO;
-        let mut before = 0.0;
-        for i in 0..SUN_STEPS {
-            // Steps grow: the air is thickest near the start.
-            let end = (i + 1) as f32 / SUN_STEPS as f32;
-            let end = length * end * end;
-            let at = 0.5 * (before + end);
-            let (px, pz) = (x + at * self.sun_flat, z + at * self.sun_up);
-            let height = f64::from(px) * f64::from(px) + f64::from(pz) * f64::from(pz);
-            depth += self.extinction((height.sqrt() - f64::from(GROUND_M)) as f32) * (end - before);
-            before = end;
+        for end_m in [0.0, length] {
+            let reach = end_m - thickest;
+            if reach == 0.0 {
+                continue;
+            }
+            let mut before = 0.0;
+            for i in 0..SUN_STEPS {
+                let end = (i + 1) as f32 / SUN_STEPS as f32;
+                let end = reach * end * end;
+                let at = thickest + 0.5 * (before + end);
+                let (px, pz) = (x + at * self.sun_flat, z + at * self.sun_up);
+                let height = f64::from(px) * f64::from(px) + f64::from(pz) * f64::from(pz);
+                let height_m = (height.sqrt() - f64::from(GROUND_M)) as f32;
+                depth += self.extinction(height_m) * (end - before).abs();
+                before = end;
+            }
         }
         Vec3::new(exp_neg(depth.x), exp_neg(depth.y), exp_neg(depth.z))
     }
@@ -133,6 +144,32 @@ impl Atmosphere {
         }
         sum * SUN_KLX
     }
+
+    /// How much of what the whole sky sends is sent again from a direction with the sine `up` of an altitude: a share of the sky's mean
+    /// radiance.
+    pub(super) fn again(&self, up: f32) -> Vec3 {
+        let (ground, top) = (f64::from(GROUND_M) + 20.0, f64::from(TOP_M));
+        let b = ground * f64::from(up);
+        let length = (-b + (b * b + top * top - ground * ground).sqrt()) as f32;
+        let (mut depth, mut sum, mut before) = (Vec3::ZERO, Vec3::ZERO, 0.0);
+        for i in 0..VIEW_STEPS {
+            let end = (i + 1) as f32 / VIEW_STEPS as f32;
+            let end = length * end * end;
+            let (at, step) = (0.5 * (before + end), end - before);
+            let along = f64::from(at);
+            let radius = (ground * ground + 2.0 * b * along + along * along).sqrt();
+            let height = ((radius - f64::from(GROUND_M)) as f32).max(0.0);
+            let here = self.extinction(height);
+            let passed = depth + here * (0.5 * step);
+            let passed = Vec3::new(exp_neg(passed.x), exp_neg(passed.y), exp_neg(passed.z));
+            let scattered = self.rayleigh_per_m * exp_neg(height / RAYLEIGH_HEIGHT_M)
+                + Vec3::splat(self.mie_per_m * exp_neg(height / MIE_HEIGHT_M));
+            sum += passed * scattered * step;
+            depth += here * step;
+            before = end;
+        }
+        sum
+    }
 }
 
 #[cfg(test)]
@@ -152,6 +189,33 @@ mod tests {
         assert!(glow.x > 1.5 * glow.z, "{glow}");
         let sun = low_sun.sun_klx();
         assert!(sun.x > 3.0 * sun.z);
+    }
+
+    #[test]
+    fn sunlight_at_dusk_is_the_sum_along_its_way() {
+        // From 30 km up with the sun 4 degrees below the horizon there: past the ground at some 14 km.
+        let air = earth(-4.0);
+        let (x, z) = (0.0f32, GROUND_M + 30_000.0);
+        let (mut depth, step) = (Vec3::ZERO, 100.0f32);
+        for i in 0..15_000 {
+            let at = (i as f32 + 0.5) * step;
+            let [px, pz] = [x + at * air.sun_flat, z + at * air.sun_up].map(f64::from);
+            let height = (px * px + pz * pz).sqrt() - f64::from(GROUND_M);
+            depth += air.extinction(height as f32) * step;
+        }
+        let want = Vec3::new(exp_neg(depth.x), exp_neg(depth.y), exp_neg(depth.z));
+        let got = air.sunlight(x, z);
+        assert!((got - want).abs().max_element() < 0.03 && got.x > 0.05, "{got} {want}");
+    }
+
+    #[test]
+    fn what_the_sky_sends_again_is_blue_above_and_white_at_the_horizon() {
+        let air = earth(-6.0);
+        let [above, level] = [air.again(1.0), air.again(0.01)];
+        // Thin air sends its depth's share: 8 km of Rayleigh scattering.
+        let depth = RAYLEIGH_PER_M * RAYLEIGH_HEIGHT_M + Vec3::splat(MIE_PER_M * MIE_HEIGHT_M);
+        assert!((above - depth).abs().max_element() < 0.2 * depth.z, "{above} {depth}");
+        assert!(above.z > 3.0 * above.x && level.min_element() > 0.5, "{above} {level}");
     }
 
     #[test]

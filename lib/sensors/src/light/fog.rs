@@ -19,6 +19,24 @@ pub(crate) fn fog_extinction_per_m(density: f32) -> f32 {
     density * (0.02 + 0.03 * density)
 }
 
+/// Fog is no thicker than this, metres, however slowly it thins.
+const THICKEST_M: f32 = 300.0;
+/// Droplets scatter so much ahead (the mean cosine), that half of what they take from sunlight still throws shadows.
+const AHEAD: f32 = 0.85;
+const BLURRED: f32 = 0.5;
+
+/// What a weather's fog makes of light that comes from high above with the sine `up` of an altitude: the share that still comes from
+/// there, and the share that comes from all over the sky instead. Two-stream approximation of a layer that absorbs nothing: of all
+/// light `1 / (1 + 0.75 (1 - g) tau)` passes.
+pub(super) fn through(weather: &Weather, up: f32) -> [f32; 2] {
+    let density = (weather.fog_density / 100.0).clamp(0.0, 1.0) as f32;
+    let per_height = FALLOFF_PER_M * weather.fog_falloff.clamp(0.0, 5.0) as f32;
+    let depth = fog_extinction_per_m(density) * (1.0 / per_height.max(1e-6)).min(THICKEST_M);
+    let direct = frames::math::f32::exp(-BLURRED * depth / up.max(0.1));
+    let passes = 1.0 / (1.0 + 0.75 * (1.0 - AHEAD) * depth);
+    [direct.min(passes), (passes - direct).max(0.0)]
+}
+
 /// Extinction of a fog layer that thins with height above the ground.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fog {
@@ -123,6 +141,22 @@ mod tests {
             let got = passes(&f, camera_z, z, distance);
             assert!((got - want).abs() < 2e-3, "{camera_z} {z}: {got} {want}");
         }
+    }
+
+    #[test]
+    fn fog_softens_the_sun_and_takes_little_light() {
+        let through = |fog_density, fog_falloff, up| {
+            through(&Weather { fog_density, fog_falloff, ..Weather::default() }, up)
+        };
+        assert!(through(0.0, 0.2, 0.7) == [1.0, 0.0]);
+        // 50 % is an extinction of 0.0175 per metre; at a falloff of 1 its layer is as good as 25 m thick.
+        let depth = 0.4375f32;
+        let [direct, scattered] = through(50.0, 1.0, 0.5);
+        assert!((direct - frames::math::f32::exp(-depth)).abs() < 1e-4, "{direct}");
+        assert!((direct + scattered - 1.0 / (1.0 + 0.1125 * depth)).abs() < 1e-4, "{scattered}");
+        // Thicker fog, and a lower sun.
+        assert!(through(100.0, 0.0, 0.7)[0] < 1e-3 && through(100.0, 0.0, 0.7)[1] > 0.3);
+        assert!(through(50.0, 1.0, 0.2)[0] < direct);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use schema::tables::Weather;
 use textures::Noise;
 
 use super::atmosphere::Atmosphere;
+use super::fog;
 use super::math::luminance;
 
 /// Side of the picture of the sky, texels.
@@ -75,7 +76,11 @@ impl Sky {
             let away = Vec2::new(-sun.x, -sun.y).normalize_or(Vec2::X) * (1.0 - MOON_UP * MOON_UP).sqrt();
             (away.extend(MOON_UP), MOON_KLX)
         };
-        let key_klx = clear_key * (1.0 - 0.985 * veiled);
+        let [direct, scattered] = fog::through(weather, key_direction.z);
+        let above_klx = clear_key * (1.0 - 0.985 * veiled);
+        let key_klx = above_klx * direct;
+        // What fog scatters comes from everywhere.
+        let glow = above_klx * (scattered * key_direction.z.max(0.0) / std::f32::consts::PI);
 
         let clear_up = clear.mean() * std::f32::consts::PI + clear_key * key_direction.z.max(0.0);
         let overcast = Vec3::splat(luminance(clear_up)).lerp(clear_up, 0.35) * (0.36 / std::f32::consts::PI);
@@ -104,7 +109,23 @@ impl Sky {
             horizontal_klx: 0.0,
         };
         sky.add_up();
+        if scattered > 0.0 {
+            // What comes from the sky through fog comes from everywhere, too; some goes back up.
+            let even = sky.ambient_above() * (1.0 - direct) + glow;
+            let mix = |texel: &mut Texel| {
+                let [r, g, b, _] = texel.to_array();
+                let [r, g, b] = (Vec3::new(r, g, b) * direct + even).to_array();
+                *texel = Texel::new([r, g, b, 0.0]);
+            };
+            sky.texels.iter_mut().for_each(mix);
+            sky.add_up();
+        }
         sky
+    }
+
+    /// The even radiance that would give as much to what faces up.
+    fn ambient_above(&self) -> Vec3 {
+        (self.ambient[0] + self.ambient[3]) / std::f32::consts::PI
     }
 
     /// Works out what the sky gives surfaces.
@@ -247,7 +268,7 @@ struct ClearSky {
 
 impl ClearSky {
     fn new(air: &Atmosphere, sun: Vec3) -> Self {
-        let table = (0..ALTITUDES * AZIMUTHS)
+        let table: Vec<Vec3> = (0..ALTITUDES * AZIMUTHS)
             .into_par_iter()
             .map(|i| {
                 // Denser near the horizon, where the sky changes most.
@@ -258,7 +279,28 @@ impl ClearSky {
                 air.radiance(up, side) + NIGHT + TOWN * (haze * haze * haze)
             })
             .collect();
-        Self { table, sun: Vec2::new(sun.x, sun.y).normalize_or(Vec2::X) }
+        let mut sky = Self { table, sun: Vec2::new(sun.x, sun.y).normalize_or(Vec2::X) };
+        let down = 1.0 - smooth(-0.03, 0.05, sun.z);
+        if down > 0.0 {
+            sky.scatter_again(air, down);
+        }
+        sky
+    }
+
+    /// Adds a share of what the air scatters of the sky's own light; below the horizon there is none.
+    fn scatter_again(&mut self, air: &Atmosphere, share: f32) {
+        let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+        for (i, radiance) in self.table.iter().enumerate() {
+            // d(up) is 2 t dt.
+            let weight = (i / AZIMUTHS) as f32;
+            (sum, weights) = (sum + *radiance * weight, weights + weight);
+        }
+        let around = sum * (0.5 * share / weights);
+        for (row, radiances) in self.table.chunks_mut(AZIMUTHS).enumerate() {
+            let t = row as f32 / (ALTITUDES - 1) as f32;
+            let more = air.again(t * t) * around;
+            radiances.iter_mut().for_each(|radiance| *radiance += more);
+        }
     }
 
     fn at(&self, direction: Vec3) -> Vec3 {
@@ -371,6 +413,17 @@ mod tests {
             let got = radiance(&sky, d);
             assert!((got - sky.texel(column, row)).abs().max_element() < 1e-3 * got.max_element());
         }
+    }
+
+    #[test]
+    fn fog_spreads_the_sun_over_the_sky() {
+        let clear = Sky::new(&Weather::default(), 0.0);
+        let fog = Sky::new(&Weather { fog_density: 70.0, fog_falloff: 0.5, ..Weather::default() }, 0.0);
+        assert!(fog.key_klx.y < 0.6 * clear.key_klx.y);
+        // What is lost from the sun is gained by the sky, but for what goes back up.
+        let share = fog.horizontal_klx / clear.horizontal_klx;
+        assert!((0.8..1.0).contains(&share), "{share}");
+        assert!(fog.ambient[0].y > 1.3 * clear.ambient[0].y);
     }
 
     #[test]
