@@ -13,6 +13,8 @@ pub(super) const AROUND: usize = 3;
 /// other, none is. Metres.
 const LEVEL_M: f32 = 0.06;
 const COVER_M: f32 = 0.5;
+/// The last map's shadows fade over this share of its width.
+const FADING: f32 = 0.12;
 
 /// What a light sees of what stands still, through a whole lens.
 #[derive(Clone, Debug)]
@@ -181,6 +183,14 @@ impl Map {
     pub(super) fn holds(&self, q: &Vec3s, margin: f32) -> Lanes {
         let (least, limit) = (2.0 + margin, (self.side - 2) as f32 - margin);
         q.x.simd_ge(least) & q.y.simd_ge(least) & q.x.simd_lt(limit) & q.y.simd_lt(limit)
+    }
+
+    /// 1 for places well within the map, 0 at its edge.
+    #[inline]
+    pub(super) fn within(&self, q: &Vec3s) -> Lanes {
+        let limit = Lanes::splat(self.side as f32);
+        let inward = q.x.fast_min(q.y).fast_min((limit - q.x).fast_min(limit - q.y));
+        (inward * (1.0 / (FADING * self.side as f32))).fast_clamp(Lanes::ZERO, Lanes::ONE)
     }
 
     #[inline]

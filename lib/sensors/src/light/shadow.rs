@@ -105,7 +105,13 @@ impl Shadows {
                 continue;
             }
             let found = map.lit(here, &q, positions.z, 0.015 + 0.8 * map.texel_m);
-            lit.share = here.select(found.share, lit.share);
+            let share = if level + 1 == self.maps.len() {
+                // Shadows end with the last map: softly.
+                1.0 - (1.0 - found.share) * map.within(&q)
+            } else {
+                found.share
+            };
+            lit.share = here.select(share, lit.share);
             let bits = here.to_bitmask();
             lit.all_around = (lit.all_around & !bits) | (found.all_around & bits);
             for (i, (to, of)) in lit.block.iter_mut().zip(found.block).enumerate() {
@@ -283,6 +289,24 @@ mod tests {
             assert!(shaded > 100, "{shaded}");
             // Texels of up to 0.4 m, and rays that are parallel to a degree: only edges may differ.
             assert!(wrong * 20 < shaded, "{wrong} of {shaded}");
+        });
+    }
+
+    #[test]
+    fn shadows_end_softly() {
+        // Under a roof without an end, 150 m up.
+        let mut snapshot = scene_of([0.0; 3]);
+        snapshot.meshes = vec![slab(Vec3::splat(900.0), 0.0), slab(Vec3::splat(900.0), 150.0)].into();
+        snapshot.instances.truncate(2);
+        snapshot.instances[1].local_from_object = Affine3A::IDENTITY;
+        with_shadows(&snapshot, Vec3::new(0.3, 0.0, 1.0).normalize(), |_, shadows, _| {
+            let at = |x: f32| shadows.lit(&Vec3s::splat(Vec3::new(x, 3.0, 0.0)), Vec3::Z).share.to_array()[1];
+            for x in [0.0, 30.0, 80.0, -110.0] {
+                assert!(at(x) < 1e-3, "{x}: {}", at(x));
+            }
+            let shares: Vec<f32> = (120..190).map(|x| at(x as f32)).collect();
+            assert!(shares.is_sorted() && shares[69] == 1.0, "{shares:?}");
+            assert!(shares.windows(2).all(|pair| pair[1] - pair[0] < 0.1), "{shares:?}");
         });
     }
 
