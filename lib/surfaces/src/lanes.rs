@@ -38,6 +38,11 @@ pub fn beside_edge(land_m: f64, edge_m: f64, far_m: f64) -> f64 {
     }
 }
 
+/// Ways through a junction lie on one another: each this much over the next one, metres, so that whoever looks there sees one of them, and
+/// not both in turn. What is drawn at their edges stays narrower than a tenth of a millimetre.
+const OVER_M: f64 = 4e-6;
+const WAYS: u32 = 23;
+
 /// Raised strips are narrowed in steps of so many parts of their width, to half of it at most, where vehicles of another road
 /// drive over an edge of them.
 const PARTS: usize = 8;
@@ -136,6 +141,7 @@ pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels,
         }
         // A piece's ends depend on whether its neighbours are there, in the area or not.
         let asked = |i: usize| here[i.saturating_sub(1)..(i + 2).min(here.len())].contains(&true);
+        let over_m = if section.junction { f64::from(section.road % WAYS) * OVER_M } else { 0.0 };
         let begins = section.strips.first().map_or([0.0; 2], |strip| [strip.right[0].x, strip.right[0].y]);
         for (k, strip) in section.strips.iter().enumerate() {
             let (layer, top) = match strip.ground {
@@ -157,7 +163,8 @@ pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels,
                 .collect();
             for i in (0..kept.len()).filter(|i| here[*i]) {
                 let Some(part) = kept[i] else { continue };
-                let [right_start, right_end, left_end, left_start] = corners_of(strip, i, part);
+                let [right_start, right_end, left_end, left_start] = corners_of(strip, i, part)
+                    .map(|p| if layer == Layer::Road { p + Vector3::z() * over_m } else { p });
                 let beside = [(right, 0), (left, 1)]
                     .map(|(next, side)| is_kerbed(section, strip, next, (i, side), &ground.cover));
                 let top = match Kerbs::on(beside) {
@@ -340,6 +347,38 @@ mod tests {
         }
         made.sort_by_key(|(lane, _)| *lane);
         made.into_iter().map(|(_, surface)| surface).collect()
+    }
+
+    #[test]
+    fn ways_through_a_junction_lie_over_one_another() {
+        let map = testkit::crossing(false);
+        let atlas = Atlas::new(&map);
+        let here = atlas.ground(&Region { min: [-32.0, -32.0], max: [32.0, 32.0] });
+        let heights = |is_wanted: fn(f64) -> bool| {
+            let pieces = here.surfaces();
+            let mut heights: Vec<f64> = pieces
+                .iter()
+                .filter(|piece| piece.layer == Layer::Road)
+                .flat_map(|piece| {
+                    piece
+                        .mesh
+                        .positions
+                        .iter()
+                        .map(|p| [0, 1, 2].map(|k| f64::from(p[k]) + piece.origin_m[k]))
+                })
+                .filter(|[x, y, _]| is_wanted(x.abs().max(y.abs())))
+                .map(|[_, _, z]| z)
+                .collect();
+            heights.sort_by(f64::total_cmp);
+            heights.dedup();
+            heights
+        };
+        assert_eq!(heights(|away_m| away_m > 11.0), [0.0]);
+        // Four ways cross in the middle.
+        let apart = heights(|away_m| away_m < 9.0);
+        let steps: Vec<f64> = apart.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        assert!(steps.len() == 3 && steps.iter().all(|step| (step - OVER_M).abs() < 1e-9), "{apart:?}");
+        assert!(apart[3] < 1e-4);
     }
 
     #[test]
