@@ -104,5 +104,16 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
     }
 }
 
+/// Whether objects of a model and a size differ by their variants; if not, [`actor_mesh`] makes the same of each.
+#[must_use]
+pub fn has_variants(model: &str) -> bool {
+    let is_uniform = models::find_parked(model).is_some()
+        || trains::of_towed(model).is_some()
+        || models::find(model).or_else(|| trains::find(model)).is_some_and(|known| {
+            !matches!(known.base, BaseType::Motorcycle | BaseType::Bicycle | BaseType::Pedestrian)
+        });
+    !is_uniform
+}
+
 #[cfg(test)]
 mod tests;

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use actors::{ActorMesh, Cabin, Coarser, Joint, Piece, Posture, Rig, actor_mesh};
+use actors::{ActorMesh, Cabin, Coarser, Joint, Piece, Posture, Rig, actor_mesh, has_variants};
 use frames::math::f32::pow;
 use frames::{LocalOrigin, Object, Pose, World};
 use glam::{Affine3A, Mat3A, Quat, Vec3A};
@@ -175,7 +175,8 @@ fn model_key(actor: &ActorRow, own: &OwnModels) -> ModelKey {
     let model = if actor.kind == ActorKind::Rsu { "pole.rsu" } else { actor.model.as_str() };
     let size = [actor.length_m, actor.width_m, actor.height_m];
     // A model of a pack has one shape.
-    let variant = if own.contains_key(model) { 0 } else { street_lamps::shape_variant(actor) };
+    let varies = !own.contains_key(model) && has_variants(model);
+    let variant = if varies { street_lamps::shape_variant(actor) } else { 0 };
     (model.to_owned(), size.map(f64::to_bits), variant)
 }
 

@@ -336,3 +336,22 @@ fn unknown_models_have_no_mesh() {
         assert!(actor_mesh(name, [1.0; 3], 0).is_none(), "{name}");
     }
 }
+
+#[test]
+fn models_without_variants_are_alike() {
+    let meshes = |name: &str, size_m: [f64; 3], variant: u32| -> Vec<TriMesh> {
+        let made = made(name, size_m, variant);
+        let coarser = made.coarser.into_iter().flat_map(|level| level.pieces);
+        let cabin = made.cabin.into_iter().flat_map(|cabin| std::iter::once(cabin.seats).chain(cabin.driver));
+        let pieces = made.pieces.into_iter().chain(coarser).map(|piece| piece.mesh);
+        pieces.chain(cabin).map(|mesh| TriMesh::clone(&mesh)).collect()
+    };
+    let names: BTreeMap<String, [f64; 3]> =
+        everything().into_iter().map(|(name, size_m, _)| (name, size_m)).collect();
+    let alike: Vec<_> = names.iter().filter(|(name, _)| !has_variants(name)).collect();
+    assert!(alike.len() > 50 && names.len() > alike.len());
+    for (name, size_m) in alike {
+        let first = meshes(name, *size_m, 0);
+        assert!([1, 2, 3, 17, 1 << 9].iter().all(|v| meshes(name, *size_m, *v) == first), "{name}");
+    }
+}
