@@ -4,8 +4,6 @@ use glam::Vec3;
 use lanes::{Lanes, exp_neg};
 use schema::tables::Weather;
 
-use super::sky::Sky;
-
 /// Haze of clear air per metre: visibility of about 60 km.
 const AIR_PER_M: f32 = 6e-5;
 /// Thinning with height per metre and unit of the weather's falloff.
@@ -50,8 +48,8 @@ pub(crate) struct Fog {
 }
 
 impl Fog {
-    /// The fog of a weather; `ground_z` is the height (local) from which it thins.
-    pub(crate) fn new(weather: &Weather, sky: &Sky, ground_z: f32) -> Self {
+    /// The fog of a weather under a sky of this radiance at the horizon; `ground_z` is the height (local) from which it thins.
+    pub(crate) fn new(weather: &Weather, horizon: Vec3, ground_z: f32) -> Self {
         let share = |percent: f64| (percent / 100.0).clamp(0.0, 1.0) as f32;
         let density = share(weather.fog_density);
         let rain = share(weather.precipitation);
@@ -59,7 +57,7 @@ impl Fog {
         let scattered = weather.scattering_intensity.clamp(0.0, 2.0) as f32;
         let dust_rgb = Vec3::new(1.15, 0.95, 0.7);
         Self {
-            rgb: sky.horizon * (0.85 + 0.15 * scattered) * Vec3::ONE.lerp(dust_rgb, dust),
+            rgb: horizon * (0.85 + 0.15 * scattered) * Vec3::ONE.lerp(dust_rgb, dust),
             even_per_m: AIR_PER_M + 0.0028 * rain * rain + 0.02 * dust,
             ground_per_m: fog_extinction_per_m(density),
             per_height: FALLOFF_PER_M * weather.fog_falloff.clamp(0.0, 5.0) as f32,
@@ -117,7 +115,7 @@ mod tests {
             fog_falloff: falloff,
             ..Weather::default()
         };
-        Fog::new(&weather, &Sky::new(&weather, 0.0), 0.0)
+        Fog::new(&weather, Vec3::ONE, 0.0)
     }
 
     fn passes(fog: &Fog, camera_z: f32, z: f32, distance_m: f32) -> f32 {

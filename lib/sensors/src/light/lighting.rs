@@ -92,7 +92,7 @@ impl Lighting {
         );
         let ((shadows, overhead), lamps, walls) = (shadows?, lamps?, walls?);
         let exposure = Exposure::new(sky.around_klx, lamps.on_the_ground(centre_local));
-        let fog = Fog::new(weather, &sky, centre_local.z);
+        let fog = Fog::new(weather, sky.horizon, centre_local.z);
         let seen = Seen { sky: &sky, shadows: &shadows, lamps: &lamps, fog: &fog };
         let skyline = Skyline::new(scene, seen, centre_local)?;
         Ok(Self {

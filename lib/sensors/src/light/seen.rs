@@ -3,11 +3,11 @@
 use glam::{Affine3A, Mat3A, Vec3};
 use lanes::{Lanes, Vec3s};
 use renderer::{PinholeCamera, RenderError, Scene};
+use schema::ObjectId;
 use schema::geometry::Instance;
-use schema::{ObjectId, Tag};
 
-/// Tags of the ground.
-const GROUND: [Tag; 6] = [Tag::Road, Tag::RoadLine, Tag::Sidewalk, Tag::Ground, Tag::Terrain, Tag::Water];
+use super::walls::is_ground;
+
 /// What is so near is not in the way, metres: rims of the lamp itself.
 const NEAR_M: f32 = 0.3;
 /// Surfaces are so thick for their own shadow: metres, and more with the distance.
@@ -64,7 +64,7 @@ impl Seen {
         let is_near = |i: &Instance| {
             i.object != own
                 && (Vec3::from(i.local_from_object.translation) - place).length() < outlook.reach_m
-                && !snapshot.mesh(i).parts.iter().any(|part| GROUND.contains(&part.tag))
+                && !is_ground(snapshot.mesh(i))
         };
         let instances = (0..).zip(&snapshot.instances);
         let near: Vec<u32> = instances.filter(|(_, i)| is_near(i)).map(|(number, _)| number).collect();
@@ -105,6 +105,7 @@ impl Seen {
 #[cfg(test)]
 mod tests {
     use renderer::Renderer;
+    use schema::Tag;
     use schema::geometry::Surface;
     use testkit::{block, instance, snapshot};
     use visibility::CpuRenderer;

@@ -69,6 +69,11 @@ pub(super) struct Walls {
     left: Vec<Left>,
 }
 
+/// Whether some of a mesh is ground.
+pub(super) fn is_ground(mesh: &TriMesh) -> bool {
+    mesh.parts.iter().any(|part| GROUND.contains(&part.tag))
+}
+
 impl Walls {
     /// Of the houses that a lens sees from above, whole.
     ///
@@ -77,7 +82,6 @@ impl Walls {
     pub(super) fn new(scene: &dyn Scene, lens: &Lens) -> Result<Self, RenderError> {
         let snapshot = scene.snapshot();
         let is_house = |mesh: &TriMesh| mesh.parts.iter().any(|part| part.tag == Tag::Building);
-        let is_ground = |mesh: &TriMesh| mesh.parts.iter().any(|part| GROUND.contains(&part.tag));
         let of = |wanted: &dyn Fn(&TriMesh) -> bool| -> Vec<u32> {
             let instances = (0..).zip(&snapshot.instances);
             instances.filter(|(_, i)| wanted(snapshot.mesh(i))).map(|(number, _)| number).collect()
