@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use schema::Tag;
-use schema::geometry::Surface;
+use schema::geometry::{Part, Surface};
 use schema::trains::Train;
 use solids::{Detail, MeshBuilder};
 
@@ -174,8 +174,7 @@ pub(crate) fn container(l: &Lorry<'_>, b: &mut MeshBuilder, detail: Detail) {
     let count = if detail == Detail::Full { 42 } else { 14 };
     let pitch = (front - back - 0.4) / count as f32;
     for k in 0..count {
-        let x = back + 0.2 + pitch * (k as f32 + 0.25);
-        Lorry::both(b, paint, [x, x + 0.5 * pitch], [wide - 0.05, wide], [floor + 0.15, top - 0.11]);
+        ribs(b, paint, back + 0.2 + pitch * (k as f32 + 0.1), pitch, wide, [floor + 0.15, top - 0.11]);
     }
     if detail == Detail::Full {
         for k in 0..8 {
@@ -194,6 +193,22 @@ pub(crate) fn container(l: &Lorry<'_>, b: &mut MeshBuilder, detail: Detail) {
         }
     }
     load::rear_doors(l, b, top, detail);
+}
+
+/// A rib in each side wall from a place on: with sloping flanks, as sheet steel is bent.
+fn ribs(b: &mut MeshBuilder, part: Part, x: f32, pitch: f32, wide: f32, z: [f32; 2]) {
+    let (base, flank) = (0.8 * pitch, 0.26 * pitch);
+    let outline = [(0.0, wide - 0.05), (base, wide - 0.05), (base - flank, wide), (flank, wide)];
+    for side in [1.0, -1.0] {
+        let rings = z.map(|z| {
+            let mut ring = outline.map(|(along, y)| Vec3::new(x + along, side * y, z));
+            if side < 0.0 {
+                ring.reverse();
+            }
+            ring.to_vec()
+        });
+        b.loft(&rings, |_, _| part, [part; 2]);
+    }
 }
 
 /// Behind the cab of a tractor unit: the plate that a trailer rests on, a walkway, hoses, walls that lead the air.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use people::{Figure, Look, Seat, Top};
-use schema::geometry::{Part, Surface};
+use schema::geometry::{Part, Surface, Weave};
 use schema::models::{self, BaseType, Model};
 use schema::{Tag, lights};
 use solids::{Detail, MeshBuilder};
@@ -31,6 +31,8 @@ pub(crate) fn two_wheeler(model: &Model, size: Vec3, variant: u32) -> ActorMesh 
             top: Top::Uniform,
             top_rgb: navy,
             bottom_rgb: navy,
+            top_weave: Weave::Plain,
+            bottom_weave: Weave::Plain,
             shoe_rgb: [0.02; 3],
             extra_rgb: [0.7; 3],
             ..look
