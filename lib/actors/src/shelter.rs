@@ -7,13 +7,14 @@ use glam::{Affine3A, Mat3A, Vec3};
 use people::about_y;
 use schema::Tag;
 use schema::geometry::TriMesh;
-use solids::{Place, sheltered};
+use solids::{Closeness, Place, sheltered};
 
 use crate::pieces::{ActorMesh, Joint, Piece};
 use crate::posture::Posture;
 
-/// Texels along the diagonal of an actor close by, and of one farther away.
-const TEXELS: [u32; 2] = [160, 96];
+/// How closely an actor close by is looked at, and one that moves its limbs or is farther away.
+const CLOSE: Closeness = Closeness { texels: 160, axes: 24 };
+const FAR: Closeness = Closeness { texels: 96, axes: 12 };
 /// What turns is looked at in so many positions, and has their mean.
 const TURNS: usize = 8;
 /// Of less than this a corner is within something else, and its triangle's other corners say what is seen of it.
@@ -25,9 +26,10 @@ impl ActorMesh {
     #[must_use]
     pub fn sheltered(mut self) -> Self {
         let posture = self.posed(Posture::default());
-        shelter(&mut self.pieces, &posture, TEXELS[0]);
+        let closeness = if self.rig.is_some() { FAR } else { CLOSE };
+        shelter(&mut self.pieces, &posture, closeness);
         for level in &mut self.coarser {
-            shelter(&mut level.pieces, &posture, TEXELS[1]);
+            shelter(&mut level.pieces, &posture, FAR);
         }
         self
     }
@@ -38,7 +40,7 @@ fn is_apt(mesh: &TriMesh) -> bool {
     !mesh.parts.iter().any(|part| matches!(part.tag, Tag::Building | Tag::Vegetation | Tag::Wall))
 }
 
-fn shelter(pieces: &mut [Piece], posture: &Posture, texels: u32) {
+fn shelter(pieces: &mut [Piece], posture: &Posture, closeness: Closeness) {
     if !pieces.iter().all(|piece| is_apt(&piece.mesh)) {
         return;
     }
@@ -72,7 +74,7 @@ fn shelter(pieces: &mut [Piece], posture: &Posture, texels: u32) {
             .collect();
         *corners = gather(&piece.mesh, &poses, &mut places);
     }
-    let open = sheltered(&positions, &triangles, &places, texels);
+    let open = sheltered(&positions, &triangles, &places, closeness);
     let mut done: Vec<(Arc<TriMesh>, Arc<TriMesh>)> = Vec::new();
     for ((number, _), corners) in firsts.iter().zip(corners) {
         let piece = &pieces[*number];

@@ -10,7 +10,7 @@ use frames::math::f32::sin_cos;
 use glam::Vec3;
 use schema::geometry::{Part, TriMesh};
 
-pub use shelter::{Place, sheltered};
+pub use shelter::{Closeness, Place, sheltered};
 use smooth::smooth;
 
 /// Cosine of the sharpest bend that is round and no edge: round bars of six sides are round.

@@ -1,6 +1,6 @@
 //! How much of sky and ground is seen from places on a body that stands on level ground.
 //!
-//! For each of a fixed set of directions the body is drawn as seen from there; places that something covers do not see that way. This
+//! Along each of a fixed set of axes the body is drawn as seen from either end; places that something covers do not see that way. This
 //! is far cheaper than rays, and as exact as a texel is wide.
 
 use std::f32::consts::PI;
@@ -9,8 +9,6 @@ use frames::Aabb;
 use frames::math::f32::sin_cos;
 use glam::{Vec2, Vec3};
 
-/// Directions over the whole sphere, the upper half first.
-const DIRECTIONS: usize = 48;
 /// Least width of a texel, metres.
 const LEAST_TEXEL_M: f32 = 0.01;
 /// Places are looked at from so far off their surface, texels: a plane does not shade itself, however it leans.
@@ -23,10 +21,19 @@ const AROUND_M: f32 = 1.2;
 /// From lower down nothing is looked at: what is deeper is in the ground.
 const LEAST_UP_M: f32 = 0.01;
 
-/// A direction of the set: turned by the golden angle from one to the next, at even heights.
-fn direction(number: usize) -> Vec3 {
+/// How closely it is looked.
+#[derive(Clone, Copy, Debug)]
+pub struct Closeness {
+    /// Along a body's diagonal, at most.
+    pub texels: u32,
+    /// A place sees along each of these one way.
+    pub axes: usize,
+}
+
+/// The upper end of an axis of some: turned by the golden angle from one to the next, at even heights.
+fn axis(number: usize, axes: usize) -> Vec3 {
     const GOLDEN_RAD: f32 = PI * (3.0 - 2.236_068);
-    let z = 1.0 - (2 * number + 1) as f32 / DIRECTIONS as f32;
+    let z = 1.0 - (2 * number + 1) as f32 / (2 * axes) as f32;
     let (sin, cos) = sin_cos(GOLDEN_RAD * number as f32);
     let level = (1.0 - z * z).sqrt();
     Vec3::new(level * cos, level * sin, z)
@@ -36,15 +43,19 @@ fn direction(number: usize) -> Vec3 {
 pub type Place = (Vec3, Vec3);
 
 /// The share of what sky and open ground give that reaches each of some places on a body, 0 to 1. The body is
-/// triangles between `positions`, and stands on the ground at z = 0; that is darker where the body is above it. It is drawn with so
-/// many `texels` along its diagonal, at most.
+/// triangles between `positions`, and stands on the ground at z = 0; that is darker where the body is above it.
 #[must_use]
-pub fn sheltered(positions: &[Vec3], triangles: &[[u32; 3]], places: &[Place], texels: u32) -> Vec<f32> {
+pub fn sheltered(
+    positions: &[Vec3],
+    triangles: &[[u32; 3]],
+    places: &[Place],
+    closeness: Closeness,
+) -> Vec<f32> {
     let bounds = Aabb::from_points(positions);
     if triangles.is_empty() || !(bounds.max - bounds.min).is_finite() {
         return vec![1.0; places.len()];
     }
-    let mut seen = Seen::new(positions, triangles, bounds, texels);
+    let mut seen = Seen::new(positions, triangles, bounds, closeness.texels);
     let places: Vec<Place> = places
         .iter()
         .map(|&(place, normal)| {
@@ -56,49 +67,53 @@ pub fn sheltered(positions: &[Vec3], triangles: &[[u32; 3]], places: &[Place], t
     let mut ground = Ground::under(bounds);
     let cells = ground.places();
     let (mut got, mut most) = (vec![0.0f32; places.len()], vec![1e-6f32; places.len()]);
-    for number in 0..DIRECTIONS {
-        let to = direction(number);
-        seen.look(to);
-        let is_up = to.z > 0.0;
-        if is_up {
-            for (open, place) in ground.open.iter_mut().zip(&cells) {
-                *open += to.z * seen.from(*place);
-            }
-        } else if number == DIRECTIONS / 2 {
-            ground.finish();
+    // Who sees ground where, and how much that counts.
+    let mut below: Vec<(u32, f32, Vec2)> = Vec::new();
+    for number in 0..closeness.axes {
+        let up = axis(number, closeness.axes);
+        seen.look(up);
+        for (open, place) in ground.open.iter_mut().zip(&cells) {
+            *open += up.z * seen.from(*place, true);
         }
-        for ((got, most), &(place, normal)) in got.iter_mut().zip(&mut most).zip(&places) {
-            let facing = normal.dot(to);
-            if facing <= 0.0 {
-                continue;
-            }
-            let weight = if is_up { facing } else { facing * GROUND };
-            *most += weight;
-            let free = seen.from(place);
-            if free > 0.0 {
-                let lit = if is_up { 1.0 } else { ground.at(place + to * (place.z / -to.z)) };
-                *got += weight * free * lit;
+        for (number, &(place, normal)) in (0u32..).zip(&places) {
+            let at = number as usize;
+            let facing = normal.dot(up);
+            let free = seen.from(place, facing > 0.0);
+            if facing > 0.0 {
+                most[at] += facing;
+                got[at] += facing * free;
+            } else {
+                let weight = -facing * GROUND;
+                most[at] += weight;
+                if free > 0.0 {
+                    let landing = place - up * (place.z / up.z);
+                    below.push((number, weight * free, landing.truncate()));
+                }
             }
         }
+    }
+    ground.finish(closeness.axes);
+    for (place, weight, landing) in below {
+        got[place as usize] += weight * ground.at(landing);
     }
     got.iter().zip(&most).map(|(got, most)| got / most).collect()
 }
 
-/// A body as it is seen from one direction.
+/// A body as it is seen from both ends of an axis.
 struct Seen<'a> {
     positions: &'a [Vec3],
     triangles: &'a [[u32; 3]],
     bounds: Aabb,
     texel_m: f32,
-    /// Towards the right, up and the onlooker; the first two over a texel's width.
+    /// Towards the right, up and the upper onlooker; the first two over a texel's width.
     axes: [Vec3; 3],
     /// Of the first texel's corner, in texels.
     corner: Vec2,
     columns: usize,
     rows: usize,
-    /// How far toward the onlooker the nearest surface is, by texel.
-    nearest: Vec<f32>,
-    /// The positions as seen: column, row, and how far toward the onlooker.
+    /// How far toward the upper onlooker the surface is that is farthest from and that is nearest to them, by texel.
+    reach: Vec<[f32; 2]>,
+    /// The positions as seen: column, row, and how far toward the upper onlooker.
     shown: Vec<Vec3>,
 }
 
@@ -114,12 +129,12 @@ impl<'a> Seen<'a> {
             corner: Vec2::ZERO,
             columns: 0,
             rows: 0,
-            nearest: Vec::new(),
+            reach: Vec::new(),
             shown: Vec::new(),
         }
     }
 
-    /// Draws the body as seen from far away in a direction.
+    /// Draws the body as seen from far away in a direction and in the opposite one.
     fn look(&mut self, to: Vec3) {
         let right = to.cross(if to.z.abs() < 0.9 { Vec3::Z } else { Vec3::X }).normalize();
         let up = to.cross(right);
@@ -136,8 +151,8 @@ impl<'a> Seen<'a> {
         self.corner = least - Vec2::splat(1.0);
         let size = (most - self.corner).ceil() + Vec2::splat(1.0);
         (self.columns, self.rows) = (size.x as usize, size.y as usize);
-        self.nearest.clear();
-        self.nearest.resize(self.columns * self.rows, f32::NEG_INFINITY);
+        self.reach.clear();
+        self.reach.resize(self.columns * self.rows, [f32::INFINITY, f32::NEG_INFINITY]);
         let mut shown = std::mem::take(&mut self.shown);
         shown.clear();
         shown.extend(self.positions.iter().map(|p| self.place(*p)));
@@ -147,7 +162,7 @@ impl<'a> Seen<'a> {
         self.shown = shown;
     }
 
-    /// Column and row of a place (texels from the corner), and how far toward the onlooker it is, metres.
+    /// Column and row of a place (texels from the corner), and how far toward the upper onlooker it is, metres.
     fn place(&self, p: Vec3) -> Vec3 {
         let [right, up, to] = self.axes;
         Vec3::new(p.dot(right) - self.corner.x, p.dot(up) - self.corner.y, p.dot(to))
@@ -165,14 +180,20 @@ impl<'a> Seen<'a> {
         let across = (ab.z * ac.y - ac.z * ab.y) * per_area;
         let down = (ac.z * ab.x - ab.z * ac.x) * per_area;
         let (least, most) = (a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
+        // By edge: where it begins and ends downward, and x by y.
+        let edges = [(a, b), (b, c), (c, a)].map(|(p, q)| {
+            let (top, end) = if p.y < q.y { (p, q) } else { (q, p) };
+            let per_row = if end.y > top.y { (end.x - top.x) / (end.y - top.y) } else { 0.0 };
+            (top.y, end.y, top.x, per_row)
+        });
         // Texels whose middles are from one number on, and before another.
         let from = |v: f32| (v - 0.5).ceil().max(0.0) as usize;
         for row in from(least)..from(most).min(self.rows) {
             let y = row as f32 + 0.5;
             let (mut left, mut right) = (f32::INFINITY, f32::NEG_INFINITY);
-            for (p, q) in [(a, b), (b, c), (c, a)] {
-                if (p.y <= y) != (q.y <= y) {
-                    let x = p.x + (y - p.y) / (q.y - p.y) * (q.x - p.x);
+            for (top, end, x, per_row) in edges {
+                if top <= y && y < end {
+                    let x = x + (y - top) * per_row;
                     (left, right) = (left.min(x), right.max(x));
                 }
             }
@@ -181,16 +202,17 @@ impl<'a> Seen<'a> {
                 continue;
             }
             let start = a.z + (y - a.y) * down + (first as f32 + 0.5 - a.x) * across;
-            let texels = &mut self.nearest[row * self.columns + first..row * self.columns + end];
-            for (i, texel) in texels.iter_mut().enumerate() {
-                let near = start + i as f32 * across;
-                *texel = if near > *texel { near } else { *texel };
+            let texels = &mut self.reach[row * self.columns + first..row * self.columns + end];
+            for (i, [least, most]) in texels.iter_mut().enumerate() {
+                let here = start + i as f32 * across;
+                *least = if here < *least { here } else { *least };
+                *most = if here > *most { here } else { *most };
             }
         }
     }
 
-    /// How free the way is from a place: the share of the four texels around it that show nothing nearer.
-    fn from(&self, p: Vec3) -> f32 {
+    /// How free the way is from a place up or down the axis: the share of the four texels around it that show nothing on the way.
+    fn from(&self, p: Vec3, up: bool) -> f32 {
         let q = self.place(p);
         let (x, y) = (q.x - 0.5, q.y - 0.5);
         if x < 0.0 || y < 0.0 || x >= (self.columns - 1) as f32 || y >= (self.rows - 1) as f32 {
@@ -199,7 +221,10 @@ impl<'a> Seen<'a> {
         let (column, row) = (x as usize, y as usize);
         let (fx, fy) = (x - column as f32, y - row as f32);
         let at = row * self.columns + column;
-        let free = |i: usize| if self.nearest[i] <= q.z { 1.0 } else { 0.0 };
+        let free = |i: usize| {
+            let [least, most] = self.reach[i];
+            if if up { most <= q.z } else { least >= q.z } { 1.0 } else { 0.0 }
+        };
         let lower = free(at) * (1.0 - fx) + free(at + 1) * fx;
         let upper = free(at + self.columns) * (1.0 - fx) + free(at + self.columns + 1) * fx;
         lower * (1.0 - fy) + upper * fy
@@ -232,14 +257,14 @@ impl Ground {
         cells.map(place).collect()
     }
 
-    /// Makes shares of sums over the upper directions.
-    fn finish(&mut self) {
-        let all: f32 = (0..DIRECTIONS / 2).map(|number| direction(number).z).sum();
+    /// Makes shares of sums over the axes.
+    fn finish(&mut self, axes: usize) {
+        let all: f32 = (0..axes).map(|number| axis(number, axes).z).sum();
         self.open.iter_mut().for_each(|open| *open /= all);
     }
 
-    fn at(&self, p: Vec3) -> f32 {
-        let q = (p.truncate() - self.corner) / CELL_M;
+    fn at(&self, p: Vec2) -> f32 {
+        let q = (p - self.corner) / CELL_M;
         if !(q.x >= 0.0 && q.y >= 0.0 && q.x < (self.columns - 1) as f32 && q.y < (self.rows - 1) as f32) {
             return 1.0;
         }
@@ -269,7 +294,7 @@ mod tests {
 
     fn seen(rectangles: &[[Vec3; 3]], place: Vec3, normal: Vec3) -> f32 {
         let (positions, triangles) = soup(rectangles);
-        sheltered(&positions, &triangles, &[(place, normal)], 256)[0]
+        sheltered(&positions, &triangles, &[(place, normal)], Closeness { texels: 256, axes: 24 })[0]
     }
 
     #[test]
@@ -346,7 +371,7 @@ mod tests {
             places.push((Vec3::new(0.1, -0.2, z), Vec3::X));
             places.push((Vec3::new(0.1, -0.2, z), -Vec3::X));
         }
-        let got = sheltered(&positions, &triangles, &places, 160);
+        let got = sheltered(&positions, &triangles, &places, Closeness { texels: 160, axes: 24 });
         for ((place, normal), got) in places.iter().zip(got) {
             let rays = by_rays(&positions, &triangles, *place, *normal);
             assert!((got - rays).abs() < 0.12, "{place} {normal}: {got} {rays}");
