@@ -446,7 +446,7 @@ fn light(b: &mut MeshBuilder, size: Vec3) {
         [0.018; 2],
         6,
     );
-    let lens = of(Surface::Lamp(lights::STREET_LAMP), [0.85, 0.84, 0.78]);
+    let lens = of(Surface::Lamp(lights::WORK_LAMP), [0.85, 0.84, 0.78]);
     for y in [-0.55 * half.y, 0.55 * half.y] {
         let (low, high) = (Vec3::new(-0.05, y - 0.16, 0.87 * size.z), Vec3::new(0.06, y + 0.16, size.z));
         b.cuboid(YELLOW, low, high);

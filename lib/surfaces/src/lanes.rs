@@ -39,9 +39,10 @@ pub fn beside_edge(land_m: f64, edge_m: f64, far_m: f64) -> f64 {
 }
 
 /// Ways through a junction lie on one another: each this much over the next one, metres, so that whoever looks there sees one of them, and
-/// not both in turn. What is drawn at their edges stays narrower than a tenth of a millimetre.
+/// not both in turn; few junctions have more ways than there are heights. What is drawn at their edges stays narrower than a fifth of
+/// a millimetre.
 const OVER_M: f64 = 4e-6;
-const WAYS: u32 = 23;
+const WAYS: u32 = 47;
 
 /// Raised strips are narrowed in steps of so many parts of their width, to half of it at most, where vehicles of another road
 /// drive over an edge of them.

@@ -409,7 +409,7 @@ impl SceneWorld {
             StaticLights::None => 0,
             StaticLights::Signal => signals.get(&fixed.object).copied().unwrap_or(0),
             StaticLights::StreetLamp if moment.frame.street_lamps => lights::STREET_LAMP,
-            StaticLights::Work if moment.frame.weather().is_night() => lights::STREET_LAMP,
+            StaticLights::Work if moment.frame.weather().is_night() => lights::WORK_LAMP,
             StaticLights::Building if moment.frame.building_lights => lights::BUILDING,
             _ => 0,
         };

@@ -21,6 +21,11 @@ const MIE_ABSORBED: f32 = 1.11;
 const OZONE_PER_M: Vec3 = Vec3::new(2.3e-6, 1.6e-6, 0.25e-6);
 /// How much Mie scattering prefers its direction.
 const MIE_FORWARD: f32 = 0.76;
+/// The sky is seen from this height, metres; its horizon is so much lower than level.
+const EYE_M: f32 = 20.0;
+const HORIZON_RAD: f32 = 0.0025;
+/// Radius of the sun's disc.
+const SUN_RADIUS_RAD: f32 = 0.004_65;
 /// Illuminance above the air, kilolux.
 const SUN_KLX: f32 = 128.0;
 /// Share of the light lost by scattering that comes back from all sides.
@@ -60,11 +65,12 @@ impl Atmosphere {
             + OZONE_PER_M * ozone
     }
 
-    /// Share of sunlight that reaches a place in the plane of the sun's direction (x) and up (z).
-    fn sunlight(&self, x: f32, z: f32) -> Vec3 {
+    /// Share of sunlight that reaches a place: the sun is in the plane of x and up (z), the planet's middle at the origin.
+    fn sunlight(&self, [x, y, z]: [f32; 3]) -> Vec3 {
         // In f64: the planet's radius squared loses kilometres in f32.
         let along = f64::from(x) * f64::from(self.sun_flat) + f64::from(z) * f64::from(self.sun_up);
-        let r2 = f64::from(x) * f64::from(x) + f64::from(z) * f64::from(z);
+        let aside2 = f64::from(y) * f64::from(y);
+        let r2 = f64::from(x) * f64::from(x) + aside2 + f64::from(z) * f64::from(z);
         let ground = f64::from(GROUND_M) * f64::from(GROUND_M);
         let closest2 = r2 - along * along;
         if along < 0.0 && closest2 < ground {
@@ -86,7 +92,7 @@ impl Atmosphere {
                 let end = reach * end * end;
                 let at = thickest + 0.5 * (before + end);
                 let (px, pz) = (x + at * self.sun_flat, z + at * self.sun_up);
-                let height = f64::from(px) * f64::from(px) + f64::from(pz) * f64::from(pz);
+                let height = f64::from(px) * f64::from(px) + aside2 + f64::from(pz) * f64::from(pz);
                 let height_m = (height.sqrt() - f64::from(GROUND_M)) as f32;
                 depth += self.extinction(height_m) * (end - before).abs();
                 before = end;
@@ -95,9 +101,16 @@ impl Atmosphere {
         Vec3::new(exp_neg(depth.x), exp_neg(depth.y), exp_neg(depth.z))
     }
 
-    /// Illuminance of a surface on the ground that faces the sun, kilolux.
+    /// Illuminance of a surface on the ground that faces the sun, kilolux: as much of it as of its disc is up.
     pub(super) fn sun_klx(&self) -> Vec3 {
-        self.sunlight(0.0, GROUND_M + 20.0) * SUN_KLX
+        let horizon = -HORIZON_RAD;
+        let up = ((self.sun_up - horizon) / (2.0 * SUN_RADIUS_RAD) + 0.5).clamp(0.0, 1.0);
+        if up == 0.0 {
+            return Vec3::ZERO;
+        }
+        let seen = self.sun_up.max(horizon);
+        let seen = Self { sun_up: seen, sun_flat: (1.0 - seen * seen).max(0.0).sqrt(), ..*self };
+        seen.sunlight([0.0, 0.0, GROUND_M + EYE_M]) * (up * SUN_KLX)
     }
 
     /// Radiance from a direction: `up` is the sine of its altitude (not negative), `side` the cosine of the angle
@@ -115,7 +128,7 @@ impl Atmosphere {
         let mie_phase =
             3.0 * (1.0 - g * g) * (1.0 + cos * cos) / (8.0 * pi * (2.0 + g * g) * spread * spread.sqrt());
 
-        let (ground, top) = (f64::from(GROUND_M) + 20.0, f64::from(TOP_M));
+        let (ground, top) = (f64::from(GROUND_M + EYE_M), f64::from(TOP_M));
         let b = ground * f64::from(up);
         let length = (-b + (b * b + top * top - ground * ground).sqrt()) as f32;
         let mut depth = Vec3::ZERO;
@@ -127,7 +140,6 @@ impl Atmosphere {
             let (at, step) = (0.5 * (before + end), end - before);
             let (px, py) = (dx * at, dy * at);
             let pz = ground + f64::from(up * at);
-            // Distance from the axis through the planet's middle and the sun decides what the sun passes.
             let radius = (f64::from(px * px + py * py) + pz * pz).sqrt();
             let height = (radius - f64::from(GROUND_M)) as f32;
             let here = self.extinction(height);
@@ -135,7 +147,7 @@ impl Atmosphere {
             let passed = Vec3::new(exp_neg(passed.x), exp_neg(passed.y), exp_neg(passed.z));
             let rayleigh = self.rayleigh_per_m * exp_neg(height.max(0.0) / RAYLEIGH_HEIGHT_M);
             let mie = self.mie_per_m * exp_neg(height.max(0.0) / MIE_HEIGHT_M);
-            let sun = self.sunlight(px, pz as f32);
+            let sun = self.sunlight([px, py, pz as f32]);
             let once = rayleigh * rayleigh_phase + Vec3::splat(mie * mie_phase);
             let again = (rayleigh + Vec3::splat(mie)) * (AGAIN / (4.0 * pi));
             sum += passed * sun * (once + again) * step;
@@ -148,7 +160,7 @@ impl Atmosphere {
     /// How much of what the whole sky sends is sent again from a direction with the sine `up` of an altitude: a share of the sky's mean
     /// radiance.
     pub(super) fn again(&self, up: f32) -> Vec3 {
-        let (ground, top) = (f64::from(GROUND_M) + 20.0, f64::from(TOP_M));
+        let (ground, top) = (f64::from(GROUND_M + EYE_M), f64::from(TOP_M));
         let b = ground * f64::from(up);
         let length = (-b + (b * b + top * top - ground * ground).sqrt()) as f32;
         let (mut depth, mut sum, mut before) = (Vec3::ZERO, Vec3::ZERO, 0.0);
@@ -195,17 +207,27 @@ mod tests {
     fn sunlight_at_dusk_is_the_sum_along_its_way() {
         // From 30 km up with the sun 4 degrees below the horizon there: past the ground at some 14 km.
         let air = earth(-4.0);
-        let (x, z) = (0.0f32, GROUND_M + 30_000.0);
-        let (mut depth, step) = (Vec3::ZERO, 100.0f32);
-        for i in 0..15_000 {
-            let at = (i as f32 + 0.5) * step;
-            let [px, pz] = [x + at * air.sun_flat, z + at * air.sun_up].map(f64::from);
-            let height = (px * px + pz * pz).sqrt() - f64::from(GROUND_M);
-            depth += air.extinction(height as f32) * step;
+        // The same 600 km aside, where the ground is 28 km lower.
+        for [x, y, z] in [[0.0f32, 0.0, GROUND_M + 30_000.0], [0.0, 600_000.0, GROUND_M + 2_000.0]] {
+            let (mut depth, step) = (Vec3::ZERO, 100.0f32);
+            for i in 0..15_000 {
+                let at = (i as f32 + 0.5) * step;
+                let [px, py, pz] = [x + at * air.sun_flat, y, z + at * air.sun_up].map(f64::from);
+                let height = (px * px + py * py + pz * pz).sqrt() - f64::from(GROUND_M);
+                depth += air.extinction(height as f32) * step;
+            }
+            let want = Vec3::new(exp_neg(depth.x), exp_neg(depth.y), exp_neg(depth.z));
+            let got = air.sunlight([x, y, z]);
+            assert!((got - want).abs().max_element() < 0.03 && got.x > 0.05, "{got} {want}");
         }
-        let want = Vec3::new(exp_neg(depth.x), exp_neg(depth.y), exp_neg(depth.z));
-        let got = air.sunlight(x, z);
-        assert!((got - want).abs().max_element() < 0.03 && got.x > 0.05, "{got} {want}");
+    }
+
+    #[test]
+    fn the_sun_sets_little_by_little() {
+        let klx: Vec<f32> = (-10..=10).map(|k| earth(k as f32 * 0.05 - 0.14).sun_klx().y).collect();
+        assert!(klx[0] == 0.0 && klx[20] > 1.0);
+        // In steps of 0.05 degrees.
+        assert!(klx.array_windows().all(|[a, b]| a <= b && b - a < 0.2 * klx[20]), "{klx:?}");
     }
 
     #[test]

@@ -33,6 +33,9 @@ const REACH_M: f32 = if headlight::REACH_M > street::REACH_M { headlight::REACH_
 /// Film is not made for brighter spots than this, kilolux.
 const SPOT_KLX: f32 = 0.05;
 
+/// A floodlight's flux over its shape, the cosine squared: candela ahead by lumen. It looks ahead and somewhat down.
+const FLOOD_CD_PER_LM: f32 = 3.0 / std::f32::consts::TAU;
+const FLOOD_AIM: [f32; 2] = [0.955, 0.297];
 /// So many vehicles around an agent have headlights that things stand in the way of, and so many street lamps are like that.
 const MOST_SHADED: usize = 8;
 
@@ -41,6 +44,8 @@ const MOST_SHADED: usize = 8;
 enum Beam {
     /// Downwards, widely.
     Street,
+    /// Ahead, widely: a floodlight.
+    Flood,
     /// Ahead and on the road: dipped.
     Low,
     /// Far ahead.
@@ -64,11 +69,10 @@ struct Lamp {
     direction: Vec3,
     up: Vec3,
     beam: Beam,
-    /// Of headlights their colour, the greatest component 1; of others the intensity along the direction, kilocandela (kilolux at a
-    /// metre).
+    /// Of headlights their colour, the greatest component 1; of others kilocandela (kilolux at a metre) where their beam's shape is 1.
     rgb: Vec3,
     radius_m: f32,
-    /// What stands in the way of a headlight.
+    /// What stands in the way of its light.
     seen: Option<Arc<Seen>>,
 }
 
@@ -106,7 +110,7 @@ impl Lamps {
             return Ok(Self::default());
         }
         let mut lamps = burning(scene.snapshot(), centre);
-        lamps.truncate(usize::from(u16::MAX));
+        lamps.truncate(usize::from(u16::MAX) - 1);
         shade(scene, &mut lamps, centre)?;
         Ok(Self::by_cells(lamps, centre))
     }
@@ -262,6 +266,10 @@ impl Lamp {
         let along = |axis: Vec3| to.dot(Vec3s::splat(-axis)) / r;
         let spread = match self.beam {
             Beam::Street => street::intensity(along(self.direction)),
+            Beam::Flood => {
+                let ahead = along(self.direction).fast_max(Lanes::ZERO);
+                ahead * ahead
+            }
             Beam::Low | Beam::High => {
                 let left = self.up.cross(self.direction);
                 headlight::intensity(self.beam == Beam::High, [self.direction, left, self.up].map(along))
@@ -269,7 +277,7 @@ impl Lamp {
             Beam::Glow => Lanes::ONE,
         };
         let spread = match &self.seen {
-            Some(seen) => spread * seen.reaches(positions),
+            Some(seen) => spread * seen.reaches(positions, normals),
             None => spread,
         };
         // Ends smoothly at the radius.
@@ -309,6 +317,12 @@ fn burning(snapshot: &Snapshot, centre: Vec3) -> Vec<Lamp> {
                 let rgb = Vec3::from_array(instance.glow)
                     * (street::CD_PER_LM * 1e-3 * lights::STREET_LAMP_LM as f32);
                 (Beam::Street, rgb, street::REACH_M, -Vec3::Z)
+            } else if on & lights::WORK_LAMP != 0 {
+                let rgb =
+                    Vec3::from_array(instance.glow) * (FLOOD_CD_PER_LM * 1e-3 * lights::WORK_LAMP_LM as f32);
+                let [level, down] = FLOOD_AIM;
+                let aim = pose.transform_vector3(Vec3::new(level, 0.0, -down));
+                (Beam::Flood, rgb, street::REACH_M, aim)
             } else if on & (lights::LOW_BEAM | lights::HIGH_BEAM) != 0 {
                 let beam = if on & lights::HIGH_BEAM != 0 { Beam::High } else { Beam::Low };
                 (beam, warm(fitting.rgb), headlight::REACH_M, pose.transform_vector3(Vec3::X))
@@ -329,16 +343,23 @@ fn burning(snapshot: &Snapshot, centre: Vec3) -> Vec<Lamp> {
     lamps
 }
 
-/// Finds what stands in the way of the light of the street lamps, and of the headlights of the vehicles, nearest to a place; those
-/// farther away shine through things.
+/// Finds what stands in the way of the light of the street lamps, of the floodlights, and of the headlights of the vehicles,
+/// nearest to a place; those farther away shine through things.
 fn shade(scene: &dyn Scene, lamps: &mut [Lamp], centre: Vec3) -> Result<(), RenderError> {
-    for (is_street, outlook) in [(false, Outlook::HEADLIGHT), (true, Outlook::STREET)] {
-        let is_of =
-            |lamp: &Lamp| if is_street { lamp.beam == Beam::Street } else { lamp.beam.is_headlight() };
+    let kinds = [
+        (&[Beam::Low, Beam::High][..], Outlook::HEADLIGHT),
+        (&[Beam::Street], Outlook::WIDE),
+        (&[Beam::Flood], Outlook::WIDE),
+    ];
+    for (beams, outlook) in kinds {
+        let is_of = |lamp: &Lamp| beams.contains(&lamp.beam);
         // Middle, number of lamps, where they point and what is up.
         let mut owners: BTreeMap<ObjectId, (Vec3, f32, [Vec3; 2])> = BTreeMap::new();
         for lamp in lamps.iter().filter(|lamp| is_of(lamp)) {
-            let axes = if is_street { [lamp.direction, Vec3::X] } else { [lamp.direction, lamp.up] };
+            // Square to where it points, whatever that is.
+            let up = if lamp.beam == Beam::Street { Vec3::X } else { lamp.up };
+            let up = (up - lamp.direction * up.dot(lamp.direction)).normalize_or(Vec3::X);
+            let axes = [lamp.direction, up];
             let (sum, count, _) = owners.entry(lamp.object).or_insert((Vec3::ZERO, 0.0, axes));
             (*sum, *count) = (*sum + lamp.position, *count + 1.0);
         }
@@ -434,14 +455,14 @@ mod tests {
         let centre = Vec3::new(11.0, -7.0, 0.5);
         for round in 0..20 {
             let mut uniform = |low: f64, high: f64| stream.uniform(low, high) as f32;
-            let beams = [Beam::Street, Beam::Low, Beam::High, Beam::Glow];
+            let beams = [Beam::Street, Beam::Low, Beam::High, Beam::Flood, Beam::Glow];
             let lamps: Vec<Lamp> = (0..PER_CELL)
                 .map(|i| Lamp {
                     position: centre
                         + Vec3::new(uniform(-110.0, 110.0), uniform(-110.0, 110.0), uniform(0.5, 9.0)),
                     direction: Vec3::new(uniform(-1.0, 1.0), uniform(-1.0, 1.0), -0.3).normalize(),
                     up: Vec3::Z,
-                    beam: beams[(i + round) % 4],
+                    beam: beams[(i + round) % 5],
                     rgb: Vec3::new(uniform(0.1, 9.0), uniform(0.1, 9.0), uniform(0.1, 9.0)),
                     radius_m: uniform(5.0, 60.0),
                     object: 1,
@@ -529,6 +550,13 @@ mod tests {
     fn beams_point() {
         let street = one(Beam::Street);
         assert_eq!(at(&street, Vec3::new(2.0, 0.0, 7.0), -Vec3::X), Vec3::ZERO);
+        // A floodlight gives a wall ahead of it light, and nothing what is beside or behind.
+        let aside = Lamp { direction: Vec3::X, up: Vec3::Z, ..one(Beam::Flood).lamps[0].clone() };
+        let flood = Lamps::by_cells(vec![aside], Vec3::ZERO);
+        let wall = at(&flood, Vec3::new(10.0, 0.0, 6.0), -Vec3::X).x;
+        let window = 1.0 - 100.0 / 900.0;
+        assert!((wall - window * window / 100.0).abs() < 1e-5, "{wall}");
+        assert_eq!(at(&flood, Vec3::new(-5.0, 0.0, 6.0), Vec3::X), Vec3::ZERO);
     }
 
     #[test]

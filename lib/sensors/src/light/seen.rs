@@ -13,6 +13,8 @@ const NEAR_M: f32 = 0.3;
 /// Surfaces are so thick for their own shadow: metres, and more with the distance.
 const THICK_M: f32 = 0.10;
 const THICK_SHARE: f32 = 0.02;
+/// They are looked at from so far before them, texels, where light grazes them.
+const OFF: f32 = 1.25;
 
 /// How a lamp looks at the world: columns, rows, field of view across, and how far. Beyond it nothing casts a shadow.
 #[derive(Clone, Copy, Debug)]
@@ -26,8 +28,8 @@ pub(super) struct Outlook {
 impl Outlook {
     pub(super) const HEADLIGHT: Self =
         Self { columns: 384, rows: 128, fov_rad: 1.9, reach_m: super::headlight::REACH_M };
-    /// Two and a quarter times as far to the sides as it is high, where its light is faint.
-    pub(super) const STREET: Self =
+    /// Of a street lamp two and a quarter times as far to the sides as it is high, where its light is faint.
+    pub(super) const WIDE: Self =
         Self { columns: 320, rows: 320, fov_rad: 2.3, reach_m: 1.2 * super::street::REACH_M };
 }
 
@@ -72,11 +74,18 @@ impl Seen {
         Ok(Self { camera, optical_from_local: local_from_optical.inverse(), depth_m })
     }
 
-    /// Share of the light that reaches places: 1, or 0 behind what is in the way; of the four texels around each.
+    /// Share of the light that reaches places of surfaces that look along the normals: 1, or 0 behind what is in the way; of the four
+    /// texels around each.
     #[inline]
-    pub(super) fn reaches(&self, positions: &Vec3s) -> Lanes {
+    pub(super) fn reaches(&self, positions: &Vec3s, normals: &Vec3s) -> Lanes {
         let turn = glam::Mat3::from(self.optical_from_local.matrix3);
         let q = positions.turned(&turn) + Vec3s::splat(self.optical_from_local.translation.into());
+        // From before the surface, the more the beam runs along it: its depth changes much from texel to texel, and it would shade itself.
+        let n = normals.turned(&turn);
+        let facing = q.dot(n);
+        let along =
+            (1.0 - facing * facing / q.length_squared().fast_max(Lanes::splat(1e-6))).fast_max(Lanes::ZERO);
+        let q = q + n * (along * q.z.abs() * (OFF / self.camera.fx));
         let is_ahead = q.z.simd_gt(NEAR_M);
         let z = is_ahead.select(q.z, Lanes::ONE);
         let column = (q.x / z * self.camera.fx + (self.camera.cx - 0.5)).to_array();
@@ -124,8 +133,8 @@ mod tests {
         let lamps = Vec3::new(0.4, 0.0, 0.65);
         let seen =
             Seen::new(&*scene, 1, lamps, [Vec3::X, Vec3::Z], &Outlook::HEADLIGHT).expect("has no device");
-        let lit =
-            |x: f32, y: f32, z: f32| seen.reaches(&Vec3s::splat(Vec3::new(x, y, z))).to_array()[3] > 0.5;
+        let share = |place: Vec3| seen.reaches(&Vec3s::splat(place), &Vec3s::splat(-Vec3::X)).to_array()[3];
+        let lit = |x: f32, y: f32, z: f32| share(Vec3::new(x, y, z)) > 0.5;
         // Its face itself, and what is before it and beside it.
         assert!(lit(10.0, 0.3, 0.7) && lit(6.0, 0.0, 0.0) && lit(20.0, 6.0, 0.0));
         // Behind it the shadow grows: at 30 m it is 6 m wide and reaches 3.2 m up.
@@ -140,6 +149,28 @@ mod tests {
     }
 
     #[test]
+    fn walls_along_a_beam_do_not_shade_themselves() {
+        for (off_m, outlook) in
+            [(1.0f32, Outlook::HEADLIGHT), (4.0, Outlook::HEADLIGHT), (1.5, Outlook::WIDE)]
+        {
+            // A wall along the beam.
+            let wall = Affine3A::from_translation(Vec3::new(30.0, off_m + 0.25, 0.0));
+            let meshes = vec![block([60.0, 0.5, 6.0], Tag::Building, Surface::Plain)];
+            let snapshot = snapshot(meshes, vec![instance(0, 2, wall)]);
+            let mut renderer = CpuRenderer::default();
+            renderer.prepare(&snapshot.meshes).expect("has no device");
+            let scene = renderer.place(&snapshot).expect("all meshes are prepared");
+            let seen = Seen::new(&*scene, 1, Vec3::Z, [Vec3::X, Vec3::Z], &outlook).expect("has no device");
+            let normal = Vec3s::splat(-Vec3::Y);
+            for k in 0..400 {
+                let place = Vec3::new(3.0 + 0.11 * k as f32, off_m, 0.5 + 0.003 * k as f32);
+                let share = seen.reaches(&Vec3s::splat(place), &normal).to_array()[3];
+                assert!(share > 0.99, "{place}: {share}");
+            }
+        }
+    }
+
+    #[test]
     fn what_is_under_a_roof_is_dark_to_a_street_lamp() {
         // A lamp 8 m up, and a block 4 m wide and 1.6 m high that begins 3 m beside it.
         let pole = Affine3A::from_translation(Vec3::new(0.0, -1.0, 0.0));
@@ -150,15 +181,16 @@ mod tests {
         renderer.prepare(&snapshot.meshes).expect("has no device");
         let scene = renderer.place(&snapshot).expect("all meshes are prepared");
         let axes = [-Vec3::Z, Vec3::X];
-        let seen = Seen::new(&*scene, 1, 8.0 * Vec3::Z, axes, &Outlook::STREET).expect("has no device");
-        let share = |x: f32, y: f32| seen.reaches(&Vec3s::splat(Vec3::new(x, y, 0.0))).to_array()[3];
+        let seen = Seen::new(&*scene, 1, 8.0 * Vec3::Z, axes, &Outlook::WIDE).expect("has no device");
+        let up = Vec3s::splat(Vec3::Z);
+        let share = |x: f32, y: f32| seen.reaches(&Vec3s::splat(Vec3::new(x, y, 0.0)), &up).to_array()[3];
         // Its far upper edge lies at 7 m, so its shadow ends at 7 * 8 / 6.4.
         let end = 7.0 * 8.0 / 6.4;
-        for (x, want) in [(2.8, 1.0), (3.3, 0.0), (end - 0.2, 0.0), (end + 0.2, 1.0), (15.0, 1.0)] {
+        for (x, want) in [(2.8, 1.0), (3.3, 0.0), (end - 0.3, 0.0), (end + 0.2, 1.0), (15.0, 1.0)] {
             assert_eq!(share(x, 0.0), want, "{x}");
         }
-        // Its edge is as wide as a texel, half lit in the middle.
-        let across: f32 = (-50..50).map(|k| share(end + k as f32 * 0.004, 0.0)).sum::<f32>() / 100.0;
+        // Its edge is as wide as a texel (0.11 m), half lit in the middle, and set back by less than one.
+        let across: f32 = (-75..25).map(|k| share(end + k as f32 * 0.004, 0.0)).sum::<f32>() / 100.0;
         assert!((across - 0.5).abs() < 0.25, "{across}");
     }
 }

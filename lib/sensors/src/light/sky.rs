@@ -77,6 +77,8 @@ impl Sky {
             (away.extend(MOON_UP), MOON_KLX)
         };
         let [direct, scattered] = fog::through(weather, key_direction.z);
+        // The sky's own light comes from all over it, whatever the sun does.
+        let [clear_of_fog, _] = fog::through(weather, 0.5);
         let above_klx = clear_key * (1.0 - 0.985 * veiled);
         let key_klx = above_klx * direct;
         // What fog scatters comes from everywhere.
@@ -109,12 +111,12 @@ impl Sky {
             horizontal_klx: 0.0,
         };
         sky.add_up();
-        if scattered > 0.0 {
+        if clear_of_fog < 1.0 {
             // What comes from the sky through fog comes from everywhere, too; some goes back up.
-            let even = sky.ambient_above() * (1.0 - direct) + glow;
+            let even = sky.ambient_above() * (1.0 - clear_of_fog) + glow;
             let mix = |texel: &mut Texel| {
                 let [r, g, b, _] = texel.to_array();
-                let [r, g, b] = (Vec3::new(r, g, b) * direct + even).to_array();
+                let [r, g, b] = (Vec3::new(r, g, b) * clear_of_fog + even).to_array();
                 *texel = Texel::new([r, g, b, 0.0]);
             };
             sky.texels.iter_mut().for_each(mix);
@@ -260,6 +262,15 @@ fn smooth(low: f32, high: f32, x: f32) -> f32 {
     t * t * (3.0 - 2.0 * t)
 }
 
+/// Azimuths, radians, that the columns of a [`ClearSky`] stand for: they are even in the cosine.
+fn azimuth_spans() -> [f32; AZIMUTHS] {
+    let azimuth = |column: f32| {
+        let side = (1.0 - 2.0 * column / (AZIMUTHS - 1) as f32).clamp(-1.0, 1.0);
+        frames::math::f32::acos(side)
+    };
+    std::array::from_fn(|c| azimuth(c as f32 + 0.5) - azimuth(c as f32 - 0.5))
+}
+
 /// Radiance of the cloudless sky by altitude and by azimuth from the sun.
 struct ClearSky {
     table: Vec<Vec3>,
@@ -289,10 +300,11 @@ impl ClearSky {
 
     /// Adds a share of what the air scatters of the sky's own light; below the horizon there is none.
     fn scatter_again(&mut self, air: &Atmosphere, share: f32) {
+        let azimuths = azimuth_spans();
         let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
         for (i, radiance) in self.table.iter().enumerate() {
             // d(up) is 2 t dt.
-            let weight = (i / AZIMUTHS) as f32;
+            let weight = (i / AZIMUTHS) as f32 * azimuths[i % AZIMUTHS];
             (sum, weights) = (sum + *radiance * weight, weights + weight);
         }
         let around = sum * (0.5 * share / weights);
@@ -316,12 +328,13 @@ impl ClearSky {
 
     /// Mean radiance as an upward surface weighs it.
     fn mean(&self) -> Vec3 {
+        let azimuths = azimuth_spans();
         let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
         for r in 0..ALTITUDES {
             let t = r as f32 / (ALTITUDES - 1) as f32;
             // d(up) is 2 t dt; an upward surface weighs by up.
-            let weight = t * t * t;
-            for c in 0..AZIMUTHS {
+            for (c, span) in azimuths.iter().enumerate() {
+                let weight = t * t * t * span;
                 sum += self.table[r * AZIMUTHS + c] * weight;
                 weights += weight;
             }

@@ -10,7 +10,7 @@ const CUT_OFF: [f32; 2] = [0.17, 0.42];
 const SHAPE_SR: f32 = 2.373_86;
 /// Share of the lamp's flux that comes out of an old, dusty luminaire.
 const OUTPUT: f32 = 0.55;
-/// Candela straight down by lumen.
+/// Candela by lumen where [`intensity`] is 1.
 pub(super) const CD_PER_LM: f32 = OUTPUT / SHAPE_SR;
 
 /// Intensity by cosines of the angles from straight down, in [`CD_PER_LM`]: more to the sides than below, so that the road between

@@ -112,8 +112,8 @@ pub(super) fn facade(
     look
 }
 
-/// Light of windows by their words. Where colours were drawn each window has one of its own, near to its house's; lamp shades and
-/// curtains take it half way back to what windows are like without.
+/// Light of windows by their words. Where colours were drawn each window has one of its own, near to its house's and as bright; lamp
+/// shades and curtains take it more than half way back to the hue of windows without.
 #[inline]
 fn window_light(house: Vec3, word: Words) -> Vec3s {
     // `lights::WINDOW_RGB`, linear.
@@ -128,7 +128,7 @@ fn window_light(house: Vec3, word: Words) -> Vec3s {
     let mixed = |a: f32, b: f32, c: f32| (shares[0] * a + shares[1] * b + shares[2] * c) / all;
     let Vec3 { x, y, z } = house;
     let drawn = Vec3s::new(mixed(x, y, z), mixed(y, z, x), mixed(z, x, y));
-    Vec3s::splat(USUAL).lerp(drawn, Lanes::splat(DRAWN))
+    Vec3s::splat(USUAL * house.max_element().min(1.0)).lerp(drawn, Lanes::splat(DRAWN))
 }
 
 /// Share of daylight that comes back out of rooms on average.

@@ -79,8 +79,8 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
         },
         Surface::Lamp(bits) => {
             if facet.lights & bits != 0 {
-                let street = bits == lights::STREET_LAMP;
-                let emission = if street { rgb * facet.glow * 1.6 } else { rgb * 1.6 };
+                let has_glow = bits == lights::STREET_LAMP || bits == lights::WORK_LAMP;
+                let emission = if has_glow { rgb * facet.glow * 1.6 } else { rgb * 1.6 };
                 Look { emission: Some(Vec3s::splat(emission)), ..Look::dull(Vec3s::splat(rgb * 0.3)) }
             } else {
                 // A lens that does not burn: its colour, deep and glossy.
