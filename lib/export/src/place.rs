@@ -180,22 +180,32 @@ impl Destination {
         self.records().join(format!("{unit}{JOURNAL}"))
     }
 
-    /// Removes a unit: its record first, then its files, also those that a killed run has begun.
-    fn forget(&self, unit: UnitName) -> Result<(), ExportError> {
-        if let Some(record) = self.record(unit)? {
-            remove(&self.record_path(unit))?;
-            for name in record.files.keys() {
-                remove(&inside(&self.root, name)?)?;
+    /// Removes the journals of finished units: a run that is killed as it ends one leaves it behind.
+    pub(crate) fn tidy(&self) -> Result<(), ExportError> {
+        for unit in self.named(JOURNAL)? {
+            if self.record(unit)?.is_some() {
+                remove(&self.journal_path(unit))?;
             }
         }
+        Ok(())
+    }
+
+    /// Removes a unit: its record first, then its files, also those that a killed run has begun.
+    fn forget(&self, unit: UnitName) -> Result<(), ExportError> {
         let journal = self.journal_path(unit);
+        if let Some(record) = self.record(unit)? {
+            // Should this be killed, the next one knows of the files.
+            let names: String = record.files.keys().map(|name| format!("{name}\n")).collect();
+            put(&journal, names.as_bytes())?;
+            remove(&self.record_path(unit))?;
+        }
         match fs::read_to_string(&journal) {
             Err(e) if e.kind() == io::ErrorKind::NotFound => {}
             Err(source) => return Err(read_error(&journal, "read", source)),
             Ok(begun) => {
-                for name in begun.lines() {
-                    // Its last line may have been cut off.
-                    let Ok(path) = inside(&self.root, name) else { continue };
+                // A line that was cut off names a file that was not made yet.
+                for name in begun.split_inclusive('\n').filter_map(|line| line.strip_suffix('\n')) {
+                    let path = inside(&self.root, name)?;
                     remove(&unfinished(&path))?;
                     remove(&path)?;
                 }
@@ -322,6 +332,50 @@ mod tests {
         fs::write(folder.path().join("a/four.bin"), "2").expect("is written");
         fs::write(place.fragment_path(unit), "other").expect("is written");
         assert!(!place.is_done(unit, "x")?);
+        Ok(())
+    }
+
+    /// A unit of one file, ended.
+    fn end_one(place: &Destination, unit: UnitName) -> Result<(), ExportError> {
+        let mut files = place.begin(unit, &Nobody)?;
+        files.put("a/one.bin", b"1")?;
+        place.end(vec![Finished { unit, identity: "x".to_owned(), files, fragment: Vec::new() }])
+    }
+
+    #[test]
+    fn a_kill_between_the_record_and_the_end_of_the_journal_leaves_nothing() -> Result<(), ExportError> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = Destination::new(folder.path(), "test");
+        let (ended, begun) = (UnitName { scene: 0, agent: None }, UnitName { scene: 1, agent: None });
+        end_one(&place, ended)?;
+        let whole = files_below(folder.path());
+        fs::write(place.journal_path(ended), "a/one.bin\n").expect("is written");
+        drop(place.begin(begun, &Nobody)?);
+        place.tidy()?;
+        assert!(place.is_done(ended, "x")? && place.journal_path(begun).is_file());
+        place.forget(begun)?;
+        assert_eq!(files_below(folder.path()), whole);
+        Ok(())
+    }
+
+    #[test]
+    fn a_kill_while_a_unit_is_removed_leaves_its_files_known() -> Result<(), ExportError> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = Destination::new(folder.path(), "test");
+        let unit = UnitName { scene: 0, agent: None };
+        end_one(&place, unit)?;
+        // A folder in place of the file stops the removal where a kill would.
+        let file = folder.path().join("a/one.bin");
+        fs::remove_file(&file).and_then(|()| fs::create_dir(&file)).expect("is a folder now");
+        assert!(place.forget(unit).is_err() && !place.is_done(unit, "x")?);
+        fs::remove_dir(&file).and_then(|()| fs::write(&file, "1")).expect("is a file again");
+        // The last line was cut off: nothing is done to what it may name.
+        fs::write(folder.path().join("a/one"), "mine").expect("is written");
+        let mut names = fs::read(place.journal_path(unit)).expect("is read");
+        names.extend_from_slice(b"a/one");
+        fs::write(place.journal_path(unit), names).expect("is written");
+        place.forget(unit)?;
+        assert_eq!(files_below(folder.path()), ["one"]);
         Ok(())
     }
 

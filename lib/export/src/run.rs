@@ -93,6 +93,7 @@ pub fn export(
     watch: &dyn Watch,
 ) -> Result<Outcome, ExportError> {
     place.declare(&plan.options)?;
+    place.tidy()?;
     let scene_of = |unit: &UnitName| source.scenes.iter().find(|scene| scene.number() == unit.scene);
     let job = |(unit, identity): &(UnitName, String)| {
         let pieces = scene_of(unit).map_or(1, |scene| layout.pieces(scene, *unit).max(1));
