@@ -13,8 +13,8 @@ use crate::pieces::{ActorMesh, Joint, Piece};
 use crate::posture::Posture;
 
 /// How closely an actor close by is looked at, and one that moves its limbs or is farther away.
-const CLOSE: Closeness = Closeness { texels: 160, axes: 24 };
-const FAR: Closeness = Closeness { texels: 96, axes: 12 };
+const FINE: Closeness = Closeness { texels: 160, axes: 24 };
+const COARSE: Closeness = Closeness { texels: 96, axes: 12 };
 /// What turns is looked at in so many positions, and has their mean.
 const TURNS: usize = 8;
 /// Of less than this a corner is within something else, and its triangle's other corners say what is seen of it.
@@ -26,10 +26,10 @@ impl ActorMesh {
     #[must_use]
     pub fn sheltered(mut self) -> Self {
         let posture = self.posed(Posture::default());
-        let closeness = if self.rig.is_some() { FAR } else { CLOSE };
+        let closeness = if self.rig.is_some() { COARSE } else { FINE };
         shelter(&mut self.pieces, &posture, closeness);
         for level in &mut self.coarser {
-            shelter(&mut level.pieces, &posture, FAR);
+            shelter(&mut level.pieces, &posture, COARSE);
         }
         self
     }

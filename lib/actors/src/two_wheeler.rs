@@ -4,8 +4,8 @@ use std::f32::consts::TAU;
 use std::sync::Arc;
 
 use glam::Vec3;
-use people::{Figure, Look, Seat, Top};
-use schema::geometry::{Part, Surface, Weave};
+use people::{Figure, Look, Seat};
+use schema::geometry::{Part, Surface};
 use schema::models::{self, BaseType, Model};
 use schema::{Tag, lights};
 use solids::{Detail, MeshBuilder};
@@ -26,17 +26,7 @@ pub(crate) fn two_wheeler(model: &Model, size: Vec3, variant: u32) -> ActorMesh 
     let bicycle = model.base == BaseType::Bicycle;
     let mut look = Look::new(model, variant).riding(!bicycle);
     if model.special == "emergency" {
-        let navy = [0.012, 0.018, 0.05];
-        look = Look {
-            top: Top::Uniform,
-            top_rgb: navy,
-            bottom_rgb: navy,
-            top_weave: Weave::Plain,
-            bottom_weave: Weave::Plain,
-            shoe_rgb: [0.02; 3],
-            extra_rgb: [0.7; 3],
-            ..look
-        };
+        look = Look { shoe_rgb: [0.02; 3], extra_rgb: [0.7; 3], ..look.in_uniform() };
     }
     let figure = Figure::new(look, 1.72);
     let on_z = rides.stands_z.unwrap_or(rides.seat.hips.z);

@@ -383,7 +383,10 @@ impl Look {
                 let carried = if turn % 5 < 2 { Carried::Shovel } else { Carried::Nothing };
                 (Top::HiVis, Hat::Helmet, vest, legs, HELMETS[turn % 3], carried)
             }
-            "police" => (Top::Uniform, Hat::PeakedCap, UNIFORM, UNIFORM, UNIFORM, Carried::Nothing),
+            "police" => {
+                let worn = self.in_uniform();
+                (worn.top, Hat::PeakedCap, worn.top_rgb, worn.bottom_rgb, UNIFORM, Carried::Nothing)
+            }
             _ => return self,
         };
         let free = carried == Carried::Nothing && self.stance != Stance::Phones;
@@ -403,6 +406,19 @@ impl Look {
             stance,
             hair,
             bottom,
+            ..self
+        }
+    }
+
+    /// The same in the uniform of the police, with whatever is on their head.
+    #[must_use]
+    pub fn in_uniform(self) -> Self {
+        Self {
+            top: Top::Uniform,
+            top_weave: Weave::Plain,
+            bottom_weave: Weave::Plain,
+            top_rgb: UNIFORM,
+            bottom_rgb: UNIFORM,
             ..self
         }
     }

@@ -34,9 +34,9 @@ pub const STREET_LAMP_LM: f64 = 20_000.0;
 pub const STREET_LAMP_RGB: [u8; 3] = [255, 226, 183];
 /// Light of a window, sRGB.
 pub const WINDOW_RGB: [u8; 3] = [255, 214, 170];
+/// Lit windows of a building.
+pub const BUILDING: u32 = 1 << 20;
 /// A floodlight of works.
 pub const WORK_LAMP: u32 = 1 << 21;
 /// Luminous flux of a floodlight of works, lumens.
 pub const WORK_LAMP_LM: f64 = 20_000.0;
-/// Lit windows of a building.
-pub const BUILDING: u32 = 1 << 20;

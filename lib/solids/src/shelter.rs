@@ -26,7 +26,7 @@ const LEAST_UP_M: f32 = 0.01;
 pub struct Closeness {
     /// Along a body's diagonal, at most.
     pub texels: u32,
-    /// A place sees along each of these one way.
+    /// Lines along which it is looked; a place sees one way along each.
     pub axes: usize,
 }
 
@@ -223,7 +223,8 @@ impl<'a> Seen<'a> {
         let at = row * self.columns + column;
         let free = |i: usize| {
             let [least, most] = self.reach[i];
-            if if up { most <= q.z } else { least >= q.z } { 1.0 } else { 0.0 }
+            let is_free = if up { most <= q.z } else { least >= q.z };
+            f32::from(u8::from(is_free))
         };
         let lower = free(at) * (1.0 - fx) + free(at + 1) * fx;
         let upper = free(at + self.columns) * (1.0 - fx) + free(at + self.columns + 1) * fx;

@@ -37,6 +37,11 @@ const EARTH_MIE: f64 = 0.03;
 const VIEW_STEPS: usize = 16;
 const SUN_STEPS: usize = 8;
 
+/// Share of light that passes an optical depth.
+fn passes(depth: Vec3) -> Vec3 {
+    Vec3::new(exp_neg(depth.x), exp_neg(depth.y), exp_neg(depth.z))
+}
+
 /// The air of a frame.
 pub(super) struct Atmosphere {
     rayleigh_per_m: Vec3,
@@ -98,7 +103,7 @@ impl Atmosphere {
                 before = end;
             }
         }
-        Vec3::new(exp_neg(depth.x), exp_neg(depth.y), exp_neg(depth.z))
+        passes(depth)
     }
 
     /// Illuminance of a surface on the ground that faces the sun, kilolux: as much of it as of its disc is up.
@@ -143,8 +148,7 @@ impl Atmosphere {
             let radius = (f64::from(px * px + py * py) + pz * pz).sqrt();
             let height = (radius - f64::from(GROUND_M)) as f32;
             let here = self.extinction(height);
-            let passed = depth + here * (0.5 * step);
-            let passed = Vec3::new(exp_neg(passed.x), exp_neg(passed.y), exp_neg(passed.z));
+            let passed = passes(depth + here * (0.5 * step));
             let rayleigh = self.rayleigh_per_m * exp_neg(height.max(0.0) / RAYLEIGH_HEIGHT_M);
             let mie = self.mie_per_m * exp_neg(height.max(0.0) / MIE_HEIGHT_M);
             let sun = self.sunlight([px, py, pz as f32]);
@@ -172,8 +176,7 @@ impl Atmosphere {
             let radius = (ground * ground + 2.0 * b * along + along * along).sqrt();
             let height = ((radius - f64::from(GROUND_M)) as f32).max(0.0);
             let here = self.extinction(height);
-            let passed = depth + here * (0.5 * step);
-            let passed = Vec3::new(exp_neg(passed.x), exp_neg(passed.y), exp_neg(passed.z));
+            let passed = passes(depth + here * (0.5 * step));
             let scattered = self.rayleigh_per_m * exp_neg(height / RAYLEIGH_HEIGHT_M)
                 + Vec3::splat(self.mie_per_m * exp_neg(height / MIE_HEIGHT_M));
             sum += passed * scattered * step;
@@ -216,7 +219,7 @@ mod tests {
                 let height = (px * px + py * py + pz * pz).sqrt() - f64::from(GROUND_M);
                 depth += air.extinction(height as f32) * step;
             }
-            let want = Vec3::new(exp_neg(depth.x), exp_neg(depth.y), exp_neg(depth.z));
+            let want = passes(depth);
             let got = air.sunlight([x, y, z]);
             assert!((got - want).abs().max_element() < 0.03 && got.x > 0.05, "{got} {want}");
         }
