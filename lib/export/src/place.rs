@@ -75,8 +75,9 @@ impl Destination {
         self.root.join(RECORDS).join(self.layout)
     }
 
-    /// Refuses a folder that holds an export with other options, or strange files.
-    pub(crate) fn claim(&self, options: &str, force: bool) -> Result<(), ExportError> {
+    /// Refuses a folder that holds an export with other options, or strange files. Says whether there is an export with other
+    /// options, which is to be replaced by `force`.
+    pub(crate) fn claim(&self, options: &str, force: bool) -> Result<bool, ExportError> {
         let path = self.records().join("export.json");
         match read_json::<Common>(&path)? {
             Some(found) if found.options != options && !force => Err(ExportError::Refused(format!(
@@ -84,10 +85,9 @@ impl Destination {
                 self.root.display(),
                 found.options
             ))),
-            Some(found) if found.options != options => self.forget_all(),
-            Some(_) => Ok(()),
-            None if self.records().is_dir() => Ok(()),
-            None => self.refuse_strangers(),
+            Some(found) => Ok(found.options != options),
+            None if self.records().is_dir() => Ok(false),
+            None => self.refuse_strangers().map(|()| false),
         }
     }
 
@@ -116,7 +116,7 @@ impl Destination {
     }
 
     /// Removes the files and records of all units.
-    fn forget_all(&self) -> Result<(), ExportError> {
+    pub(crate) fn forget_all(&self) -> Result<(), ExportError> {
         for unit in self.named(".json")?.into_iter().chain(self.named(JOURNAL)?) {
             self.forget(unit)?;
         }

@@ -19,6 +19,8 @@ pub struct Plan {
     /// What is left out of the store's content, and why.
     pub omissions: Vec<Omission>,
     options: String,
+    /// Whether an export with other options gives way.
+    replaces: bool,
 }
 
 impl Plan {
@@ -58,7 +60,7 @@ pub fn plan(
     let mut omissions = layout.survey(source)?;
     omissions.extend(never_had(source));
     let options = format!("{}; {}; {}", layout.name(), layout.identity(), source.selection.identity());
-    place.claim(&options, force)?;
+    let replaces = place.claim(&options, force)?;
     let (mut units, mut cost, mut done) = (Vec::new(), Cost::default(), 0);
     for scene in &source.scenes {
         for unit in layout.units(scene) {
@@ -71,7 +73,7 @@ pub fn plan(
             units.push((unit, identity));
         }
     }
-    Ok(Plan { units, cost, done, omissions, options })
+    Ok(Plan { units, cost, done, omissions, options, replaces })
 }
 
 /// What imported scenes have only zeros of.
@@ -92,6 +94,9 @@ pub fn export(
     plan: &Plan,
     watch: &dyn Watch,
 ) -> Result<Outcome, ExportError> {
+    if plan.replaces {
+        place.forget_all()?;
+    }
     place.declare(&plan.options)?;
     place.tidy()?;
     let scene_of = |unit: &UnitName| source.scenes.iter().find(|scene| scene.number() == unit.scene);

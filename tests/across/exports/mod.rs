@@ -60,6 +60,9 @@ fn a_destination_is_gone_on_with(bench: &Bench) {
     let (_, refused) = export(bench, "kitti", "two", &["--threads", "2"]);
     assert_eq!(refused.code, 2, "{}", refused.stderr);
     assert!(refused.stderr.contains("other options"), "{}", refused.stderr);
+    let before = digests(&two);
+    export(bench, "kitti", "two", &["--threads", "2", "--force", "--dry-run"]).1.expect_done();
+    assert_eq!(before, digests(&two), "a dry run changes nothing");
     export(bench, "kitti", "two", &["--threads", "2", "--force"]).1.expect_done();
     assert_eq!(whole, digests(&two));
 
