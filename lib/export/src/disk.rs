@@ -7,7 +7,7 @@ use std::path::{Component, Path, PathBuf};
 use crate::ExportError;
 
 /// What a file in hand is called behind its name.
-const UNFINISHED: &str = ".unfinished";
+pub(crate) const UNFINISHED: &str = ".unfinished";
 
 /// A path below a folder.
 ///

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use store::hash_bytes;
 
 use crate::ExportError;
-use crate::disk::{inside, put, read_error, remove, unfinished, write_error};
+use crate::disk::{UNFINISHED, inside, put, read_error, remove, unfinished, write_error};
 use crate::files::UnitFiles;
 use crate::unit::{UnitName, Watch};
 
@@ -130,18 +130,25 @@ impl Destination {
 
     /// The units that have a file of some kind among the records.
     fn named(&self, ending: &str) -> Result<Vec<UnitName>, ExportError> {
+        let names = self.record_names()?;
+        let mut units: Vec<UnitName> =
+            names.iter().filter_map(|name| name.strip_suffix(ending)).filter_map(unit_of).collect();
+        units.sort_unstable();
+        Ok(units)
+    }
+
+    /// Names of the files among the records; ours are all text.
+    fn record_names(&self) -> Result<Vec<String>, ExportError> {
         let entries = match fs::read_dir(self.records()) {
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
             other => other.map_err(|source| read_error(&self.records(), "list", source))?,
         };
-        let mut units = Vec::new();
+        let mut names = Vec::new();
         for entry in entries {
             let entry = entry.map_err(|source| read_error(&self.records(), "list", source))?;
-            let name = entry.file_name();
-            units.extend(name.to_str().and_then(|n| n.strip_suffix(ending)).and_then(unit_of));
+            names.extend(entry.file_name().into_string().ok());
         }
-        units.sort_unstable();
-        Ok(units)
+        Ok(names)
     }
 
     fn record_path(&self, unit: UnitName) -> PathBuf {
@@ -180,8 +187,11 @@ impl Destination {
         self.records().join(format!("{unit}{JOURNAL}"))
     }
 
-    /// Removes the journals of finished units: a run that is killed as it ends one leaves it behind.
+    /// Removes what killed runs left among the records: files in hand, and the journals of units that are finished.
     pub(crate) fn tidy(&self) -> Result<(), ExportError> {
+        for name in self.record_names()?.iter().filter(|name| name.ends_with(UNFINISHED)) {
+            remove(&self.records().join(name))?;
+        }
         for unit in self.named(JOURNAL)? {
             if self.record(unit)?.is_some() {
                 remove(&self.journal_path(unit))?;
@@ -190,7 +200,7 @@ impl Destination {
         Ok(())
     }
 
-    /// Removes a unit: its record first, then its files, also those that a killed run has begun.
+    /// Removes a unit: its record first, then its files, also those that a killed run has begun; last what names them.
     fn forget(&self, unit: UnitName) -> Result<(), ExportError> {
         let journal = self.journal_path(unit);
         if let Some(record) = self.record(unit)? {
@@ -199,20 +209,19 @@ impl Destination {
             put(&journal, names.as_bytes())?;
             remove(&self.record_path(unit))?;
         }
-        match fs::read_to_string(&journal) {
-            Err(e) if e.kind() == io::ErrorKind::NotFound => {}
-            Err(source) => return Err(read_error(&journal, "read", source)),
-            Ok(begun) => {
-                // A line that was cut off names a file that was not made yet.
-                for name in begun.split_inclusive('\n').filter_map(|line| line.strip_suffix('\n')) {
-                    let path = inside(&self.root, name)?;
-                    remove(&unfinished(&path))?;
-                    remove(&path)?;
-                }
-                remove(&journal)?;
-            }
+        remove(&self.fragment_path(unit))?;
+        let begun = match fs::read(&journal) {
+            Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
+            other => other.map_err(|source| read_error(&journal, "read", source))?,
+        };
+        // A line that was cut off names a file that was not made yet.
+        let lines = begun.split_inclusive(|&byte| byte == b'\n').filter_map(|line| line.strip_suffix(b"\n"));
+        for name in lines.filter_map(|line| std::str::from_utf8(line).ok()) {
+            let path = inside(&self.root, name)?;
+            remove(&unfinished(&path))?;
+            remove(&path)?;
         }
-        remove(&self.fragment_path(unit))
+        remove(&journal)
     }
 
     /// Starts a unit anew.
@@ -350,6 +359,7 @@ mod tests {
         end_one(&place, ended)?;
         let whole = files_below(folder.path());
         fs::write(place.journal_path(ended), "a/one.bin\n").expect("is written");
+        fs::write(unfinished(&place.journal_path(ended)), "a/o").expect("is written");
         drop(place.begin(begun, &Nobody)?);
         place.tidy()?;
         assert!(place.is_done(ended, "x")? && place.journal_path(begun).is_file());
@@ -373,8 +383,10 @@ mod tests {
         fs::write(folder.path().join("a/one"), "mine").expect("is written");
         let mut names = fs::read(place.journal_path(unit)).expect("is read");
         names.extend_from_slice(b"a/one");
-        fs::write(place.journal_path(unit), names).expect("is written");
-        place.forget(unit)?;
+        for cut in [&names[..], b"a/one\xc3"] {
+            fs::write(place.journal_path(unit), cut).expect("is written");
+            place.forget(unit)?;
+        }
         assert_eq!(files_below(folder.path()), ["one"]);
         Ok(())
     }

@@ -101,6 +101,7 @@ fn killed(bench: &Bench, layout: &str) -> PathBuf {
     let early = (0..20).any(|_| {
         let killed = kill_when(bench, layout, &dest, |name| name.ends_with(".journal"));
         let (_, told) = export(bench, layout, &format!("killed-{layout}"), &["--dry-run"]);
+        told.expect_done();
         let early = killed && !told.stdout.contains(" 0 parts to make");
         if !early {
             fs::remove_dir_all(&dest).expect("is removed");
@@ -111,8 +112,11 @@ fn killed(bench: &Bench, layout: &str) -> PathBuf {
     kill_when(bench, layout, &dest, |name| name.starts_with("scene_") && name.ends_with(".json"));
     // A kill may come just before a finished part's journal is removed.
     let records = dest.join(".convoy-export").join(layout);
-    if records.join("scene_0000.json").is_file() {
-        fs::write(records.join("scene_0000.journal"), "").expect("is written");
+    for entry in fs::read_dir(&records).expect("has records").flatten() {
+        let name = entry.file_name().into_string().expect("is text");
+        if let Some(part) = name.strip_suffix(".json").filter(|part| part.starts_with("scene_")) {
+            fs::write(records.join(format!("{part}.journal")), "").expect("is written");
+        }
     }
     made(bench, layout, "killed", &["--threads", "2"])
 }
