@@ -376,17 +376,15 @@ impl Look {
 
     /// The same in the clothes of their work.
     fn at_work(self, special: &str, turn: usize) -> Self {
-        let (top, hat, top_rgb, bottom_rgb, extra_rgb, carried) = match special {
+        let (worn, hat, extra_rgb, carried) = match special {
             "worker" => {
                 let vest = VESTS[turn % 2];
                 let legs = if turn % 4 < 2 { vest } else { UNIFORM };
+                let worn = Self { top: Top::HiVis, top_rgb: vest, bottom_rgb: legs, ..self };
                 let carried = if turn % 5 < 2 { Carried::Shovel } else { Carried::Nothing };
-                (Top::HiVis, Hat::Helmet, vest, legs, HELMETS[turn % 3], carried)
+                (worn, Hat::Helmet, HELMETS[turn % 3], carried)
             }
-            "police" => {
-                let worn = self.in_uniform();
-                (worn.top, Hat::PeakedCap, worn.top_rgb, worn.bottom_rgb, UNIFORM, Carried::Nothing)
-            }
+            "police" => (self.in_uniform(), Hat::PeakedCap, UNIFORM, Carried::Nothing),
             _ => return self,
         };
         let free = carried == Carried::Nothing && self.stance != Stance::Phones;
@@ -394,20 +392,7 @@ impl Look {
         let hair = if self.woman { Hair::Ponytail } else { Hair::Short };
         let bottom = Bottom::Trousers;
         let (top_weave, bottom_weave) = (Weave::Plain, Weave::Plain);
-        Self {
-            top,
-            top_weave,
-            bottom_weave,
-            hat,
-            top_rgb,
-            bottom_rgb,
-            extra_rgb,
-            carried,
-            stance,
-            hair,
-            bottom,
-            ..self
-        }
+        Self { top_weave, bottom_weave, hat, extra_rgb, carried, stance, hair, bottom, ..worn }
     }
 
     /// The same in the uniform of the police, with whatever is on their head.
