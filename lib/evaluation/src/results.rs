@@ -20,7 +20,7 @@ use crate::predictions::{PredictionFile, number_of_attribute};
 
 /// So many rows are in memory at a time.
 const BATCH_ROWS: usize = 1 << 14;
-/// Classes of nuScenes that no store has: what is predicted of them finds nothing, and its AP is 0 anyway.
+/// Classes of nuScenes that no store has (semi-trailers are trucks there): what is predicted of them finds nothing.
 const ELSEWHERE: [&str; 2] = ["trailer", "construction_vehicle"];
 
 /// A sample: its scene, frame and ego.
