@@ -176,7 +176,7 @@ gallery: build
 town-pictures: build
 	$(BIN)/convoy towns --pictures docs/towns --size 1000
 	@{ printf '# Our towns\n\nWritten by `make town-pictures`; [how towns are made](../towns.md).\n'; \
-	for file in lib/town/towns/*.toml; do name=$$(basename $$file .toml); \
+	for file in lib/map/town/towns/*.toml; do name=$$(basename $$file .toml); \
 		printf '\n## convoy/%s\n\n%s\n\n![convoy/%s from above](convoy_%s.svg)\n' \
 			$$name "$$(sed -n '1s/^# //p' $$file)" $$name $$name; done; } > docs/towns/README.md
 
@@ -209,7 +209,7 @@ soak:
 lint:
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
-	tests/check_layers.sh
+	$(CARGO) run --quiet --locked --package convoy-layers
 
 # Seconds per agent-frame: each part beside its budget, then whole stages with writing and memory. bench-kernels: every crate's own
 # benchmarks.

@@ -2,7 +2,7 @@
 //! building them.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use convoy_tests::workspace;
 
@@ -17,31 +17,36 @@ fn holding(folder: &Path, words: &[&str]) -> Vec<String> {
     rust.filter(|f| holds(f.path())).map(|f| f.path().display().to_string()).collect()
 }
 
+/// Folders with a manifest in `lib` and `bins`.
+fn crate_folders() -> Vec<PathBuf> {
+    let below = ["lib", "bins"]
+        .map(|group| walkdir::WalkDir::new(workspace().join(group)).max_depth(2).sort_by_file_name());
+    let folders = below.into_iter().flatten().map(|entry| entry.expect("reads").into_path());
+    folders.filter(|folder| folder.join("Cargo.toml").is_file()).collect()
+}
+
 #[test]
 fn what_is_not_built_for_tests_holds_none() {
     let (mut crates, mut spared) = (0, 0);
-    for group in ["lib", "bins"] {
-        for entry in fs::read_dir(workspace().join(group)).expect("is a folder") {
-            let folder = entry.expect("reads").path();
-            let manifest = fs::read_to_string(folder.join("Cargo.toml")).expect("reads");
-            let manifest: toml::Table = manifest.parse().expect("is TOML");
-            let off = |target: Option<&toml::Value>, key: &str| {
-                target.and_then(|t| t.get(key)).and_then(toml::Value::as_bool) == Some(false)
-            };
-            let (lib, bin) = (manifest.get("lib"), manifest.get("bin").and_then(|bins| bins.get(0)));
-            let tests = ["#[test]", "#[cfg(test)]", "proptest!"];
-            // A program's own modules stand beside the library's, if there is one.
-            if off(lib, "test") || (lib.is_none() && off(bin, "test")) {
-                assert_eq!(holding(&folder, &tests), [""; 0], "`test = false` of {}", folder.display());
-                spared += 1;
-            }
-            if off(lib, "doctest") {
-                let examples = ["/// ```", "//! ```"];
-                assert_eq!(holding(&folder, &examples), [""; 0], "`doctest = false` of {}", folder.display());
-                spared += 1;
-            }
-            crates += 1;
+    for folder in crate_folders() {
+        let manifest = fs::read_to_string(folder.join("Cargo.toml")).expect("reads");
+        let manifest: toml::Table = manifest.parse().expect("is TOML");
+        let off = |target: Option<&toml::Value>, key: &str| {
+            target.and_then(|t| t.get(key)).and_then(toml::Value::as_bool) == Some(false)
+        };
+        let (lib, bin) = (manifest.get("lib"), manifest.get("bin").and_then(|bins| bins.get(0)));
+        let tests = ["#[test]", "#[cfg(test)]", "proptest!"];
+        // A program's own modules stand beside the library's, if there is one.
+        if off(lib, "test") || (lib.is_none() && off(bin, "test")) {
+            assert_eq!(holding(&folder, &tests), [""; 0], "`test = false` of {}", folder.display());
+            spared += 1;
         }
+        if off(lib, "doctest") {
+            let examples = ["/// ```", "//! ```"];
+            assert_eq!(holding(&folder, &examples), [""; 0], "`doctest = false` of {}", folder.display());
+            spared += 1;
+        }
+        crates += 1;
     }
     assert!(crates > 35 && spared > 20, "{crates} {spared}");
 }

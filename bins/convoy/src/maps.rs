@@ -23,7 +23,7 @@ pub(crate) enum MapCommand {
             conflicts_with = "parameters"
         )]
         name: Option<String>,
-        /// A town of your own: a file such as those in lib/town/towns.
+        /// A town of your own: a file such as those in lib/map/town/towns.
         #[arg(long, value_name = "FILE")]
         parameters: Option<PathBuf>,
         /// Seed instead of the town's own.
