@@ -123,6 +123,7 @@ fn peak(frames: u32, write: fn(&Attempt, u32) -> Result<(), StageError>) -> usiz
         code_version: "test".into(),
         config_hash: "c".into(),
         inputs: BTreeMap::new(),
+        made_by: None,
     };
     let attempt = Attempt::start(&store, identity, false).expect("starts");
     let before = MEMORY.current_usage();

@@ -43,7 +43,7 @@ fn main() -> ExitCode {
     let args = Args::parse();
     pipeline::init_logging();
     ExitCode::from(match args.command {
-        Command::Store(command) => driver::drive(command),
+        Command::Store(command) => driver::drive(command, build_stamp::STAMP),
         Command::Check(args) => check::run(&args),
         Command::Program(command) => programs::run(command),
         Command::View(args) => view::run(&args),

@@ -45,7 +45,7 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     let Some(mut unit) = job.unit("scene")? else { return Ok(()) };
     let code_version = pipeline::code_version(TILE_STAGE);
     let tiles = TileStore::new(&store, (&map, &plan.map_hash), (&settings.scenery, &catalogue), code_version);
-    let tiles = tiles.map_err(|error| failed(error, &place))?;
+    let tiles = tiles.map_err(|error| failed(error, &place))?.remarking(job.made_by().clone());
     let nearby = Nearby::new(&tiles, settings.reach_m);
     let simulated = simulate(
         &SceneInput {

@@ -144,6 +144,7 @@ mod tests {
             outputs: Vec::new(),
             sections: BTreeMap::new(),
             accepted_by: Vec::new(),
+            made_by: None,
         };
         let scenes = scenes.iter().map(|(scene, stages)| (*scene, stages.iter().map(manifest).collect()));
         covered(&scenes.collect()).iter().map(|(scene, _)| *scene).collect()

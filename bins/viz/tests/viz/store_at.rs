@@ -31,6 +31,7 @@ fn stage(store: &Store, scope: Scope, (name, code_version): (&str, &str), write:
         code_version: code_version.into(),
         config_hash: "c".into(),
         inputs: BTreeMap::new(),
+        made_by: None,
     };
     let attempt = Attempt::start(store, identity, false).expect("starts");
     let mut unit = attempt.unit("all").expect("a unit").expect("fresh");

@@ -163,6 +163,7 @@ fn stage(
         code_version: "bench".into(),
         config_hash: "bench".into(),
         inputs: BTreeMap::new(),
+        made_by: None,
     };
     let attempt = Attempt::start(store, identity, false)?;
     if let Some(mut unit) = attempt.unit("all")? {

@@ -44,6 +44,7 @@ pub(crate) fn write(
         code_version: IMPORTED.to_owned(),
         config_hash: digest,
         inputs: BTreeMap::new(),
+        made_by: None,
     };
     let mut attempt = Attempt::start(store, identity, false)?;
     for (section, digest) in sections {

@@ -11,8 +11,9 @@ use clap::Subcommand;
 use store::{Scope, Store};
 
 use pipeline::{
-    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, ProgressMode, SceneList, StageError,
-    StageSpec, State, StateError, UnitKind, planned_scenes, say, settings_or_faults, state_of,
+    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, Programs, ProgressMode, STAMP_LEN,
+    SceneList, StageError, StageSpec, State, StateError, Status, UnitKind, planned_scenes, say,
+    settings_or_faults,
 };
 
 /// How often a running stage is looked at.
@@ -85,9 +86,10 @@ pub enum StoreCommand {
     },
 }
 
-/// Runs a command; logging must have been started. The exit code is one of `EXIT_*`.
+/// Runs a command; logging must have been started. `stamp` is the build's (`build_stamp::STAMP`). The exit code is one of
+/// `EXIT_*`.
 #[must_use]
-pub fn drive(command: StoreCommand) -> u8 {
+pub fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
     match command {
         StoreCommand::Run { config, store, maps, scenes, accept_code, threads, dry_run, progress } => {
             let mut common: Vec<String> = vec!["--config".into(), config.display().to_string()];
@@ -113,7 +115,10 @@ pub fn drive(command: StoreCommand) -> u8 {
             common.extend(["--progress".into(), word.into()]);
             run(&common, scenes.as_deref(), &store)
         }
-        StoreCommand::Status { config, store, scenes } => status(&config, &store, scenes.as_ref()),
+        StoreCommand::Status { config, store, scenes } => {
+            let programs = Programs::of_build(stamp, None);
+            status(&config, &store, scenes.as_ref(), &programs)
+        }
         StoreCommand::Merge { store, from } => merge::merge(&store, &from),
         StoreCommand::Tidy { store } => tidy::tidy(&store),
         StoreCommand::Verify { store } => verify(&store),
@@ -196,11 +201,16 @@ fn run_program(command: &mut Command) -> std::io::Result<u8> {
     }
 }
 
-fn status(config: &std::path::Path, store: &std::path::Path, only: Option<&SceneList>) -> u8 {
+fn status(
+    config: &std::path::Path,
+    store: &std::path::Path,
+    only: Option<&SceneList>,
+    programs: &Programs,
+) -> u8 {
     let Some(settings) = settings_or_faults(config, false) else { return EXIT_USAGE };
     let told = Store::open(store)
         .map_err(StageError::from)
-        .and_then(|store| Ok(status_table(&settings, &store, only)?));
+        .and_then(|store| Ok(status_table(Status::new(&store, &settings, programs), &store, only)?));
     match told {
         Ok(all_done) => {
             if all_done {
@@ -216,16 +226,12 @@ fn status(config: &std::path::Path, store: &std::path::Path, only: Option<&Scene
     }
 }
 
-fn status_table(
-    settings: &schema::settings::DatasetSettings,
-    store: &Store,
-    only: Option<&SceneList>,
-) -> Result<bool, StateError> {
+fn status_table(status: Status<'_>, store: &Store, only: Option<&SceneList>) -> Result<bool, StateError> {
     let stages = &Graph::get().stages;
     let mut reasons = Vec::new();
     let mut all_done = true;
     let mut cell = |name: &str, stage: &StageSpec, scope: Scope| -> Result<&'static str, StateError> {
-        let state = state_of(store, settings, stage, scope)?;
+        let state = status.state(stage, scope)?;
         all_done &= state == State::Done;
         Ok(match state {
             State::Done => "done",

@@ -121,7 +121,11 @@ fn join(place: &Path, others: &[PathBuf]) -> Result<(), Fault> {
     for other in &others {
         same_plan(&here, other)?;
         for (scope, manifest) in stages(other)? {
-            if here.store.manifest(scope, &manifest.stage)?.is_some_and(|stands| stands != manifest) {
+            if here
+                .store
+                .manifest(scope, &manifest.stage)?
+                .is_some_and(|here| here.digest() != manifest.digest())
+            {
                 return Err(Fault::Refused(format!(
                     "{}: {} of {} is another than in {}: remove one of the two",
                     other.name,

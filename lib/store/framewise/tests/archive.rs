@@ -69,6 +69,7 @@ fn write(store: &Store, label: Grids) -> Result<Manifest, StageError> {
         code_version: "test".into(),
         config_hash: "c".into(),
         inputs: BTreeMap::new(),
+        made_by: None,
     };
     let attempt = Attempt::start(store, identity, false)?;
     let Some(unit) = attempt.unit("vehicle_0")? else { return Ok(attempt.commit()?) };

@@ -12,6 +12,7 @@ mod graph;
 mod imported;
 mod interrupt;
 mod output_file;
+mod programs;
 mod progress;
 mod runner;
 mod status;
@@ -24,9 +25,10 @@ pub use error::{At, Place, StageError, report};
 pub use graph::{Graph, StageSpec, UnitKind};
 pub use interrupt::{listen as listen_for_signals, stopped as was_stopped};
 pub use output_file::OutputFile;
+pub use programs::{Programs, STAMP_LEN};
 pub use progress::Progress;
 pub use runner::{Forecast, Job, Stage, init_logging, run_stage, say, settings_or_faults};
-pub use status::{NotReady, Staleness, State, StateError, planned_scenes, state_of};
+pub use status::{NotReady, Staleness, State, StateError, Status, planned_scenes};
 pub use views::{StageSettings, ViewError, config_hash};
 
 /// Exit code: everything was done.

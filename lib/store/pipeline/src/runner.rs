@@ -9,16 +9,15 @@ use std::time::Instant;
 use clap::Parser;
 use schema::settings::DatasetSettings;
 use serde::Serialize;
-use store::{Attempt, Failure, Identity, Manifest, Scope, Store, Unit, keys};
+use store::{Attempt, Failure, Identity, MadeBy, Manifest, Scope, Store, Unit, keys};
 
 use crate::args::{ProgressMode, StageArgs};
 use crate::error::{Place, StageError};
 use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::imported::{self, is_imported};
+use crate::programs::{Programs, STAMP_LEN};
 use crate::progress::Progress;
-use crate::status::{
-    CodeRule, SOURCE, Staleness, State, inputs, judge, plan_section, planned_scenes, state_of,
-};
+use crate::status::{CodeRule, SOURCE, Staleness, State, Status, plan_section, planned_scenes};
 use crate::views::{StageSettings, ViewError, config_hash};
 use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, config, interrupt};
 
@@ -52,7 +51,8 @@ pub type Forecast = fn(&DatasetSettings, Option<&Path>, &Store) -> Result<Vec<St
 pub struct Job<'a, S> {
     store: &'a Store,
     settings: &'a S,
-    whole: &'a DatasetSettings,
+    status: Status<'a>,
+    made_by: MadeBy,
     maps: Option<&'a Path>,
     scope: Scope,
     inputs: BTreeMap<String, Manifest>,
@@ -146,10 +146,16 @@ impl<S: StageSettings> Job<'_, S> {
         scene: u32,
     ) -> Result<Option<Manifest>, StageError> {
         let scope = Scope::Scene(scene);
-        if state_of(self.store, self.whole, stage, scope)? == State::Done {
+        if self.status.state(stage, scope)? == State::Done {
             return Ok(self.store.manifest(scope, stage.name)?);
         }
         Ok(None)
+    }
+
+    /// The build at work, for records of what is made beside the stage's own shards.
+    #[must_use]
+    pub fn made_by(&self) -> &MadeBy {
+        &self.made_by
     }
 
     /// The job's progress, for loops: it also tells them when to stop.
@@ -165,13 +171,14 @@ pub fn say(line: &str) {
     println!("{line}");
 }
 
-/// Runs a stage binary: arguments in, exit code out.
+/// Runs a stage binary: arguments in, exit code out. `stamp` is the build's (`build_stamp::STAMP`).
 #[must_use]
-pub fn run_stage<S: StageSettings>(stage: Stage<S>) -> ExitCode {
+pub fn run_stage<S: StageSettings>(stage: Stage<S>, stamp: &[u8; STAMP_LEN]) -> ExitCode {
     let args = StageArgs::parse();
     init_logging();
     interrupt::listen();
-    ExitCode::from(run_with(stage, &args))
+    let programs = Programs::of_build(stamp, Some(S::STAGE));
+    ExitCode::from(run_with(stage, &args, &programs))
 }
 
 /// Starts logging to standard error; `CONVOY_LOG` takes a filter such as `debug`.
@@ -183,8 +190,8 @@ pub fn init_logging() {
     let _ = format.without_time().with_target(false).try_init();
 }
 
-fn run_with<S: StageSettings>(stage: Stage<S>, args: &StageArgs) -> u8 {
-    match try_run(stage, args) {
+fn run_with<S: StageSettings>(stage: Stage<S>, args: &StageArgs, programs: &Programs) -> u8 {
+    match try_run(stage, args, programs) {
         Ok(code) => code,
         Err(error) => {
             tracing::error!("{}: {}", S::STAGE, error.report());
@@ -211,7 +218,11 @@ pub fn settings_or_faults(path: &Path, wanted: bool) -> Option<DatasetSettings> 
     }
 }
 
-fn try_run<S: StageSettings>(stage: Stage<S>, args: &StageArgs) -> Result<u8, StageError> {
+fn try_run<S: StageSettings>(
+    stage: Stage<S>,
+    args: &StageArgs,
+    programs: &Programs,
+) -> Result<u8, StageError> {
     let StageArgs {
         config,
         store,
@@ -240,6 +251,7 @@ fn try_run<S: StageSettings>(stage: Stage<S>, args: &StageArgs) -> Result<u8, St
         spec,
         view: S::of(&settings),
         settings: &settings,
+        programs,
         store: Store::open(store)?,
         maps: maps.clone(),
         force: *force,
@@ -271,6 +283,7 @@ struct Run<'a, S> {
     spec: &'static StageSpec,
     view: S,
     settings: &'a DatasetSettings,
+    programs: &'a Programs,
     store: Store,
     maps: Option<PathBuf>,
     force: bool,
@@ -279,6 +292,10 @@ struct Run<'a, S> {
 }
 
 impl<S: StageSettings> Run<'_, S> {
+    fn status(&self) -> Status<'_> {
+        Status::new(&self.store, self.settings, self.programs)
+    }
+
     fn scopes(&self, args: &StageArgs) -> Result<Vec<Scope>, StageError> {
         match self.spec.unit {
             UnitKind::Plan => return Ok(vec![Scope::Plan]),
@@ -315,8 +332,7 @@ impl<S: StageSettings> Run<'_, S> {
     /// Whether a plan of this configuration stands, where the stage needs one.
     fn is_planned(&self) -> Result<bool, StageError> {
         let planner = Graph::get().planner();
-        let stands = || state_of(&self.store, self.settings, planner, Scope::Plan);
-        Ok(self.spec.unit != UnitKind::Scene || stands()? == State::Done)
+        Ok(self.spec.unit != UnitKind::Scene || self.status().state(planner, Scope::Plan)? == State::Done)
     }
 
     fn label(&self, scope: Scope) -> String {
@@ -387,7 +403,7 @@ impl<S: StageSettings> Run<'_, S> {
     /// State of a scope, sources included: one that cannot be found now has not changed.
     fn state(&self, scope: Scope, sources: &BTreeMap<String, String>) -> Result<State, StageError> {
         let code = if self.accept_code { CodeRule::Any } else { CodeRule::Same };
-        let state = judge(&self.store, self.settings, self.spec, scope, code)?;
+        let state = self.status().by_code(code).state(self.spec, scope)?;
         if state == State::Done
             && let Some(manifest) = self.store.manifest(scope, S::STAGE)?
             && !is_imported(&manifest)
@@ -401,14 +417,20 @@ impl<S: StageSettings> Run<'_, S> {
 
     /// Keeps what older code made, if it did: the manifest says so from here on.
     fn accept(&self, scope: Scope) -> Result<(), StageError> {
-        let code = crate::code_version(S::STAGE);
-        if let Some(read) = self.store.manifest(scope, S::STAGE)?
-            && !is_imported(&read)
-            && !read.is_of_code(code)
-        {
+        let Some(read) = self.store.manifest(scope, S::STAGE)?.filter(|manifest| !is_imported(manifest))
+        else {
+            return Ok(());
+        };
+        let mut manifest = read.clone();
+        // A manifest may be of another version, and of another program as well.
+        while let Err(why) = self.status().is_of_code(S::STAGE, &manifest) {
+            manifest.accepted_by.push(match why {
+                Staleness::Program => self.programs.made_by(S::STAGE).program,
+                _ => crate::code_version(S::STAGE).to_owned(),
+            });
+        }
+        if manifest != read {
             tracing::info!("{}: keeps what code {} made", self.label(scope), read.code_version);
-            let mut manifest = read.clone();
-            manifest.accepted_by.push(code.to_owned());
             self.store.replace_manifest(scope, &read, &manifest)?;
         }
         Ok(())
@@ -465,20 +487,22 @@ impl<S: StageSettings> Run<'_, S> {
             }
             return Ok(false);
         }
-        let ready = inputs(&self.store, self.settings, self.spec, scope, CodeRule::Same)?
-            .map_err(StageError::NotReady)?;
+        let ready = self.status().inputs(self.spec, scope)?.map_err(StageError::NotReady)?;
+        let made_by = self.programs.made_by(S::STAGE);
         let identity = Identity {
             stage: S::STAGE.into(),
             scope,
             code_version: crate::code_version(S::STAGE).into(),
             config_hash: config_hash(self.spec, self.settings)?,
             inputs: ready.digests.into_iter().chain(sources).collect(),
+            made_by: Some(made_by.clone()),
         };
         let attempt = Attempt::start(&self.store, identity, self.force)?;
         let mut job = Job {
             store: &self.store,
             settings: &self.view,
-            whole: self.settings,
+            status: self.status(),
+            made_by,
             maps: self.maps.as_deref(),
             scope,
             inputs: ready.manifests,

@@ -8,6 +8,7 @@ use store::{Manifest, Scope, Store, StoreError};
 
 use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::imported::is_imported;
+use crate::programs::Programs;
 use crate::views::{ViewError, config_hash};
 
 /// State of a stage for a scope.
@@ -41,8 +42,10 @@ pub enum Staleness {
     Damaged(String),
     /// The stage sees other settings now.
     Configuration,
-    /// The stage's code is another.
+    /// The version of the stage's code is another.
     Code,
+    /// The version is the same, but the stage's program is another, and one of the two has uncommitted changes.
+    Program,
     /// What it was made from cannot be read yet, or no longer.
     NotReady(NotReady),
     /// An input (a stage, or a stage of a scene) was redone.
@@ -59,6 +62,7 @@ impl fmt::Display for Staleness {
             Self::Damaged(what) => f.write_str(what),
             Self::Configuration => f.write_str("the configuration changed"),
             Self::Code => f.write_str("the code changed"),
+            Self::Program => f.write_str("the program changed (a build with uncommitted changes)"),
             Self::NotReady(why) => write!(f, "{why}"),
             Self::Redone(input) => write!(f, "{input} was redone"),
             Self::Source(name) => write!(f, "{name} changed"),
@@ -156,58 +160,6 @@ pub fn planned_scenes(store: &Store) -> Result<Option<Vec<u32>>, StoreError> {
     }))
 }
 
-/// What a stage would read for a scope, or why it cannot run yet.
-pub(crate) fn inputs(
-    store: &Store,
-    settings: &DatasetSettings,
-    spec: &StageSpec,
-    scope: Scope,
-    code: CodeRule,
-) -> Result<Result<Inputs, NotReady>, StateError> {
-    let mut inputs = Inputs { digests: BTreeMap::new(), manifests: BTreeMap::new() };
-    for read in spec.inputs() {
-        let name = read.name;
-        match (spec.unit, read.unit) {
-            (UnitKind::Scene, UnitKind::Plan) => {
-                let plan = match manifest_or_stale(store, Scope::Plan, name)? {
-                    Ok(Some(plan)) => plan,
-                    Ok(None) => return Ok(Err(NotReady::Stage { name, state: Box::new(State::Missing) })),
-                    Err(state) => return Ok(Err(NotReady::Stage { name, state: Box::new(state) })),
-                };
-                let Scope::Scene(scene) = scope else { continue };
-                let Some(digest) = plan.sections.get(&plan_section(scene)) else {
-                    return Ok(Err(NotReady::Unplanned { scene }));
-                };
-                inputs.digests.insert(name.to_owned(), digest.clone());
-                inputs.manifests.insert(name.to_owned(), plan);
-            }
-            (UnitKind::Stats, _) => {
-                for scene in planned_scenes(store)?.unwrap_or_default() {
-                    let scene_scope = Scope::Scene(scene);
-                    let manifest = match judge(store, settings, read, scene_scope, code)? {
-                        State::Done => store.manifest(scene_scope, name)?,
-                        _ => None,
-                    };
-                    // What is planned and not done is remembered as well: statistics say how much they leave out.
-                    let digest = manifest.map_or_else(|| NOT_DONE.to_owned(), |m| m.digest());
-                    inputs.digests.insert(format!("{}/{name}", plan_section(scene)), digest);
-                }
-            }
-            _ => {
-                let state = judge(store, settings, read, scope, code)?;
-                if state != State::Done {
-                    return Ok(Err(NotReady::Stage { name, state: Box::new(state) }));
-                }
-                if let Some(manifest) = store.manifest(scope, name)? {
-                    inputs.digests.insert(name.to_owned(), manifest.digest());
-                    inputs.manifests.insert(name.to_owned(), manifest);
-                }
-            }
-        }
-    }
-    Ok(Ok(inputs))
-}
-
 /// The state of a stage cannot be told.
 #[derive(Debug, thiserror::Error)]
 pub enum StateError {
@@ -219,65 +171,145 @@ pub enum StateError {
     View(#[from] ViewError),
 }
 
-/// State of a stage for a scope.
-///
-/// # Errors
-/// The store cannot be read.
-pub fn state_of(
-    store: &Store,
-    settings: &DatasetSettings,
-    spec: &StageSpec,
-    scope: Scope,
-) -> Result<State, StateError> {
-    judge(store, settings, spec, scope, CodeRule::Same)
+/// What states of stages are told from.
+#[derive(Clone, Copy, Debug)]
+pub struct Status<'a> {
+    store: &'a Store,
+    settings: &'a DatasetSettings,
+    programs: &'a Programs,
+    code: CodeRule,
 }
 
-/// State of a stage for a scope, by a rule for its code.
-pub(crate) fn judge(
-    store: &Store,
-    settings: &DatasetSettings,
-    spec: &StageSpec,
-    scope: Scope,
-    code: CodeRule,
-) -> Result<State, StateError> {
-    let manifest = match manifest_or_stale(store, scope, spec.name)? {
-        Ok(Some(manifest)) => manifest,
-        Ok(None) => {
-            let failure: Option<store::Failure> = match store.read_json(&scope.failure(spec.name)) {
-                Err(StoreError::Corrupt { .. }) => None,
-                other => other?,
-            };
-            return Ok(failure.map_or(State::Missing, |f| State::Failed(f.reason)));
+impl<'a> Status<'a> {
+    /// States of stages in a store, by the configuration and the programs of now.
+    #[must_use]
+    pub fn new(store: &'a Store, settings: &'a DatasetSettings, programs: &'a Programs) -> Self {
+        Self { store, settings, programs, code: CodeRule::Same }
+    }
+
+    /// The same by a rule for the code that made them.
+    pub(crate) fn by_code(self, code: CodeRule) -> Self {
+        Self { code, ..self }
+    }
+
+    /// State of a stage for a scope.
+    ///
+    /// # Errors
+    /// The store cannot be read.
+    pub fn state(&self, spec: &StageSpec, scope: Scope) -> Result<State, StateError> {
+        let store = self.store;
+        let manifest = match manifest_or_stale(store, scope, spec.name)? {
+            Ok(Some(manifest)) => manifest,
+            Ok(None) => {
+                let failure: Option<store::Failure> = match store.read_json(&scope.failure(spec.name)) {
+                    Err(StoreError::Corrupt { .. }) => None,
+                    other => other?,
+                };
+                return Ok(failure.map_or(State::Missing, |f| State::Failed(f.reason)));
+            }
+            Err(stale) => return Ok(stale),
+        };
+        if is_imported(&manifest) {
+            let is_there = store.outputs_present(&manifest)?;
+            return Ok(if is_there { State::Done } else { State::Stale(Staleness::Output) });
         }
-        Err(stale) => return Ok(stale),
-    };
-    if is_imported(&manifest) {
-        let is_there = store.outputs_present(&manifest)?;
-        return Ok(if is_there { State::Done } else { State::Stale(Staleness::Output) });
-    }
-    if manifest.config_hash != config_hash(spec, settings)? {
-        return Ok(State::Stale(Staleness::Configuration));
-    }
-    if code == CodeRule::Same && !manifest.is_of_code(crate::code_version(spec.name)) {
-        return Ok(State::Stale(Staleness::Code));
-    }
-    // Whether sources outside the store changed is for the stage itself to see: it knows where they are.
-    let stored = manifest.inputs.iter().filter(|(name, _)| !name.starts_with(SOURCE));
-    let stored: BTreeMap<String, String> = stored.map(|(n, d)| (n.clone(), d.clone())).collect();
-    match inputs(store, settings, spec, scope, code)? {
-        Err(why) => return Ok(State::Stale(Staleness::NotReady(why))),
-        Ok(now) if now.digests != stored => {
-            let changed = now
-                .digests
-                .iter()
-                .find(|(name, digest)| stored.get(*name) != Some(digest))
-                .map_or("an input", |(name, _)| name.as_str());
-            return Ok(State::Stale(Staleness::Redone(changed.to_owned())));
+        if manifest.config_hash != config_hash(spec, self.settings)? {
+            return Ok(State::Stale(Staleness::Configuration));
         }
-        Ok(_) => {}
+        if self.code == CodeRule::Same
+            && let Err(why) = self.is_of_code(spec.name, &manifest)
+        {
+            return Ok(State::Stale(why));
+        }
+        // Whether sources outside the store changed is for the stage itself to see: it knows where they are.
+        let stored = manifest.inputs.iter().filter(|(name, _)| !name.starts_with(SOURCE));
+        let stored: BTreeMap<String, String> = stored.map(|(n, d)| (n.clone(), d.clone())).collect();
+        match self.inputs(spec, scope)? {
+            Err(why) => return Ok(State::Stale(Staleness::NotReady(why))),
+            Ok(now) if now.digests != stored => {
+                let changed = now
+                    .digests
+                    .iter()
+                    .find(|(name, digest)| stored.get(*name) != Some(digest))
+                    .map_or("an input", |(name, _)| name.as_str());
+                return Ok(State::Stale(Staleness::Redone(changed.to_owned())));
+            }
+            Ok(_) => {}
+        }
+        if !store.outputs_present(&manifest)? {
+            return Ok(State::Stale(Staleness::Output));
+        }
+        Ok(State::Done)
     }
-    if !store.outputs_present(&manifest)? {
-        return Ok(State::Stale(Staleness::Output));
+
+    /// Whether the code of now made it, or was told to keep it; why not, otherwise.
+    pub(crate) fn is_of_code(&self, stage: &str, manifest: &Manifest) -> Result<(), Staleness> {
+        let accepts = |what: &str| manifest.accepted_by.iter().any(|accepted| accepted == what);
+        let version = crate::code_version(stage);
+        if manifest.code_version != version && !accepts(version) {
+            return Err(Staleness::Code);
+        }
+        match &manifest.made_by {
+            Some(made_by)
+                if !self.programs.makes_the_same(stage, made_by)
+                    && !self.programs.digest(stage).is_some_and(|program| accepts(&program)) =>
+            {
+                Err(Staleness::Program)
+            }
+            _ => Ok(()),
+        }
     }
-    Ok(State::Done)
+
+    /// What a stage would read for a scope, or why it cannot run yet.
+    pub(crate) fn inputs(
+        &self,
+        spec: &StageSpec,
+        scope: Scope,
+    ) -> Result<Result<Inputs, NotReady>, StateError> {
+        let store = self.store;
+        let mut inputs = Inputs { digests: BTreeMap::new(), manifests: BTreeMap::new() };
+        for read in spec.inputs() {
+            let name = read.name;
+            match (spec.unit, read.unit) {
+                (UnitKind::Scene, UnitKind::Plan) => {
+                    let plan = match manifest_or_stale(store, Scope::Plan, name)? {
+                        Ok(Some(plan)) => plan,
+                        Ok(None) => {
+                            return Ok(Err(NotReady::Stage { name, state: Box::new(State::Missing) }));
+                        }
+                        Err(state) => return Ok(Err(NotReady::Stage { name, state: Box::new(state) })),
+                    };
+                    let Scope::Scene(scene) = scope else { continue };
+                    let Some(digest) = plan.sections.get(&plan_section(scene)) else {
+                        return Ok(Err(NotReady::Unplanned { scene }));
+                    };
+                    inputs.digests.insert(name.to_owned(), digest.clone());
+                    inputs.manifests.insert(name.to_owned(), plan);
+                }
+                (UnitKind::Stats, _) => {
+                    for scene in planned_scenes(store)?.unwrap_or_default() {
+                        let scene_scope = Scope::Scene(scene);
+                        let manifest = match self.state(read, scene_scope)? {
+                            State::Done => store.manifest(scene_scope, name)?,
+                            _ => None,
+                        };
+                        // What is planned and not done is remembered as well: statistics say how much they leave out.
+                        let digest = manifest.map_or_else(|| NOT_DONE.to_owned(), |m| m.digest());
+                        inputs.digests.insert(format!("{}/{name}", plan_section(scene)), digest);
+                    }
+                }
+                _ => {
+                    let state = self.state(read, scope)?;
+                    if state != State::Done {
+                        return Ok(Err(NotReady::Stage { name, state: Box::new(state) }));
+                    }
+                    if let Some(manifest) = store.manifest(scope, name)? {
+                        inputs.digests.insert(name.to_owned(), manifest.digest());
+                        inputs.manifests.insert(name.to_owned(), manifest);
+                    }
+                }
+            }
+        }
+        Ok(Ok(inputs))
+    }
 }

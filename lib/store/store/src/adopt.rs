@@ -112,6 +112,7 @@ mod tests {
             code_version: "1".into(),
             config_hash: "c".into(),
             inputs: BTreeMap::new(),
+            made_by: None,
         };
         let attempt = Attempt::start(&store, identity, false).expect("starts");
         let mut unit = attempt.unit("all").expect("reads").expect("is new");

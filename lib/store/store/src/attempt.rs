@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use schema::table::{Column, Row};
 
 use crate::error::sound;
-use crate::manifest::{Manifest, Output, Redo};
+use crate::manifest::{MadeBy, Manifest, Output, Redo};
 use crate::write::{FileWriter, Finished, TableOptions, TableWriter, write_columns};
 use crate::{Scope, Store, StoreError};
 
@@ -23,6 +23,8 @@ pub struct Identity {
     pub config_hash: String,
     /// Digest of each thing it reads.
     pub inputs: BTreeMap<String, String>,
+    /// The build at work; none where that does not matter (imports).
+    pub made_by: Option<MadeBy>,
 }
 
 /// A running try.
@@ -40,6 +42,7 @@ pub struct Identity {
 ///     code_version: "1".into(),
 ///     config_hash: "c".into(),
 ///     inputs: BTreeMap::new(),
+///     made_by: None,
 /// };
 /// let attempt = Attempt::start(&store, identity, false)?;
 /// if let Some(mut unit) = attempt.unit("vehicle_0")? {
@@ -182,12 +185,23 @@ impl Attempt {
         let key = self.identity.scope.part(&self.identity.stage, name);
         if let Some(part) = sound(self.store.read_json::<Manifest>(&key))? {
             let same = Manifest { outputs: part.outputs.clone(), ..self.manifest_of(Vec::new()) };
-            if part == same && self.store.outputs_present(&part)? {
+            if part.digest() == same.digest()
+                && self.may_go_on_from(&part)
+                && self.store.outputs_present(&part)?
+            {
                 self.so_far().outputs.extend(part.outputs);
                 return Ok(None);
             }
         }
         Ok(Some(Unit { attempt: self, name: name.to_owned(), shards: Vec::new() }))
+    }
+
+    /// Whether a unit that an earlier try finished is what this build would make.
+    fn may_go_on_from(&self, part: &Manifest) -> bool {
+        match (&self.identity.made_by, &part.made_by) {
+            (Some(now), Some(then)) => now.makes_the_same(then),
+            _ => true,
+        }
     }
 
     /// Keys of the shards of all finished units, sorted.
@@ -237,6 +251,7 @@ impl Attempt {
             outputs,
             sections: BTreeMap::new(),
             accepted_by: Vec::new(),
+            made_by: self.identity.made_by.clone(),
         }
     }
 }

@@ -37,7 +37,7 @@ pub use disk::Disk;
 pub use error::StoreError;
 pub use groups::RowGroups;
 pub use keys::Scope;
-pub use manifest::{Failure, Manifest, Output, Redo};
+pub use manifest::{Failure, MadeBy, Manifest, Output, Redo};
 pub use memory::Memory;
 pub use read::TableHead;
 pub use shard::ShardStream;

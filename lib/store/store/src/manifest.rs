@@ -40,9 +40,33 @@ pub struct Manifest {
     /// Digests of parts that other stages depend on singly (a plan's scenes), by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub sections: BTreeMap<String, String>,
-    /// Versions of later code that was told to keep this.
+    /// Versions of later code, and digests of programs, that were told to keep this.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub accepted_by: Vec<String>,
+    /// Which build made it. A remark: it is no part of [`Manifest::digest`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub made_by: Option<MadeBy>,
+}
+
+/// The build of Convoy that made something.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MadeBy {
+    /// Release (`0.1.0`).
+    pub release: String,
+    /// Commit that it was built from; none for a build with uncommitted changes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub commit: Option<String>,
+    /// BLAKE3 of the program's file, without the commit that is written into it.
+    pub program: String,
+}
+
+impl MadeBy {
+    /// Whether two builds of one version make the same: two of commits are trusted to their version, others only when the
+    /// program is the same.
+    #[must_use]
+    pub fn makes_the_same(&self, other: &Self) -> bool {
+        self.commit.is_some() && other.commit.is_some() || self.program == other.program
+    }
 }
 
 /// A stage is being done again: kept until its new manifest stands, so that a killed run goes on as the same try.
@@ -76,19 +100,43 @@ impl Manifest {
         self.outputs.iter().find(|o| o.key == key)
     }
 
-    /// Whether code of a version made it, or was told to keep it.
-    #[must_use]
-    pub fn is_of_code(&self, version: &str) -> bool {
-        self.code_version == version || self.accepted_by.iter().any(|accepted| accepted == version)
-    }
-
-    /// The digest that dependants remember. Who keeps what was made does not alter it.
+    /// The digest that dependants remember. Remarks do not alter it: which build made it, which later code keeps it.
     #[must_use]
     pub fn digest(&self) -> String {
-        if self.accepted_by.is_empty() {
-            return hash_bytes(&to_json(self));
-        }
-        hash_bytes(&to_json(&Self { accepted_by: Vec::new(), ..self.clone() }))
+        hash_bytes(&to_json(&Self { accepted_by: Vec::new(), made_by: None, ..self.clone() }))
+    }
+}
+
+/// Key of a manifest's own checksum, its last line: BLAKE3 of its text with this checksum left empty.
+const SEAL: &str = "record_blake3";
+
+/// A manifest as it is written, with its own checksum.
+#[derive(Serialize)]
+struct Sealed<'a> {
+    #[serde(flatten)]
+    manifest: &'a Manifest,
+    record_blake3: String,
+}
+
+/// The text of a manifest, with its own checksum.
+fn sealed(manifest: &Manifest) -> Vec<u8> {
+    let unsealed = to_json(&Sealed { manifest, record_blake3: String::new() });
+    to_json(&Sealed { manifest, record_blake3: hash_bytes(&unsealed) })
+}
+
+/// Whether the text of a manifest fits its own checksum. Text without one (older releases wrote none) must be
+/// the text that its content gives.
+pub(crate) fn is_as_written(text: &[u8], manifest: &Manifest) -> bool {
+    let end = "\"\n}\n";
+    let digest = |text: &[u8]| -> Option<(Vec<u8>, Vec<u8>)> {
+        let body = text.strip_suffix(end.as_bytes())?;
+        let (rest, digest) = body.split_at_checked(body.len().checked_sub(blake3::OUT_LEN * 2)?)?;
+        rest.strip_suffix(format!("\"{SEAL}\": \"").as_bytes())?;
+        Some(([rest, end.as_bytes()].concat(), digest.to_vec()))
+    };
+    match digest(text) {
+        Some((unsealed, digest)) => hash_bytes(&unsealed).as_bytes() == digest,
+        None => text == to_json(manifest),
     }
 }
 
@@ -120,8 +168,12 @@ impl Store {
     /// # Errors
     /// The backend cannot write.
     pub fn write_json<T: Serialize>(&self, key: &str, owner: &str, value: &T) -> Result<(), StoreError> {
+        self.write_bytes(key, owner, &to_json(value))
+    }
+
+    fn write_bytes(&self, key: &str, owner: &str, bytes: &[u8]) -> Result<(), StoreError> {
         let mut sink = self.backend().create(key, owner)?;
-        sink.write_all(&to_json(value)).map_err(|e| StoreError::write(self.location(key), "write", e))?;
+        sink.write_all(bytes).map_err(|e| StoreError::write(self.location(key), "write", e))?;
         sink.commit()
     }
 
@@ -144,16 +196,16 @@ impl Store {
         self.parse(key, &bytes).map(Some)
     }
 
-    /// Writes a manifest where none stands. One of the same content is as good as ours.
+    /// Writes a manifest where there is none. One that differs by remarks alone is as good as this one.
     ///
     /// # Errors
     /// The backend cannot write; or another process did the same stage from something else at the same time. Each has
-    /// then replaced shards of the other, so no manifest is left to stand for them.
+    /// then replaced shards of the other, so no manifest is left for them.
     pub(crate) fn commit_manifest(&self, key: &str, manifest: &Manifest) -> Result<(), StoreError> {
-        let bytes = to_json(manifest);
-        if self.backend().put_if_absent(key, &manifest.stage, &bytes)?
-            || self.read(key)?.as_ref() == Some(&bytes)
-        {
+        if self.backend().put_if_absent(key, &manifest.stage, &sealed(manifest))? {
+            return Ok(());
+        }
+        if self.manifest_at(key)?.is_some_and(|there| there.digest() == manifest.digest()) {
             return Ok(());
         }
         self.backend().remove(key)?;
@@ -169,7 +221,7 @@ impl Store {
         if self.manifest_at(&key)?.as_ref() != Some(read) {
             return Err(StoreError::Contested { path: self.location(&key) });
         }
-        self.write_json(&key, &read.stage, new)
+        self.write_bytes(&key, &read.stage, &sealed(new))
     }
 
     /// Whether every output of a manifest is there in its size. (Contents are checked by [`crate::verify`].)

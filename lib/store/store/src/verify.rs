@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::manifest::{Failure, Manifest, Output, Redo};
+use crate::manifest::{Failure, Manifest, Output, Redo, is_as_written};
 use crate::{Scope, Store, StoreError, Unfinished, keys};
 
 /// What is wrong with a file.
@@ -93,6 +93,10 @@ pub fn verify(
             Some(Record::Manifest) => {
                 if let Some(manifest) = sound_or_finding(store.manifest_at(key), key, &mut result)? {
                     result.manifests += 1;
+                    if store.read(key)?.is_some_and(|text| !is_as_written(&text, &manifest)) {
+                        let problem = Problem::Manifest("does not fit its own checksum: changed".to_owned());
+                        result.findings.push(Finding { key: key.clone(), manifest: None, problem });
+                    }
                     result.check_outputs(store, key, &manifest, &mut on_shard)?;
                     known.committed.extend(manifest.outputs.into_iter().map(|output| output.key));
                 }

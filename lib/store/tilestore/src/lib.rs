@@ -11,7 +11,7 @@ use schema::geometry::SurfaceMesh;
 use schema::settings::SceneryRules;
 use schema::tables::{SurfaceRow, TILE_STAGE, TileObjectRow};
 use schema::tile::TileIndex;
-use store::{Attempt, Identity, Manifest, Scope, Store, StoreError, keys};
+use store::{Attempt, Identity, MadeBy, Manifest, Scope, Store, StoreError, keys};
 use tiles::{Tile, TileMaker};
 
 /// A tile cannot be had.
@@ -54,6 +54,7 @@ pub struct TileStore<'a> {
     catalogue: &'a Catalogue,
     set: u64,
     code_version: &'a str,
+    made_by: Option<MadeBy>,
     config_hash: String,
     map_hash: &'a str,
     maker: OnceLock<TileMaker<'a>>,
@@ -85,7 +86,25 @@ impl<'a> TileStore<'a> {
             .take(16)
             .fold(0, |set, digit| set << 4 | u64::from((digit as char).to_digit(16).unwrap_or_default()));
         let (maker, known) = (OnceLock::new(), Mutex::default());
-        Ok(Self { store, map, rules, catalogue, set, code_version, config_hash, map_hash, maker, known })
+        Ok(Self {
+            store,
+            map,
+            rules,
+            catalogue,
+            set,
+            code_version,
+            made_by: None,
+            config_hash,
+            map_hash,
+            maker,
+            known,
+        })
+    }
+
+    /// The same, with the build at work as a remark in the manifests of tiles that are made.
+    #[must_use]
+    pub fn remarking(self, made_by: MadeBy) -> Self {
+        Self { made_by: Some(made_by), ..self }
     }
 
     /// The number of the set: that of its folder.
@@ -151,6 +170,7 @@ impl<'a> TileStore<'a> {
             code_version: self.code_version.to_owned(),
             config_hash: self.config_hash.clone(),
             inputs: BTreeMap::from([("map".to_owned(), self.map_hash.to_owned())]),
+            made_by: self.made_by.clone(),
         };
         let attempt = match Attempt::start_once(self.store, identity)? {
             Ok(attempt) => attempt,

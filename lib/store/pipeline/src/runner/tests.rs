@@ -1,7 +1,7 @@
 //! What one bad scene, a panic or a full store does to a run.
 
 use std::io::Write;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use schema::scene_info::LOG_STAGE;
 use schema::settings::stages::MaskSettings;
@@ -13,13 +13,16 @@ use super::*;
 fn simulated(store: &Store, settings: &DatasetSettings) {
     let commit = |name: &str, scope: Scope| {
         let spec = Graph::get().stage(name).expect("is a stage");
-        let ready = inputs(store, settings, spec, scope, CodeRule::Same).expect("reads").expect("is ready");
+        let programs = Programs::given(Some("c"), &[]);
+        let status = Status::new(store, settings, &programs);
+        let ready = status.inputs(spec, scope).expect("reads").expect("is ready");
         let identity = Identity {
             stage: name.into(),
             scope,
             code_version: crate::code_version(name).into(),
             config_hash: config_hash(spec, settings).expect("is a view"),
             inputs: ready.digests,
+            made_by: None,
         };
         let mut attempt = Attempt::start(store, identity, false).expect("starts");
         if scope == Scope::Plan {
@@ -41,6 +44,7 @@ fn run_of<'a>(
         spec: Graph::get().stage("bev-gt").expect("is a stage"),
         view: MaskSettings::of(settings),
         settings,
+        programs: &COMMITTED,
         store: store.clone(),
         maps: None,
         force: false,
@@ -48,6 +52,9 @@ fn run_of<'a>(
         progress: ProgressMode::None,
     }
 }
+
+/// The programs of a commit.
+static COMMITTED: LazyLock<Programs> = LazyLock::new(|| Programs::given(Some("c"), &[("bev-gt", "p")]));
 
 const SCENES: [Scope; 3] = [Scope::Scene(0), Scope::Scene(1), Scope::Scene(2)];
 
@@ -173,6 +180,45 @@ fn what_older_code_made_is_kept_when_told_so() {
     let made = of(SCENES[2]);
     assert_eq!((made.outputs[0].bytes, made.accepted_by.len()), (20, 0));
     assert_eq!(made.code_version, crate::code_version("bev-gt"));
+}
+
+#[test]
+fn an_edited_program_makes_its_stage_again_and_leaves_others() {
+    let settings = config::example_settings();
+    let store = Store::open("memory:").expect("is a place");
+    simulated(&store, &settings);
+    let of_build = |programs: &'static Programs, run: fn(&mut Job<'_, MaskSettings>) -> _| Run {
+        programs,
+        ..run_of(&settings, &store, run)
+    };
+    let programs = |commit, program| -> &'static Programs {
+        Box::leak(Box::new(Programs::given(commit, &[("bev-gt", program)])))
+    };
+    let committed = of_build(programs(Some("c"), "p"), |job| write(job, 10));
+    assert_eq!(committed.all(&SCENES).expect("runs"), EXIT_DONE);
+    let made_by =
+        store.manifest(SCENES[0], "bev-gt").expect("reads").and_then(|m| m.made_by).expect("is said");
+    assert_eq!((made_by.commit.as_deref(), made_by.program.as_str()), (Some("c"), "p"));
+
+    let done = [State::Done, State::Done, State::Done];
+    let stale = State::Stale(Staleness::Program);
+    let all_stale = [stale.clone(), stale.clone(), stale.clone()];
+    assert_eq!(states(&of_build(programs(Some("d"), "q"), |_| Ok(()))), done, "of another commit");
+    assert_eq!(states(&of_build(programs(None, "p"), |_| Ok(()))), done, "other files were edited");
+    let edited = of_build(programs(None, "q"), |job| write(job, 20));
+    assert_eq!(states(&edited), all_stale);
+    let status = Status::new(&store, &settings, edited.programs);
+    let log = Graph::get().stage(LOG_STAGE).expect("is a stage");
+    assert_eq!(status.state(log, SCENES[0]).expect("is known"), State::Done, "has no edited program");
+
+    // What the edited program makes is not trusted by the next build, unless told so.
+    assert_eq!(edited.all(&SCENES[..2]).expect("runs"), EXIT_DONE);
+    let later = programs(Some("e"), "r");
+    assert_eq!(states(&of_build(later, |_| Ok(()))), [stale.clone(), stale, State::Done]);
+    let accepting = Run { accept_code: true, ..of_build(later, |_| panic!("is not run")) };
+    assert_eq!(accepting.all(&SCENES).expect("keeps"), EXIT_DONE);
+    assert_eq!(states(&of_build(later, |_| Ok(()))), done);
+    assert_eq!(states(&edited), [State::Done, State::Done, State::Stale(Staleness::Program)]);
 }
 
 /// Marks what a stage has done as imported.

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use schema::table::{Column, Row};
 use schema::tables::{GnssRow, LidarRow, SignalRow};
-use store::{Attempt, Manifest, Problem, Scope, StoreError, TableOptions, keys, verify};
+use store::{Attempt, Identity, MadeBy, Manifest, Problem, Scope, StoreError, TableOptions, keys, verify};
 
 use crate::common::{Bench, SCOPE, STAGE, gnss, identity, key, on_every_backend, run, run_half};
 
@@ -26,6 +26,8 @@ on_every_backend!(
     two_outputs_of_one_name_are_refused,
     of_two_that_put_one_succeeds,
     two_processes_of_one_mind_agree,
+    two_builds_of_one_version_agree,
+    an_edited_program_takes_up_no_unit_of_another,
     two_processes_at_odds_leave_no_manifest,
     an_object_is_replaced_whole,
     a_manifest_is_replaced_only_as_it_was_read,
@@ -333,6 +335,50 @@ fn two_processes_of_one_mind_agree(bench: &Bench) {
     }
     assert_eq!(slow.commit().expect("agrees"), fast);
     assert_eq!(tree, bench.tree());
+}
+
+/// A build with a program of this digest.
+fn built(commit: Option<&str>, program: &str) -> Identity {
+    let made_by =
+        MadeBy { release: "1".into(), commit: commit.map(str::to_owned), program: program.to_owned() };
+    Identity { made_by: Some(made_by), ..identity("c") }
+}
+
+fn run_unit(attempt: &Attempt) -> bool {
+    let unit = attempt.unit("vehicle_0").expect("asks");
+    let is_to_do = unit.is_some();
+    if let Some(mut unit) = unit {
+        unit.rows(&key("vehicle_0"), &gnss(40)).expect("writes");
+        unit.finish().expect("finishes");
+    }
+    is_to_do
+}
+
+fn two_builds_of_one_version_agree(bench: &Bench) {
+    let start = |made: Identity| Attempt::start(&bench.store, made, false).expect("starts");
+    let (slow, fast) = (start(built(Some("ab"), "p")), start(built(Some("cd"), "q")));
+    assert!(run_unit(&fast));
+    let first = fast.commit().expect("commits");
+    let tree = bench.tree();
+    run_unit(&slow);
+    let second = slow.commit().expect("agrees");
+    assert_eq!((first.digest(), tree), (second.digest(), bench.tree()), "the first one stays");
+    assert_ne!(first, second);
+}
+
+fn an_edited_program_takes_up_no_unit_of_another(bench: &Bench) {
+    for (then, now, is_made_again) in [
+        (built(Some("ab"), "p"), built(Some("cd"), "q"), false),
+        (built(None, "p"), built(None, "p"), false),
+        (built(None, "p"), built(None, "q"), true),
+        (built(Some("ab"), "p"), built(None, "q"), true),
+        (built(None, "p"), built(Some("ab"), "q"), true),
+    ] {
+        let bench = bench.another();
+        let start = |made: &Identity| Attempt::start(&bench.store, made.clone(), false).expect("starts");
+        run_unit(&start(&then));
+        assert_eq!(run_unit(&start(&now)), is_made_again, "{:?} after {:?}", now.made_by, then.made_by);
+    }
 }
 
 fn two_processes_at_odds_leave_no_manifest(bench: &Bench) {

@@ -70,6 +70,7 @@ pub(crate) fn identity(config: &str) -> Identity {
         code_version: "test".into(),
         config_hash: config.into(),
         inputs: BTreeMap::from([("simulate-and-log".to_owned(), "abc".to_owned())]),
+        made_by: None,
     }
 }
 

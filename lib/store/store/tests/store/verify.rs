@@ -12,6 +12,7 @@ on_every_backend!(
     stages_that_failed_say_why,
     what_is_in_the_making_is_no_stray,
     records_that_cannot_be_read_are_named,
+    each_flipped_bit_of_a_manifest_is_found,
 );
 
 fn checked(bench: &Bench) -> Verification {
@@ -107,4 +108,28 @@ fn records_that_cannot_be_read_are_named(bench: &Bench) {
     let findings = checked(bench).findings;
     let damaged = |f: &&Finding| matches!(f.problem, Problem::Manifest(_));
     assert_eq!(findings.iter().filter(damaged).map(|f| f.key.as_str()).collect::<Vec<_>>(), [part.as_str()]);
+}
+
+fn each_flipped_bit_of_a_manifest_is_found(bench: &Bench) {
+    let made_by = store::MadeBy { release: "0.1.0".into(), commit: None, program: "ab".into() };
+    let identity = store::Identity { made_by: Some(made_by), ..identity("c") };
+    let attempt = Attempt::start(&bench.store, identity, false).expect("starts");
+    let manifest = attempt.commit().expect("commits");
+    let place = SCOPE.manifest(STAGE);
+    let sealed = bench.bytes(&place);
+    for bit in 0..sealed.len() * 8 {
+        let mut flipped = sealed.clone();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        bench.put(&place, &flipped);
+        let findings = checked(bench).findings;
+        assert!(
+            findings.iter().any(|f| f.key == place && matches!(f.problem, Problem::Manifest(_))),
+            "bit {bit} of {}: {findings:?}",
+            String::from_utf8_lossy(&flipped)
+        );
+    }
+    // Older releases wrote no checksum.
+    bench.store.write_json(&place, STAGE, &manifest).expect("writes");
+    assert!(bench.bytes(&place).len() < sealed.len());
+    assert_eq!(checked(bench).findings, []);
 }

@@ -1,0 +1,157 @@
+//! Which build made what: its commit, and digests that tell edited programs from one another.
+
+use std::collections::BTreeMap;
+use std::env::consts::EXE_SUFFIX;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use store::MadeBy;
+
+/// The stamp that a build writes into its programs: a name, the commit (spaces where there is none), `+` for a build of
+/// just this commit.
+const STAMP_NAME: &[u8] = b"\0convoy-build-stamp\0";
+const COMMIT_LEN: usize = 64;
+/// Bytes of a stamp.
+pub const STAMP_LEN: usize = STAMP_NAME.len() + COMMIT_LEN + 1;
+/// The header of the note in which linkers write a digest of an ELF file, stamp included.
+const BUILD_ID_NAME: &[u8] = b"\x04\0\0\0\x14\0\0\0\x03\0\0\0GNU\0";
+const BUILD_ID_LEN: usize = 20;
+
+/// The programs of this build: those beside the one that runs.
+#[derive(Debug)]
+pub struct Programs {
+    commit: Option<String>,
+    folder: Option<PathBuf>,
+    /// Digests by stage, each found once; none where there is no such program.
+    digests: Mutex<BTreeMap<String, Option<String>>>,
+}
+
+impl Programs {
+    /// The programs beside the one that runs, by its stamp. `stage` is the stage that it does itself: its file is
+    /// read at once, before a newer build can take its place.
+    #[must_use]
+    pub fn of_build(stamp: &[u8; STAMP_LEN], stage: Option<&str>) -> Self {
+        // Optimised code must not know the stamp: programs of two commits differ in its bytes alone.
+        let stamp = std::hint::black_box(stamp);
+        let (commit, is_committed) = stamp[STAMP_NAME.len()..].split_at(COMMIT_LEN);
+        let commit = (is_committed == b"+").then(|| String::from_utf8_lossy(commit).trim().to_owned());
+        let this = std::env::current_exe().ok();
+        let own = stage.map(|stage| (stage.to_owned(), this.as_deref().and_then(digest_of)));
+        let folder = this.as_deref().and_then(Path::parent).map(Path::to_owned);
+        Self { commit, folder, digests: Mutex::new(own.into_iter().collect()) }
+    }
+
+    /// Programs of given digests by stage, for tests; none of a commit where that is `None`.
+    #[cfg(test)]
+    pub(crate) fn given(commit: Option<&str>, digests: &[(&str, &str)]) -> Self {
+        let digests = digests.iter().map(|(stage, digest)| ((*stage).to_owned(), Some((*digest).to_owned())));
+        Self { commit: commit.map(str::to_owned), folder: None, digests: Mutex::new(digests.collect()) }
+    }
+
+    /// Digest of a stage's program; none where there is no such program.
+    pub(crate) fn digest(&self, stage: &str) -> Option<String> {
+        let mut digests = self.digests.lock().unwrap_or_else(PoisonError::into_inner);
+        let find = || digest_of(&self.folder.as_deref()?.join(format!("{stage}{EXE_SUFFIX}")));
+        digests.entry(stage.to_owned()).or_insert_with(find).clone()
+    }
+
+    /// What manifests of a stage say of this build.
+    #[must_use]
+    pub fn made_by(&self, stage: &str) -> MadeBy {
+        MadeBy {
+            release: env!("CARGO_PKG_VERSION").to_owned(),
+            commit: self.commit.clone(),
+            program: self.digest(stage).unwrap_or_default(),
+        }
+    }
+
+    /// Whether this build's program for a stage makes what another build made, by the same version. Where there is no
+    /// such program, the version alone counts.
+    pub(crate) fn makes_the_same(&self, stage: &str, then: &MadeBy) -> bool {
+        if self.commit.is_some() && then.commit.is_some() {
+            return true;
+        }
+        self.digest(stage).is_none_or(|program| program == then.program)
+    }
+}
+
+/// BLAKE3 of a program's file without its stamp and the linker's digest of the file, or none when it cannot be read.
+fn digest_of(program: &Path) -> Option<String> {
+    std::fs::read(program).ok().map(|mut file| {
+        blank_after(&mut file, STAMP_NAME, STAMP_LEN - STAMP_NAME.len(), is_commit);
+        blank_after(&mut file, BUILD_ID_NAME, BUILD_ID_LEN, |_| true);
+        store::hash_bytes(&file)
+    })
+}
+
+/// Whether bytes are what a stamp holds after its name (programs have the name alone, too).
+fn is_commit(bytes: &[u8]) -> bool {
+    let (commit, sign) = bytes.split_at(COMMIT_LEN);
+    commit.iter().all(|byte| byte.is_ascii_hexdigit() || *byte == b' ') && matches!(sign, b"+" | b"-")
+}
+
+/// Sets the bytes after each place of a name to zero, where they are of a kind.
+fn blank_after(file: &mut [u8], name: &[u8], len: usize, is_of_kind: impl Fn(&[u8]) -> bool) {
+    let mut from = 0;
+    while let Some(found) = find(&file[from..], name) {
+        from += found + name.len();
+        if let Some(bytes) = file.get_mut(from..from + len).filter(|bytes| is_of_kind(bytes)) {
+            bytes.fill(0);
+        }
+    }
+}
+
+fn find(text: &[u8], name: &[u8]) -> Option<usize> {
+    let first = *name.first()?;
+    let mut from = 0;
+    while let Some(at) = text[from..].iter().position(|byte| *byte == first) {
+        if text[from + at..].starts_with(name) {
+            return Some(from + at);
+        }
+        from += at + 1;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_commit_alone_makes_no_other_program() {
+        let folder = tempfile::tempdir().expect("makes a folder");
+        let digest = |name: &str, parts: &[&[u8]]| {
+            let file = folder.path().join(name);
+            std::fs::write(&file, parts.concat()).expect("writes");
+            digest_of(&file).expect("reads")
+        };
+        let (ours, theirs) = (format!("{:<64}+", "ab12"), format!("{:<64}-", "cd34"));
+        let (ours, theirs) = (ours.as_bytes(), theirs.as_bytes());
+        let (id, other_id) = ([1; BUILD_ID_LEN], [2; BUILD_ID_LEN]);
+        let first = digest("first", &[b"code\0\0", BUILD_ID_NAME, &id, STAMP_NAME, ours, b"data"]);
+        let same = digest("same", &[b"code\0\0", BUILD_ID_NAME, &other_id, STAMP_NAME, theirs, b"data"]);
+        let edited = digest("edited", &[b"cope\0\0", BUILD_ID_NAME, &id, STAMP_NAME, ours, b"data"]);
+        assert_eq!(first, same);
+        assert_ne!(first, edited);
+        assert_eq!(digest_of(&folder.path().join("none")), None);
+        // A file that ends within a stamp.
+        digest("short", &[STAMP_NAME, b"a"]);
+    }
+
+    #[test]
+    fn builds_of_commits_are_trusted_to_their_versions() {
+        let committed = Programs::given(Some("c"), &[("bev-gt", "p")]);
+        let edited = Programs::given(None, &[("bev-gt", "p")]);
+        let made = |commit: Option<&str>, program: &str| MadeBy {
+            commit: commit.map(str::to_owned),
+            program: program.to_owned(),
+            ..MadeBy::default()
+        };
+        assert!(committed.makes_the_same("bev-gt", &made(Some("d"), "q")));
+        assert!(!committed.makes_the_same("bev-gt", &made(None, "q")));
+        assert!(committed.makes_the_same("bev-gt", &made(None, "p")));
+        assert!(!edited.makes_the_same("bev-gt", &made(Some("d"), "q")));
+        assert!(edited.makes_the_same("bev-gt", &made(Some("d"), "p")));
+        assert!(edited.makes_the_same("stats", &made(None, "q")), "there is no such program");
+    }
+}
