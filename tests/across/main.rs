@@ -17,6 +17,7 @@ mod merge;
 mod packs;
 mod pipeline;
 mod plain;
+mod probes;
 mod python;
 mod replay;
 mod rigs;
