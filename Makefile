@@ -37,7 +37,7 @@ SCENE_ARG   = $(if $(SCENE),--scene $(SCENE))
 AGENT_ARG   = $(if $(AGENT),--agent $(AGENT))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test soak lint bench bench-kernels docs help
+.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
@@ -184,6 +184,11 @@ town-pictures: build
 check-towns: build
 	folder=$$(mktemp -d) && $(BIN)/convoy towns --dest $$folder && $(PYTHON) tests/check_towns.py $$folder; \
 		code=$$?; rm -rf $$folder; exit $$code
+
+# Raises the numbers of versions.toml and renews the digests of the probes, where shards have other bytes now.
+accept-bytes:
+	$(CARGO) build --locked --workspace --bins --tests
+	$(CARGO) test --locked -p convoy-tests --test across -- --ignored --exact --nocapture probes::accept::accept_bytes
 
 # Watches traffic in 28 scenes of 90 s and prints what is wrong with it (docs/traffic.md): make traffic-report
 # [ARGS="--seeds 1 --faults Town03"].

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use arguments::import::{Import, ImportArgs, ImportCommand};
 use clap::Parser;
 use import_core::{ImportError, Prospect, Selection, Source, Watch, import, prospect};
-use pipeline::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Progress, say};
+use pipeline::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Programs, Progress, say};
 use store::Store;
 
 fn main() -> ExitCode {
@@ -37,7 +37,9 @@ fn run(args: &ImportArgs) -> Result<u8, ImportError> {
     let source = Source::open(&args.source)?;
     let store = Store::open(&args.store)?;
     let scenes = args.scenes.as_ref().map(|scenes| scenes.ranges().to_vec());
-    let selection = Selection { scenes, force: args.force };
+    let programs = Programs::of_build(build_stamp::STAMP, Some("import"));
+    let selection = Selection { scenes, force: args.force, made_by: Some(programs.made_by("import")) };
+
     let found = pool.install(|| prospect(&source, &store, &selection))?;
     announce(&found);
     if args.dry_run {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schema::table::Row;
 use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
 use schema::{FORMAT_VERSION, IMPORTED};
-use store::{Attempt, Identity, Manifest, Scope, Store, keys};
+use store::{Attempt, Identity, MadeBy, Manifest, Scope, Store, keys};
 
 use crate::error::ImportError;
 use crate::settings::settings;
@@ -22,8 +22,7 @@ pub(crate) fn scenes_of(plan: &Manifest) -> Vec<u32> {
 /// Writes the plan of some scenes where another one stands, or none.
 pub(crate) fn write(
     store: &Store,
-    source: &Source,
-    name: &str,
+    (source, name, made_by): (&Source, &str, Option<&MadeBy>),
     surveys: &[&SceneSurvey],
     old: Option<&Manifest>,
 ) -> Result<(), ImportError> {
@@ -44,7 +43,7 @@ pub(crate) fn write(
         code_version: IMPORTED.to_owned(),
         config_hash: digest,
         inputs: BTreeMap::new(),
-        made_by: None,
+        made_by: made_by.cloned(),
     };
     let mut attempt = Attempt::start(store, identity, false)?;
     for (section, digest) in sections {

@@ -7,7 +7,7 @@ use schema::scene_info::LOG_STAGE;
 use schema::table::Row;
 use schema::tables::PlanSceneRow;
 use schema::{IMPORTED, is_imported};
-use store::{Failure, Manifest, Scope, Store};
+use store::{Failure, MadeBy, Manifest, Scope, Store};
 
 use crate::error::ImportError;
 use crate::plan;
@@ -22,6 +22,8 @@ pub struct Selection {
     pub scenes: Option<Vec<(u32, u32)>>,
     /// Import again what has been imported.
     pub force: bool,
+    /// The build at work, a remark in the manifests.
+    pub made_by: Option<MadeBy>,
 }
 
 impl Selection {
@@ -159,7 +161,7 @@ pub fn import(
     let todo: Vec<&SceneSurvey> = scenes.iter().filter(|scene| !done.contains(&scene.number)).collect();
     let results: Vec<(u32, Result<(), ImportError>)> = todo
         .par_iter()
-        .map(|survey| (survey.number, import_scene(source, store, survey, selection.force, watch)))
+        .map(|survey| (survey.number, import_scene(source, store, survey, selection, watch)))
         .collect();
     let mut made = 0;
     for (number, result) in results {
@@ -177,7 +179,7 @@ pub fn import(
     let mut all: Vec<&SceneSurvey> = scenes.iter().chain(&others).collect();
     all.sort_by_key(|survey| survey.number);
     if made + done.len() + others.len() > 0 {
-        plan::write(store, source, name, &all, plan.as_ref())?;
+        plan::write(store, (source, name, selection.made_by.as_ref()), &all, plan.as_ref())?;
     }
     Ok(Outcome { made, kept: done.len(), failed })
 }
@@ -186,7 +188,7 @@ fn import_scene(
     source: &Source,
     store: &Store,
     survey: &SceneSurvey,
-    force: bool,
+    selection: &Selection,
     watch: &dyn Watch,
 ) -> Result<(), ImportError> {
     let number = survey.number;
@@ -200,7 +202,8 @@ fn import_scene(
         digest: &survey.digest,
         bev_cell_m: survey.bev_cell_m,
         is_processed: survey.is_processed,
-        force,
+        force: selection.force,
+        made_by: selection.made_by.as_ref(),
         watch,
     };
     scene_unit::import(&order, &scene).map_err(|e| e.within(format!("scene {number}")))

@@ -98,7 +98,7 @@ fn stage(
         code_version: IMPORTED.to_owned(),
         config_hash: order.digest.to_owned(),
         inputs: BTreeMap::new(),
-        made_by: None,
+        made_by: order.made_by.cloned(),
     };
     let attempt = Attempt::start(order.store, identity, order.force)?;
     make(&attempt)?;

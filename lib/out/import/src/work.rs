@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use store::Store;
+use store::{MadeBy, Store};
 
 use crate::cast::Cast;
 use crate::error::ImportError;
@@ -29,6 +29,7 @@ pub(crate) struct Order<'a> {
     pub(crate) is_processed: bool,
     /// Again, even where it is done.
     pub(crate) force: bool,
+    pub(crate) made_by: Option<&'a MadeBy>,
     pub(crate) watch: &'a dyn Watch,
 }
 

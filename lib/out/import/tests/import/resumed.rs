@@ -139,7 +139,7 @@ fn somebody_elses_store_is_left_alone() {
     }
     std::fs::write(&infos, dataset::infos()).expect("written");
     let source = Source::open(folder.path()).expect("opens");
-    let selection = Selection { scenes: Some(vec![(0, 7)]), force: false };
+    let selection = Selection { scenes: Some(vec![(0, 7)]), ..Selection::default() };
     let refused = prospect(&source, &store, &selection).expect_err("refused").to_string();
     assert!(refused.contains("scenes {7} are not in its infos"), "{refused}");
     assert!(content(&store) == before);
