@@ -223,7 +223,7 @@ bench: build
 
 bench-kernels:
 	$(CARGO) bench --locked -p convoy-opendrive -p convoy-world -p convoy-traffic -p convoy-visibility \
-		-p convoy-sensors -p convoy-formats --benches
+		-p convoy-sensors -p convoy-codecs --benches
 	$(CARGO) bench --locked -p convoy-evaluation --bench scale
 	$(CARGO) bench --locked -p convoy-tests --bench labels
 

@@ -4,7 +4,7 @@
 
 use std::io::Cursor;
 
-use formats::{NpzReader, archive_of};
+use codecs::{NpzReader, archive_of};
 use libfuzzer_sys::fuzz_target;
 
 /// Larger arrays are refused.

@@ -3,8 +3,8 @@
 use std::fs::File;
 use std::io::BufReader;
 
+use codecs::NpzReader;
 use convoy_tests::{Bench, SMALL};
-use formats::NpzReader;
 use opendrive::{Corner, LaneType, Network, Object, Outline};
 use schema::BevClass;
 use schema::tables::AgentRow;

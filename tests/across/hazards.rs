@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufReader;
 
+use codecs::NpzReader;
 use convoy_tests::{Bench, SMALL};
-use formats::NpzReader;
 use nalgebra::Point3;
 use schema::scene_info::SceneInfo;
 use schema::tables::{ActorRow, AgentRow, BoxRow, PlanHazardRow, PlanSceneRow, StateRow};

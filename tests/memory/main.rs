@@ -4,8 +4,8 @@
 
 use std::collections::BTreeMap;
 
+use codecs::Scalar;
 use counts::PartialCounts;
-use formats::Scalar;
 use framewise::{FrameArray, FrameArrays, Labelled, Part, Writer, in_turn};
 use peak_alloc::PeakAlloc;
 use pipeline::{Progress, ProgressMode, StageError};

@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 
 use bev::{BevRasterizer, LaneRasterizer};
+use codecs::Scalar;
 use counts::PartialCounts;
-use formats::Scalar;
 use framewise::{FrameArray, FrameArrays};
 use pipeline::{At, Place, StageError};
 use replay::Replay;

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
+use codecs::images::AnimationWriter;
 use frames::{Object, Pose, World};
-use mapview::{Film, FilmWriter, Light, Look, StopBar, Thing, ViewOptions, Window, frame_png};
+use mapview::{Film, Light, Look, StopBar, Thing, ViewOptions, Window, frame_png};
 use nalgebra::Point3;
 use opendrive::{LaneHit, Map};
 use pipeline::{At, Place, StageError};
@@ -100,7 +101,8 @@ fn film(
     let shown: Vec<u32> = (0..log.frame_count()).step_by(every as usize).collect();
     let millis = (1000.0 * f64::from(every) * schema::FRAME_PERIOD_S).round().clamp(1.0, 60_000.0) as u16;
     let mut bytes = Vec::new();
-    let mut writer = FilmWriter::new(&mut bytes, film.size_px(), shown.len() as u32, millis).at(picture)?;
+    let mut writer =
+        AnimationWriter::new(&mut bytes, film.size_px(), shown.len() as u32, millis).at(picture)?;
     for frame in shown {
         let (bars, things) = cast.at(&log, frame);
         let time_s = f64::from(frame) * schema::FRAME_PERIOD_S;

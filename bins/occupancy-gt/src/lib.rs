@@ -1,7 +1,7 @@
 //! The occupancy stage: a voxel grid around every agent at every frame.
 
+use codecs::Scalar;
 use counts::PartialCounts;
-use formats::Scalar;
 use framewise::{FrameArray, FrameArrays, label_agents};
 use pipeline::{At, Job, Place, Stage, StageError};
 use renderer::VoxelRenderer;

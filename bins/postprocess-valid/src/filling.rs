@@ -1,8 +1,8 @@
 //! Filled voxel grids.
 
+use codecs::{Array, Scalar};
 use counts::PartialCounts;
 use fill::Filler;
-use formats::{Array, Scalar};
 use framewise::{FrameArray, FrameArrays, Labelled, write_labels};
 use pipeline::{At, Job, Place, StageError};
 use scene::{ArrayReader, SceneReader};

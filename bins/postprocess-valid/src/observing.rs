@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 use carve::{Lattice, Sweep, carve};
+use codecs::Scalar;
 use counts::PartialCounts;
-use formats::Scalar;
 use framewise::{FrameArray, FrameArrays, Labelled, write_labels};
 use pipeline::{At, Job, Place, StageError};
 use scene::{SceneError, SceneReader};

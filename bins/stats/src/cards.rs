@@ -10,7 +10,7 @@ use schema::tables::CameraRow;
 use schema::{AgentId, ImageKind};
 
 /// Width of a picture, pixels, and its quality.
-const WIDTH_PX: u16 = 320;
+const WIDTH_PX: u32 = 320;
 const JPEG_QUALITY: u8 = 80;
 /// The frame that is shown, if there are as many: everybody has set off by then.
 const FRAME: u32 = 20;
@@ -63,7 +63,7 @@ fn of_camera(
     let frame = FRAME.min(last) / every * every;
     let mut images = SensorFrames::<CameraRow>::open(scene, agent, &camera.name, (info.frames, every))?;
     let Some(row) = images.at(frame)? else { return Ok(None) };
-    Ok(Some(thumbnail::shrink(&row.image.0, WIDTH_PX, JPEG_QUALITY)?))
+    Ok(Some(codecs::images::shrink(&row.image.0, WIDTH_PX, JPEG_QUALITY)?))
 }
 
 #[cfg(test)]

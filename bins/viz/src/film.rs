@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
 use arguments::viz::{FilmArgs, ShownBoxes};
-use mapview::{FilmWriter, RasterError};
+use codecs::images::{AnimationWriter, ImageError};
 use pictures::{Canvas, Panel, Sheet, draw_sheet};
 use pipeline::{OutputFile, say};
 use scene::SensorKind;
@@ -64,18 +64,18 @@ struct Film<'f, W: Write> {
     file: Option<&'f mut W>,
     frames: u32,
     step_s: f64,
-    open: Option<(FilmWriter<&'f mut W>, Option<Movie>)>,
+    open: Option<(AnimationWriter<&'f mut W>, Option<Movie>)>,
 }
 
 impl<W: Write> Film<'_, W> {
-    fn failed(&self, fault: &RasterError) -> VizError {
+    fn failed(&self, fault: &ImageError) -> VizError {
         VizError::Refused(format!("{}: {fault}", self.path.display()))
     }
 
     fn push(&mut self, canvas: Canvas) -> Result<(), VizError> {
         if let Some(file) = self.file.take() {
             let millis = (1000.0 * self.step_s).round().clamp(1.0, 60_000.0) as u16;
-            let writer = FilmWriter::new(file, canvas.size(), self.frames, millis);
+            let writer = AnimationWriter::new(file, canvas.size(), self.frames, millis);
             let movie = Movie::begin(&self.path.with_extension("mp4"), canvas.size(), self.step_s);
             self.open = Some((writer.map_err(|e| self.failed(&e))?, movie));
         }

@@ -1,7 +1,7 @@
 //! Faults of arrays, and those that need two files to agree.
 
 use arrow_array::types::Float32Type;
-use formats::Scalar;
+use codecs::Scalar;
 
 use super::tools::{
     FRAME, Plant, a_voxel, array, change, far_cells, raise, recell, repaint, reseen, reshape, sensor,

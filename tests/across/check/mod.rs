@@ -8,8 +8,8 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use codecs::NpzReader;
 use convoy_tests::{Bench, Outcome, TINY, program};
-use formats::NpzReader;
 use parquet::arrow::arrow_reader::ArrowReaderMetadata;
 use rayon::prelude::*;
 

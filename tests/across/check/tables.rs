@@ -10,7 +10,7 @@ use arrow_array::types::{
 use arrow_array::{Array, ArrayRef, ListArray, RecordBatch, StringArray};
 use arrow_buffer::OffsetBuffer;
 use arrow_schema::DataType;
-use formats::{NpzReader, NpzWriter, Scalar, encode_member};
+use codecs::{NpzReader, NpzWriter, Scalar, encode_member};
 use serde_json::Value;
 
 use super::tools::{

@@ -5,8 +5,8 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use codecs::{NpzReader, NpzWriter, Scalar, encode_member};
 use convoy_tests::{Bench, Outcome, program};
-use formats::{NpzReader, NpzWriter, Scalar, encode_member};
 use serde_json::Value;
 
 const CLASSES: usize = 14;

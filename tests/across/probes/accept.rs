@@ -19,6 +19,7 @@ fn needed(stated: &Stated, made: &Digests) -> BTreeMap<String, u32> {
 /// Not a test: it writes. All probes in one process, since they raise numbers of one file.
 #[test]
 #[ignore = "writes versions.toml and tests/probes: run by `make accept-bytes`"]
+#[expect(clippy::print_stdout, reason = "what `make accept-bytes` has to say")]
 fn accept_bytes() {
     let versions = Versions::read();
     let (mut least, mut all) = (BTreeMap::<String, u32>::new(), Vec::new());

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use formats::{NpzWriter, Scalar, encode_member, frame_member};
+use codecs::{NpzWriter, Scalar, encode_member, frame_member};
 use frames::{OrientedBox, Pose};
 use pictures::Canvas;
 use schema::arrays::{ArrayKind, BEV_MASKS, VOXEL_GRIDS};

@@ -1,7 +1,5 @@
 //! Things that move over a map, frame by frame.
 
-use std::io::Write;
-
 use frames::math::sin_cos;
 use nalgebra::Point3;
 use opendrive::Map;
@@ -303,53 +301,6 @@ fn stop_bar(page: &Page, bar: &StopBar, picture: &mut Picture) {
     }
 }
 
-/// Writes frames of the same size as an animated PNG: each says only what differs from the one before.
-pub struct FilmWriter<W: Write> {
-    writer: png::Writer<W>,
-    last: Vec<u8>,
-}
-
-impl<W: Write> FilmWriter<W> {
-    /// Begins a file for so many frames, each shown for `millis` milliseconds.
-    ///
-    /// # Errors
-    /// The file cannot be written, or there are no frames.
-    pub fn new(file: W, size_px: [u32; 2], frames: u32, millis: u16) -> Result<Self, RasterError> {
-        let mut encoder = png::Encoder::new(file, size_px[0], size_px[1]);
-        encoder.set_color(png::ColorType::Rgba);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_animated(frames, 0)?;
-        encoder.set_frame_delay(millis, 1000)?;
-        encoder.set_blend_op(png::BlendOp::Over)?;
-        encoder.set_dispose_op(png::DisposeOp::None)?;
-        Ok(Self { writer: encoder.write_header()?, last: Vec::new() })
-    }
-
-    /// Adds a frame.
-    ///
-    /// # Errors
-    /// The file cannot be written, or the frame has another size.
-    pub fn push(&mut self, frame: Vec<u8>) -> Result<(), RasterError> {
-        let mut changed = frame.clone();
-        for (now, before) in changed.chunks_exact_mut(4).zip(self.last.chunks_exact(4)) {
-            if now == before {
-                now.fill(0);
-            }
-        }
-        self.writer.write_image_data(&changed)?;
-        self.last = frame;
-        Ok(())
-    }
-
-    /// Ends the file.
-    ///
-    /// # Errors
-    /// The file cannot be written, or frames are missing.
-    pub fn finish(self) -> Result<(), RasterError> {
-        Ok(self.writer.finish()?)
-    }
-}
-
 /// One frame as a PNG file.
 ///
 /// # Errors
@@ -410,28 +361,5 @@ mod tests {
         // Nothing is painted beyond the map.
         assert_eq!(film.frame(&[], &[car([59.0, -20.0], 0.0)], "")[..4 * width], plain[..4 * width]);
         assert_eq!(film.frame(&[], &[car([600.0, -20.0], 0.0)], ""), plain);
-    }
-
-    #[test]
-    fn frames_come_back_from_the_file() {
-        let film = film();
-        let frames: Vec<Vec<u8>> =
-            (0..4).map(|i| film.frame(&[], &[car([f64::from(i), -20.0], 0.1)], "a")).collect();
-        let mut file = Vec::new();
-        let mut writer = FilmWriter::new(&mut file, film.size_px(), 4, 100).expect("begins");
-        frames.iter().for_each(|f| writer.push(f.clone()).expect("fits"));
-        writer.finish().expect("whole");
-        let mut reader = png::Decoder::new(std::io::Cursor::new(&file)).read_info().expect("is a PNG");
-        let mut shown = vec![0; frames[0].len()];
-        for frame in &frames {
-            let mut next = vec![0; reader.output_buffer_size().expect("small")];
-            reader.next_frame(&mut next).expect("is there");
-            for (to, from) in shown.chunks_exact_mut(4).zip(next.chunks_exact(4)) {
-                if from[3] == 255 {
-                    to.copy_from_slice(from);
-                }
-            }
-            assert!(shown == *frame);
-        }
     }
 }

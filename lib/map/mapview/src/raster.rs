@@ -1,5 +1,6 @@
 //! Pictures as pixels.
 
+use codecs::images::{ImageError, Pixels, PngStyle, encode_png};
 use tiny_skia::{FillRule, LineCap, LineJoin, PathBuilder, Pixmap, StrokeDash, Transform};
 
 use crate::letters;
@@ -13,8 +14,8 @@ pub enum RasterError {
     #[error("a picture of {0:.0} x {1:.0} pixels does not fit into memory")]
     TooLarge(f64, f64),
     /// The PNG could not be encoded.
-    #[error("cannot encode the PNG: {0}")]
-    Encode(#[from] png::EncodingError),
+    #[error("the picture {0}")]
+    Encode(ImageError),
 }
 
 impl Picture {
@@ -52,14 +53,7 @@ pub(crate) fn paint_all(pixels: &mut Pixmap, picture: &Picture) {
 pub(crate) fn encode(rgba: &[u8], [width, height]: [u32; 2]) -> Result<Vec<u8>, RasterError> {
     // The sheet is opaque: three channels say it all.
     let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(&rgb)?;
-    writer.finish()?;
-    Ok(bytes)
+    encode_png([width, height], &Pixels::Rgb(&rgb), PngStyle::SMALL).map_err(RasterError::Encode)
 }
 
 fn colour([r, g, b, a]: Colour) -> tiny_skia::Color {

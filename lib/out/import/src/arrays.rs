@@ -3,8 +3,8 @@
 use std::fs::File;
 use std::path::Path;
 
+use codecs::{DType, EncodedMember, NpzError, NpzReader, NpzWriter, Scalar, frame_member};
 use counts::PartialCounts;
-use formats::{DType, EncodedMember, NpzError, NpzReader, NpzWriter, Scalar, frame_member};
 use rayon::prelude::*;
 use schema::arrays::ArrayKind;
 use schema::measures::bev::{BEV_CELLS, BEV_GRIDS, BEV_HEAT, bin_of_block, heat_block, heat_blocks};
@@ -192,7 +192,7 @@ fn counted(agent: &str, arrays: &Arrays<'_>, cells: &[u64], grids: u64) -> Parti
 
 #[cfg(test)]
 mod tests {
-    use formats::{archive_of, encode_member};
+    use codecs::{archive_of, encode_member};
 
     use super::*;
 

@@ -107,7 +107,7 @@ fn shape_of(text: &str) -> Option<Vec<usize>> {
 
 #[cfg(test)]
 mod tests {
-    use formats::{Scalar, npy_header};
+    use codecs::{Scalar, npy_header};
 
     use super::*;
 

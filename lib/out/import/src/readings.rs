@@ -3,7 +3,8 @@
 use std::fs::File;
 use std::path::Path;
 
-use formats::{Array, DType, NpzReader, Scalar};
+use codecs::images::{jpeg_size, png_size};
+use codecs::{Array, DType, NpzReader, Scalar};
 use schema::table::Blob;
 use schema::tables::{CameraRow, FlowRow, GnssRow, ImuRow, LidarRow, RadarRow, SemanticLidarRow};
 use schema::{FRAME_PERIOD_S, ImageKind, SensorKind, Tag};
@@ -11,7 +12,8 @@ use schema::{FRAME_PERIOD_S, ImageKind, SensorKind, Tag};
 use crate::cast::Cast;
 use crate::error::ImportError;
 use crate::folder::{Folder, read_file};
-use crate::{npy, pictures};
+use crate::npy;
+use crate::pictures::LIMITS;
 
 /// Most bytes of a picture, of a receiver's reading, and of a sweep's and a flow's array.
 const MAX_PICTURE: u64 = 1 << 28;
@@ -60,13 +62,11 @@ pub(crate) fn read(
         }
         SensorKind::Image(image) => {
             let bytes = read_file(&path, MAX_PICTURE)?;
-            let size = if image == ImageKind::Rgb {
-                pictures::jpeg_size(&bytes)
-            } else {
-                pictures::png_size(&bytes)
-            };
-            size.map(|size| {
-                Reading::Image(CameraRow { frame, time_s: time_s(frame), image: Blob(bytes) }, size)
+            let size =
+                if image == ImageKind::Rgb { jpeg_size(&bytes, LIMITS) } else { png_size(&bytes, LIMITS) };
+            size.map_err(|e| e.to_string()).map(|[width, height]| {
+                let row = CameraRow { frame, time_s: time_s(frame), image: Blob(bytes) };
+                Reading::Image(row, (width, height))
             })
         }
         SensorKind::Lidar => {

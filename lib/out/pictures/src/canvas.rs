@@ -1,5 +1,6 @@
 //! Pixels to draw on.
 
+use codecs::images::{Chroma, Pixels, PngStyle, encode_jpeg, encode_png};
 use mapview::Lettering;
 use tiny_skia::{
     FillRule, FilterQuality, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, PixmapPaint, Stroke,
@@ -179,30 +180,17 @@ impl Canvas {
     /// As a PNG file.
     ///
     /// # Errors
-    /// [`PictureError::Png`].
+    /// [`PictureError::Image`].
     pub fn to_png(&self) -> Result<Vec<u8>, PictureError> {
-        let mut bytes = Vec::new();
-        let [width, height] = self.size();
-        let mut encoder = png::Encoder::new(&mut bytes, width, height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&self.to_rgb())?;
-        writer.finish()?;
-        Ok(bytes)
+        Ok(encode_png(self.size(), &Pixels::Rgb(&self.to_rgb()), PngStyle::SMALL)?)
     }
 
     /// As a JPEG file of a quality, 1 to 100.
     ///
     /// # Errors
-    /// [`PictureError::Jpeg`].
+    /// [`PictureError::Image`].
     pub fn to_jpeg(&self, quality: u8) -> Result<Vec<u8>, PictureError> {
-        let [width, height] = self.size();
-        let mut bytes = Vec::new();
-        // Sides are at most `MOST_PX`.
-        let encoder = jpeg_encoder::Encoder::new(&mut bytes, quality.clamp(1, 100));
-        encoder.encode(&self.to_rgb(), width as u16, height as u16, jpeg_encoder::ColorType::Rgb)?;
-        Ok(bytes)
+        Ok(encode_jpeg(self.size(), &self.to_rgb(), quality, Chroma::ByQuality)?)
     }
 }
 
@@ -239,12 +227,8 @@ mod tests {
         assert_eq!(canvas.to_rgb(), rgb);
         assert_eq!(canvas.pixel([3, 1]), Some([21, 22, 23]));
         assert_eq!(canvas.pixel([4, 1]), None);
-        let mut reader = png::Decoder::new(std::io::Cursor::new(canvas.to_png().expect("encodes")))
-            .read_info()
-            .expect("is a PNG");
-        let mut back = vec![0; rgb.len()];
-        reader.next_frame(&mut back).expect("has pixels");
-        assert_eq!(back, rgb);
+        let (size, back) = crate::decode_png(&canvas.to_png().expect("encodes")).expect("is a PNG");
+        assert_eq!((size, back), ([4, 2], rgb.clone()));
         assert!(Canvas::from_rgb([4, 2], &rgb[1..]).is_err());
         assert!(Canvas::new([0, 2], [0; 3]).is_err() && Canvas::new([99_999, 2], [0; 3]).is_err());
     }

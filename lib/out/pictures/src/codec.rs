@@ -1,52 +1,25 @@
 //! Images of sensors as pixels.
 
-use std::io::Cursor;
-
-use zune_jpeg::JpegDecoder;
-use zune_jpeg::zune_core::colorspace::ColorSpace;
-use zune_jpeg::zune_core::options::DecoderOptions;
+use codecs::images::{self, Limits, RgbImage};
 
 use crate::{Canvas, PictureError};
-
-/// Largest side of an image, pixels.
-const MOST_PX: usize = 16_384;
-/// Most memory that decoding a PNG may take, bytes.
-const MOST_BYTES: usize = 1 << 30;
 
 /// The pixels of a JPEG file.
 ///
 /// # Errors
-/// [`PictureError::Decode`].
+/// [`PictureError::Image`].
 pub fn decode_jpeg(bytes: &[u8]) -> Result<Canvas, PictureError> {
-    let wrong = |problem: String| PictureError::Decode { kind: "JPEG", problem };
-    let options = DecoderOptions::default()
-        .jpeg_set_out_colorspace(ColorSpace::RGB)
-        .set_max_width(MOST_PX)
-        .set_max_height(MOST_PX);
-    let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), options);
-    let rgb = decoder.decode().map_err(|e| wrong(e.to_string()))?;
-    let (width, height) = decoder.dimensions().ok_or_else(|| wrong("it has no size".into()))?;
-    Canvas::from_rgb([width as u32, height as u32], &rgb)
+    let RgbImage { width, height, rgb } = images::decode_jpeg(bytes, Limits::SENSOR)?;
+    Canvas::from_rgb([width, height], &rgb)
 }
 
 /// The size and pixels of a PNG file of 8-bit red, green and blue: all that the sensors write.
 ///
 /// # Errors
-/// [`PictureError::Decode`].
+/// [`PictureError::Image`].
 pub fn decode_png(bytes: &[u8]) -> Result<([u32; 2], Vec<u8>), PictureError> {
-    let wrong = |problem: String| PictureError::Decode { kind: "PNG", problem };
-    let limits = png::Limits { bytes: MOST_BYTES };
-    let decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
-    let mut reader = decoder.read_info().map_err(|e| wrong(e.to_string()))?;
-    let info = reader.info();
-    let size = [info.width, info.height];
-    if (info.color_type, info.bit_depth) != (png::ColorType::Rgb, png::BitDepth::Eight) {
-        return Err(wrong("it is not of 8-bit red, green and blue".into()));
-    }
-    let len = reader.output_buffer_size().filter(|len| *len <= MOST_BYTES);
-    let mut rgb = vec![0; len.ok_or_else(|| wrong("it is too large".into()))?];
-    reader.next_frame(&mut rgb).map_err(|e| wrong(e.to_string()))?;
-    Ok((size, rgb))
+    let RgbImage { width, height, rgb } = images::decode_png(bytes, Limits::SENSOR)?;
+    Ok(([width, height], rgb))
 }
 
 #[cfg(test)]
@@ -72,8 +45,8 @@ mod tests {
         let canvas = Canvas::new([64, 32], [1, 2, 3]).expect("fits");
         let (jpeg, png) = (canvas.to_jpeg(80).expect("encodes"), canvas.to_png().expect("encodes"));
         for len in [0, 1, 10, 40] {
-            assert!(matches!(decode_jpeg(&jpeg[..len]), Err(PictureError::Decode { .. })), "{len}");
-            assert!(matches!(decode_png(&png[..len]), Err(PictureError::Decode { .. })), "{len}");
+            assert!(matches!(decode_jpeg(&jpeg[..len]), Err(PictureError::Image(_))), "{len}");
+            assert!(matches!(decode_png(&png[..len]), Err(PictureError::Image(_))), "{len}");
         }
         assert!(decode_png(&jpeg).is_err() && decode_jpeg(&png).is_err());
     }

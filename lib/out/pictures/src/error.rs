@@ -1,5 +1,7 @@
 //! Why a picture cannot be drawn.
 
+use codecs::images::ImageError;
+
 /// A picture cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -7,14 +9,9 @@ pub enum PictureError {
     /// It is too large, or has no pixels.
     #[error("a picture of {0} x {1} pixels cannot be made")]
     Size(u32, u32),
-    /// An image of a sensor is broken.
-    #[error("the {kind} cannot be decoded: {problem}")]
-    Decode {
-        /// What was to be decoded.
-        kind: &'static str,
-        /// Why.
-        problem: String,
-    },
+    /// An image cannot be decoded or encoded.
+    #[error("the image {0}")]
+    Image(#[from] ImageError),
     /// Arrays are not of the shape that they should have.
     #[error("{what}: {found} values, expected {expected}")]
     Shape {
@@ -33,10 +30,4 @@ pub enum PictureError {
         /// What they have.
         others: String,
     },
-    /// A PNG cannot be encoded.
-    #[error("cannot encode the PNG: {0}")]
-    Png(#[from] png::EncodingError),
-    /// A JPEG cannot be encoded.
-    #[error("cannot encode the JPEG: {0}")]
-    Jpeg(#[from] jpeg_encoder::EncodingError),
 }

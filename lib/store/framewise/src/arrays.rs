@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
+use codecs::{DEFAULT_LEVEL, EncodedMember, NpzError, NpzWriter, Scalar, encode_member, frame_member};
 use counts::PartialCounts;
-use formats::{DEFAULT_LEVEL, EncodedMember, NpzError, NpzWriter, Scalar, encode_member, frame_member};
 use pipeline::{At, Job, Place, Progress, StageError, StageSettings};
 use scene::SceneLog;
 use schema::arrays::ArrayKind;

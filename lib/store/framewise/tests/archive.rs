@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use codecs::{NpzReader, Scalar, frame_member};
 use counts::PartialCounts;
-use formats::{NpzReader, Scalar, frame_member};
 use framewise::{FrameArray, FrameArrays, Labelled};
 use pipeline::{At, Place, Progress, ProgressMode, StageError};
 use schema::AgentId;

@@ -1,6 +1,6 @@
 //! Arrays of an agent, one a frame or every so many frames.
 
-use formats::{Array, NpzError, NpzReader, PackedArray, frame_member};
+use codecs::{Array, NpzError, NpzReader, PackedArray, frame_member};
 use schema::AgentId;
 use schema::arrays::ArrayKind;
 use store::{ShardStream, StoreError, keys};

@@ -53,8 +53,8 @@ mod tests {
     #[test]
     fn comments_stand_at_the_end() {
         let archive = |comment: &str| {
-            let mut writer = formats::NpzWriter::new(Vec::new());
-            let member = formats::encode_member("0000.npy", formats::Scalar::U8, &[2], &[1, 2], 0);
+            let mut writer = codecs::NpzWriter::new(Vec::new());
+            let member = codecs::encode_member("0000.npy", codecs::Scalar::U8, &[2], &[1, 2], 0);
             writer.append(member.expect("encodes")).expect("fits");
             writer.set_comment(comment).expect("is short");
             writer.finish().expect("memory takes it")

@@ -1,14 +1,8 @@
 //! Pictures: decoded, coloured, with coarser copies.
 
-use std::io::Cursor;
-
+use codecs::images::{AnyImage, ImageError, Limits, decode_any};
 use frames::math;
-use png::{ColorType, Decoder, Limits, Transformations};
 use schema::skin::{Image, Level, Wrap};
-use zune_jpeg::JpegDecoder;
-use zune_jpeg::zune_core::bytestream::ZCursor;
-use zune_jpeg::zune_core::colorspace::ColorSpace;
-use zune_jpeg::zune_core::options::DecoderOptions;
 
 use crate::limits::{DETAIL_SIDE, IMAGE_SIDE};
 
@@ -51,68 +45,10 @@ pub(crate) struct Decoded {
 }
 
 /// Decodes a PNG or JPEG. Its size is looked at before anything is decoded.
-pub(crate) fn decode(bytes: &[u8]) -> Result<Decoded, String> {
-    if bytes.starts_with(b"\x89PNG") {
-        png(bytes)
-    } else if bytes.starts_with(&[0xff, 0xd8]) {
-        jpeg(bytes)
-    } else {
-        Err("is neither PNG nor JPEG".into())
-    }
-}
-
-fn check(width: usize, height: usize) -> Result<(), String> {
-    if width == 0 || height == 0 || width > IMAGE_SIDE || height > IMAGE_SIDE {
-        return Err(format!("is {width} x {height} pixels: at most {IMAGE_SIDE} x {IMAGE_SIDE} are read"));
-    }
-    Ok(())
-}
-
-fn png(bytes: &[u8]) -> Result<Decoded, String> {
-    // Room for eight bytes a pixel and the decoder's own buffers.
-    let limits = Limits { bytes: 16 * IMAGE_SIDE * IMAGE_SIDE };
-    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
-    decoder.set_ignore_text_chunk(true);
-    decoder.set_transformations(Transformations::EXPAND | Transformations::STRIP_16);
-    let header = decoder.read_header_info().map_err(|e| e.to_string())?;
-    check(header.width as usize, header.height as usize)?;
-    let mut reader = decoder.read_info().map_err(|e| e.to_string())?;
-    let size = reader.output_buffer_size().ok_or("is too large")?;
-    let mut data = vec![0; size];
-    let info = reader.next_frame(&mut data).map_err(|e| e.to_string())?;
-    let pixels = &data[..info.buffer_size()];
-    let texels: Vec<[u8; 3]> = match info.color_type {
-        ColorType::Rgb => pixels.as_chunks::<3>().0.to_vec(),
-        ColorType::Rgba => pixels.as_chunks::<4>().0.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect(),
-        ColorType::Grayscale => pixels.iter().map(|v| [*v; 3]).collect(),
-        ColorType::GrayscaleAlpha => pixels.as_chunks::<2>().0.iter().map(|[v, _]| [*v; 3]).collect(),
-        ColorType::Indexed => return Err("has a palette that was not expanded".into()),
-    };
-    let alpha = match info.color_type {
-        ColorType::Rgba => pixels.as_chunks::<4>().0.iter().map(|[.., a]| *a).collect(),
-        ColorType::GrayscaleAlpha => pixels.as_chunks::<2>().0.iter().map(|[_, a]| *a).collect(),
-        _ => Vec::new(),
-    };
-    Ok(Decoded { picture: level(info.width, info.height, texels)?, alpha })
-}
-
-fn jpeg(bytes: &[u8]) -> Result<Decoded, String> {
-    let options = DecoderOptions::default()
-        .jpeg_set_out_colorspace(ColorSpace::RGB)
-        .set_max_width(IMAGE_SIDE)
-        .set_max_height(IMAGE_SIDE);
-    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-    decoder.decode_headers().map_err(|e| e.to_string())?;
-    let (width, height) = decoder.dimensions().ok_or("has no size")?;
-    check(width, height)?;
-    let data = decoder.decode().map_err(|e| e.to_string())?;
-    let picture = level(width as u32, height as u32, data.as_chunks::<3>().0.to_vec())?;
-    Ok(Decoded { picture, alpha: Vec::new() })
-}
-
-fn level(width: u32, height: u32, texels: Vec<[u8; 3]>) -> Result<Level, String> {
-    let whole = texels.len() == width as usize * height as usize;
-    whole.then_some(Level { width, height, texels }).ok_or_else(|| "has not as many pixels as it says".into())
+pub(crate) fn decode(bytes: &[u8]) -> Result<Decoded, ImageError> {
+    let AnyImage { image, alpha } = decode_any(bytes, Limits::of_side(IMAGE_SIDE))?;
+    let texels = image.rgb.as_chunks::<3>().0.to_vec();
+    Ok(Decoded { picture: Level { width: image.width, height: image.height, texels }, alpha })
 }
 
 /// What the bytes of a picture are.

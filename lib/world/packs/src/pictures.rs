@@ -110,8 +110,9 @@ impl<'a, 'f> Pictures<'a, 'f> {
     fn decoded(&mut self, index: usize) -> Result<&Decoded, PackError> {
         if !self.decoded.contains_key(&index) {
             let bytes = self.document.picture(self.bag, index)?;
-            let decoded = decode(&bytes)
-                .map_err(|problem| PackError::file(&self.place, Problem::Picture { index, problem }))?;
+            let decoded = decode(&bytes).map_err(|e| {
+                PackError::file(&self.place, Problem::Picture { index, problem: e.to_string() })
+            })?;
             self.read_texels += decoded.picture.texels.len();
             if self.read_texels > limits::READ_TEXELS {
                 return Err(self.too_many_texels(index, limits::READ_TEXELS));

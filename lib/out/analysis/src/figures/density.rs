@@ -2,6 +2,7 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use codecs::images::{Pixels, PngStyle, encode_png};
 use frames::math::{ln, log10, pow};
 
 use super::svg::{Anchor, Svg};
@@ -160,16 +161,9 @@ fn level(value: f64, [low, high]: [f64; 2]) -> u8 {
 /// Levels as the address of a picture: a PNG within it.
 fn picture([columns, rows]: [usize; 2], levels: &[u8]) -> String {
     let palette: Vec<u8> = std::iter::once([0; 3]).chain((0..255).map(colour)).flatten().collect();
-    let mut png = Vec::new();
-    let mut encoder = png::Encoder::new(&mut png, columns as u32, rows as u32);
-    encoder.set_color(png::ColorType::Indexed);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_palette(palette);
-    encoder.set_trns(vec![0_u8]);
-    encoder.set_compression(png::Compression::High);
-    encoder.set_filter(png::Filter::NoFilter);
-    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(levels));
-    written.expect("memory takes every picture of as many levels as it has places");
+    let pixels = Pixels::Indexed(levels, &palette);
+    let png = encode_png([columns as u32, rows as u32], &pixels, PngStyle::INDEXED);
+    let png = png.expect("memory takes every picture of as many levels as it has places");
     format!("data:image/png;base64,{}", STANDARD.encode(png))
 }
 

@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use formats::{Array, DType, NpzError, NpzReader, Scalar, frame_member};
+use codecs::{Array, DType, NpzError, NpzReader, Scalar, frame_member};
 use half::f16;
 use schema::AgentId;
 

@@ -143,7 +143,7 @@ fn of_ego(
                     let cell_m = archive.cell_m.unwrap_or(about.cell_m);
                     let new = Grid::new((about.cells, about.cell_m), (cells, cell_m));
                     let new = new.map_err(|problem| {
-                        archive.fault(format!("{}: {problem}", formats::frame_member(frame)))
+                        archive.fault(format!("{}: {problem}", codecs::frame_member(frame)))
                     })?;
                     &mut grid.insert((cells, new)).1
                 }

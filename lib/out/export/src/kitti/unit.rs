@@ -8,7 +8,7 @@ use schema::tables::{AgentRow, BOXES_2D_TABLE, Box2dRow, CameraRow, GnssRow, Imu
 
 use super::pair::{MOST, Pair, Sequence};
 use super::{calib, label};
-use crate::picture::Picture;
+use crate::picture::png_of_jpeg;
 use crate::{ExportError, SceneSource, UnitFiles};
 
 schema::columns! {
@@ -52,8 +52,8 @@ pub(super) fn write(
         let missing = |what: &str| content(frame, format!("{what} has no reading"));
         let picture = pictures.at(frame)?.ok_or_else(|| missing(&pair.camera.name))?;
         let cloud = clouds.at(frame)?.ok_or_else(|| missing(&pair.lidar.name))?;
-        let png = Picture::from_jpeg(&picture.image.0).and_then(|picture| picture.to_png());
-        let png = png.map_err(|problem| content(frame, format!("{}: {problem}", pair.camera.name)))?;
+        let png = png_of_jpeg(&picture.image.0)
+            .map_err(|problem| content(frame, format!("{}: {problem}", pair.camera.name)))?;
         let (name, sequence) = (object_name(number, position), format!("{number:04}/{position:06}"));
         let image = format!("{tracking}/image_02/{sequence}.png");
         files.put(&image, &png)?;

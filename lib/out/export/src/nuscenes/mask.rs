@@ -2,6 +2,8 @@
 
 use std::io::Write;
 
+use codecs::images::{ImageError, PngStyle, write_grey_rows};
+
 use schema::tables::{VectorKind, VectorMapRow};
 
 /// Pixels a metre: devkits know no other.
@@ -144,41 +146,28 @@ fn shapes(elements: &[MapElement]) -> Vec<Shape> {
 
 /// Paints a map's mask as PNG, a few rows in memory at a time: 255 where one may drive, else 0. Pixel (i, j) is at global x = i / 10
 /// and y = (rows - j) / 10, as devkits have it.
-pub(crate) fn paint(
-    canvas: &Canvas,
-    elements: &[MapElement],
-    out: impl Write,
-) -> Result<(), png::EncodingError> {
+pub(crate) fn paint(canvas: &Canvas, elements: &[MapElement], out: impl Write) -> Result<(), ImageError> {
     let [columns, rows] = canvas.pixels;
-    let mut encoder = png::Encoder::new(out, columns, rows);
-    encoder.set_color(png::ColorType::Grayscale);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::Fast);
-    let mut writer = encoder.write_header()?;
-    let mut stream = writer.stream_writer()?;
     let mut shapes = shapes(elements);
     // Rows go from north to south.
     shapes.sort_by(|a, b| b.span[1].total_cmp(&a.span[1]));
     let height = |row: u32| canvas.origin_m[1] + f64::from(rows - row) / PIXELS_PER_M;
     let (mut next, mut near) = (0, Vec::<&Shape>::new());
-    let (mut line, mut crossings) = (vec![0; columns as usize], Vec::new());
-    for top in (0..rows).step_by(STRIP_ROWS as usize) {
-        let bottom = (top + STRIP_ROWS).min(rows);
-        while let Some(shape) = shapes.get(next).filter(|shape| shape.span[1] >= height(bottom - 1)) {
-            near.push(shape);
-            next += 1;
-        }
-        near.retain(|shape| shape.span[0] <= height(top));
-        for row in top..bottom {
-            line.fill(0);
-            let y = height(row);
-            for shape in near.iter().filter(|shape| shape.span[0] <= y && y <= shape.span[1]) {
-                shape.fill(y, canvas.origin_m[0], &mut line, &mut crossings);
+    let mut crossings = Vec::new();
+    write_grey_rows(out, [columns, rows], PngStyle::FAST, |row, line| {
+        if row % STRIP_ROWS == 0 {
+            let bottom = (row + STRIP_ROWS).min(rows);
+            while let Some(shape) = shapes.get(next).filter(|shape| shape.span[1] >= height(bottom - 1)) {
+                near.push(shape);
+                next += 1;
             }
-            stream.write_all(&line)?;
+            near.retain(|shape| shape.span[0] <= height(row));
         }
-    }
-    stream.finish()
+        let y = height(row);
+        for shape in near.iter().filter(|shape| shape.span[0] <= y && y <= shape.span[1]) {
+            shape.fill(y, canvas.origin_m[0], line, &mut crossings);
+        }
+    })
 }
 
 #[cfg(test)]

@@ -2,7 +2,8 @@
 //!
 //! A point x ahead and y to the right of the agent lies at row 128 - 2.56 x, column 128 + 2.56 y.
 
-use formats::Array;
+use codecs::Array;
+use codecs::images::ImageError;
 use frames::{Agent, Pose, World};
 use nalgebra::Point3;
 use schema::BevClass;
@@ -80,8 +81,8 @@ impl Mask {
     }
 
     /// As an 8-bit grey PNG.
-    pub(super) fn to_png(&self) -> Result<Vec<u8>, String> {
-        crate::picture::grey_png(SIDE as u32, SIDE as u32, &self.0)
+    pub(super) fn to_png(&self) -> Result<Vec<u8>, ImageError> {
+        crate::picture::grey_png([SIDE as u32; 2], &self.0)
     }
 }
 
@@ -177,7 +178,7 @@ pub(super) fn lane_picture(lanes: &LaneLines, world_from_agent: &Pose<World, Age
 
 #[cfg(test)]
 mod tests {
-    use formats::{DType, Scalar};
+    use codecs::{DType, Scalar};
 
     use super::*;
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use codecs::images::{ImageError, Limits, decode_png};
 use frames::{Agent, Pose, Sensor, World};
 use scene::{ArrayReader, BoxFrames, LabelledBox, SensorEntry, SensorFrames};
 use schema::arrays::BEV_MASKS;
@@ -20,7 +21,7 @@ use super::lanes::LaneLines;
 use super::options::{Options, Variant, scenario, split_of};
 use super::record::{map, number, numbers, to_json, to_yaml};
 use super::vehicles::{kmh, listed, listed_class};
-use crate::picture::{Picture, grey_png};
+use crate::picture::{grey_png, png_of_jpeg};
 use crate::{ExportError, SceneSource, UnitFiles};
 
 /// Frames that a trajectory looks ahead.
@@ -234,15 +235,15 @@ impl<'a> Unit<'a> {
         files: &mut UnitFiles<'_>,
     ) -> Result<(), ExportError> {
         let wrong = |problem| content(self.scene, self.member, frame, problem);
-        let of = |sensor: &SensorEntry, problem| wrong(format!("{}: {problem}", sensor.name));
+        let of = |sensor: &SensorEntry, error: ImageError| wrong(format!("{}: {error}", sensor.name));
         let cameras = self.member.cameras.iter().flatten();
         for (number, CameraPair { color, depth }) in cameras.enumerate() {
             let row = reading(&mut self.pictures[number], frame, color, wrong)?;
-            let png = Picture::from_jpeg(&row.image.0).and_then(|picture| picture.to_png());
-            files.put(&format!("{main}_camera{number}.png"), &png.map_err(|problem| of(color, problem))?)?;
+            let png = png_of_jpeg(&row.image.0).map_err(|error| of(color, error))?;
+            files.put(&format!("{main}_camera{number}.png"), &png)?;
             let (Some(rows), Some(depth)) = (&mut self.depths[number], depth) else { continue };
             let row = reading(rows, frame, depth, wrong)?;
-            let png = depth_png(&row.image.0).map_err(|problem| of(depth, problem))?;
+            let png = depth_png(&row.image.0).map_err(|error| of(depth, error))?;
             files.put(&format!("{hetero}_depth{number}.png"), &png)?;
         }
         Ok(())
@@ -280,7 +281,8 @@ impl<'a> Unit<'a> {
             masks.extend(above.masks(frame, &world_from_agent, wrong)?);
         }
         for (kind, mask) in masks {
-            let png = mask.to_png().map_err(|problem| content(self.scene, self.member, frame, problem))?;
+            let png =
+                mask.to_png().map_err(|error| content(self.scene, self.member, frame, error.to_string()))?;
             files.put(&format!("{main}_bev_{kind}.png"), &png)?;
         }
         Ok(())
@@ -356,12 +358,12 @@ fn matrix<const R: usize, const C: usize>(rows: [[f64; C]; R]) -> Value {
 }
 
 /// Depth in whole metres, up to 255, as a grey picture.
-fn depth_png(png: &[u8]) -> Result<Vec<u8>, String> {
-    let picture = Picture::from_png(png)?;
+fn depth_png(png: &[u8]) -> Result<Vec<u8>, ImageError> {
+    let picture = decode_png(png, Limits::SENSOR)?;
     let metres = |rgb: &[u8; 3]| {
         let code = u32::from_le_bytes([rgb[0], rgb[1], rgb[2], 0]);
         (1000.0 * f64::from(code) / f64::from((1 << 24) - 1)).round().min(255.0) as u8
     };
     let grey: Vec<u8> = picture.rgb.as_chunks::<3>().0.iter().map(metres).collect();
-    grey_png(picture.width, picture.height, &grey)
+    grey_png([picture.width, picture.height], &grey)
 }

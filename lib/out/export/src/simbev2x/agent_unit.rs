@@ -1,6 +1,6 @@
 //! The unit of an agent: its sensors, grids and masks.
 
-use formats::{DType, Scalar};
+use codecs::{DType, Scalar};
 use scene::{ArrayReader, SensorEntry};
 use schema::arrays::{ArrayKind, BEV_MASKS, FILLED_VOXEL_GRIDS, VOXEL_GRIDS};
 use schema::table::Row;

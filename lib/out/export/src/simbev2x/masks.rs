@@ -1,6 +1,6 @@
 //! BEV masks as pictures.
 
-use jpeg_encoder::{ColorType, Encoder, EncodingError, SamplingFactor};
+use codecs::images::{Chroma, ImageError, encode_jpeg};
 use schema::BevClass;
 use schema::palette::bev_cityscapes_rgb;
 
@@ -27,7 +27,7 @@ impl Palette {
 }
 
 /// The picture of `cells` x `cells` masks: on white, later channels over earlier ones.
-pub(super) fn picture(masks: &[u8], cells: usize, palette: Palette) -> Result<Vec<u8>, EncodingError> {
+pub(super) fn picture(masks: &[u8], cells: usize, palette: Palette) -> Result<Vec<u8>, ImageError> {
     let rgb = painted(masks, cells, palette);
     jpeg(&rgb, cells, QUALITY)
 }
@@ -44,13 +44,8 @@ fn painted(masks: &[u8], cells: usize, palette: Palette) -> Vec<u8> {
 }
 
 /// A square picture.
-pub(super) fn jpeg(rgb: &[u8], side: usize, quality: u8) -> Result<Vec<u8>, EncodingError> {
-    let mut bytes = Vec::new();
-    let mut encoder = Encoder::new(&mut bytes, quality);
-    encoder.set_sampling_factor(SamplingFactor::F_2_2);
-    // Masks of more than 65,535 cells a side do not fit into memory.
-    encoder.encode(rgb, side as u16, side as u16, ColorType::Rgb)?;
-    Ok(bytes)
+pub(super) fn jpeg(rgb: &[u8], side: usize, quality: u8) -> Result<Vec<u8>, ImageError> {
+    encode_jpeg([side as u32; 2], rgb, quality, Chroma::Half)
 }
 
 #[cfg(test)]

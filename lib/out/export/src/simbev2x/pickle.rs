@@ -3,7 +3,7 @@
 //! Classes go by the module names of numpy 1 (`numpy.core.multiarray`), which numpy 2 understands, too; the other way round it
 //! does not. What returns (keys, types, the words of modules) is written once and recalled from the memo.
 
-use formats::NpzError;
+use codecs::NpzError;
 
 /// A value of a record.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +27,7 @@ pub(super) type Record = Vec<(&'static str, Value)>;
 
 /// A file as `numpy.save(..., allow_pickle=True)` writes it of an array of dictionaries.
 pub(super) fn object_file(records: &[Record]) -> Result<Vec<u8>, NpzError> {
-    let mut out = formats::npy_object_header("GT_DET", &[records.len()])?;
+    let mut out = codecs::npy_object_header("GT_DET", &[records.len()])?;
     out.reserve(1200 * records.len());
     let mut pickle = Pickle { out, known: Vec::new() };
     pickle.op(b"\x80\x03");

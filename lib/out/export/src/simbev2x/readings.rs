@@ -1,6 +1,6 @@
 //! Readings of sensors as files of the layout.
 
-use formats::{DType, EncodedMember, NpzError, Repeats, Scalar, archive_of, encode_records, npy_header};
+use codecs::{DType, EncodedMember, NpzError, Repeats, Scalar, archive_of, encode_records, npy_header};
 use scene::{SensorEntry, SensorFrames, SensorKind};
 use schema::table::{Framed, Row};
 use schema::tables::{CameraRow, FlowRow, GnssRow, ImuRow, LidarRow, RadarRow, SemanticLidarRow};
@@ -178,7 +178,7 @@ fn imu(row: &ImuRow) -> [f64; 7] {
 mod tests {
     use std::io::Cursor;
 
-    use formats::{Array, NpzReader};
+    use codecs::{Array, NpzReader};
 
     use super::*;
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use formats::{EncodedMember, NpzWriter};
+use codecs::{EncodedMember, NpzWriter};
 use scene::BoxFrames;
 use schema::scene_info::{LOG_STAGE, SceneInfo};
 use schema::table::Row;
@@ -150,7 +150,7 @@ fn write_lanes(scene: &SceneSource, files: &mut UnitFiles<'_>) -> Result<(), Exp
 fn log(scene: &SceneSource) -> Result<Vec<u8>, ExportError> {
     let (reader, number) = (scene.reader(), scene.number());
     let folder = keys::scene(number, "log/");
-    let wrong = |e: formats::NpzError| ExportError::Content {
+    let wrong = |e: codecs::NpzError| ExportError::Content {
         scene: number,
         frame: None,
         agent: None,

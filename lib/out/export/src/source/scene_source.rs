@@ -235,7 +235,7 @@ impl SceneSource {
     /// # Errors
     /// As [`ArrayReader::open`].
     pub fn arrays(&self, kind: &ArrayKind, agent: AgentId) -> Result<ArrayReader, ExportError> {
-        Ok(ArrayReader::open(&self.reader, kind, agent, formats::DEFAULT_MAX_BYTES)?)
+        Ok(ArrayReader::open(&self.reader, kind, agent, codecs::DEFAULT_MAX_BYTES)?)
     }
 
     /// Bytes that an agent's wanted sensors take in the store.

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use formats::{Scalar, archive_of, encode_member, npy_header, npy_object_header};
+use codecs::{Scalar, archive_of, encode_member, npy_header, npy_object_header};
 
 /// Frames of the scene.
 pub(crate) const FRAMES: usize = 5;

@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use formats::NpzReader;
+use codecs::NpzReader;
 use import_core::{Rigs, Scene, json, npy, scan};
 use random::Stream;
 

@@ -1,5 +1,6 @@
 //! Depth pictures as metres.
 
+use codecs::images::{ImageError, Limits, decode_png};
 use scene::{SensorEntry, SensorFrames};
 use schema::AgentId;
 use schema::tables::CameraRow;
@@ -65,17 +66,11 @@ impl Track for DepthTrack {
 }
 
 /// Width, height and metres as little-endian `f32` of a picture whose red is the lowest byte of the code.
-fn decode(png: &[u8]) -> Result<(u32, u32, Vec<u8>), String> {
-    let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().map_err(|e| e.to_string())?;
-    let size = reader.output_buffer_size().ok_or("it is too large")?;
-    let mut pixels = vec![0; size];
-    let info = reader.next_frame(&mut pixels).map_err(|e| e.to_string())?;
-    if (info.color_type, info.bit_depth) != (png::ColorType::Rgb, png::BitDepth::Eight) {
-        return Err("it is not of 8-bit red, green and blue".into());
-    }
-    let codes = pixels[..info.buffer_size()].chunks_exact(3);
+fn decode(png: &[u8]) -> Result<(u32, u32, Vec<u8>), ImageError> {
+    let image = decode_png(png, Limits::SENSOR)?;
+    let codes = image.rgb.chunks_exact(3);
     let metres = codes.flat_map(|code| metres_of([code[0], code[1], code[2]]).to_le_bytes()).collect();
-    Ok((info.width, info.height, metres))
+    Ok((image.width, image.height, metres))
 }
 
 fn metres_of([low, middle, high]: [u8; 3]) -> f32 {

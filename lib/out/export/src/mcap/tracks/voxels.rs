@@ -1,6 +1,6 @@
 //! Voxel grids near an agent, cells joined to larger ones.
 
-use formats::Array;
+use codecs::Array;
 use scene::ArrayReader;
 use schema::arrays::{ArrayKind, VOXEL_CELLS, VOXEL_GRIDS};
 use schema::{AgentId, Tag};
@@ -193,7 +193,7 @@ fn coloured(tags: &[u8]) -> Option<Packed> {
 
 #[cfg(test)]
 mod tests {
-    use formats::{DType, Scalar};
+    use codecs::{DType, Scalar};
 
     use super::*;
 

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use std::path::PathBuf;
 use std::process::Command;
 
-use formats::{
+use codecs::{
     DEFAULT_LEVEL, DType, NpzReader, NpzWriter, Repeats, Scalar, encode_member, encode_records, npy_header,
 };
 
@@ -21,7 +21,7 @@ struct Folder(PathBuf);
 
 impl Folder {
     fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("convoy-formats-{name}-{}", std::process::id()));
+        let path = std::env::temp_dir().join(format!("convoy-codecs-{name}-{}", std::process::id()));
         fs::create_dir_all(&path).expect("a temporary folder");
         Self(path)
     }
@@ -152,7 +152,7 @@ fn python_reads_more_members_than_16_bits_count() {
     let folder = Folder::new("many");
     let mut writer = NpzWriter::new(Vec::new());
     for k in 0..65_540_u32 {
-        let member = encode_member(&formats::frame_member(k), Scalar::U32, &[1], &k.to_le_bytes(), 0);
+        let member = encode_member(&codecs::frame_member(k), Scalar::U32, &[1], &k.to_le_bytes(), 0);
         writer.append(member.expect("valid")).expect("in memory");
     }
     let archive = writer.finish().expect("in memory");

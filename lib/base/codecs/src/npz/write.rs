@@ -18,13 +18,13 @@ const UNIX_MODE: u32 = 0o100_644;
 /// depend on data alone.
 ///
 /// ```
-/// use formats::{DEFAULT_LEVEL, NpzWriter, Scalar, encode_member, frame_member};
+/// use codecs::{DEFAULT_LEVEL, NpzWriter, Scalar, encode_member, frame_member};
 ///
 /// let mut writer = NpzWriter::new(Vec::new());
 /// writer.append(encode_member(&frame_member(7), Scalar::U8, &[2], &[1, 2], DEFAULT_LEVEL)?)?;
 /// let archive = writer.finish()?;
 /// assert!(archive.starts_with(b"PK"));
-/// # Ok::<(), formats::NpzError>(())
+/// # Ok::<(), codecs::NpzError>(())
 /// ```
 // `rawzip` rather than `zip`: it takes members that are compressed already, as those are that were encoded on all
 // threads, writes to a stream that cannot seek, and has no dependencies.

@@ -39,7 +39,7 @@ pub struct PackedArray {
 ///
 /// ```
 /// use std::io::Cursor;
-/// use formats::{NpzError, NpzReader, NpzWriter, Scalar, encode_member};
+/// use codecs::{NpzError, NpzReader, NpzWriter, Scalar, encode_member};
 ///
 /// let mut writer = NpzWriter::new(Vec::new());
 /// writer.append(encode_member("points.npy", Scalar::U16, &[2], &[1, 0, 2, 0], 0)?)?;
@@ -161,7 +161,7 @@ impl<R: Read + Seek> NpzReader<R> {
     ///
     /// ```
     /// use std::io::Cursor;
-    /// use formats::{NpzReader, NpzWriter, Scalar, encode_member};
+    /// use codecs::{NpzReader, NpzWriter, Scalar, encode_member};
     ///
     /// let mut many = NpzWriter::new(Vec::new());
     /// many.append(encode_member("0007.npy", Scalar::U8, &[3], &[1, 2, 3], 2)?)?;
@@ -171,7 +171,7 @@ impl<R: Read + Seek> NpzReader<R> {
     /// one.append(packed.member.renamed("data.npy")?)?;
     /// let array = NpzReader::new(Cursor::new(one.finish()?))?.read("data.npy")?;
     /// assert_eq!(array.bytes, [1, 2, 3]);
-    /// # Ok::<(), formats::NpzError>(())
+    /// # Ok::<(), codecs::NpzError>(())
     /// ```
     pub fn read_packed(&mut self, name: &str) -> Result<PackedArray, NpzError> {
         let entry = self.entry(name)?;

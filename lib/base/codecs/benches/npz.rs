@@ -5,8 +5,8 @@
 use std::hint::black_box;
 use std::io::Cursor;
 
+use codecs::{DEFAULT_LEVEL, EncodedMember, NpzReader, NpzWriter, Scalar, encode_member};
 use divan::Bencher;
-use formats::{DEFAULT_LEVEL, EncodedMember, NpzReader, NpzWriter, Scalar, encode_member};
 
 const SHAPE: [usize; 3] = [1280, 1280, 80];
 

@@ -2,8 +2,8 @@
 
 use std::io::Read;
 
+use codecs::{NpzReader, NpzWriter, Repeats, Scalar, encode_records};
 use flate2::read::DeflateDecoder;
-use formats::{NpzReader, NpzWriter, Repeats, Scalar, encode_records};
 use proptest::prelude::*;
 
 /// An array through an archive and back.
@@ -119,7 +119,7 @@ fn the_stream_ends_where_a_decoder_ends() {
     let bytes: Vec<u8> = (0..100_000_u32).map(|i| (i / 7) as u8).collect();
     let member =
         encode_records("a.npy", Scalar::U8, &[100_000], &bytes, Repeats { distances: &[7], step: 1 });
-    let archive = formats::archive_of(member.expect("valid")).expect("memory");
+    let archive = codecs::archive_of(member.expect("valid")).expect("memory");
     // Local header: 30 bytes and the name, lengths of name and extra field at 26 and 28.
     let at = 30 + usize::from(archive[26]) + usize::from(archive[28]) + 256 * usize::from(archive[29]);
     let mut decoder = DeflateDecoder::new(&archive[at..]);

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::io::{self, Cursor, ErrorKind, Read, Seek, SeekFrom, Write};
 
-use formats::{Array, DEFAULT_LEVEL, DType, NpzError, NpzReader, NpzWriter, Scalar, encode_member};
+use codecs::{Array, DEFAULT_LEVEL, DType, NpzError, NpzReader, NpzWriter, Scalar, encode_member};
 use proptest::prelude::*;
 
 fn archive() -> Vec<u8> {

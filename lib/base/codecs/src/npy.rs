@@ -39,10 +39,10 @@ pub(crate) fn array_len(dtype: &DType, shape: &[usize]) -> Option<usize> {
 /// [`NpzError::Invalid`], naming `place`, when numpy has no such type or shape.
 ///
 /// ```
-/// let header = formats::npy_header("grid", &formats::Scalar::U8.into(), &[2, 3])?;
+/// let header = codecs::npy_header("grid", &codecs::Scalar::U8.into(), &[2, 3])?;
 /// assert_eq!(header.len() % 64, 0);
 /// assert!(header[10..].starts_with(b"{'descr': '|u1', 'fortran_order': False, 'shape': (2, 3), }"));
-/// # Ok::<(), formats::NpzError>(())
+/// # Ok::<(), codecs::NpzError>(())
 /// ```
 pub fn npy_header(place: &str, dtype: &DType, shape: &[usize]) -> Result<Vec<u8>, NpzError> {
     if let Some(fault) = dtype.fault() {
@@ -57,9 +57,9 @@ pub fn npy_header(place: &str, dtype: &DType, shape: &[usize]) -> Result<Vec<u8>
 /// As [`npy_header`].
 ///
 /// ```
-/// let header = formats::npy_object_header("boxes", &[2])?;
+/// let header = codecs::npy_object_header("boxes", &[2])?;
 /// assert!(header[10..].starts_with(b"{'descr': '|O', 'fortran_order': False, 'shape': (2,), }"));
-/// # Ok::<(), formats::NpzError>(())
+/// # Ok::<(), codecs::NpzError>(())
 /// ```
 pub fn npy_object_header(place: &str, shape: &[usize]) -> Result<Vec<u8>, NpzError> {
     header_of(place, "'|O'", shape)

@@ -59,7 +59,7 @@ impl Scalar {
 /// Type of an array's elements.
 ///
 /// ```
-/// use formats::{DType, Scalar};
+/// use codecs::{DType, Scalar};
 ///
 /// let point = DType::Record(vec![("x".into(), Scalar::F32), ("tag".into(), Scalar::U8)]);
 /// assert_eq!((point.size(), DType::from(Scalar::F64).size()), (5, 8));

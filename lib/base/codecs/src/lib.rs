@@ -1,4 +1,4 @@
-//! Array containers that stock tools read.
+//! Files that stock tools read: numpy archives here, PNG and JPEG in [`images`].
 //!
 //! An [`NpzWriter`] makes a numpy archive with one array per frame, `0000.npy`, `0001.npy`, ...: a zip, so that
 //! one frame is read without the others. Encoding a member ([`encode_member`]) needs nothing but its data, so
@@ -6,7 +6,7 @@
 //!
 //! ```
 //! use std::io::Cursor;
-//! use formats::{DEFAULT_LEVEL, NpzReader, NpzWriter, Scalar, encode_member, frame_member};
+//! use codecs::{DEFAULT_LEVEL, NpzReader, NpzWriter, Scalar, encode_member, frame_member};
 //!
 //! let mut writer = NpzWriter::new(Vec::new());
 //! for frame in 0..3_u8 {
@@ -19,7 +19,7 @@
 //! let mut reader = NpzReader::new(Cursor::new(archive))?;
 //! let array = reader.read(&frame_member(1))?;
 //! assert_eq!((array.shape, array.bytes), (vec![2, 3], vec![1; 6]));
-//! # Ok::<(), formats::NpzError>(())
+//! # Ok::<(), codecs::NpzError>(())
 //! ```
 //!
 //! The bytes of an archive depend on names, arrays and level alone: no clock, no machine.
@@ -27,6 +27,7 @@
 mod deflate;
 mod dtype;
 mod error;
+pub mod images;
 mod npy;
 mod npz;
 

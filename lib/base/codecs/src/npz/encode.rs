@@ -70,9 +70,9 @@ impl EncodedMember {
 /// [`NpzError::Invalid`] when the name is no plain file name or the bytes don't fill the shape.
 ///
 /// ```
-/// let member = formats::encode_member("0000.npy", formats::Scalar::F32, &[2, 1], &[0; 8], 2)?;
+/// let member = codecs::encode_member("0000.npy", codecs::Scalar::F32, &[2, 1], &[0; 8], 2)?;
 /// assert_eq!(member.name(), "0000.npy");
-/// # Ok::<(), formats::NpzError>(())
+/// # Ok::<(), codecs::NpzError>(())
 /// ```
 pub fn encode_member(
     name: &str,
@@ -110,9 +110,9 @@ pub fn encode_member(
 /// ```
 /// // Three records of 12 bytes, of which the last eight are often the same.
 /// let bytes: Vec<u8> = (0..3_u8).flat_map(|i| [i, 7, 9, 3, 1, 0, 0, 0, 5, 0, 0, 0]).collect();
-/// let repeats = formats::Repeats { distances: &[12], step: 4 };
-/// let member = formats::encode_records("points.npy", formats::Scalar::U8, &[3, 12], &bytes, repeats)?;
-/// # Ok::<(), formats::NpzError>(())
+/// let repeats = codecs::Repeats { distances: &[12], step: 4 };
+/// let member = codecs::encode_records("points.npy", codecs::Scalar::U8, &[3, 12], &bytes, repeats)?;
+/// # Ok::<(), codecs::NpzError>(())
 /// ```
 pub fn encode_records(
     name: &str,
