@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use bev::{Areas, BevRasterizer};
 use convoy_tests::{Bench, SMALL};
 use frames::{Agent, Pose, World};
+use labels::bev::{Areas, BevRasterizer};
 use opendrive::{LaneType, MarkType, Network, Road, RoadMark, RoadType, Speed, SpeedUnit};
 use replay::Replay;
 use scene::SceneReader;

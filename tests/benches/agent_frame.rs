@@ -10,13 +10,16 @@ use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use annotation::boxes::{ObservedObject, Observer};
-use bev::{Areas, BevRasterizer};
-use bevmap::Reach;
 use codecs::{DEFAULT_LEVEL, Scalar, encode_member};
 use features::{Feature, VARIANTS};
-use fill::Filler;
 use frames::{Agent, Pose, World};
+use labels::annotation::boxes::{ObservedObject, Observer};
+use labels::bev::{Areas, BevRasterizer};
+use labels::bev_map::Reach;
+use labels::fill::Filler;
+use labels::validity::{Evidence, PointCloud};
+use labels::voxel_grid::VoxelGrid;
+use labels::voxels::{CpuVoxelRenderer, GridPlacement};
 use materials::Material;
 use opendrive::Map;
 use pipeline::StageSettings;
@@ -36,10 +39,7 @@ use sensors::{
 };
 use tiles::{Surroundings, TileMaker};
 use traffic::{SceneInput, SimulationLog};
-use validity::{Evidence, PointCloud};
 use visibility::CpuRenderer;
-use voxelgrid::VoxelGrid;
-use voxels::{CpuVoxelRenderer, GridPlacement};
 use world::{Light, Moment, OwnModels, SceneWorld};
 
 const CONFIG: &str = "seed = 27\n[scenes.train]\n\"convoy/demo\" = 1\n[agents]\nmin_vehicles = 2\nmax_vehicles = 2\n\
@@ -376,7 +376,7 @@ impl<'a> Agentframe<'a> {
         let crosswalks: Vec<_> = self.map.crosswalks().iter().map(|c| c.polygon.clone()).collect();
         let mut reach = Reach::default();
         reach.add([self.pose.xyz()].into_iter(), settings.half_extent_m() * 1.5);
-        let road_lines = bevmap::road_lines(self.map, &reach);
+        let road_lines = labels::bev_map::road_lines(self.map, &reach);
         let areas = Areas { crosswalks: &crosswalks, hazards: &[], road_lines: &road_lines };
         let mut rasterizer = BevRasterizer::new(settings).expect("is a grid");
         let mask = rasterizer.rasterize(&snapshot, &self.pose, areas);
@@ -437,11 +437,11 @@ impl<'a> Agentframe<'a> {
             PointCloud { world_from_sensor: self.pose * mount, x: &sweep.x_m, y: &sweep.y_m, z: &sweep.z_m };
         let pixels = BTreeMap::new();
         best(5, || {
-            let boxes: Vec<BoxRow> = annotation::boxes::collect(0, &[observer], &objects, 200.0);
+            let boxes: Vec<BoxRow> = labels::annotation::boxes::collect(0, &[observer], &objects, 200.0);
             assert!(boxes.iter().any(|b| b.class == DetectionClass::Car.name()));
             let evidence =
                 Evidence { lidars: &[cloud], radars: &[], num_pixels: &pixels, valid_by_image: false };
-            validity::validate(&boxes, &evidence)
+            labels::validity::validate(&boxes, &evidence)
         })
     }
 }

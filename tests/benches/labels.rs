@@ -2,17 +2,17 @@
 
 use std::collections::BTreeMap;
 
-use bev::{Areas, BevRasterizer, LaneAreas, LaneRasterizer, LaneView};
 use divan::{Bencher, counter::ItemsCount};
-use fill::Filler;
 use frames::{Agent, Pose, World};
+use labels::bev::{Areas, BevRasterizer, LaneAreas, LaneRasterizer, LaneView};
+use labels::fill::Filler;
+use labels::validity::{Evidence, PointCloud, validate};
+use labels::voxel_grid::VoxelGrid;
+use labels::voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
 use renderer::VoxelRenderer;
 use schema::settings::{BevSettings, FillingRule, OccupancySettings, SweepSettings};
 use schema::tables::BoxRow;
 use testkit::small_town;
-use validity::{Evidence, PointCloud, validate};
-use voxelgrid::VoxelGrid;
-use voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
 
 fn main() {
     divan::main();
@@ -82,8 +82,8 @@ fn voxel_sweeps_1280x1280x80(bencher: Bencher<'_, '_>) {
 fn fill_1280x1280x80(bencher: Bencher<'_, '_>, rule: &str) {
     let rule = FillingRule::ALL.into_iter().find(|of| of.name() == rule).expect("is one of them");
     let town = small_town();
-    let hollow =
-        voxels::voxelize(&town, &agent(), &OccupancySettings::default(), None).expect("default settings");
+    let hollow = labels::voxels::voxelize(&town, &agent(), &OccupancySettings::default(), None)
+        .expect("default settings");
     let mut filler = Filler::default();
     bencher
         .with_inputs(|| hollow.clone())
@@ -92,7 +92,7 @@ fn fill_1280x1280x80(bencher: Bencher<'_, '_>, rule: &str) {
 
 #[divan::bench]
 fn count_voxels(bencher: Bencher<'_, '_>) {
-    let grid = voxels::voxelize(&small_town(), &agent(), &OccupancySettings::default(), None)
+    let grid = labels::voxels::voxelize(&small_town(), &agent(), &OccupancySettings::default(), None)
         .expect("default settings");
     bencher.bench_local(|| grid.count());
 }
@@ -144,9 +144,10 @@ fn points() -> [Vec<f32>; 3] {
 #[divan::bench]
 fn observed_1280x1280x80_200k_rays(bencher: Bencher<'_, '_>) {
     let [x, y, z] = points();
-    let lattice = carve::Lattice { shape: [1280, 1280, 80], corner_m: [-64.0, -64.0, -0.98], cell_m: 0.1 };
+    let lattice =
+        labels::carve::Lattice { shape: [1280, 1280, 80], corner_m: [-64.0, -64.0, -0.98], cell_m: 0.1 };
     let agent_from_sensor = Pose::from_xyz_rpy([0.0, 0.0, 1.8], [0.0; 3]);
-    let sweep = carve::Sweep { agent_from_sensor, x: &x, y: &y, z: &z };
+    let sweep = labels::carve::Sweep { agent_from_sensor, x: &x, y: &y, z: &z };
     let mut cells = Vec::new();
-    bencher.bench_local(|| carve::carve(&lattice, &[sweep], &mut cells));
+    bencher.bench_local(|| labels::carve::carve(&lattice, &[sweep], &mut cells));
 }

@@ -5,13 +5,13 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
-use bev::{Areas, BevRasterizer, to_rgb};
-use fill::fill;
 use frames::{Agent, Pose, World};
+use labels::bev::{Areas, BevRasterizer, to_rgb};
+use labels::fill::fill;
+use labels::voxels::{oblique_view, top_view, voxelize};
 use nalgebra::Point3;
 use schema::settings::{BevSettings, OccupancySettings};
 use testkit::small_town;
-use voxels::{oblique_view, top_view, voxelize};
 
 fn save(path: &Path, width: usize, height: usize, rgb: &[u8]) -> Result<(), Box<dyn Error>> {
     let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), width as u32, height as u32);

@@ -5,19 +5,19 @@
 use std::collections::BTreeMap;
 
 use codecs::Scalar;
-use counts::PartialCounts;
 use framewise::{FrameArray, FrameArrays, Labelled, Part, Writer, in_turn};
+use labels::voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
 use peak_alloc::PeakAlloc;
 use pipeline::{Progress, ProgressMode, StageError};
 use rayon::ThreadPoolBuilder;
 use renderer::VoxelRenderer;
 use schema::arrays::{ArrayKind, BEV_MASKS};
+use schema::measures::counts::PartialCounts;
 use schema::settings::OccupancySettings;
 use schema::tables::LidarRow;
 use schema::{AgentId, Tag};
 use store::{Attempt, Identity, Scope, Store, TableOptions, TableWriter, Unit};
 use testkit::{WorldBuilder, sheet};
-use voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
 
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;

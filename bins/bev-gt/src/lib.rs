@@ -3,8 +3,8 @@
 mod masks;
 mod sources;
 
-use bevmap::LaneCollector;
 use framewise::label_agents;
+use labels::bev_map::LaneCollector;
 use pipeline::{At, Job, Stage, StageError};
 use replay::Replay;
 use scene::SceneReader;

@@ -2,14 +2,14 @@
 
 use std::borrow::Cow;
 
-use bev::{BevRasterizer, LaneRasterizer};
 use codecs::Scalar;
-use counts::PartialCounts;
 use framewise::{FrameArray, FrameArrays};
+use labels::bev::{BevRasterizer, LaneRasterizer};
 use pipeline::{At, Place, StageError};
 use replay::Replay;
 use schema::AgentId;
 use schema::arrays::{ArrayKind, BEV_HEIGHTS, BEV_IDS, BEV_MASKS, BEV_PAINT};
+use schema::measures::counts::PartialCounts;
 use schema::settings::BevSettings;
 
 use crate::sources::{AgentLanes, SceneAreas};

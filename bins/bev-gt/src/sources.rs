@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use bev::{Areas, Footprint, LaneAreas, LaneView, PaintAreas};
-use bevmap::{LaneCollector, Paint, Reach};
+use labels::bev::{Areas, Footprint, LaneAreas, LaneView, PaintAreas};
+use labels::bev_map::{LaneCollector, Paint, Reach};
 use nalgebra::Point3;
 use replay::Replay;
 use scene::{SceneError, SceneReader};
@@ -36,7 +36,7 @@ impl SceneAreas {
         Self {
             crosswalks: replay.map.crosswalks().iter().map(|c| c.polygon.clone()).collect(),
             hazards: replay.log.info.hazards.iter().map(|h| area(&h.area_m)).collect(),
-            road_lines: bevmap::road_lines(&replay.map, &reach),
+            road_lines: labels::bev_map::road_lines(&replay.map, &reach),
             paint: if settings.paint { Paint::of(&replay.map, &reach) } else { Paint::default() },
         }
     }

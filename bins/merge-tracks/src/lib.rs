@@ -24,10 +24,11 @@ fn run(job: &mut Job<'_, TrackSettings>) -> Result<(), StageError> {
     let standing_m: BTreeMap<ObjectId, [f64; 3]> =
         walkers.map(|actor| (actor.id, [actor.length_m, actor.width_m, actor.height_m])).collect();
 
-    let mut merged = tracks::merge(&boxes, &valid, info.label_every_n_frames).at(|| place.clone())?;
-    let counts = tracks::count(&merged.frames, info.frames, info.label_every_n_frames);
-    let mut windows = if settings.windows { tracks::windows(&merged.frames, &settings) } else { Vec::new() };
-    tracks::stand(&mut merged.tracks, &mut windows, &standing_m);
+    let mut merged = labels::tracks::merge(&boxes, &valid, info.label_every_n_frames).at(|| place.clone())?;
+    let counts = labels::tracks::count(&merged.frames, info.frames, info.label_every_n_frames);
+    let mut windows =
+        if settings.windows { labels::tracks::windows(&merged.frames, &settings) } else { Vec::new() };
+    labels::tracks::stand(&mut merged.tracks, &mut windows, &standing_m);
     if let Some(mut unit) = job.unit("tracks")? {
         unit.rows(&keys::scene(number, "tracks.parquet"), &merged.tracks)?;
         unit.rows(&keys::scene(number, "tracks_frames.parquet"), &merged.frames)?;

@@ -1,17 +1,17 @@
 //! The occupancy stage: a voxel grid around every agent at every frame.
 
 use codecs::Scalar;
-use counts::PartialCounts;
 use framewise::{FrameArray, FrameArrays, label_agents};
+use labels::voxel_grid::{Filling, VoxelGrid, add_cells};
+use labels::voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
 use pipeline::{At, Job, Place, Stage, StageError};
 use renderer::VoxelRenderer;
 use replay::Replay;
 use scene::SceneReader;
 use schema::arrays::{ArrayKind, VOXEL_CELLS, VOXEL_FLOW, VOXEL_GRIDS, VOXEL_IDS};
+use schema::measures::counts::PartialCounts;
 use schema::settings::{OccupancySettings, PerAgent};
 use schema::{AgentId, ObjectId, Tag};
-use voxelgrid::{Filling, VoxelGrid, add_cells};
-use voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
 
 /// The stage.
 pub const STAGE: Stage<Seen> = Stage::new(run);

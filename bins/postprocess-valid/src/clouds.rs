@@ -1,12 +1,12 @@
 //! An agent's lidar and radar readings, one frame at a time.
 
 use frames::{Agent, Pose, World};
+use labels::validity::{PointCloud, radar_to_cartesian};
 use scene::{SceneError, SceneReader, SensorFrames};
 use schema::settings::Mount;
 use schema::settings::stages::{RangeRig, RangeSensor};
 use schema::tables::{LidarRow, RadarRow};
 use schema::{AgentId, ReturnKind, columns, framed, rate};
-use validity::{PointCloud, radar_to_cartesian};
 
 columns! {
     /// Where a lidar's returns are.

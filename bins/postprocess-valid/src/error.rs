@@ -1,6 +1,6 @@
 //! What can be wrong with what this stage reads.
 
-use fill::FillError;
+use labels::fill::FillError;
 use scene::SceneError;
 
 /// Boxes or grids do not fit together.

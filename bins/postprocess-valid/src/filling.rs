@@ -1,17 +1,17 @@
 //! Filled voxel grids.
 
 use codecs::{Array, Scalar};
-use counts::PartialCounts;
-use fill::Filler;
 use framewise::{FrameArray, FrameArrays, Labelled, write_labels};
+use labels::fill::Filler;
+use labels::voxel_grid::{Filling, VoxelGrid};
 use pipeline::{At, Job, Place, StageError};
 use scene::{ArrayReader, SceneReader};
 use schema::AgentId;
 use schema::arrays::{ArrayKind, FILLED_VOXEL_GRIDS, VOXEL_GRIDS};
+use schema::measures::counts::PartialCounts;
 use schema::settings::OccupancySettings;
 use schema::settings::stages::ValiditySettings;
 use store::keys;
-use voxelgrid::{Filling, VoxelGrid};
 
 use crate::error::InputError;
 

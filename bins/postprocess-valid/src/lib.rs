@@ -7,6 +7,7 @@ mod observing;
 mod sightings;
 
 use frames::{Agent, Pose, World};
+use labels::validity::{Evidence, PixelCounts};
 use pipeline::{At, Job, Stage, StageError};
 use rayon::prelude::*;
 use scene::{FrameRanges, SceneError, SceneLog, SceneReader};
@@ -16,7 +17,6 @@ use schema::settings::stages::{RangeRig, ValiditySettings};
 use schema::table::Row;
 use schema::tables::{BoxRow, VISIBLE_TABLE, ValidBoxRow, VisibleRow};
 use store::keys;
-use validity::{Evidence, PixelCounts};
 
 use crate::clouds::Clouds;
 use crate::error::InputError;
@@ -133,6 +133,6 @@ impl Witness {
         let seen = &self.visible[self.frames.of(frame.into())];
         let num_pixels: PixelCounts = seen.iter().map(|row| ((row.id, row.tag), row.pixels)).collect();
         let evidence = Evidence { lidars: &lidars, radars: &radars, num_pixels: &num_pixels, valid_by_image };
-        Ok(validity::validate(boxes, &evidence))
+        Ok(labels::validity::validate(boxes, &evidence))
     }
 }

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-use carve::{Lattice, Sweep, carve};
 use codecs::Scalar;
-use counts::PartialCounts;
 use framewise::{FrameArray, FrameArrays, Labelled, write_labels};
+use labels::carve::{Lattice, Sweep, carve};
 use pipeline::{At, Job, Place, StageError};
 use scene::{SceneError, SceneReader};
 use schema::arrays::{ArrayKind, OBSERVED_VOXELS};
+use schema::measures::counts::PartialCounts;
 use schema::settings::OccupancySettings;
 use schema::settings::stages::{RangeRig, ValiditySettings};
 use schema::{AgentId, rate};
@@ -105,7 +105,7 @@ impl FrameArrays for Observed<'_> {
         vec![&OBSERVED_VOXELS]
     }
 
-    /// `[x, y, z]` of [`carve::Seen`].
+    /// `[x, y, z]` of [`labels::carve::Seen`].
     fn arrays<'m>(
         &self,
         cells: &'m mut Vec<u8>,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use counts::PartialCounts;
+use schema::measures::counts::PartialCounts;
 use schema::measures::sightings::{
     LEVELS, LIDAR_POINTS_AT, PLACES, POINTS_STEPS, RADAR_POINTS_AT, SEEN_BY_RSUS, SEEN_BY_VEHICLES,
     bin_of_place, bin_of_points,

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use counts::PartialCounts;
 use framewise::Writer;
 use pipeline::{Place, Stage, StageError};
 use schema::calibration::METADATA_KEY;
+use schema::measures::counts::PartialCounts;
 use schema::measures::sensors::{IMAGES, SENSOR_BYTES, SWEEPS};
 use schema::settings::Rig;
 use schema::settings::stages::SensorSettings;

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use annotation::boxes::{ObservedObject, Observer};
-use annotation::hd_map::HdMap;
-use counts::PartialCounts;
 use frames::{Pose, World};
+use labels::annotation::boxes::{ObservedObject, Observer};
+use labels::annotation::hd_map::HdMap;
 use opendrive::Map;
 use pipeline::{At, Place, StageError};
+use schema::measures::counts::PartialCounts;
 use schema::scene_info::SceneInfo;
 use schema::tables::{ActorRow, AgentRow, BoxRow, HdMapRow, PartialRow, StateRow};
 use schema::{AgentId, FRAME_PERIOD_S, ObjectId, SignalState, measures, rate};
@@ -72,7 +72,12 @@ impl Labels {
                 labels.hd_map.push(record);
                 observers.push(Observer { agent, id, world_from_agent });
             }
-            labels.boxes.extend(annotation::boxes::collect(frame, &observers, &objects, box_radius_m));
+            labels.boxes.extend(labels::annotation::boxes::collect(
+                frame,
+                &observers,
+                &objects,
+                box_radius_m,
+            ));
         }
         labels.counts = counts(info);
         Ok(labels)

@@ -4,10 +4,10 @@ use std::fs::File;
 use std::path::Path;
 
 use codecs::{DType, EncodedMember, NpzError, NpzReader, NpzWriter, Scalar, frame_member};
-use counts::PartialCounts;
 use rayon::prelude::*;
 use schema::arrays::ArrayKind;
 use schema::measures::bev::{BEV_CELLS, BEV_GRIDS, BEV_HEAT, bin_of_block, heat_block, heat_blocks};
+use schema::measures::counts::PartialCounts;
 use schema::measures::voxels::{VOXEL_CELLS, VOXEL_CELLS_FILLED, VOXEL_GRIDS};
 use schema::{BevClass, Tag};
 use store::{StoreError, Unit, keys};

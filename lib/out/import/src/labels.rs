@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use counts::PartialCounts;
 use frames::{Object, Pose, World};
 use rayon::prelude::*;
+use schema::measures::counts::PartialCounts;
 use schema::measures::simulation::AGENT_FRAMES;
 use schema::scene_info::{LOG_STAGE, SCENE_FILE};
 use schema::table::Row;

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use counts::PartialCounts;
 use schema::arrays::{BEV_MASKS, FILLED_VOXEL_GRIDS, VOXEL_GRIDS};
+use schema::measures::counts::PartialCounts;
 use schema::scene_info::LOG_STAGE;
 use schema::settings::{BevRule, BevSettings, OccupancySettings};
 use schema::table::Row;

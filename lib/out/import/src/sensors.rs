@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use counts::PartialCounts;
 use rayon::prelude::*;
 use schema::calibration::METADATA_KEY;
+use schema::measures::counts::PartialCounts;
 use schema::measures::sensors::{IMAGES, LIDAR_POINTS, RADAR_POINTS, SENSOR_BYTES, SWEEPS};
 use schema::tables::{
     CameraRow, FlowRow, GnssRow, ImuRow, LidarRow, RadarRow, SemanticLidarRow, VISIBLE_TABLE, VisibleRow,

@@ -3,10 +3,10 @@
 use std::borrow::Cow;
 
 use codecs::{DEFAULT_LEVEL, EncodedMember, NpzError, NpzWriter, Scalar, encode_member, frame_member};
-use counts::PartialCounts;
 use pipeline::{At, Job, Place, Progress, StageError, StageSettings};
 use scene::SceneLog;
 use schema::arrays::ArrayKind;
+use schema::measures::counts::PartialCounts;
 use schema::{AgentId, rate};
 use store::{FileWriter, StoreError, Unit, keys};
 

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use codecs::{NpzReader, Scalar, frame_member};
-use counts::PartialCounts;
 use framewise::{FrameArray, FrameArrays, Labelled};
 use pipeline::{At, Place, Progress, ProgressMode, StageError};
 use schema::AgentId;
 use schema::arrays::{ArrayKind, BEV_IDS, BEV_MASKS};
+use schema::measures::counts::PartialCounts;
 use schema::tables::PartialRow;
 use store::{Attempt, Identity, Manifest, Memory, Scope, Store, StoreError};
 

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use super::ImageError;
+use super::error::ImageError;
 
 /// Writes frames of one size as an animated PNG: each says only what differs from the one before.
 pub struct AnimationWriter<W: Write> {

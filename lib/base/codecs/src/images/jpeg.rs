@@ -6,7 +6,8 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use super::{ImageError, Limits, RgbImage};
+use super::error::ImageError;
+use super::rgb::{Limits, RgbImage};
 
 /// How finely a JPEG keeps colours (brightness is always kept whole).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

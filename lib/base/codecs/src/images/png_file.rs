@@ -4,8 +4,9 @@ use std::io::{Cursor, Write};
 
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter, Transformations};
 
+use super::error::ImageError;
 use super::jpeg::decode_jpeg;
-use super::{ImageError, Limits, RgbImage};
+use super::rgb::{Limits, RgbImage};
 
 /// The pixels of a PNG that is written, row by row from the top.
 #[derive(Clone, Copy, Debug)]

@@ -2,10 +2,11 @@
 //!
 //! A stage writes rows of its measures while it has the data in hand; the statistics stage adds up the rows
 //! of one (measure, class, bin). Unless said otherwise `class` is empty and `bin` is 0. Each stage's measures are a
-//! module of their own: a new measure makes that stage stale and no other.
+//! module of their own. [`counts`] adds them up.
 
 pub mod bev;
 mod bins;
+pub mod counts;
 pub mod sensors;
 pub mod sightings;
 pub mod simulation;

@@ -1,0 +1,4 @@
+//! Tests of `labels`, one program for all its modules.
+
+mod bev;
+mod voxels;
