@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 
 use frames::{Agent, Pose, World};
 use glam::Vec3;
+use land::tiles::{Surroundings, TileMaker};
 use opendrive::Map;
 use pipeline::StageSettings;
 use plan::PlanMap;
@@ -14,7 +15,6 @@ use schema::settings::stages::{PlanSettings, SimulationSettings};
 use schema::tables::StateRow;
 use schema::{ActorRole, AgentId, ObjectId};
 use testkit::{Agreement, PixelRays, look};
-use tiles::{Surroundings, TileMaker};
 use traffic::SceneInput;
 use visibility::CpuRenderer;
 use world::{Moment, SceneWorld};

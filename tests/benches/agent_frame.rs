@@ -20,6 +20,7 @@ use labels::fill::Filler;
 use labels::validity::{Evidence, PointCloud};
 use labels::voxel_grid::VoxelGrid;
 use labels::voxels::{CpuVoxelRenderer, GridPlacement};
+use land::tiles::{Surroundings, TileMaker};
 use materials::Material;
 use opendrive::Map;
 use pipeline::StageSettings;
@@ -37,7 +38,6 @@ use sensors::{
     Camera, CameraView, CpuPainter, FrameWeather, Image, Lidar, LidarMoment, Painter, RadarMotion, Shot,
     Sight, StillWorld,
 };
-use tiles::{Surroundings, TileMaker};
 use traffic::{SceneInput, SimulationLog};
 use visibility::CpuRenderer;
 use world::{Light, Moment, OwnModels, SceneWorld};

@@ -5,12 +5,12 @@ use std::fs::File;
 use std::path::PathBuf;
 
 use frames::{Agent, Pose, World, deg};
+use land::tiles::{Surroundings, TileMaker};
 use opendrive::Map;
 use renderer::Renderer;
 use schema::settings::{CameraSettings, CameraSpec, Mount, Optics, SceneryRules};
 use schema::tables::{FrameRow, Weather};
 use sensors::{Camera, CpuPainter, FrameWeather, Painter, Shot};
-use tiles::{Surroundings, TileMaker};
 use visibility::CpuRenderer;
 use world::{Light, Moment, OwnModels, SceneWorld};
 

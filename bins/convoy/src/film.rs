@@ -84,7 +84,7 @@ fn film(
         }
         other => other.at(Place::default)?,
     };
-    let map = mapstore::read(&store, &log.info.map, &log.info.map_hash).at(Place::default)?;
+    let map = replay::maps::read(&store, &log.info.map, &log.info.map_hash).at(Place::default)?;
     let options = ViewOptions {
         window: options.window.or_else(|| Some(around_agents(&log))),
         title: Some(format!("{} scene {scene:04} {}", log.info.map, log.info.split)),

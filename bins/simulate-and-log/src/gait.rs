@@ -6,9 +6,9 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use frames::{Object, Pose, World};
-use modelstore::ModelError;
 use people::{LOOKS, Look, Walker};
 use random::Stream;
+use replay::packed::ModelError;
 use schema::models::Model;
 use schema::tables::{ActorRow, PlanModelRow, StateRow};
 use schema::{ActorKind, ActorRole, FRAME_PERIOD_S, ObjectId, benches};
@@ -52,7 +52,7 @@ impl Bodies {
         let walks =
             |row: &&PlanModelRow| actors.iter().any(|a| a.kind == ActorKind::Walker && a.model == row.name);
         let read = |row: &PlanModelRow| {
-            let model = modelstore::read(store, [&row.name, &row.page, &row.hash])?;
+            let model = replay::packed::read(store, [&row.name, &row.page, &row.hash])?;
             Ok(model.walker.map(|walker| (row.name.clone(), Arc::new(walker))))
         };
         let own = models.iter().filter(walks).filter_map(|row| read(row).transpose());

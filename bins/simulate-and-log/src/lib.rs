@@ -37,7 +37,7 @@ const VARIANTS: u32 = people::LOOKS;
 fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     let ScenePlan { scene: plan, agents, hazards, models } = ScenePlan::read(job)?;
     let catalogue = Catalogue::with(&models);
-    let map = mapstore::read(job.store(), &plan.map, &plan.map_hash).at(|| job.place())?;
+    let map = replay::maps::read(job.store(), &plan.map, &plan.map_hash).at(|| job.place())?;
     let (settings, store) = (job.settings().clone(), job.store().clone());
     let scene = job.scene();
 

@@ -4,13 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use land::tiles::{Numbered, number, reached};
 use nalgebra::Point3;
 use pipeline::{At, Place, StageError};
 use schema::ObjectId;
 use schema::tables::{ActorRow, SceneTileRow, SignalRow};
 use schema::tile::TileIndex;
 use schema::{ActorKind, ActorRole};
-use tiles::{Numbered, number, reached};
 use tilestore::{KnownTile, TileError, TileStore};
 use traffic::{FixedWorld, SimulationLog};
 

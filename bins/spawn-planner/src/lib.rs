@@ -29,7 +29,7 @@ pub const STAGE: Stage<PlanSettings> = Stage {
     // Plans without writing, and says what that would come to.
     forecast: Some(|all, folder, store| {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        Ok(forecast::lines(all, &make(&PlanSettings::of(all), folder, store)?.plan, cores))
+        Ok(plan::forecast::lines(all, &make(&PlanSettings::of(all), folder, store)?.plan, cores))
     }),
 };
 /// Its name.
@@ -81,9 +81,9 @@ fn run(job: &mut Job<'_, PlanSettings>) -> Result<(), StageError> {
         // Before the old plan is touched, so that a run that is killed here gives the same numbers next time.
         store.write_json(keys::ROSTER, NAME, &roster.slots)?;
         for (name, source) in &texts {
-            unit.bytes(&keys::map(name), &mapstore::pack(&source.text).at(Place::default)?, 1)?;
+            unit.bytes(&keys::map(name), &replay::maps::pack(&source.text).at(Place::default)?, 1)?;
             if let Some(own) = maps.get(name) {
-                unit.rows(&keys::vector_map(name), &vectormap::rows(&own.map))?;
+                unit.rows(&keys::vector_map(name), &labels::vector_map::rows(&own.map))?;
             }
         }
         let mut json = serde_json::to_vec_pretty(&roster.slots).at(Place::default)?;

@@ -77,7 +77,7 @@ pub(crate) fn texts(
             (None, Some(written)) => read_map_file(written, folder)?,
             (None, None) => {
                 let origin = store.location(&keys::map(name));
-                let text = mapstore::read_text(store, name).at(Place::default)?.ok_or(MapError::Gone);
+                let text = replay::maps::read_text(store, name).at(Place::default)?.ok_or(MapError::Gone);
                 let text = text.at(|| Place::file(&origin))?;
                 MapSource { text, origin }
             }

@@ -8,5 +8,6 @@ pub mod culling;
 pub mod fill;
 pub mod tracks;
 pub mod validity;
+pub mod vector_map;
 pub mod voxel_grid;
 pub mod voxels;

@@ -5,8 +5,8 @@ mod stage;
 use std::error::Error;
 use std::path::Path;
 
+use land::surfaces::{Atlas, Region};
 use opendrive::{Map, Network};
-use surfaces::{Atlas, Region};
 
 use stage::Stage;
 

@@ -16,6 +16,7 @@
 
 mod agents;
 mod error;
+pub mod forecast;
 mod hazards;
 mod lights;
 mod pool;

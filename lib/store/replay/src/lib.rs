@@ -1,6 +1,8 @@
 #![doc = include_str!("../README.md")]
 
+pub mod maps;
 mod models;
+pub mod packed;
 mod replay;
 
 pub use replay::{Replay, ReplayError};

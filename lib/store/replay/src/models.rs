@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use crate::packed::ModelError;
 use actors::{ActorMesh, Coarser, Joint, Piece, Rig};
-use modelstore::ModelError;
 use packs::{Hang, PackModel};
 use schema::scene_info::PackedModelInfo;
 use store::Store;
@@ -15,7 +15,7 @@ use world::OwnModels;
 /// A model is missing, broken or another one.
 pub(crate) fn read(store: &Store, models: &[PackedModelInfo]) -> Result<OwnModels, ModelError> {
     let read = |info: &PackedModelInfo| {
-        let model = modelstore::read(store, [&info.name, &info.page, &info.hash])?;
+        let model = crate::packed::read(store, [&info.name, &info.page, &info.hash])?;
         Ok((info.name.clone(), mesh(model)))
     };
     models.iter().map(read).collect()

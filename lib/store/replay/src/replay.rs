@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use modelstore::ModelError;
+use crate::packed::ModelError;
 use opendrive::Map;
 use scene::{SceneError, SceneLog, SceneReader, read_ground};
 use schema::ObjectId;
@@ -23,7 +23,7 @@ pub enum ReplayError {
     Model(#[from] ModelError),
     /// Its map cannot be read.
     #[error("{0}")]
-    Map(#[from] mapstore::MapError),
+    Map(#[from] crate::maps::MapError),
     /// An actor has no mesh.
     #[error("scene {scene}: {source}")]
     World {
@@ -58,7 +58,7 @@ impl Replay {
     /// As [`Replay::open`].
     pub fn in_light(scene: &SceneReader, light: Light) -> Result<Self, ReplayError> {
         let log = SceneLog::read(scene)?;
-        let map = mapstore::read(scene.store(), &log.info.map, &log.info.map_hash)?;
+        let map = crate::maps::read(scene.store(), &log.info.map, &log.info.map_hash)?;
         let models = models::read(scene.store(), &log.info.models)?;
         let number = scene.scene();
         let wrong = |source| ReplayError::World { scene: number, source };

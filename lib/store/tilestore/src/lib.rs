@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use land::tiles::{Tile, TileMaker};
 use opendrive::Map;
 use rayon::prelude::*;
 use schema::Layer;
@@ -12,7 +13,6 @@ use schema::settings::SceneryRules;
 use schema::tables::{SurfaceRow, TILE_STAGE, TileObjectRow};
 use schema::tile::TileIndex;
 use store::{Attempt, Identity, MadeBy, Manifest, Scope, Store, StoreError, keys};
-use tiles::{Tile, TileMaker};
 
 /// A tile cannot be had.
 #[derive(Debug, thiserror::Error)]

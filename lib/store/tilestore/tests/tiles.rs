@@ -3,11 +3,11 @@
 
 use std::collections::BTreeSet;
 
+use land::tiles::TileMaker;
 use opendrive::Map;
 use schema::settings::SceneryRules;
 use schema::tile::TileIndex;
 use store::{Problem, Scope, Store, keys, verify};
-use tiles::TileMaker;
 use tilestore::TileStore;
 
 fn street() -> Map {

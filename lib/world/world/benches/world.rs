@@ -1,11 +1,11 @@
 //! Making tiles, building meshes and taking snapshots of a generated town.
 #![allow(clippy::unwrap_used)] // A bench may stop.
 
+use land::tiles::TileMaker;
 use opendrive::Map;
 use schema::settings::SceneryRules;
 use schema::tables::FrameRow;
 use schema::tile::TileIndex;
-use tiles::TileMaker;
 use world::{Moment, SceneWorld};
 
 fn main() {

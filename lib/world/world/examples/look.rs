@@ -11,13 +11,13 @@ use std::sync::Arc;
 use actors::{Posture, actor_mesh};
 use frames::{LocalOrigin, Object, Pose, World};
 use glam::{Affine3A, Mat4, Vec3};
+use land::scenery::PLATES;
+use land::tiles::{Surroundings, TileMaker};
 use opendrive::{Map, Network};
-use scenery::PLATES;
 use schema::geometry::{Instance, Snapshot, Surface, TriMesh};
 use schema::models::MODELS;
 use schema::settings::SceneryRules;
 use schema::tables::FrameRow;
-use tiles::{Surroundings, TileMaker};
 use world::{Moment, SceneWorld};
 
 /// A z-buffer with flat shading.

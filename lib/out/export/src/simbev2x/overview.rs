@@ -31,7 +31,7 @@ schema::columns! {
 pub(super) fn picture(scene: &SceneSource, first: &AgentRow) -> Result<Vec<u8>, ExportError> {
     let info = scene.info();
     let store = scene.reader().store();
-    let map = mapstore::read(store, &info.map, &info.map_hash)
+    let map = replay::maps::read(store, &info.map, &info.map_hash)
         .map_err(|e| ExportError::Refused(format!("scene {}: {e}", info.scene)))?;
     let things = things(scene.reader())?;
     let wrong =

@@ -2,11 +2,11 @@
 
 use std::ops::{ControlFlow, RangeInclusive};
 
+use land::tiles::TileMaker;
 use opendrive::{LaneInfo, LanePos, Map};
 use schema::HazardKind;
 use schema::settings::{SceneryRules, WalkerSettings};
 use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow};
-use tiles::TileMaker;
 use traffic::{SceneInput, SimulationLog, simulate};
 
 use crate::common::{

@@ -7,6 +7,7 @@ use crate::common::{
     tracks, two_lanes, yaw,
 };
 use frames::math::sin_cos;
+use land::tiles::TileMaker;
 use nalgebra::{Point3, Vector3};
 use opendrive::{LaneType, Map, MarkType};
 use schema::settings::SceneryRules;
@@ -14,7 +15,6 @@ use schema::settings::stages::SimulationSettings;
 use schema::tables::{ActorRow, PlanSceneRow, StateRow};
 use schema::trains::{self, Train};
 use schema::{ActorKind, HazardKind};
-use tiles::TileMaker;
 use traffic::SimulationLog;
 
 /// Every other vehicle is a train, where one has room.

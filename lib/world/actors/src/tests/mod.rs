@@ -2,8 +2,8 @@ use std::collections::BTreeMap;
 
 use frames::Aabb;
 use glam::Vec3;
+use land::scenery::{BUILDINGS, BuildingKind, PLATES, TREES};
 use people::{Bone, LOOKS, Walker};
-use scenery::{BUILDINGS, BuildingKind, PLATES, TREES};
 use schema::footprint::LightMount;
 use schema::geometry::{Surface, TriMesh};
 use schema::models::{BaseType, MODELS, Model, PARKED_TWO_WHEELERS};

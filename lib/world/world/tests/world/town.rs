@@ -5,15 +5,15 @@ use std::collections::BTreeSet;
 
 use crate::common::{column, demo, empty_moment, named, place, rules, start};
 use frames::{Object, Pose, World};
+use land::surfaces::{Atlas, Region};
+use land::tiles::Surroundings;
 use nalgebra::Point3;
 use opendrive::{LaneInfo, LaneType, Map};
 use random::Stream;
 use schema::settings::SceneryRules;
 use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
 use schema::{ActorKind, ActorRole, LampKind, SignalState, Tag};
-use surfaces::{Atlas, Region};
 use testkit::real_maps;
-use tiles::Surroundings;
 use world::{Moment, SceneWorld, WorldError};
 
 fn check_town(map: &Map, name: &str) {

@@ -2,13 +2,13 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests: a town of ours that cannot be built fails them")]
 
 use glam::Vec3;
+use land::tiles::{Surroundings, TileMaker};
 use nalgebra::Point3;
 use opendrive::Map;
 use schema::geometry::Snapshot;
 use schema::settings::SceneryRules;
 use schema::tables::{ActorRow, FrameRow};
 use schema::{ActorKind, Tag};
-use tiles::{Surroundings, TileMaker};
 use world::{Moment, SceneWorld};
 
 pub(crate) fn named(name: &str) -> Map {

@@ -1,0 +1,5 @@
+#![doc = include_str!("../README.md")]
+
+pub mod scenery;
+pub mod surfaces;
+pub mod tiles;

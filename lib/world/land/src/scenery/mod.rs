@@ -1,0 +1,254 @@
+//! What stands beside the roads, placed by rule and seed, never on a lane: buildings, trees, street lamps, lights and signs (those of
+//! the map and more), parked vehicles, racks with bicycles, benches. `place` gives the objects of one area; it knows sizes but no meshes: a changed mesh leaves the simulation alone.
+//!
+//! What stands somewhere does not depend on where one began to look. Candidates are drawn along each side of each road from
+//! its start, the same whoever draws them; kind by kind (parked vehicles, buildings, lamps, fences, trees, bushes, furniture, racks, signs) each keeps off
+//! what stands already, and among those of its kind it stands if no candidate of a higher rank is in its way. So everything
+//! depends on a bounded piece of land, and an area is made from that much around it.
+//!
+//! ```
+//! use schema::ActorKind;
+//! use schema::catalogue::Catalogue;
+//! use schema::settings::SceneryRules;
+//! use surfaces::{Atlas, Region};
+//!
+//! let map = testkit::straight(200.0);
+//! let atlas = Atlas::new(&map);
+//! let area = Region { min: [0.0, -64.0], max: [192.0, 64.0] };
+//! let objects = scenery::place(&atlas.ground(&area), &SceneryRules::default(), Catalogue::built_in());
+//! assert!(objects.iter().any(|o| o.kind == ActorKind::Building));
+//! // The same seed places the same.
+//! assert_eq!(scenery::place(&atlas.ground(&area), &SceneryRules::default(), Catalogue::built_in()), objects);
+//! ```
+
+mod catalogue;
+mod claims;
+mod draft;
+mod draw;
+mod frontage;
+mod furniture;
+mod islands;
+mod land;
+mod lights;
+mod lots;
+mod parked;
+mod racks;
+mod signs;
+mod site;
+mod swept;
+mod trees;
+
+use crate::surfaces::{AreaGround, Ground};
+use schema::catalogue::Catalogue;
+use schema::settings::SceneryRules;
+use schema::tables::TileObjectRow;
+
+pub use catalogue::{BUILDINGS, BuildingKind, TREES};
+pub use signs::{PLATES, Plate};
+
+use draft::Draft;
+use islands::Islands;
+use land::Land;
+use site::Site;
+
+/// What stands in an area: traffic lights and signs of the map, parked vehicles, buildings, street lamps, fences, trees,
+/// street furniture, racks with bicycles and the signs that roads have besides, in this order. It follows from the map, the rules,
+/// the models that may be parked and the area alone; areas side by side have each thing once, as it would be if they were one.
+///
+/// Rows of lights and signs describe the housing or board alone (origin: centre of its bottom face, x: the way it faces);
+/// their poles belong to the same mesh and reach down to the ground, whose height is the attribute `ground_z_m`.
+#[must_use]
+pub fn place(ground: &AreaGround<'_>, rules: &SceneryRules, catalogue: &Catalogue) -> Vec<TileObjectRow> {
+    let tracks = ground.sections.iter().flat_map(|s| &s.strips).any(|s| s.ground == Ground::Track);
+    let site = Site { map: ground.map(), rules, catalogue, ground };
+    let fronts = frontage::frontages(ground.map(), &ground.sections);
+    let islands = Islands::new(&ground.levels.cover, &ground.around);
+    let mut drafts: Vec<Draft> = Vec::new();
+    let mut land = Land::new(&ground.levels, tracks);
+    lights::lights(&site, &mut land, &mut drafts);
+    let signs = signs::given(&site, &mut land, &mut drafts);
+    // Buildings keep off every marked space, and so do not ask where somebody parks.
+    let mut to_build = land.clone();
+    parked::parked(&site, &mut land, &mut drafts);
+    parked::keep_spaces(&site, &mut to_build);
+    let houses = lots::buildings(&site, &fronts, &islands, &mut to_build, &mut drafts);
+    houses.iter().for_each(|house| land.take(house.takes));
+    furniture::lamps(&site, &fronts, &mut land, &mut drafts);
+    lots::fences(&site, &houses, &mut land, &mut drafts);
+    trees::trees(&site, &fronts, &mut land, &mut drafts);
+    furniture::small_things(&site, &fronts, &mut land, &mut drafts);
+    racks::racks(&site, &fronts, &mut land, &mut drafts);
+    signs::roadside(&site, &fronts, &signs, &mut land, &mut drafts);
+    drafts.into_iter().map(Draft::row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surfaces::{Atlas, Region};
+    use frames::OrientedRect;
+    use opendrive::Map;
+    use schema::{ActorKind, Attribute};
+
+    /// Places of things to tenths of a millimetre, with all that they are.
+    fn sorted(mut objects: Vec<TileObjectRow>) -> Vec<TileObjectRow> {
+        objects.sort_by(|a, b| {
+            a.xyz_m.map(|v| (v * 1e4).round() as i64).cmp(&b.xyz_m.map(|v| (v * 1e4).round() as i64))
+        });
+        objects
+    }
+
+    fn check(map: &Map, corner: [f64; 2]) {
+        let atlas = Atlas::new(map);
+        let rules = SceneryRules::default();
+        let place_in = |x: f64, y: f64, side: f64| {
+            let area = Region { min: [x, y], max: [x + side, y + side] };
+            place(&atlas.ground(&area), &rules, Catalogue::built_in())
+        };
+        let whole = sorted(place_in(corner[0], corner[1], 384.0));
+        let parts = (0..9).flat_map(|k| {
+            let [x, y] = [k % 3, k / 3].map(|i| f64::from(i) * 128.0);
+            place_in(corner[0] + x, corner[1] + y, 128.0)
+        });
+        let parts = sorted(parts.collect());
+        assert!(whole.len() > 300, "{}", whole.len());
+        let gone: Vec<_> = whole.iter().filter(|o| !parts.contains(o)).map(|o| (&o.model, o.xyz_m)).collect();
+        let new: Vec<_> = parts.iter().filter(|o| !whole.contains(o)).map(|o| (&o.model, o.xyz_m)).collect();
+        assert!(gone.is_empty() && new.is_empty(), "{} of {}\n{gone:#?}\n{new:#?}", gone.len(), whole.len());
+        assert_eq!(whole.len(), parts.len());
+    }
+
+    fn town_map(name: &str) -> Map {
+        Map::new(town::generate(&town::named(name).expect("a town of ours")).expect("roads"))
+    }
+
+    fn all_of(map: &Map, corner: [f64; 2], side: f64) -> Vec<TileObjectRow> {
+        let area = Region { min: corner, max: corner.map(|v| v + side) };
+        place(&Atlas::new(map).ground(&area), &SceneryRules::default(), Catalogue::built_in())
+    }
+
+    fn yaw(object: &TileObjectRow) -> f64 {
+        frames::Pose::<frames::World, frames::Object>::from_xyz_wxyz(object.xyz_m, object.quaternion).yaw()
+    }
+
+    /// Signs that are not the map's stand off all lanes for vehicles and outside of houses, near the lane whose traffic sees them.
+    fn check_signs(name: &str, map: &Map, corner: [f64; 2], side: f64, least: usize) {
+        let objects = all_of(map, corner, side);
+        let own = |o: &&TileObjectRow| o.kind == ActorKind::Sign && o.opendrive_id.is_none();
+        let (mut count, mut turned) = (0, 0);
+        for sign in objects.iter().filter(own) {
+            count += 1;
+            let ground_z: f64 =
+                sign.attributes.get(&Attribute::GroundZ).expect("is said").parse().expect("a number");
+            let foot = nalgebra::Point3::new(sign.xyz_m[0], sign.xyz_m[1], ground_z);
+            let vehicles = |lane: &opendrive::LaneInfo| {
+                lane.lane_type.is_drivable() || lane.lane_type == opendrive::LaneType::Parking
+            };
+            for hit in map.lanes_within(foot, 8.0, vehicles) {
+                assert!(
+                    hit.t_m.abs() > 0.5 * hit.width_m + 0.1,
+                    "{name}: {} on a lane at {foot}",
+                    sign.model
+                );
+            }
+            let nearest = map.nearest_lane(foot, |lane| lane.lane_type.is_drivable()).expect("a lane");
+            assert!(nearest.distance_m < 14.0, "{name}: {} {} m off", sign.model, nearest.distance_m);
+            let heading = map.lane_point(nearest.lane, nearest.s, 0.0).expect("on it").heading_rad;
+            let faces = frames::wrap_pi(yaw(sign) - heading).abs() > std::f64::consts::PI - 0.35;
+            // One kind is for those who come the wrong way; beside a crossing another street may be nearer.
+            turned += usize::from(!faces && sign.model != "sign.no_entry");
+            let word = sign.attributes.get(&Attribute::SignType).expect("says something");
+            assert!(schema::SIGN_TYPES.contains(&word), "{word}");
+            for house in objects.iter().filter(|o| o.kind == ActorKind::Building) {
+                let half_m = [0.5 * house.length_m, 0.5 * house.width_m];
+                let ground = OrientedRect::new([house.xyz_m[0], house.xyz_m[1]], yaw(house), half_m);
+                assert!(!ground.meets(&OrientedRect::square([foot.x, foot.y], 0.05)), "{name}: {foot}");
+            }
+        }
+        assert!(count >= least, "{name}: {count} signs");
+        assert!(10 * turned <= count, "{name}: {turned} of {count} look away from their traffic");
+    }
+
+    #[test]
+    fn signs_stand_beside_the_road_and_look_at_its_traffic() {
+        check_signs("convoy/demo", &town_map("convoy/demo"), [-256.0, -256.0], 512.0, 10);
+        check_signs("convoy/07", &town_map("convoy/07"), [-512.0, -512.0], 1024.0, 20);
+        for (name, map) in testkit::real_maps(&["Town03", "Town04"]) {
+            check_signs(name, &map, [-256.0, -256.0], 512.0, 10);
+        }
+    }
+
+    #[test]
+    fn wide_approaches_have_a_second_light_across_the_junction() {
+        let map = town_map("convoy/08");
+        let lights = all_of(&map, [-256.0, -256.0], 512.0);
+        let lights: Vec<_> = lights.iter().filter(|o| o.kind == ActorKind::TrafficLight).collect();
+        let mut pairs = 0;
+        for (i, light) in lights.iter().enumerate() {
+            for second in lights[..i].iter().filter(|other| other.opendrive_id == light.opendrive_id) {
+                pairs += 1;
+                let away = nalgebra::Vector2::new(
+                    second.xyz_m[0] - light.xyz_m[0],
+                    second.xyz_m[1] - light.xyz_m[1],
+                );
+                // Both look the same way; one is behind the other as its traffic sees them, on the same side of a wide street.
+                assert!(frames::wrap_pi(yaw(light) - yaw(second)).abs() < 0.2);
+                let (sin, cos) = frames::math::sin_cos(yaw(light));
+                let (behind, aside) = (away.x * cos + away.y * sin, away.y * cos - away.x * sin);
+                assert!((10.0..60.0).contains(&behind.abs()) && aside.abs() < 15.0, "{behind} {aside}");
+            }
+        }
+        assert!(pairs > 4, "{pairs}");
+    }
+
+    /// Whether two vehicles' footprints meet.
+    fn meet(a: &TileObjectRow, b: &TileObjectRow) -> bool {
+        let ground = |o: &TileObjectRow| {
+            let half_m = [0.5 * o.length_m, 0.5 * o.width_m];
+            OrientedRect::new([o.xyz_m[0], o.xyz_m[1]], yaw(o), half_m)
+        };
+        ground(a).meets(&ground(b))
+    }
+
+    #[test]
+    fn trucks_buses_and_two_wheelers_park_where_they_fit() {
+        let mut seen: std::collections::BTreeMap<String, usize> = std::collections::BTreeMap::new();
+        let towns = [("convoy/02", [-512.0, -512.0]), ("convoy/demo", [-512.0, -512.0])]
+            .map(|(n, c)| (town_map(n), c));
+        let real = testkit::real_maps(&["Town03"]).map(|(_, map)| (map, [-512.0, -512.0]));
+        for (map, corner) in towns.into_iter().chain(real) {
+            let objects = all_of(&map, corner, 1024.0);
+            let parked: Vec<_> = objects.iter().filter(|o| o.kind == ActorKind::Parked).collect();
+            for (i, one) in parked.iter().enumerate() {
+                *seen.entry(one.model.split('.').next().unwrap_or_default().to_owned()).or_default() += 1;
+                assert!(parked[..i].iter().all(|other| !meet(one, other)), "{} {:?}", one.model, one.xyz_m);
+                assert!(!one.semantic_tags.contains(&(schema::Tag::Rider as u8)));
+                let at = nalgebra::Point3::from(one.xyz_m);
+                if one.model.starts_with("bicycle") {
+                    let walk = map.nearest_lane(at, |l| l.lane_type.is_walkable()).expect("a sidewalk");
+                    assert!(walk.is_inside(), "{:?}", one.xyz_m);
+                }
+                // A bus whose middle keeps to its lane gets by.
+                let near = map.nearest_driving_lane(at).expect("a lane");
+                let room =
+                    if one.model.starts_with("motorcycle") { 0.5 * one.length_m } else { 0.5 * one.width_m };
+                assert!(near.t_m.abs() - room > 1.27, "{} {:?} {}", one.model, one.xyz_m, near.t_m);
+            }
+        }
+        for kind in ["car", "van", "truck", "motorcycle", "bicycle"] {
+            assert!(seen.get(kind).is_some_and(|n| *n > 1), "{kind}: {seen:?}");
+        }
+        let cars = seen["car"] + seen["van"];
+        assert!(seen["truck"] + seen.get("bus").copied().unwrap_or(0) < cars / 5, "{seen:?}");
+    }
+
+    #[test]
+    fn nine_small_areas_are_as_one_large_one() {
+        for (name, corner) in [("convoy/demo", [-192.0, -192.0]), ("convoy/03", [-192.0, -160.0])] {
+            check(&town_map(name), corner);
+        }
+        for (_, map) in testkit::real_maps(&["Town03"]) {
+            check(&map, [-192.0, -192.0]);
+        }
+    }
+}

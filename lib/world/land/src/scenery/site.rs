@@ -1,0 +1,64 @@
+//! What placing rules look at.
+
+use crate::surfaces::{AreaGround, GroundLevels};
+use opendrive::Map;
+use schema::catalogue::Catalogue;
+use schema::settings::SceneryRules;
+
+/// Half the side of the ground that a pole takes, metres.
+pub(crate) const FOOT_M: f64 = 0.3;
+/// Half the thickness of a pole, metres.
+pub(crate) const POLE_M: f64 = 0.14;
+
+/// Everything that placing rules look at.
+pub(crate) struct Site<'a> {
+    pub(crate) map: &'a Map,
+    pub(crate) rules: &'a SceneryRules,
+    pub(crate) catalogue: &'a Catalogue,
+    pub(crate) ground: &'a AreaGround<'a>,
+}
+
+/// How far around the area candidates of each kind are looked at, metres. What stands in the area must be the same whoever
+/// looks, so every kind is known as far out as it decides about what stands there: its own candidates keep one another away
+/// ([`crate::scenery::claims`]), and the later kinds keep off the earlier ones. From the last kind to the first, each distance is the
+/// next one's, and how far the two kinds' ground can be apart and still meet.
+pub(crate) mod reach_m {
+    /// Signs: half diagonals of 0.5.
+    pub(crate) const SIGNS: f64 = 1.0;
+    /// Racks for bicycles: of 2.1.
+    pub(crate) const RACKS: f64 = SIGNS + 2.6 + 4.2;
+    /// Benches and bins: of 0.9.
+    pub(crate) const SMALL: f64 = RACKS + 3.0 + 1.9;
+    /// Bushes: of 1.6.
+    pub(crate) const BUSHES: f64 = SMALL + 2.5 + 3.2;
+    /// Trees: trunks of 0.7, their room of 1.7.
+    pub(crate) const TREES: f64 = BUSHES + 2.3 + 2.4;
+    /// Pieces of fences: of 3.1.
+    pub(crate) const FENCES: f64 = TREES + 4.8 + 6.2;
+    /// Street lamps: of 0.5.
+    pub(crate) const LAMPS: f64 = FENCES + 3.6 + 1.0;
+    /// Parked vehicles: buses of 6.3.
+    pub(crate) const PARKED: f64 = LAMPS + 6.8 + 12.6;
+    /// Buildings that were kept: a fence is up to 32 from the middle of its building.
+    pub(crate) const BUILT: f64 = FENCES + 32.0;
+    /// Buildings: half diagonals of 21.7 with what they keep free.
+    pub(crate) const BUILDINGS: f64 = BUILT + 43.4;
+    /// What the map itself puts there: beside buildings.
+    pub(crate) const GIVEN: f64 = BUILDINGS + 25.0;
+}
+
+impl Site<'_> {
+    pub(crate) fn levels(&self) -> &GroundLevels {
+        &self.ground.levels
+    }
+
+    /// Whether a place belongs to the area.
+    pub(crate) fn holds(&self, x: f64, y: f64) -> bool {
+        self.ground.area.contains(x, y)
+    }
+
+    /// Whether a place is in the area or within some metres of it.
+    pub(crate) fn near(&self, x: f64, y: f64, reach_m: f64) -> bool {
+        self.ground.area.grown(reach_m).contains(x, y)
+    }
+}
