@@ -30,11 +30,11 @@ fn run(job: &mut Job<'_, TrackSettings>) -> Result<(), StageError> {
         if settings.windows { labels::tracks::windows(&merged.frames, &settings) } else { Vec::new() };
     labels::tracks::stand(&mut merged.tracks, &mut windows, &standing_m);
     if let Some(mut unit) = job.unit("tracks")? {
-        unit.rows(&keys::scene(number, "tracks.parquet"), &merged.tracks)?;
-        unit.rows(&keys::scene(number, "tracks_frames.parquet"), &merged.frames)?;
-        unit.rows(&keys::scene(number, "tracks_agents.parquet"), &merged.sightings)?;
+        unit.put(number, &merged.tracks)?;
+        unit.put(number, &merged.frames)?;
+        unit.put(number, &merged.sightings)?;
         if settings.windows {
-            unit.rows(&keys::scene(number, "tracks_windows.parquet"), &windows)?;
+            unit.put(number, &windows)?;
         }
         unit.rows(&keys::partial_stats(number, Stage::<TrackSettings>::NAME), &counts.rows())?;
         unit.finish()?;

@@ -44,7 +44,7 @@ fn run(job: &mut Job<'_, ValiditySettings>) -> Result<(), StageError> {
     observing::observe_agents(job, &scene, &observing, log.frame_count())?;
     let valid = validate_all(job, &scene, &log, &settings)?;
     if let Some(mut unit) = job.unit("boxes")? {
-        unit.rows(&keys::scene(scene.scene(), "boxes_valid.parquet"), &valid)?;
+        unit.put(scene.scene(), &valid)?;
         let stats = format!("{}.boxes", ValidBoxRow::STAGE);
         unit.rows(&keys::partial_stats(scene.scene(), &stats), &sightings::count(&valid).rows())?;
         unit.finish()?;

@@ -97,15 +97,15 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     let json = serde_json::to_vec_pretty(&info).at(|| place.clone())?;
     let key = |name: &str| keys::scene(scene, name);
     unit.bytes(&key(schema::scene_info::SCENE_FILE), &json, 1)?;
-    unit.rows(&key("log/actors.parquet"), &actors)?;
-    unit.rows(&key("log/tiles.parquet"), &world.rows)?;
-    unit.rows(&key("log/states.parquet"), &log.states)?;
-    unit.rows(&key("log/frames.parquet"), &log.frames)?;
-    unit.rows(&key("log/signals.parquet"), &log.signals)?;
-    unit.rows(&key("log/lamps.parquet"), &lamps)?;
-    unit.rows(&key("agents.parquet"), &labels.agents)?;
-    unit.rows(&key("boxes.parquet"), &labels.boxes)?;
-    unit.rows(&key("hd_map.parquet"), &labels.hd_map)?;
+    unit.put(scene, &actors)?;
+    unit.put(scene, &world.rows)?;
+    unit.put(scene, &log.states)?;
+    unit.put(scene, &log.frames)?;
+    unit.put(scene, &log.signals)?;
+    unit.put(scene, &lamps)?;
+    unit.put(scene, &labels.agents)?;
+    unit.put(scene, &labels.boxes)?;
+    unit.put(scene, &labels.hd_map)?;
     unit.rows(&keys::partial_stats(scene, Stage::<SimulationSettings>::NAME), &labels.counts)?;
     unit.finish()?;
     Ok(())

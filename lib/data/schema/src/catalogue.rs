@@ -76,6 +76,28 @@ impl Catalogue {
         built_in.chain(self.added_of(BaseType::Pedestrian)).collect()
     }
 
+    /// All that packs add, as bytes that name it: equal ones are of equal models.
+    #[must_use]
+    pub fn identity(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for (model, weight) in &self.own {
+            // Whoever adds a field says here how it is written.
+            let Model { name, base, size_m, wheelbase_m, wheel_radius_m, special, own } = model;
+            let mut text = |text: &str| {
+                bytes.extend((text.len() as u64).to_le_bytes());
+                bytes.extend(text.as_bytes());
+            };
+            [name, base.name(), special].into_iter().for_each(&mut text);
+            if let Some(OwnFacts { doors, wheels, has_lights, age, gender }) = own {
+                [*age, *gender].into_iter().for_each(&mut text);
+                bytes.extend([*doors, *wheels, u8::from(*has_lights)]);
+            }
+            let numbers = size_m.iter().chain([wheelbase_m, wheel_radius_m, weight]);
+            bytes.extend(numbers.flat_map(|number| number.to_le_bytes()));
+        }
+        bytes
+    }
+
     /// How common a vehicle is: as its pack says, or [`fleet::weight`].
     #[must_use]
     pub fn weight(&self, model: &Model) -> f64 {
@@ -157,6 +179,36 @@ mod tests {
         assert_eq!(all.added_of(BaseType::Car), []);
         let wheels = van.facts().get(&crate::Attribute::NumberOfWheels).map(str::to_owned);
         assert_eq!(wheels.as_deref(), Some("6"));
+    }
+
+    #[test]
+    fn every_fact_of_a_pack_is_in_its_identity() {
+        let model = || row("van.kiosk", "van", 3.0);
+        let changed: [fn(&mut PlanModelRow); 11] = [
+            |row| row.name = "van.stall".into(),
+            |row| row.base_type = "truck".into(),
+            |row| row.special = "taxi".into(),
+            |row| row.size_m[2] = 1.6,
+            |row| row.wheelbase_m = 2.6,
+            |row| row.wheel_radius_m = 0.4,
+            |row| row.doors = 4,
+            |row| row.wheels = 4,
+            |row| row.has_lights = !row.has_lights,
+            |row| row.age = "child".into(),
+            |row| row.weight = 2.0,
+        ];
+        let identity = |row: PlanModelRow| Catalogue::with(&[row]).identity();
+        assert_eq!(identity(model()), identity(model()));
+        let mut all = vec![identity(model())];
+        for change in changed {
+            let mut other = model();
+            change(&mut other);
+            all.push(identity(other));
+        }
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), 12);
+        assert!(Catalogue::built_in().identity().is_empty());
     }
 
     #[test]

@@ -122,6 +122,9 @@ pub struct OwnFacts {
     pub gender: &'static str,
 }
 
+/// Model of a road-side unit: its pole.
+pub const RSU_MODEL: &str = "rsu.pole";
+
 /// How old people are.
 pub const AGES: [&str; 3] = ["adult", "child", "elderly"];
 /// What people are.

@@ -70,7 +70,7 @@ pub(crate) struct SceneLabels {
 fn rows<R: Row>(
     scene: &SceneReader,
 ) -> Result<impl Iterator<Item = Result<R, EvaluationError>>, EvaluationError> {
-    let key = keys::scene(scene.scene(), &format!("{}.parquet", R::TABLE));
+    let key = keys::table::<R>(scene.scene());
     let groups: RowGroups<R> = scene.store().row_groups(scene.manifest(R::STAGE)?, &key)?;
     Ok(groups.flat_map(|group| match group {
         Ok(rows) => rows.into_iter().map(Ok).collect::<Vec<_>>(),

@@ -70,7 +70,7 @@ fn open<R: Row>(work: &Work<'_>, unit: &Unit<'_>) -> Result<TableWriter<R>, Impo
 }
 
 fn key<R: Row>(work: &Work<'_>) -> String {
-    keys::scene(work.order.entry.number, &format!("{}.parquet", R::TABLE))
+    keys::table::<R>(work.order.entry.number)
 }
 
 /// What is said once of a scene.

@@ -10,6 +10,7 @@ use random::Stream;
 use schema::AgentId;
 use schema::catalogue::Catalogue;
 use schema::models::Model;
+use schema::models::RSU_MODEL;
 use schema::settings::stages::PlanSettings;
 use schema::settings::{AgentSettings, SpawnMode, TrafficSettings};
 use schema::tables::PlanAgentRow;
@@ -17,8 +18,6 @@ use schema::tables::PlanAgentRow;
 use crate::PlanError;
 use crate::pool::{SpawnPoint, SpawnPool};
 
-/// Model name of an RSU's body.
-pub const RSU_MODEL: &str = "rsu.pole";
 /// Colour of an RSU's body (sRGB).
 const RSU_COLOR: [u8; 3] = [190, 190, 190];
 /// How far an RSU stands from the foot of its signal's pole, towards the junction, metres. The published value is

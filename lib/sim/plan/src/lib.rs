@@ -25,7 +25,6 @@ mod scene;
 mod timing;
 mod weather;
 
-pub use agents::RSU_MODEL;
 pub use error::PlanError;
 pub use pool::{SpawnPoint, SpawnPool};
 pub use roster::{Roster, SceneSlot, enrol, scene_slots};

@@ -7,7 +7,6 @@ use pipeline::{
     EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, StageSpec, UnitKind, say, was_stopped,
 };
 use schema::scene_info::LOG_STAGE;
-use schema::table::Row;
 use schema::tables::{SceneTileRow, TILE_STAGE};
 use schema::tile::TileIndex;
 use store::{Manifest, Scope, Store, StoreError, keys};
@@ -235,7 +234,7 @@ fn take(
 /// Takes the tiles of the static world that a scene's log names.
 fn take_tiles(here: &Store, other: &Store, scope: Scope, log: &Manifest) -> Result<u64, Fault> {
     let Scope::Scene(scene) = scope else { return Ok(0) };
-    let table = keys::scene(scene, &format!("{}.parquet", SceneTileRow::TABLE));
+    let table = keys::table::<SceneTileRow>(scene);
     let mut bytes = 0;
     for tile in other.read_rows::<SceneTileRow>(log, &table)? {
         let index = TileIndex { x: tile.x, y: tile.y };

@@ -5,7 +5,6 @@ use std::path::Path;
 
 use pipeline::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, say};
 use schema::scene_info::LOG_STAGE;
-use schema::table::Row;
 use schema::tables::SceneTileRow;
 use store::{Scope, Store, StoreError, keys};
 
@@ -31,7 +30,7 @@ fn remove_unused(store: &Store) -> Result<(usize, u64), StoreError> {
         let number = key.strip_prefix("scenes/").and_then(|rest| rest.strip_suffix(&manifest_name));
         let Some(scene) = number.and_then(|number| number.parse().ok()) else { continue };
         let Some(manifest) = store.manifest(Scope::Scene(scene), LOG_STAGE)? else { continue };
-        let table = keys::scene(scene, &format!("{}.parquet", SceneTileRow::TABLE));
+        let table = keys::table::<SceneTileRow>(scene);
         // Logs of older code know no tiles.
         if manifest.output(&table).is_some() {
             let rows: Vec<SceneTileRow> = store.read_rows(&manifest, &table)?;

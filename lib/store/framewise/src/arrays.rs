@@ -61,6 +61,14 @@ pub trait FrameArrays: Sync {
     ) -> Result<Vec<FrameArray<'m>>, StageError>;
 }
 
+/// A label gave other arrays than it said: a bug.
+#[derive(Debug, thiserror::Error)]
+#[error("a bug in Convoy: the label gave {found} arrays for its {expected} archives (please report it)")]
+struct ArraysError {
+    found: usize,
+    expected: usize,
+}
+
 /// An archive in hand.
 struct Archive {
     writer: NpzWriter<FileWriter>,
@@ -115,6 +123,13 @@ impl<L: FrameArrays> Seen<L> {
         let mut counts = PartialCounts::new();
         let mut members = Vec::with_capacity(self.locations.len());
         let arrays = self.label.arrays(&mut memory, frame, &mut counts)?;
+        let (found, expected) = (arrays.len(), self.locations.len());
+        if found != expected {
+            // The first that is too few, or the last that there is.
+            let location = self.locations.get(found).or(self.locations.last()).cloned().unwrap_or_default();
+            let place = || Place::file(&location).frame(frame);
+            return Err(ArraysError { found, expected }).at(place);
+        }
         for (array, location) in arrays.into_iter().zip(&self.locations) {
             let FrameArray { scalar, shape, bytes } = array;
             let member = encode_member(&frame_member(frame), scalar, &shape, &bytes, DEFAULT_LEVEL);

@@ -25,6 +25,8 @@ fn grid(frame: u32) -> Vec<u8> {
 struct Grids {
     broken: Option<u32>,
     every: u32,
+    /// Arrays of frame 6, of two archives.
+    at_frame_6: usize,
 }
 
 impl FrameArrays for Grids {
@@ -54,12 +56,14 @@ impl FrameArrays for Grids {
         *memory = grid(frame);
         counts.add("", "grids", "", frame as i32, 1);
         let other = FrameArray { scalar: Scalar::U8, shape: vec![1], bytes: vec![frame as u8].into() };
-        Ok(vec![FrameArray { scalar: Scalar::U8, shape: vec![500], bytes: memory.as_slice().into() }, other])
+        let grid = FrameArray { scalar: Scalar::U8, shape: vec![500], bytes: memory.as_slice().into() };
+        let arrays = vec![grid, other.clone(), other];
+        Ok(arrays.into_iter().take(if frame == 6 { self.at_frame_6 } else { 2 }).collect())
     }
 }
 
 fn archive(store: &Store, broken: Option<u32>) -> Result<Manifest, StageError> {
-    write(store, Grids { broken, every: 1 })
+    write(store, Grids { broken, every: 1, at_frame_6: 2 })
 }
 
 fn write(store: &Store, label: Grids) -> Result<Manifest, StageError> {
@@ -98,7 +102,7 @@ fn frames_come_back_in_order() {
 #[test]
 fn frames_between_have_no_member() {
     let store = Store::open("memory:").expect("is a place");
-    let manifest = write(&store, Grids { broken: None, every: 4 }).expect("writes");
+    let manifest = write(&store, Grids { broken: None, every: 4, at_frame_6: 2 }).expect("writes");
     let mut reader =
         NpzReader::new(store.stream_output(&manifest, KEY).expect("opens")).expect("is an archive");
     assert_eq!(reader.members().collect::<Vec<_>>(), [0, 4, 8].map(frame_member));
@@ -138,4 +142,21 @@ fn a_bad_frame_is_named() {
     assert_eq!(error.exit_code(), pipeline::EXIT_SOME_FAILED);
     assert_eq!(error.report(), "scene 7 frame 4: no such grid");
     assert!(store.backend().list("").expect("lists").is_empty());
+}
+
+#[test]
+fn an_array_too_few_or_too_many_is_an_error() {
+    for (at_frame_6, file) in
+        [(0, KEY), (1, "scenes/0007/bev_ids/vehicle_0.npz"), (3, "bev_ids/vehicle_0.npz")]
+    {
+        let store = Store::open("memory:").expect("is a place");
+        let error = write(&store, Grids { broken: None, every: 1, at_frame_6 }).expect_err("is noticed");
+        let report = error.report();
+        assert!(report.contains(file) && report.contains("frame 6"), "{report}");
+        assert!(
+            report.contains(&format!("the label gave {at_frame_6} arrays for its 2 archives")),
+            "{report}"
+        );
+        assert!(store.backend().list("").expect("lists").is_empty());
+    }
 }

@@ -105,7 +105,7 @@ struct Rows<R> {
 impl<R: Row> Rows<R> {
     /// Opens a table; all rows are wanted where none are named.
     fn open(scene: &SceneReader, wanted: Option<Vec<Range<usize>>>) -> Result<Self, SceneError> {
-        let key = keys::scene(scene.scene(), &format!("{}.parquet", R::TABLE));
+        let key = keys::table::<R>(scene.scene());
         let (store, manifest) = (scene.store(), scene.manifest(R::STAGE)?);
         let groups = match wanted {
             Some(wanted) => store.rows_at(manifest, &key, wanted)?,

@@ -8,7 +8,7 @@ use schema::table::{Column, Row};
 use crate::error::sound;
 use crate::manifest::{MadeBy, Manifest, Output, Redo};
 use crate::write::{FileWriter, Finished, TableOptions, TableWriter, write_columns};
-use crate::{Scope, Store, StoreError};
+use crate::{Scope, Store, StoreError, keys};
 
 /// What makes two tries the same: if all of it is equal, so are the outputs.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -290,6 +290,14 @@ impl Unit<'_> {
         table.push(rows)?;
         self.add(table.finish()?);
         Ok(())
+    }
+
+    /// Writes a whole table of a scene under the name of its rows' type.
+    ///
+    /// # Errors
+    /// The store cannot be written.
+    pub fn put<R: Row>(&mut self, scene: u32, rows: &[R]) -> Result<(), StoreError> {
+        self.rows(&keys::table::<R>(scene), rows)
     }
 
     /// Writes a whole table of columns that no row type describes (statistics).

@@ -2,6 +2,7 @@
 
 use schema::AgentId;
 use schema::arrays::ArrayKind;
+use schema::table::Row;
 use schema::tile::TileIndex;
 
 /// What a manifest is about.
@@ -113,6 +114,12 @@ pub fn model_file(model: &str, path: &str) -> String {
 #[must_use]
 pub fn scene(scene: u32, name: &str) -> String {
     format!("scenes/{scene:04}/{name}")
+}
+
+/// A table of a scene, by the type of its rows.
+#[must_use]
+pub fn table<R: Row>(of_scene: u32) -> String {
+    scene(of_scene, &format!("{}.parquet", R::TABLE))
 }
 
 /// A table of a tile, by its name: `surfaces`, `objects`.

@@ -75,8 +75,8 @@ impl<'a> TileStore<'a> {
     ) -> Result<Self, TileError> {
         let mut config = serde_json::to_vec(rules).map_err(TileError::Rules)?;
         if !catalogue.is_built_in() {
-            // Who is parked and how large that is. (Debug prints every bit of numbers that matters.)
-            config.extend(format!("{catalogue:?}").into_bytes());
+            // Which models are parked, and how large they are.
+            config.extend(catalogue.identity());
         }
         let config_hash = store::hash_bytes(&config);
         let all = store::hash_bytes(format!("{map_hash} {config_hash} {code_version}").as_bytes());

@@ -96,7 +96,7 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
     match family {
         "building" => building::building(kind, size, variant).and_then(fixed),
         "tree" | "bush" => nature::plant(family, kind, size, variant).and_then(fixed),
-        "light" | "sign" | "pole" => street::street(family, kind, size, variant).and_then(fixed),
+        "light" | "sign" | "pole" | "rsu" => street::street(family, kind, size, variant).and_then(fixed),
         "prop" => {
             props::prop(kind, size, variant).or_else(|| works::item(kind, size, variant)).and_then(fixed)
         }

@@ -19,7 +19,7 @@ pub(crate) fn street(family: &str, kind: &str, size: Vec3, variant: u32) -> Opti
         ("sign", "accident" | "road_works" | "danger") => warning::warning(kind, size),
         ("sign", _) => Some(sign::sign(kind, size, SignFace::from_variant(variant))),
         ("pole", "lamp") => Some(lamp(size)),
-        ("pole", "rsu") => Some(rsu(size)),
+        ("rsu", "pole") => Some(rsu(size)),
         _ => None,
     }
 }

@@ -173,7 +173,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("prop.fence", [2.0, 0.1, 1.1]),
         ("prop.wall", [2.0, 0.3, 1.4]),
         ("light.signal", [0.36, 0.42, 1.1]),
-        ("pole.rsu", [0.4, 0.4, 3.4]),
+        ("rsu.pole", [0.4, 0.4, 3.4]),
         ("bush.round", [1.5, 1.5, 1.0]),
         ("bush.hedge", [2.0, 0.8, 1.2]),
     ] {

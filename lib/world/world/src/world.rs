@@ -9,6 +9,7 @@ use frames::{LocalOrigin, Object, Pose, World};
 use glam::{Affine3A, Mat3A, Quat, Vec3A};
 use rayon::prelude::*;
 use schema::geometry::{Instance, ObjectMotion, Snapshot, SurfaceMesh, TriMesh};
+use schema::models::RSU_MODEL;
 use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
 use schema::{ActorKind, Layer, ObjectId, SignalState, lights, street_lamps};
 
@@ -172,7 +173,7 @@ struct Library {
 
 fn model_key(actor: &ActorRow, own: &OwnModels) -> ModelKey {
     // Road-side units may carry any model name: their body is a pole.
-    let model = if actor.kind == ActorKind::Rsu { "pole.rsu" } else { actor.model.as_str() };
+    let model = if actor.kind == ActorKind::Rsu { RSU_MODEL } else { actor.model.as_str() };
     let size = [actor.length_m, actor.width_m, actor.height_m];
     // A model of a pack has one shape.
     let varies = !own.contains_key(model) && has_variants(model);

@@ -115,7 +115,7 @@ impl Page {
 /// All that stands or moves at frame 0.
 fn things(scene: &SceneReader) -> Result<Vec<Thing>, ExportError> {
     let actors: Vec<ActorRow> = scene.rows()?;
-    let key = keys::scene(scene.scene(), &format!("{}.parquet", StateRow::TABLE));
+    let key = keys::table::<StateRow>(scene.scene());
     let mut places: Vec<Place> = Vec::new();
     for group in scene.store().row_groups::<Place>(scene.manifest(StateRow::STAGE)?, &key)? {
         let group = group?;

@@ -4,7 +4,7 @@
 //! two meet, the one whose reservation is older goes first. A later one is given if nobody who goes first stands, and
 //! the driver comes to the place when it is free, or behind the other one where ways merge; if something takes longer,
 //! it waits before the place. It is also given before one that has not passed its line and is so far away that it need
-//! not brake: that one asks again. ReservationTable end when the vehicle's rear has left the lane.
+//! not brake: that one asks again. Reservations end when the vehicle's rear has left the lane.
 //!
 //! Nobody waits for ever inside: whoever waits there waits for an older reservation, or for who is ahead on its lane and
 //! has one as old; the oldest one can leave, because entry needs room behind the junction. Where ways are reserved in parts,

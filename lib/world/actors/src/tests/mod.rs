@@ -48,7 +48,7 @@ fn everything() -> Vec<(String, [f64; 3], u32)> {
         ("prop.wall", [6.0, 0.3, 1.4]),
         ("prop.rock", [1.0, 1.0, 0.7]),
         ("pole.lamp", [2.4, 0.28, 7.5]),
-        ("pole.rsu", [0.4, 0.4, 3.5]),
+        ("rsu.pole", [0.4, 0.4, 3.5]),
         ("light.signal", [0.36, 0.42, 1.1]),
     ];
     all.extend(PLATES.iter().map(|plate| (plate.model.to_owned(), plate.size_m, 220)));

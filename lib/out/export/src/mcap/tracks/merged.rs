@@ -31,7 +31,7 @@ impl MergedTrack {
     ) -> Result<Self, ExportError> {
         let every_n_frames = scene.info().label_every_n_frames;
         let topic = topics.add("/boxes".into(), &[("every_n_frames", every_n_frames.to_string())])?;
-        let key = keys::scene(scene.number(), &format!("{}.parquet", TrackFrameRow::TABLE));
+        let key = keys::table::<TrackFrameRow>(scene.number());
         let reader = scene.reader();
         let groups = reader.store().row_groups(reader.manifest(TrackFrameRow::STAGE)?, &key)?;
         let ready = Vec::new().into_iter();
