@@ -26,6 +26,7 @@ DEVICE ?= cpu
 WORKERS ?=
 PYTHON ?= $(or $(CONVOY_PYTHON),python3)
 CARGO ?= cargo
+TYPOS ?= typos
 BIN    = target/release
 MAPS_ARG    = $(if $(MAPS),--maps $(MAPS))
 THREADS_ARG = $(if $(JOBS),--threads $(JOBS))
@@ -215,6 +216,10 @@ lint:
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	$(CARGO) run --quiet --locked --package convoy-layers
+	@if $(TYPOS) --version >/dev/null 2>&1; then $(TYPOS); \
+		else echo "note: spelling is not checked without typos (pip install typos)"; fi
+	@if $(CARGO) deny --version >/dev/null 2>&1; then $(CARGO) deny --offline check bans licenses sources; \
+		else echo "note: licences are not checked without cargo-deny (cargo install --locked cargo-deny)"; fi
 
 # Seconds per agent-frame: each part beside its budget, then whole stages with writing and memory. bench-kernels: every crate's own
 # benchmarks.

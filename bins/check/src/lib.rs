@@ -68,12 +68,12 @@ pub fn run(args: &CheckArgs) -> u8 {
     }
 }
 
-#[allow(clippy::print_stdout)] // The report is what the program is for.
+#[allow(clippy::print_stdout, reason = "the report is what the program is for")]
 fn say(text: &str) {
     print!("{text}");
 }
 
-#[allow(clippy::print_stderr)] // It has no other words.
+#[allow(clippy::print_stderr, reason = "it has no other words")]
 fn complain(fault: &str) {
     eprintln!("error: {fault}");
 }

@@ -108,12 +108,12 @@ fn frame_range(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| "expected two numbers as 0..20, the second one greater".to_owned())
 }
 
-#[allow(clippy::print_stdout)] // The address is what it has to say.
+#[allow(clippy::print_stdout, reason = "the address is what it has to say")]
 fn say(text: &str) {
     println!("{text}");
 }
 
-#[allow(clippy::print_stderr)] // It has no other words.
+#[allow(clippy::print_stderr, reason = "it has no other words")]
 fn complain(fault: &str) {
     eprintln!("error: {fault}");
 }

@@ -1,6 +1,6 @@
 //! Time to encode and decode one voxel grid (1280 x 1280 x 80) of a town, on one core.
 
-#![allow(clippy::print_stderr)] // The size belongs beside the time.
+#![allow(clippy::print_stderr, reason = "the size belongs beside the time")]
 
 use std::hint::black_box;
 use std::io::Cursor;

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 /// A number in an array, little-endian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum Scalar {
     /// One byte, 0 or 1.
     Bool,

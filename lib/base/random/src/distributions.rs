@@ -51,7 +51,7 @@ impl Stream {
 
     /// One of some items with their weights, all alike where all weights are 1: as [`Stream::choose`] draws then, to the bit.
     pub fn choose_common<T: Copy>(&mut self, items: &[(T, f64)]) -> Option<T> {
-        #[allow(clippy::float_cmp)] // What nobody changed.
+        #[allow(clippy::float_cmp, reason = "what nobody changed")]
         let all_alike = items.iter().all(|(_, weight)| *weight == 1.0);
         let drawn =
             if all_alike { self.choose(items) } else { self.choose_weighted(items, |(_, weight)| *weight) };

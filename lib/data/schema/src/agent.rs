@@ -7,7 +7,7 @@ use crate::text::Text;
 
 /// The kind of a recording agent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum AgentKind {
     #[default]
     Vehicle,

@@ -4,7 +4,7 @@ use crate::Tag;
 
 /// Class of an annotated box, in canonical evaluation order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum DetectionClass {
     TrafficLight,
     TrafficSign,

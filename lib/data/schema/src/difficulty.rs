@@ -4,7 +4,7 @@ use crate::DetectionClass;
 
 /// How hard an object is to detect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum Difficulty {
     Easy,
     Medium,

@@ -79,7 +79,7 @@ pub enum Paving {
 
 /// On which sides of a lane kerbs stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum Kerbs {
     Right,
     Left,

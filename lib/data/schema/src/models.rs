@@ -6,7 +6,7 @@ use crate::{Attribute, Attributes, Tag};
 
 /// What a model is, for planning and driving.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum BaseType {
     Car,
     Van,

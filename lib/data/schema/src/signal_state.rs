@@ -4,7 +4,7 @@ use crate::text::words;
 
 /// What a traffic light shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum SignalState {
     Red,
     Yellow,

@@ -6,7 +6,7 @@ use crate::text::Text;
 
 /// Values of one column, in row order.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(missing_docs)] // One variant per column type.
+#[allow(missing_docs, reason = "one variant per column type")]
 pub enum Column {
     Bool(Vec<bool>),
     U8(Vec<u8>),

@@ -3,7 +3,7 @@
 /// What a surface is. The number is the one in images, semantic lidar and voxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u8)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum Tag {
     #[default]
     Unlabeled = 0,

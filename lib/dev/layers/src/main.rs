@@ -3,7 +3,7 @@
 //!
 //! A file needs another one if it names something of it outside tests. Names that a module only hands on count as those of
 //! the file that they come from.
-#![allow(clippy::print_stdout, clippy::print_stderr)] // It is a check on the command line.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "it is a check on the command line")]
 
 mod graph;
 mod lexer;

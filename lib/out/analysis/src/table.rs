@@ -69,7 +69,7 @@ pub struct TableColumn {
 
 /// The part of the report a table or figure belongs to, in the report's order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum Section {
     Overview,
     Scenes,

@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let counts =
             if of_cabins { cabin(model, paint, folder)? } else { sheet(model, paint, folder, of_levels)? };
         let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
-        #[allow(clippy::print_stdout)] // It is what it is for.
+        #[allow(clippy::print_stdout, reason = "it is what it is for")]
         {
             println!("{:28} {}", model.name, counts.join(" "));
         }

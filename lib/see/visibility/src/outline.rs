@@ -3,7 +3,7 @@
 //!
 //! Nothing here is fused, divided or rooted: adding, subtracting and multiplying round alike on all processors, divisions need
 //! not. So whoever follows these steps elsewhere gets the same ids and the same bits of depth.
-#![allow(clippy::needless_range_loop)] // One index runs through many lane arrays.
+#![allow(clippy::needless_range_loop, reason = "one index runs through many lane arrays")]
 
 /// Vectors by axis and lane.
 pub(crate) type Vectors<const N: usize> = [[f64; N]; 3];

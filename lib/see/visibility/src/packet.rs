@@ -2,7 +2,7 @@
 //!
 //! A single ray is a packet of one lane, so single rays and packets compute the same bits. The loops over lanes
 //! are written plainly over fixed arrays; the compiler turns them into vector instructions.
-#![allow(clippy::needless_range_loop)] // One index runs through many lane arrays.
+#![allow(clippy::needless_range_loop, reason = "one index runs through many lane arrays")]
 
 use glam::{DVec3, Vec3};
 use renderer::{RayBatch, SKY};

@@ -1,5 +1,5 @@
 //! Tiles in a store: made once, whoever asks and however many at once.
-#![allow(clippy::unwrap_used)] // Tests may stop.
+#![allow(clippy::unwrap_used, reason = "tests may stop")]
 
 use std::collections::BTreeSet;
 

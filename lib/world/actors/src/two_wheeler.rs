@@ -227,7 +227,7 @@ fn bicycle_lamps(b: &mut MeshBuilder, tag: Tag, [front, rear]: [f32; 2], radius:
     b.cuboid(reflector, below - Vec3::new(0.012, 0.03, 0.022), below + Vec3::new(0.012, 0.03, 0.022));
 }
 
-#[allow(clippy::too_many_arguments)] // Each is a place of the frame.
+#[allow(clippy::too_many_arguments, reason = "each is a place of the frame")]
 fn bicycle_frame(
     b: &mut MeshBuilder,
     tag: Tag,

@@ -2,7 +2,7 @@
 //!
 //! As the published statistics do: unique objects within 200 m of any of five agents, which have come up to 150 m away from
 //! where the first one started. Start by start, drawn evenly among the places where vehicles may; means of a map in a row.
-#![allow(clippy::print_stdout)] // A tool for developers.
+#![allow(clippy::print_stdout, reason = "a tool for developers")]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;

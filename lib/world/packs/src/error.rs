@@ -32,7 +32,7 @@ impl PackError {
 /// What is wrong with a model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // The messages say what they mean.
+#[allow(missing_docs, reason = "the messages say what they mean")]
 pub enum Problem {
     #[error("cannot read: {0}")]
     Unreadable(String),

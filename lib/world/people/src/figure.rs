@@ -6,7 +6,7 @@ use crate::look::{Age, Build, Hair, Hat, Look};
 
 /// The rigid parts of a body. Each has its frame at its upper joint, axes as the object's where somebody stands upright.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum Bone {
     Pelvis,
     Chest,
@@ -101,7 +101,7 @@ impl Bones {
 
 /// Left or right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum Side {
     Left,
     Right,
@@ -142,7 +142,7 @@ impl Side {
 /// Somebody's measures, metres. Shares of the stature are those of ordinary tables of human proportions (Drillis and Contini
 /// 1966, as in Winter's textbook), rounded, and of children with longer heads and shorter legs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub struct Figure {
     pub look: Look,
     /// From the ground to the crown, with shoes and hair, without a hat.
@@ -182,7 +182,7 @@ pub struct Figure {
 
 /// Where somebody's joints are while they stand upright, metres: see the fields of [`Figure`] of these names.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub struct Measures {
     pub hip_z: f32,
     pub hip_y: f32,

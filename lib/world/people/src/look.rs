@@ -8,7 +8,7 @@ pub const LOOKS: u32 = 16;
 
 /// How old somebody is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum Age {
     Child,
     Teen,
@@ -18,7 +18,7 @@ pub enum Age {
 
 /// How broad somebody is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum Build {
     Slim,
     Average,
@@ -27,7 +27,7 @@ pub enum Build {
 
 /// What is worn above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum Top {
     Tee,
     Shirt,
@@ -42,7 +42,7 @@ pub enum Top {
 
 /// What is worn below.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum Bottom {
     Trousers,
     Shorts,
@@ -51,7 +51,7 @@ pub enum Bottom {
 
 /// Hair, as far as a hat leaves it to be seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum Hair {
     Thin,
     Short,
@@ -64,7 +64,7 @@ pub enum Hair {
 
 /// What is worn on the head.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum Hat {
     None,
     Cap,
@@ -81,7 +81,7 @@ pub enum Hat {
 
 /// What somebody has with them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum Carried {
     Nothing,
     Backpack,
@@ -99,7 +99,7 @@ pub enum Carried {
 
 /// What somebody does while they stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum Stance {
     ArmsHang,
     /// A hand at the ear.
@@ -111,7 +111,7 @@ pub enum Stance {
 
 /// Somebody's look. Colours are linear RGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub struct Look {
     pub age: Age,
     pub woman: bool,

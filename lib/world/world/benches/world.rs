@@ -1,5 +1,5 @@
 //! Making tiles, building meshes and taking snapshots of a generated town.
-#![allow(clippy::unwrap_used)] // A bench may stop.
+#![allow(clippy::unwrap_used, reason = "a bench may stop")]
 
 use land::tiles::TileMaker;
 use opendrive::Map;

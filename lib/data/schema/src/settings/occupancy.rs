@@ -32,7 +32,7 @@ impl ZFill {
 
 /// Along which directions columns are swept: from the top, the bottom, the front, ...
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[allow(missing_docs)] // The names are their own documentation.
+#[allow(missing_docs, reason = "the names are their own documentation")]
 pub struct SweepSettings {
     pub z_top: bool,
     pub z_bottom: bool,

@@ -35,11 +35,11 @@ pub struct Lattice {
 pub struct Sweep<'a> {
     /// Where the lidar sits.
     pub agent_from_sensor: Pose<Agent, Sensor>,
-    #[allow(missing_docs)] // As above.
+    #[allow(missing_docs, reason = "the names are their own documentation")]
     pub x: &'a [f32],
-    #[allow(missing_docs)]
+    #[allow(missing_docs, reason = "the names are their own documentation")]
     pub y: &'a [f32],
-    #[allow(missing_docs)]
+    #[allow(missing_docs, reason = "the names are their own documentation")]
     pub z: &'a [f32],
 }
 

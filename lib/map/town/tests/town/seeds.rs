@@ -1,5 +1,5 @@
 //! Styles give sound towns whatever the seed.
-#![allow(clippy::unwrap_used)] // Tests may stop.
+#![allow(clippy::unwrap_used, reason = "tests may stop")]
 
 use crate::check;
 

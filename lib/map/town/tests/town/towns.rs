@@ -1,5 +1,5 @@
 //! Every named town is sound, and is the same town every time.
-#![allow(clippy::unwrap_used)] // Tests may stop.
+#![allow(clippy::unwrap_used, reason = "tests may stop")]
 
 use crate::check;
 

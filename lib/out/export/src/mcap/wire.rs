@@ -231,14 +231,14 @@ macro_rules! messages {
     )+) => { $(
         $(#[doc = $doc])+
         #[derive(Clone, Debug, Default, PartialEq)]
-        #[allow(non_snake_case)] // Calibrations have K, D, R and P.
+        #[allow(non_snake_case, reason = "calibrations have K, D, R and P")]
         pub(crate) struct $message {
             $( $(#[doc = $field_doc])* pub(crate) $field: $type, )+
         }
 
         impl $crate::mcap::wire::Message for $message {
             fn describe() -> $crate::mcap::wire::Described {
-                #[allow(unused_imports)] // Not every message has an enumeration.
+                #[allow(unused_imports, reason = "not every message has an enumeration")]
                 use $crate::mcap::wire::{Described, EnumOf, FieldOf, Value};
                 Described {
                     package: $package,
@@ -261,7 +261,7 @@ macro_rules! messages {
         $(
             /// An enumeration of the message above.
             #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-            #[allow(dead_code)] // All that the description lists.
+            #[allow(dead_code, reason = "all that the description lists")]
             pub(crate) enum $enum { #[default] $( $variant = $value ),+ }
 
             impl $crate::mcap::wire::Value for $enum {

@@ -1,5 +1,5 @@
 //! A plane in the sun on which examples put actors.
-#![allow(dead_code)] // Each example needs a part of it.
+#![allow(dead_code, reason = "each example needs a part of it")]
 
 #[path = "../../tests/common/mod.rs"]
 mod common;

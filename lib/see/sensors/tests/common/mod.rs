@@ -1,5 +1,5 @@
 //! A street made by hand: what tests, benches and the picture example look at.
-#![allow(dead_code, unused_imports)] // Each user needs a part of it.
+#![allow(dead_code, unused_imports, reason = "each user needs a part of it")]
 
 use std::sync::Arc;
 

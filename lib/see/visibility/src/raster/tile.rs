@@ -1,5 +1,5 @@
 //! One tile of the picture: walking the trees and drawing triangles.
-#![allow(clippy::needless_range_loop)] // One index runs through many lane arrays.
+#![allow(clippy::needless_range_loop, reason = "one index runs through many lane arrays")]
 
 use std::ops::Range;
 

@@ -3,7 +3,7 @@
 //!
 //! Arguments: names of maps (`convoy/03`, `Town03`) to look at only these; `--seeds N` for scenes per map, or `--seeds 5-9` for those; `--faults`
 //! to list single faults; `--dump FOLDER` to write every track as CSV, for drawing.
-#![allow(clippy::print_stdout, clippy::print_stderr)] // It is a report.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "it is a report")]
 
 #[path = "../../tests/traffic/common/mod.rs"]
 mod common;

@@ -131,7 +131,7 @@ pub(crate) struct Walker {
 }
 
 impl Walker {
-    #[allow(clippy::too_many_arguments)] // All of it is drawn by the caller, from one stream.
+    #[allow(clippy::too_many_arguments, reason = "all of it is drawn by the caller, from one stream")]
     pub(crate) fn new(
         model: &'static Model,
         color: [u8; 3],

@@ -1,5 +1,5 @@
 //! The measures of `traffic-report` on small films made by hand, in which everything that happens is known.
-#![allow(dead_code)] // The report prints more than is checked here.
+#![allow(dead_code, reason = "the report prints more than is checked here")]
 
 #[path = "../../examples/traffic-report/film.rs"]
 mod film;

@@ -246,7 +246,7 @@ fn root(parents: &mut [usize], mut i: usize) -> usize {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)] // Tests may stop.
+#[allow(clippy::unwrap_used, reason = "tests may stop")]
 mod tests {
     use super::*;
     use crate::surfaces::cover::height_in;

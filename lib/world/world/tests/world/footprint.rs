@@ -1,5 +1,5 @@
 //! What stands in the way of walkers, as its rows say it, is what is drawn.
-#![allow(clippy::unwrap_used)] // Tests may stop.
+#![allow(clippy::unwrap_used, reason = "tests may stop")]
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,5 @@
 //! What lies on the ground of a town: water, rails, islands, junctions.
-#![allow(clippy::unwrap_used)] // Tests may stop.
+#![allow(clippy::unwrap_used, reason = "tests may stop")]
 
 use crate::common::{around, bare, column, empty_moment, from_above, named};
 use frames::{Object, Pose, World};

@@ -1,5 +1,5 @@
 //! A whole town: scenery keeps off the roads, lanes are covered by road, nothing hangs over them.
-#![allow(clippy::unwrap_used)] // Tests may stop.
+#![allow(clippy::unwrap_used, reason = "tests may stop")]
 
 use std::collections::BTreeSet;
 

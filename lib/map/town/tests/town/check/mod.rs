@@ -1,7 +1,7 @@
 //! What must hold of any road network, found out from the network alone: nothing here knows how towns are built.
 //!
 //! Every function returns what is wrong, one line a fault, so that a whole town can be judged at once.
-#![allow(dead_code)] // Each test program uses its part.
+#![allow(dead_code, reason = "each test program uses its part")]
 
 mod arrows;
 mod curves;

@@ -1,5 +1,5 @@
 //! Small networks, plans and checks for the tests.
-#![allow(dead_code, unused_imports)] // Each test binary uses its part.
+#![allow(dead_code, unused_imports, reason = "each test binary uses its part")]
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
