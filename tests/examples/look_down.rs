@@ -9,7 +9,7 @@ use bev::{Areas, BevRasterizer, to_rgb};
 use fill::fill;
 use frames::{Agent, Pose, World};
 use nalgebra::Point3;
-use schema::settings::{BevSettings, OccupancySettings};
+use settings::{BevSettings, OccupancySettings};
 use testkit::small_town;
 use voxels::{oblique_view, top_view, voxelize};
 

@@ -10,7 +10,7 @@ use pipeline::{At, Place, StageError};
 use replay::Replay;
 use schema::AgentId;
 use schema::arrays::{ArrayKind, BEV_HEIGHTS, BEV_IDS, BEV_MASKS, BEV_PAINT};
-use schema::settings::BevSettings;
+use settings::BevSettings;
 
 use crate::sources::{AgentLanes, SceneAreas};
 

@@ -8,8 +8,8 @@ use renderer::VoxelRenderer;
 use replay::Replay;
 use scene::SceneReader;
 use schema::arrays::{ArrayKind, VOXEL_CELLS, VOXEL_FLOW, VOXEL_GRIDS, VOXEL_IDS};
-use schema::settings::{OccupancySettings, PerAgent};
 use schema::{AgentId, ObjectId, Tag};
+use settings::{OccupancySettings, PerAgent};
 use voxelgrid::{Filling, VoxelGrid, add_cells};
 use voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
 

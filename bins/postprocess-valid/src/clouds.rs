@@ -2,10 +2,10 @@
 
 use frames::{Agent, Pose, World};
 use scene::{SceneError, SceneReader, SensorFrames};
-use schema::settings::Mount;
-use schema::settings::stages::{RangeRig, RangeSensor};
 use schema::tables::{LidarRow, RadarRow};
 use schema::{AgentId, ReturnKind, columns, framed, rate};
+use settings::Mount;
+use settings::stages::{RangeRig, RangeSensor};
 use validity::{PointCloud, radar_to_cartesian};
 
 columns! {

@@ -8,8 +8,8 @@ use pipeline::{At, Job, Place, StageError};
 use scene::{ArrayReader, SceneReader};
 use schema::AgentId;
 use schema::arrays::{ArrayKind, FILLED_VOXEL_GRIDS, VOXEL_GRIDS};
-use schema::settings::OccupancySettings;
-use schema::settings::stages::ValiditySettings;
+use settings::OccupancySettings;
+use settings::stages::ValiditySettings;
 use store::keys;
 use voxelgrid::{Filling, VoxelGrid};
 

@@ -10,9 +10,9 @@ use random::Stream;
 use schema::AgentId;
 use schema::catalogue::Catalogue;
 use schema::models::Model;
-use schema::settings::stages::PlanSettings;
-use schema::settings::{AgentSettings, SpawnMode, TrafficSettings};
 use schema::tables::PlanAgentRow;
+use settings::stages::PlanSettings;
+use settings::{AgentSettings, SpawnMode, TrafficSettings};
 
 use crate::PlanError;
 use crate::pool::{SpawnPoint, SpawnPool};

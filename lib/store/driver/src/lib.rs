@@ -217,7 +217,7 @@ fn status(config: &std::path::Path, store: &std::path::Path, only: Option<&Scene
 }
 
 fn status_table(
-    settings: &schema::settings::DatasetSettings,
+    settings: &settings::DatasetSettings,
     store: &Store,
     only: Option<&SceneList>,
 ) -> Result<bool, StateError> {

@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use schema::Layer;
 use schema::catalogue::Catalogue;
 use schema::geometry::SurfaceMesh;
-use schema::settings::SceneryRules;
 use schema::tables::{SurfaceRow, TILE_STAGE, TileObjectRow};
 use schema::tile::TileIndex;
+use settings::SceneryRules;
 use store::{Attempt, Identity, Manifest, Scope, Store, StoreError, keys};
 use tiles::{Tile, TileMaker};
 

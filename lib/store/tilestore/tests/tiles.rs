@@ -4,8 +4,8 @@
 use std::collections::BTreeSet;
 
 use opendrive::Map;
-use schema::settings::SceneryRules;
 use schema::tile::TileIndex;
+use settings::SceneryRules;
 use store::{Problem, Scope, Store, keys, verify};
 use tiles::TileMaker;
 use tilestore::TileStore;

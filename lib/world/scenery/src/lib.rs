@@ -18,8 +18,8 @@ mod swept;
 mod trees;
 
 use schema::catalogue::Catalogue;
-use schema::settings::SceneryRules;
 use schema::tables::TileObjectRow;
+use settings::SceneryRules;
 use surfaces::{AreaGround, Ground};
 
 pub use catalogue::{BUILDINGS, BuildingKind, TREES};

@@ -2,7 +2,7 @@
 
 use opendrive::Map;
 use schema::catalogue::Catalogue;
-use schema::settings::SceneryRules;
+use settings::SceneryRules;
 use surfaces::{AreaGround, GroundLevels};
 
 /// Half the side of the ground that a pole takes, metres.

@@ -11,9 +11,9 @@ use std::time::{Duration, Instant};
 use opendrive::Map;
 use random::Stream;
 use schema::DetectionClass;
-use schema::settings::SceneryRules;
 use schema::tables::TileObjectRow;
 use schema::tile::TileIndex;
+use settings::SceneryRules;
 use tiles::{TileMaker, reached};
 
 /// Boxes are collected within this distance of an agent, metres.

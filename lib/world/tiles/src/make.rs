@@ -3,9 +3,9 @@
 use opendrive::Map;
 use schema::catalogue::Catalogue;
 use schema::geometry::SurfaceMesh;
-use schema::settings::SceneryRules;
 use schema::tables::{ActorRow, TileObjectRow};
 use schema::tile::{TILE_M, TileIndex};
+use settings::SceneryRules;
 use surfaces::{Atlas, Region};
 
 use crate::number::{TooManyObjects, number, reached};

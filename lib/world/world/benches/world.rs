@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used)] // A bench may stop.
 
 use opendrive::Map;
-use schema::settings::SceneryRules;
 use schema::tables::FrameRow;
 use schema::tile::TileIndex;
+use settings::SceneryRules;
 use tiles::TileMaker;
 use world::{Moment, SceneWorld};
 

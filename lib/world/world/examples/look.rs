@@ -15,8 +15,8 @@ use opendrive::{Map, Network};
 use scenery::PLATES;
 use schema::geometry::{Instance, Snapshot, Surface, TriMesh};
 use schema::models::MODELS;
-use schema::settings::SceneryRules;
 use schema::tables::FrameRow;
+use settings::SceneryRules;
 use tiles::{Surroundings, TileMaker};
 use world::{Moment, SceneWorld};
 

@@ -20,8 +20,8 @@ use culling::MeshCache;
 use frames::{Agent, Pose, World};
 use nalgebra::Point3;
 use schema::geometry::Snapshot;
-use schema::settings::BevSettings;
 use schema::{BevClass, Tag};
+use settings::BevSettings;
 
 use crate::error::BevError;
 use crate::grid::GridFrame;

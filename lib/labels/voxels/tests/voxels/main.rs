@@ -6,7 +6,7 @@ mod sweeps;
 use frames::{Agent, Pose, World};
 use renderer::{VoxelBlock, VoxelRenderer};
 use schema::geometry::Snapshot;
-use schema::settings::OccupancySettings;
+use settings::OccupancySettings;
 use voxels::{CpuVoxelRenderer, GridPlacement};
 
 /// 16 x 16 x 12 cells of 0.25 m: from -2 m to 2 m and from -1 m to 2 m.

@@ -3,7 +3,7 @@
 use glam::{Affine3A, Vec3};
 use schema::Tag;
 use schema::geometry::Snapshot;
-use schema::settings::OccupancySettings;
+use settings::OccupancySettings;
 use testkit::{WorldBuilder, box_mesh, sheet, small_town};
 use voxels::{CellRows, Wanted};
 

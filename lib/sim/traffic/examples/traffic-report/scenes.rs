@@ -4,8 +4,8 @@ use std::ops::{ControlFlow, RangeInclusive};
 
 use opendrive::{LaneInfo, LanePos, Map};
 use schema::HazardKind;
-use schema::settings::{SceneryRules, WalkerSettings};
 use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow};
+use settings::{SceneryRules, WalkerSettings};
 use tiles::TileMaker;
 use traffic::{SceneInput, SimulationLog, simulate};
 

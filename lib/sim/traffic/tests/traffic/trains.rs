@@ -9,11 +9,11 @@ use crate::common::{
 use frames::math::sin_cos;
 use nalgebra::{Point3, Vector3};
 use opendrive::{LaneType, Map, MarkType};
-use schema::settings::SceneryRules;
-use schema::settings::stages::SimulationSettings;
 use schema::tables::{ActorRow, PlanSceneRow, StateRow};
 use schema::trains::{self, Train};
 use schema::{ActorKind, HazardKind};
+use settings::SceneryRules;
+use settings::stages::SimulationSettings;
 use tiles::TileMaker;
 use traffic::SimulationLog;
 

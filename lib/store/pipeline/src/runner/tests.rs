@@ -4,10 +4,11 @@ use std::io::Write;
 use std::sync::Arc;
 
 use schema::scene_info::LOG_STAGE;
-use schema::settings::stages::MaskSettings;
+use settings::stages::MaskSettings;
 use store::{Backend, Memory};
 
 use super::*;
+use crate::views::example_settings;
 
 /// A store in which three scenes are planned and simulated.
 fn simulated(store: &Store, settings: &DatasetSettings) {
@@ -66,7 +67,7 @@ fn write(job: &mut Job<'_, MaskSettings>, bytes: usize) -> Result<(), StageError
 
 #[test]
 fn a_panic_is_the_fault_of_its_scene_alone() {
-    let settings = config::example_settings();
+    let settings = example_settings();
     let store = Store::open("memory:").expect("is a place");
     simulated(&store, &settings);
     let bad = run_of(&settings, &store, |job| {
@@ -90,7 +91,7 @@ fn a_panic_is_the_fault_of_its_scene_alone() {
 
 #[test]
 fn a_full_store_stops_the_stage_and_blames_no_scene() {
-    let settings = config::example_settings();
+    let settings = example_settings();
     let whole = Memory::default();
     simulated(&Store::new(Arc::new(whole.clone())), &settings);
     // The same store with room for one scene's file and its records.
@@ -111,7 +112,7 @@ fn a_full_store_stops_the_stage_and_blames_no_scene() {
 
 #[test]
 fn what_is_not_ready_is_no_failure() {
-    let settings = config::example_settings();
+    let settings = example_settings();
     let store = Store::open("memory:").expect("is a place");
     simulated(&store, &settings);
     store.backend().remove(&SCENES[1].manifest("simulate-and-log")).expect("removes");
@@ -129,7 +130,7 @@ fn what_is_not_ready_is_no_failure() {
 
 #[test]
 fn a_store_of_another_format_is_left_alone() {
-    let settings = config::example_settings();
+    let settings = example_settings();
     let store = Store::open("memory:").expect("is a place");
     simulated(&store, &settings);
     let key = SCENES[1].manifest("simulate-and-log");
@@ -143,7 +144,7 @@ fn a_store_of_another_format_is_left_alone() {
 
 #[test]
 fn what_older_code_made_is_kept_when_told_so() {
-    let settings = config::example_settings();
+    let settings = example_settings();
     let store = Store::open("memory:").expect("is a place");
     simulated(&store, &settings);
     let run = run_of(&settings, &store, |job| write(job, 10));

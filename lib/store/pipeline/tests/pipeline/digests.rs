@@ -3,8 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
-use pipeline::{Graph, config_hash, load_config, parse_config};
-use schema::settings::DatasetSettings;
+use pipeline::{Graph, config_hash};
+use settings::DatasetSettings;
 
 /// The TOML files of a folder, by name.
 fn files(folder: &Path) -> Vec<PathBuf> {
@@ -21,7 +21,7 @@ fn configurations() -> Vec<(String, DatasetSettings)> {
     let every_key = ["every_key.toml", "every_key.yaml"].map(|name| here.join("tests/pipeline").join(name));
     let name = |file: &Path| file.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let whole = files(&configs).into_iter().chain(every_key).map(|file| {
-        let (settings, _) = load_config(&file).unwrap_or_else(|faults| panic!("{faults:?}"));
+        let (settings, _) = settings::load(&file).unwrap_or_else(|faults| panic!("{faults:?}"));
         (name(&file), settings)
     });
     let rigs = files(&configs.join("rigs")).into_iter().map(|file| {
@@ -31,7 +31,7 @@ fn configurations() -> Vec<(String, DatasetSettings)> {
              [\"vehicle_1\"]\n"
         );
         let at = configs.join("some.toml").display().to_string();
-        let settings = parse_config(&text, &at).unwrap_or_else(|faults| panic!("{faults:?}"));
+        let settings = settings::parse(&text, &at).unwrap_or_else(|faults| panic!("{faults:?}"));
         (rig, settings)
     });
     whole.chain(rigs).collect()

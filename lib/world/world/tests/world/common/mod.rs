@@ -5,9 +5,9 @@ use glam::Vec3;
 use nalgebra::Point3;
 use opendrive::Map;
 use schema::geometry::Snapshot;
-use schema::settings::SceneryRules;
 use schema::tables::{ActorRow, FrameRow};
 use schema::{ActorKind, Tag};
+use settings::SceneryRules;
 use tiles::{Surroundings, TileMaker};
 use world::{Moment, SceneWorld};
 

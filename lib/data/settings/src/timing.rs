@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// Warm-up and durations. The frame period is fixed: [`crate::FRAME_PERIOD_S`].
+/// Warm-up and durations. The frame period is fixed: [`schema::FRAME_PERIOD_S`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TimingSettings {
     /// Simulated before the first frame, seconds (2).

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::settings::{
+use crate::{
     AgentSettings, HazardSettings, LightSettings, ModelSettings, SceneCount, TimingSettings, TrafficSettings,
     WalkerSettings, WeatherSettings,
 };

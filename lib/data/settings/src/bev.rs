@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::BevClass;
+use schema::BevClass;
 
 /// How masks are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::settings::{AnnotationSettings, BevSettings, CardSettings, OccupancySettings, PerAgent, Rig};
+use crate::{AnnotationSettings, BevSettings, CardSettings, OccupancySettings, PerAgent, Rig};
 
 /// What the statistics and the dataset's card say of the configuration.
 #[derive(Clone, Debug, PartialEq, Serialize)]

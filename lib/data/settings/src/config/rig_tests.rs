@@ -1,7 +1,7 @@
 //! Rigs: files that configurations name, cameras and their lenses.
 
+use crate::{DatasetSettings, Lens, Optics, Rig};
 use schema::ImageKind;
-use schema::settings::{DatasetSettings, Lens, Optics, Rig};
 
 use super::{Fault, example_settings, load, parse};
 

@@ -1,18 +1,17 @@
-//! The dataset configuration as plain, validated values, in SI units and radians.
+//! The configuration's language: what can be said of a dataset, and how it is read from TOML or from YAML of SimBEV2X.
 //!
-//! `pipeline` reads these from TOML (and says where a fault is) and hands each stage the parts that it uses
-//! ([`stages`]). Default values are those of the published dataset unless a field says otherwise. Each section is a file of
-//! its own, so that a new key makes only those stages stale that know its section.
+//! Settings are plain, validated values, in SI units and radians; each stage sees the parts that it uses ([`stages`]). Default
+//! values are those of the published dataset unless a field says otherwise. Each section is a file of its own.
 
 mod agents;
 mod annotation;
 mod bev;
 mod camera;
 mod card;
+mod config;
 mod dataset;
 mod hazards;
 mod inertial;
-mod lens;
 mod lidar;
 mod lights;
 mod models;
@@ -36,10 +35,10 @@ pub use annotation::AnnotationSettings;
 pub use bev::{BevRule, BevSettings};
 pub use camera::{CameraSettings, CameraSpec};
 pub use card::CardSettings;
+pub use config::{ConfigKey, Fault, config_keys, load, parse, simbev2x_keys};
 pub use dataset::{DatasetSettings, OwnRig};
 pub use hazards::HazardSettings;
 pub use inertial::{GnssSpec, ImuSpec};
-pub use lens::{Lens, LensModel};
 pub use lidar::{BeamSpec, LidarSpec, Returned, RollingScan, ScanPattern, WeatherSpec};
 pub use lights::LightSettings;
 pub use models::ModelSettings;
@@ -50,6 +49,7 @@ pub use per_agent::PerAgent;
 pub use radar::RadarSpec;
 pub use rig::*;
 pub use scenes::{SceneCount, Split};
+pub use schema::lens::{Lens, LensModel};
 pub use timing::TimingSettings;
 pub use tracks::TrackSettings;
 pub use traffic::TrafficSettings;

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use frames::{deg, to_deg};
-use schema::settings::{
+use crate::{
     FillingRule, GnssSpec, ImuSpec, LidarSpec, Mount, OccupancySettings, OwnRig, RadarSpec, Rig, ScanPattern,
     SweepSettings, ZFill,
 };
+use frames::{deg, to_deg};
 use schema::tables::{GNSS_TABLE, IMU_TABLE, VISIBLE_TABLE};
 use schema::{AgentId, AgentKind};
 

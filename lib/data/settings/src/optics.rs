@@ -3,7 +3,7 @@
 use frames::math;
 use serde::Serialize;
 
-use super::lens::{Lens, LensModel};
+use schema::lens::{Lens, LensModel};
 
 /// Size and intrinsics of a camera's pictures.
 #[derive(Clone, Debug, PartialEq, Serialize)]

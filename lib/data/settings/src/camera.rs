@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::mount::Mount;
 use super::optics::Optics;
-use crate::ImageSet;
+use schema::ImageSet;
 
 /// What all cameras of a rig share.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::settings::{Mount, OccupancySettings, PerAgent};
+use crate::{Mount, OccupancySettings, PerAgent};
 
 /// A sensor whose points are counted.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::settings::{
+use crate::{
     AnnotationSettings, HazardSettings, LightSettings, SceneryRules, TrafficSettings, WalkerSettings,
     WorldSettings,
 };

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::FRAME_PERIOD_S;
+use schema::FRAME_PERIOD_S;
 
 /// Windows of the past and the future of every object that may move, as forecasting learns from.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,7 +1,7 @@
 //! Keys that many things have.
 
+use crate::Mount;
 use frames::{deg, to_deg};
-use schema::settings::Mount;
 
 use super::reader::Section;
 

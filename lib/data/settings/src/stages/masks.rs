@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::settings::BevSettings;
+use crate::BevSettings;
 
 /// What masks are drawn from.
 #[derive(Clone, Debug, PartialEq, Serialize)]

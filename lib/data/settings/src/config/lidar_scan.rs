@@ -1,6 +1,6 @@
 //! The keys that say how a lidar's beams leave and what comes back of them.
 
-use schema::settings::{BeamSpec, Returned, RollingScan, WeatherSpec};
+use crate::{BeamSpec, Returned, RollingScan, WeatherSpec};
 
 use super::reader::Section;
 

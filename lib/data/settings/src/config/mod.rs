@@ -17,10 +17,8 @@ pub use yaml_keys::simbev2x_keys;
 
 use std::path::Path;
 
+use crate::{AnnotationSettings, BevRule, BevSettings, CardSettings, DatasetSettings, TrackSettings};
 use schema::BevClass;
-use schema::settings::{
-    AnnotationSettings, BevRule, BevSettings, CardSettings, DatasetSettings, TrackSettings,
-};
 
 use parts::every_n_frames;
 pub use reader::{ConfigKey, Fault};
@@ -286,8 +284,8 @@ mod rig_tests;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{BeamSpec, LidarSpec, Optics, Returned, RollingScan, Split, WeatherSpec, ZFill};
     use schema::AgentId;
-    use schema::settings::{BeamSpec, LidarSpec, Optics, Returned, RollingScan, Split, WeatherSpec, ZFill};
 
     fn faults(text: &str) -> String {
         let faults = parse(text, "bad.toml").expect_err("has faults");
@@ -297,11 +295,11 @@ mod tests {
     #[test]
     fn defaults_are_the_published_ones() {
         let s = example_settings();
-        assert_eq!(s.agents, schema::settings::AgentSettings::default());
-        assert_eq!(s.vehicle_rig, schema::settings::Rig::vehicle());
-        assert_eq!(s.rsu_rig, schema::settings::Rig::rsu());
-        assert_eq!(s.vehicle_occupancy, schema::settings::OccupancySettings::default());
-        assert_eq!(s.weather, schema::settings::WeatherSettings::default());
+        assert_eq!(s.agents, crate::AgentSettings::default());
+        assert_eq!(s.vehicle_rig, crate::Rig::vehicle());
+        assert_eq!(s.rsu_rig, crate::Rig::rsu());
+        assert_eq!(s.vehicle_occupancy, crate::OccupancySettings::default());
+        assert_eq!(s.weather, crate::WeatherSettings::default());
     }
 
     #[test]

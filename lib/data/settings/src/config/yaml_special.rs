@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::Rig;
 use saphyr::MarkedYaml;
-use schema::settings::Rig;
 
 use super::yaml_keys::{MODELS, OTHER_MODEL, PROPERTY_KEYS, SENSOR_KEYS, weather};
 use super::yaml_writer::{Writer, decimal, flag, is_null, items, line, number, pairs, quoted, text};

@@ -1,7 +1,7 @@
 //! The keys of cameras: size, intrinsics, lens, images.
 
+use crate::{CameraSettings, CameraSpec, Lens, Optics};
 use frames::deg;
-use schema::settings::{CameraSettings, CameraSpec, Lens, Optics};
 use schema::{ImageKind, ImageSet};
 
 use super::parts::{every_n_frames, mount, names};

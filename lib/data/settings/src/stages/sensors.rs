@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::settings::{PerAgent, Rig};
+use crate::{PerAgent, Rig};
 
 /// What sensors are rendered from.
 #[derive(Clone, Debug, PartialEq, Serialize)]

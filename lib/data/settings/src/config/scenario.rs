@@ -1,10 +1,10 @@
 //! The keys that say what happens in a scene.
 
-use frames::deg;
-use schema::settings::{
+use crate::{
     AgentSettings, GivenStart, HazardSettings, LightSettings, ModelSettings, SceneCount, SceneryRules,
     SpawnMode, Split, TimingSettings, TrafficSettings, WalkerSettings, WeatherSettings, WorldSettings,
 };
+use frames::deg;
 use schema::tables::Weather;
 
 use super::reader::Section;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::{AgentId, AgentKind};
+use schema::{AgentId, AgentKind};
 
 /// A value for every agent: that of its kind, or its own.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// Weather. Overrides apply to the fields of [`crate::tables::Weather`] by name.
+/// Weather. Overrides apply to the fields of [`schema::tables::Weather`] by name.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WeatherSettings {
     /// Draw a final weather and move towards it over the scene.
