@@ -5,8 +5,8 @@ use frames::deg;
 use schema::{ImageKind, ImageSet};
 
 use super::parts::{every_n_frames, mount, names};
-use super::reader::Section;
 use super::table_names::TableNames;
+use crate::reader::Section;
 
 /// Size and width of view, where no camera says otherwise.
 pub(crate) struct Pictures {

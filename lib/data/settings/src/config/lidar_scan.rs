@@ -2,7 +2,7 @@
 
 use crate::{BeamSpec, Returned, RollingScan, WeatherSpec};
 
-use super::reader::Section;
+use crate::reader::Section;
 
 /// Moments of a rolling scan where nothing else is said.
 const SLICES: u32 = 64;

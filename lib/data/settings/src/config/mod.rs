@@ -4,7 +4,6 @@
 mod cameras;
 mod lidar_scan;
 mod parts;
-mod reader;
 mod rigs;
 mod scenario;
 mod table_names;
@@ -20,9 +19,8 @@ use std::path::Path;
 use crate::{AnnotationSettings, BevRule, BevSettings, CardSettings, DatasetSettings, TrackSettings};
 use schema::BevClass;
 
+use crate::reader::{self, ConfigKey, Fault, Section, Source, with_documents};
 use parts::every_n_frames;
-pub use reader::{ConfigKey, Fault};
-use reader::{Section, Source, with_documents};
 
 /// Reads a configuration file, and what it asks for in vain (keys of a YAML file that have no effect here). Files
 /// whose names end in `.yaml` or `.yml` are read as SimBEV2X configurations.
@@ -64,7 +62,7 @@ pub fn parse(text: &str, file: &str) -> Result<DatasetSettings, Vec<Fault>> {
         Source { written, file: path.display().to_string(), text }
     });
     let sources: Vec<Source> = std::iter::once(whole).chain(rigs).collect();
-    with_documents(&sources, dataset).map(|(settings, _)| settings)
+    with_documents(&sources, dataset)
 }
 
 /// Every key with its type, default and meaning, in reading order: the source of `docs/configuration.md`.

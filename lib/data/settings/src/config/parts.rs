@@ -3,7 +3,7 @@
 use crate::Mount;
 use frames::{deg, to_deg};
 
-use super::reader::Section;
+use crate::reader::Section;
 
 /// At which frames something is made.
 pub(crate) fn every_n_frames(section: &Section<'_>, what: &str) -> u32 {

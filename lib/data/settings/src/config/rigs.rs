@@ -13,8 +13,8 @@ use schema::{AgentId, AgentKind};
 use super::cameras::{PICTURES, camera, cameras, pictures};
 use super::lidar_scan;
 use super::parts::{every_n_frames, mount, names};
-use super::reader::Section;
 use super::table_names::TableNames;
+use crate::reader::Section;
 
 /// Names the file that a rig is read from.
 pub(crate) const FILE_KEY: &str = "rig";

@@ -7,7 +7,7 @@ use crate::{
 use frames::deg;
 use schema::tables::Weather;
 
-use super::reader::Section;
+use crate::reader::Section;
 
 const DRAWN_PER_DRIVER: &str = "drawn per driver";
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::reader::Section;
+use crate::reader::Section;
 
 /// Longest name of a sensor: with a prefix and an ending it is a file name on every disk.
 const MAX_NAME: usize = 64;

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 
 use saphyr::{LoadableYamlNode, MarkedYaml};
 
-use super::Fault;
 use super::yaml_writer::{Translation, Writer, line, pairs, text};
 use super::{yaml_keys, yaml_special};
+use crate::reader::Fault;
 
 /// Translates a YAML text (`source`); `file` is its name in messages.
 ///

@@ -266,8 +266,9 @@ mod tests {
 
     use super::super::yaml::translate;
     use super::super::yaml_writer::Translation;
-    use super::super::{ConfigKey, config_keys, parse};
+    use super::super::{config_keys, parse};
     use super::*;
+    use crate::reader::{Absent, ConfigKey};
 
     fn translated(text: &str) -> Translation {
         translate(text, "x.yaml").unwrap_or_else(|faults| panic!("{text}: {faults:?}"))
@@ -289,7 +290,7 @@ mod tests {
     /// A value that a key of ours takes.
     fn sample(key: &ConfigKey) -> String {
         match key.path.as_str() {
-            _ if value(&key.default).is_some() => key.default.clone(),
+            _ if matches!(key.default, Absent::Value(_)) => key.default.to_string(),
             // A share.
             "walkers.cross_factor" => "0.5".into(),
             _ => "5".into(),
@@ -388,7 +389,7 @@ mod tests {
             let got = translated(&format!("{key}: {value}\n"));
             assert_eq!(got.toml, want, "{key}");
             let names =
-                |w: &super::super::Fault| w.message.contains(key) && !w.message.contains("no such key");
+                |w: &crate::reader::Fault| w.message.contains(key) && !w.message.contains("no such key");
             assert!(!want.is_empty() || got.warnings.iter().any(names), "{key}: {:?}", got.warnings);
         }
         assert_eq!(

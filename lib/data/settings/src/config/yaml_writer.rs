@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use saphyr::{MarkedYaml, Scalar, YamlData};
 
-use super::Fault;
 use super::yaml_keys::Rule;
+use crate::reader::Fault;
 
 /// A configuration in our own language.
 #[derive(Debug, Default)]

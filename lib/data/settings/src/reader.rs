@@ -1,7 +1,7 @@
 //! Reading TOML key by key: types, ranges and unknown keys are checked, faults are gathered.
 
 use std::cell::RefCell;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::ops::Range;
 
@@ -29,16 +29,80 @@ impl fmt::Display for Fault {
 }
 
 /// A key the configuration understands.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ConfigKey {
-    /// Dotted path.
+    /// Dotted path; `[]` stands for each table of a list.
     pub path: String,
     /// Type, with its range.
-    pub kind: String,
-    /// Default value as TOML, or what happens without it.
-    pub default: String,
+    pub kind: Kind,
+    /// What counts where the key is absent.
+    pub default: Absent,
     /// Meaning and unit.
     pub doc: String,
+}
+
+/// What a key takes.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)] // Their texts follow.
+pub enum Kind {
+    Table,
+    Tables,
+    Flag,
+    Text,
+    Texts,
+    Numbers,
+    Triple,
+    Colors,
+    /// One of some words.
+    Choice(Vec<String>),
+    Integer {
+        min: i64,
+        max: i64,
+    },
+    Number {
+        min: f64,
+        max: f64,
+    },
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Table => f.write_str("table"),
+            Self::Tables => f.write_str("list of tables"),
+            Self::Flag => f.write_str("true or false"),
+            Self::Text => f.write_str("string"),
+            Self::Texts => f.write_str("list of strings"),
+            Self::Numbers => f.write_str("list of numbers"),
+            Self::Triple => f.write_str("three numbers"),
+            Self::Colors => f.write_str("list of [red, green, blue], 0 to 255"),
+            Self::Choice(words) => write!(f, "one of {}", listed(words)),
+            Self::Integer { min, max: i64::MAX } => write!(f, "integer, from {min}"),
+            Self::Integer { min, max } => write!(f, "integer, {min} to {max}"),
+            Self::Number { min, max } => write!(f, "number, {min} to {max}"),
+        }
+    }
+}
+
+/// Words in quotes.
+fn listed(words: &[String]) -> String {
+    words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ")
+}
+
+/// What counts where a key is absent.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Absent {
+    /// A value, as TOML.
+    Value(String),
+    /// Something that no value tells, in words.
+    Words(String),
+}
+
+impl fmt::Display for Absent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (Self::Value(text) | Self::Words(text)) = self;
+        f.write_str(text)
+    }
 }
 
 /// A file with keys of a configuration: the configuration itself, or one that it names.
@@ -61,20 +125,74 @@ struct Context<'a> {
     /// The configuration first.
     documents: &'a [Document<'a>],
     faults: RefCell<Vec<(Home, Fault)>>,
+    /// The tables that were read, by path.
+    tables: RefCell<BTreeMap<String, Table<'a>>>,
+    /// Without documents: the keys that were asked for.
     keys: RefCell<Vec<ConfigKey>>,
+}
+
+/// A table of the configuration that was read.
+#[derive(Default)]
+struct Table<'a> {
+    layers: Vec<Layer<'a>>,
+    /// Keys that were asked for.
+    seen: BTreeSet<String>,
 }
 
 /// Number of a document and line in it.
 type Home = (usize, usize);
 
-impl Context<'_> {
+impl<'a> Context<'a> {
+    fn new(documents: &'a [Document<'a>]) -> Self {
+        let (faults, tables, keys) = Default::default();
+        Self { documents, faults, tables, keys }
+    }
+
     fn fault(&self, document: usize, span: Option<Range<usize>>, message: String) {
         let Some(Document { source, .. }) = self.documents.get(document) else { return };
         let text = source.text.as_deref().unwrap_or_default();
         let line = span.map(|s| text[..s.start.min(text.len())].matches('\n').count() + 1);
         let fault = Fault { file: source.file.clone(), line, message };
-        self.faults.borrow_mut().push(((document, line.unwrap_or(usize::MAX)), fault));
+        let found = ((document, line.unwrap_or(usize::MAX)), fault);
+        let mut faults = self.faults.borrow_mut();
+        if !faults.contains(&found) {
+            faults.push(found);
+        }
     }
+
+    /// A table that is read; the first time its layers are those that are given.
+    fn open(&'a self, path: String, layers: impl FnOnce() -> Vec<Layer<'a>>) -> Section<'a> {
+        let is_known = self.tables.borrow().contains_key(&path);
+        if !is_known {
+            let table = Table { layers: layers(), seen: BTreeSet::new() };
+            self.tables.borrow_mut().insert(path.clone(), table);
+        }
+        let layers = self.tables.borrow().get(&path).map(|t| t.layers.clone()).unwrap_or_default();
+        Section { context: self, path, layers }
+    }
+
+    /// Keys that were never asked for are faults: a typing mistake must not pass in silence.
+    fn check_unknown(&self) {
+        for (path, Table { layers, seen }) in &*self.tables.borrow() {
+            for (key, document) in layers.iter().flat_map(|l| l.table.iter().map(|(k, _)| (k, l.document))) {
+                let name = key.get_ref().as_ref();
+                if seen.contains(name) {
+                    continue;
+                }
+                let near = seen.iter().map(|s| (strsim::levenshtein(s, name), s)).min();
+                let hint = match near {
+                    Some((d, near)) if d <= 2.max(name.len() / 4) => format!(" (did you mean `{near}`?)"),
+                    _ => String::new(),
+                };
+                let message = format!("unknown key `{}`{hint}", joined(path, name));
+                self.fault(document, Some(key.span()), message);
+            }
+        }
+    }
+}
+
+fn joined(path: &str, key: &str) -> String {
+    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
 }
 
 /// A table of a document.
@@ -87,12 +205,11 @@ struct Layer<'a> {
 }
 
 /// A table of the configuration, or the absence of one (then every key has its default). Below it may lie the same table of
-/// another file: it has the keys that the first one lacks.
+/// another file: it has the keys that the first one lacks. A table can be opened as often as needed.
 pub(crate) struct Section<'a> {
     context: &'a Context<'a>,
     path: String,
     layers: Vec<Layer<'a>>,
-    seen: RefCell<BTreeSet<String>>,
 }
 
 /// A value and the document that it stands in.
@@ -106,32 +223,26 @@ struct Found<'a> {
 pub(crate) fn with_documents<T>(
     sources: &[Source],
     read: impl FnOnce(&Section<'_>) -> T,
-) -> Result<(T, Vec<ConfigKey>), Vec<Fault>> {
+) -> Result<T, Vec<Fault>> {
     let (mut documents, mut broken) = (Vec::with_capacity(sources.len()), Vec::new());
     for (number, source) in sources.iter().enumerate() {
         let (table, errors) = DeTable::parse_recoverable(source.text.as_deref().unwrap_or_default());
         broken.extend(errors.into_iter().map(|error| (number, error)));
         documents.push(Document { source, table });
     }
-    let context = Context { documents: &documents, faults: RefCell::default(), keys: RefCell::default() };
+    let context = Context::new(&documents);
     for (number, error) in broken {
         context.fault(number, error.span(), error.message().replace('\n', ", "));
     }
-    let value = {
-        let layers = context.documents.first().map(|document| Layer {
-            table: document.table.get_ref(),
-            document: 0,
-            span: None,
-        });
-        let layers = layers.into_iter().collect();
-        read(&Section { context: &context, path: String::new(), layers, seen: RefCell::default() })
-    };
-    let mut faults = context.faults.into_inner();
+    let whole = context.documents.first();
+    let layer = whole.map(|whole| Layer { table: whole.table.get_ref(), document: 0, span: None });
+    let value = read(&context.open(String::new(), || layer.into_iter().collect()));
+    context.check_unknown();
+    let mut faults = context.faults.take();
     if faults.is_empty() {
-        return Ok((value, context.keys.into_inner()));
+        return Ok(value);
     }
     faults.sort_by_key(|(home, _)| *home);
-    faults.dedup();
     Err(faults.into_iter().map(|(_, fault)| fault).collect())
 }
 
@@ -147,19 +258,24 @@ pub(crate) fn texts_of(text: &str, key: &str, tables: &[&str], lists: &[&str]) -
 
 /// The keys that a reading function asks for.
 pub(crate) fn describe<T>(read: impl FnOnce(&Section<'_>) -> T) -> Vec<ConfigKey> {
-    let context = Context { documents: &[], faults: RefCell::default(), keys: RefCell::default() };
-    read(&Section { context: &context, path: String::new(), layers: Vec::new(), seen: RefCell::default() });
-    context.keys.into_inner()
+    let context = Context::new(&[]);
+    read(&context.open(String::new(), Vec::new));
+    context.keys.take()
 }
 
 impl<'a> Section<'a> {
     fn full(&self, key: &str) -> String {
-        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
+        joined(&self.path, key)
     }
 
     fn get(&self, key: &str) -> Option<Found<'a>> {
-        self.seen.borrow_mut().insert(key.to_owned());
+        self.see(key);
         self.all(key).next()
+    }
+
+    fn see(&self, key: &str) {
+        let mut tables = self.context.tables.borrow_mut();
+        tables.entry(self.path.clone()).or_default().seen.insert(key.to_owned());
     }
 
     /// What a key has in each layer, the topmost first.
@@ -174,7 +290,7 @@ impl<'a> Section<'a> {
 
     /// Lays the section over the file that a key names, if it does: keys that it lacks are taken from there.
     pub(crate) fn over_file(mut self, key: &str, doc: &str) -> Self {
-        self.note(key, "string".into(), "none".into(), doc);
+        self.note(key, Kind::Text, Absent::Words("none".into()), doc);
         let Some(found) = self.get(key) else { return self };
         let Some(written) = found.value.get_ref().as_str() else {
             self.wrong_type(key, found, "a string");
@@ -184,6 +300,9 @@ impl<'a> Section<'a> {
         let Some((number, document)) = documents.find(|(_, d)| d.source.written == written) else {
             return self;
         };
+        if self.layers.iter().any(|l| l.document == number) {
+            return self;
+        }
         if let Err(why) = &document.source.text {
             let message = format!("`{}`: {}: cannot read: {why}", self.full(key), document.source.file);
             self.fault(found, message);
@@ -194,12 +313,18 @@ impl<'a> Section<'a> {
             self.context.fault(number, Some(nested.span()), message);
         }
         self.layers.push(Layer { table, document: number, span: None });
+        let mut tables = self.context.tables.borrow_mut();
+        tables.entry(self.path.clone()).or_default().layers.clone_from(&self.layers);
+        drop(tables);
         self
     }
 
-    fn note(&self, key: &str, kind: String, default: String, doc: &str) {
-        let doc = doc.to_owned();
-        self.context.keys.borrow_mut().push(ConfigKey { path: self.full(key), kind, default, doc });
+    fn note(&self, key: &str, kind: Kind, default: Absent, doc: &str) {
+        let mut keys = self.context.keys.borrow_mut();
+        let path = self.full(key);
+        if self.context.documents.is_empty() && !keys.iter().any(|known| known.path == path) {
+            keys.push(ConfigKey { path, kind, default, doc: doc.trim().to_owned() });
+        }
     }
 
     fn wrong_type(&self, key: &str, found: Found<'_>, expected: &str) {
@@ -235,7 +360,8 @@ impl<'a> Section<'a> {
 
     /// An integer in a range.
     pub(crate) fn integer(&self, key: &str, default: i64, min: i64, max: i64, doc: &str) -> i64 {
-        self.optional_integer(key, &default.to_string(), min, max, doc).unwrap_or(default)
+        let absent = Absent::Value(default.to_string());
+        self.found_integer(key, absent, (min, max), doc).unwrap_or(default)
     }
 
     /// An integer in a range, or nothing; `absent` says what happens then.
@@ -247,8 +373,11 @@ impl<'a> Section<'a> {
         max: i64,
         doc: &str,
     ) -> Option<i64> {
-        let range = if max == i64::MAX { format!("from {min}") } else { format!("{min} to {max}") };
-        self.note(key, format!("integer, {range}"), absent.to_owned(), doc);
+        self.found_integer(key, Absent::Words(absent.to_owned()), (min, max), doc)
+    }
+
+    fn found_integer(&self, key: &str, absent: Absent, (min, max): (i64, i64), doc: &str) -> Option<i64> {
+        self.note(key, Kind::Integer { min, max }, absent, doc);
         let found = self.get(key)?;
         let Some(number) = as_integer(found.value.get_ref()) else {
             self.wrong_type(key, found, "an integer");
@@ -263,7 +392,8 @@ impl<'a> Section<'a> {
 
     /// A number in a range.
     pub(crate) fn number(&self, key: &str, default: f64, min: f64, max: f64, doc: &str) -> f64 {
-        self.optional_number(key, &default.to_string(), min, max, doc).unwrap_or(default)
+        let absent = Absent::Value(default.to_string());
+        self.found_number(key, absent, (min, max), doc).unwrap_or(default)
     }
 
     /// A number in a range, or nothing; `absent` says what happens then.
@@ -275,7 +405,11 @@ impl<'a> Section<'a> {
         max: f64,
         doc: &str,
     ) -> Option<f64> {
-        self.note(key, format!("number, {min} to {max}"), absent.to_owned(), doc);
+        self.found_number(key, Absent::Words(absent.to_owned()), (min, max), doc)
+    }
+
+    fn found_number(&self, key: &str, absent: Absent, (min, max): (f64, f64), doc: &str) -> Option<f64> {
+        self.note(key, Kind::Number { min, max }, absent, doc);
         let found = self.get(key)?;
         let Some(number) = as_number(found.value.get_ref()) else {
             self.wrong_type(key, found, "a number");
@@ -290,7 +424,7 @@ impl<'a> Section<'a> {
 
     /// `true` or `false`.
     pub(crate) fn flag(&self, key: &str, default: bool, doc: &str) -> bool {
-        self.note(key, "true or false".into(), default.to_string(), doc);
+        self.note(key, Kind::Flag, Absent::Value(default.to_string()), doc);
         let Some(found) = self.get(key) else { return default };
         found.value.get_ref().as_bool().unwrap_or_else(|| {
             self.wrong_type(key, found, "true or false");
@@ -300,7 +434,7 @@ impl<'a> Section<'a> {
 
     /// A text.
     pub(crate) fn text(&self, key: &str, default: &str, doc: &str) -> String {
-        self.note(key, "string".into(), format!("\"{default}\""), doc);
+        self.note(key, Kind::Text, Absent::Value(format!("\"{default}\"")), doc);
         let Some(found) = self.get(key) else { return default.to_owned() };
         found.value.get_ref().as_str().map(str::to_owned).unwrap_or_else(|| {
             self.wrong_type(key, found, "a string");
@@ -310,9 +444,10 @@ impl<'a> Section<'a> {
 
     /// One of some words.
     pub(crate) fn choice<T: Copy>(&self, key: &str, options: &[(&str, T)], default: usize, doc: &str) -> T {
-        let words: Vec<String> = options.iter().map(|(word, _)| format!("\"{word}\"")).collect();
-        let words = words.join(", ");
-        self.note(key, format!("one of {words}"), format!("\"{}\"", options[default].0), doc);
+        let words: Vec<String> = options.iter().map(|(word, _)| (*word).to_owned()).collect();
+        let absent = Absent::Value(format!("\"{}\"", options[default].0));
+        self.note(key, Kind::Choice(words.clone()), absent, doc);
+        let words = listed(&words);
         let Some(found) = self.get(key) else { return options[default].1 };
         let Some(text) = found.value.get_ref().as_str() else {
             self.wrong_type(key, found, &format!("one of {words}"));
@@ -330,20 +465,20 @@ impl<'a> Section<'a> {
 
     /// Some texts.
     pub(crate) fn texts(&self, key: &str, default: &[String], doc: &str) -> Vec<String> {
-        self.note(key, "list of strings".into(), format!("{default:?}"), doc);
+        self.note(key, Kind::Texts, Absent::Value(format!("{default:?}")), doc);
         self.items(key, "a list of strings", |v| v.as_str().map(str::to_owned))
             .unwrap_or_else(|| default.to_vec())
     }
 
     /// Some numbers, or nothing; `absent` says what happens then.
     pub(crate) fn numbers(&self, key: &str, absent: &str, doc: &str) -> Option<Vec<f64>> {
-        self.note(key, "list of numbers".into(), absent.to_owned(), doc);
+        self.note(key, Kind::Numbers, Absent::Words(absent.to_owned()), doc);
         self.items(key, "a list of numbers", as_number)
     }
 
     /// Three numbers.
     pub(crate) fn triple(&self, key: &str, default: [f64; 3], doc: &str) -> [f64; 3] {
-        self.note(key, "three numbers".into(), format!("{default:?}"), doc);
+        self.note(key, Kind::Triple, Absent::Value(format!("{default:?}")), doc);
         let Some(numbers) = self.items(key, "three numbers", as_number) else { return default };
         numbers.as_slice().try_into().unwrap_or_else(|_| {
             self.fault_at(key, format!("`{}` has {} numbers, expected three", self.full(key), numbers.len()));
@@ -353,7 +488,7 @@ impl<'a> Section<'a> {
 
     /// Colours, each three integers 0 to 255.
     pub(crate) fn colors(&self, key: &str, default: &[[u8; 3]], doc: &str) -> Vec<[u8; 3]> {
-        self.note(key, "list of [red, green, blue], 0 to 255".into(), format!("{default:?}"), doc);
+        self.note(key, Kind::Colors, Absent::Value(format!("{default:?}")), doc);
         let color = |v: &DeValue<'_>| -> Option<[u8; 3]> {
             let parts: Vec<u8> = v
                 .as_array()?
@@ -388,24 +523,27 @@ impl<'a> Section<'a> {
 
     /// A table within this one.
     pub(crate) fn section(&self, key: &str, doc: &str) -> Section<'a> {
-        self.note(key, "table".into(), String::new(), doc);
-        self.seen.borrow_mut().insert(key.to_owned());
-        let mut layers = Vec::new();
-        for found in self.all(key) {
-            match found.value.get_ref().as_table() {
-                Some(table) => {
-                    let span = Some(found.value.span());
-                    layers.push(Layer { table, document: found.document, span });
+        self.note(key, Kind::Table, Absent::Words(String::new()), doc);
+        self.see(key);
+        let layers = || {
+            let mut layers = Vec::new();
+            for found in self.all(key) {
+                match found.value.get_ref().as_table() {
+                    Some(table) => {
+                        let span = Some(found.value.span());
+                        layers.push(Layer { table, document: found.document, span });
+                    }
+                    None => self.wrong_type(key, found, "a table"),
                 }
-                None => self.wrong_type(key, found, "a table"),
             }
-        }
-        Section { context: self.context, path: self.full(key), layers, seen: RefCell::default() }
+            layers
+        };
+        self.context.open(self.full(key), layers)
     }
 
     /// A list of tables, or `None` when it is absent.
     pub(crate) fn sections(&self, key: &str, absent: &str, doc: &str) -> Option<Vec<Section<'a>>> {
-        self.note(key, "list of tables".into(), absent.to_owned(), doc);
+        self.note(key, Kind::Tables, Absent::Words(absent.to_owned()), doc);
         let found = self.get(key)?;
         let Some(array) = found.value.get_ref().as_array() else {
             self.wrong_type(key, found, "a list of tables");
@@ -418,21 +556,20 @@ impl<'a> Section<'a> {
                 continue;
             };
             let path = format!("{}[{i}]", self.full(key));
-            let layers = vec![Layer { table, document: found.document, span: Some(item.span()) }];
-            sections.push(Section { context: self.context, path, layers, seen: RefCell::default() });
+            let layer = Layer { table, document: found.document, span: Some(item.span()) };
+            sections.push(self.context.open(path, || vec![layer]));
         }
         Some(sections)
     }
 
     /// A table within a list of tables, for the description of its keys alone.
     pub(crate) fn describe_item(&self, key: &str) -> Section<'a> {
-        let path = format!("{}[]", self.full(key));
-        Section { context: self.context, path, layers: Vec::new(), seen: RefCell::default() }
+        self.context.open(format!("{}[]", self.full(key)), Vec::new)
     }
 
     /// All keys of a table whose keys are free (map names, weather parameters), in file order.
     pub(crate) fn free_integers(&self, kind: &str, min: i64, max: i64, doc: &str) -> Vec<(String, i64)> {
-        self.note(kind, format!("integer, {min} to {max}"), "none".into(), doc);
+        self.note(kind, Kind::Integer { min, max }, Absent::Words("none".into()), doc);
         let Some(Layer { table, .. }) = self.layers.first() else { return Vec::new() };
         let mut keys: Vec<_> =
             table.iter().map(|(key, _)| (key.span().start, key.get_ref().to_string())).collect();
@@ -452,31 +589,6 @@ impl<'a> Section<'a> {
             }
         };
         keys.into_iter().filter_map(read).collect()
-    }
-}
-
-impl Drop for Section<'_> {
-    /// Keys nobody asked for are faults: a typing mistake must not pass in silence.
-    fn drop(&mut self) {
-        let seen = self.seen.borrow();
-        for (key, document) in
-            self.layers.iter().flat_map(|l| l.table.iter().map(|(key, _)| (key, l.document)))
-        {
-            let name = key.get_ref().as_ref();
-            if seen.contains(name) {
-                continue;
-            }
-            let near = seen.iter().map(|s| (strsim::levenshtein(s, name), s)).min();
-            let hint = match near {
-                Some((d, near)) if d <= 2.max(name.len() / 4) => format!(" (did you mean `{near}`?)"),
-                _ => String::new(),
-            };
-            self.context.fault(
-                document,
-                Some(key.span()),
-                format!("unknown key `{}`{hint}", self.full(name)),
-            );
-        }
     }
 }
 
