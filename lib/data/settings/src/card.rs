@@ -1,18 +1,20 @@
 //! What the dataset's card says that no number tells.
 
-use serde::Serialize;
+use crate::key::settings;
 
-/// Words of the dataset's card.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct CardSettings {
-    /// What the dataset is, as Markdown; empty: a sentence that is true of all of them.
-    pub description: String,
-    /// Under which licence it may be used, an SPDX name where there is one (`CC-BY-4.0`); empty: not stated.
-    pub licence: String,
-    /// Who made it.
-    pub authors: Vec<String>,
-    /// Where it is to be had.
-    pub url: String,
-    /// How to cite it, as BibTeX; empty: an entry made of the other words.
-    pub citation: String,
+settings! {
+    /// Words of the dataset's card.
+    #[derive(Eq)]
+    pub struct CardSettings {
+        /// What the dataset is, as Markdown; empty: a sentence that is true of all of them.
+        description: String = String::new();
+        /// Licence of the dataset, an SPDX name where there is one (`CC-BY-4.0`); empty: not stated.
+        licence: String = String::new();
+        /// Who made the dataset.
+        authors: Vec<String> = Vec::new();
+        /// Where the dataset is to be had.
+        url: String = String::new();
+        /// How to cite the dataset, as BibTeX; empty: an entry made of the words above.
+        citation: String = String::new();
+    }
 }

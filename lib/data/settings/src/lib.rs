@@ -12,6 +12,8 @@ mod config;
 mod dataset;
 mod hazards;
 mod inertial;
+#[allow(dead_code)] // Sections that follow use the rest.
+mod key;
 mod lidar;
 mod lights;
 mod models;

@@ -1,12 +1,24 @@
 //! Models besides the built-in ones.
 
-use serde::Serialize;
+use crate::key::settings;
+use crate::reader::Section;
 
-/// Models besides the built-in ones.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct ModelSettings {
-    /// Folders with models, below the folder of maps or from where the program runs.
-    pub packs: Vec<String>,
+settings! {
+    /// Models besides the built-in ones.
+    pub struct ModelSettings {
+        /// Folders with glTF models (docs/packs.md), below the maps folder or from where the program runs.
+        packs: Vec<String> = Vec::new();
+    }
+    rule named_once;
+}
+
+fn named_once(s: &Section<'_>, read: &ModelSettings) {
+    for (i, pack) in read.packs.iter().enumerate() {
+        if pack.is_empty() || read.packs[..i].contains(pack) {
+            let problem = if pack.is_empty() { "is empty" } else { "is named twice" };
+            s.fault_at("packs", format!("`models.packs`: folder `{pack}` {problem}"));
+        }
+    }
 }
 
 impl ModelSettings {

@@ -39,6 +39,19 @@ pub struct ConfigKey {
     pub default: Absent,
     /// Meaning and unit.
     pub doc: String,
+    /// Its names in SimBEV2X.
+    pub(crate) yaml: Vec<YamlName>,
+}
+
+/// A key's name in a configuration of SimBEV2X. Names of sensors are those of vehicles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum YamlName {
+    /// With the same value.
+    Same(&'static str),
+    /// With percents instead of shares.
+    Percent(&'static str),
+    /// Within a mapping.
+    In(&'static str, &'static str),
 }
 
 /// What a key takes.
@@ -323,7 +336,15 @@ impl<'a> Section<'a> {
         let mut keys = self.context.keys.borrow_mut();
         let path = self.full(key);
         if self.context.documents.is_empty() && !keys.iter().any(|known| known.path == path) {
-            keys.push(ConfigKey { path, kind, default, doc: doc.trim().to_owned() });
+            keys.push(ConfigKey { path, kind, default, doc: doc.trim().to_owned(), yaml: Vec::new() });
+        }
+    }
+
+    /// Tells the names that a key has in SimBEV2X.
+    pub(crate) fn named_there(&self, key: &str, names: &[YamlName]) {
+        let path = self.full(key);
+        if let Some(known) = self.context.keys.borrow_mut().iter_mut().find(|known| known.path == path) {
+            known.yaml = names.to_vec();
         }
     }
 

@@ -1,27 +1,22 @@
 //! Objects followed over a scene.
 
-use serde::Serialize;
-
 use schema::FRAME_PERIOD_S;
 
-/// Windows of the past and the future of every object that may move, as forecasting learns from.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct TrackSettings {
-    /// Write windows.
-    pub windows: bool,
-    /// How far windows reach back, seconds (2).
-    pub past_s: f64,
-    /// How far windows reach ahead, seconds (6).
-    pub future_s: f64,
-    /// Time between two places of a window, seconds (0.5).
-    pub step_s: f64,
-    /// Time between two windows of an object, seconds (0.5).
-    pub every_s: f64,
-}
+use crate::key::settings;
 
-impl Default for TrackSettings {
-    fn default() -> Self {
-        Self { windows: true, past_s: 2.0, future_s: 6.0, step_s: 0.5, every_s: 0.5 }
+settings! {
+    /// Windows of the past and the future of every object that may move, as forecasting learns from.
+    pub struct TrackSettings {
+        /// Write windows of the past and the future of what may move, for forecasting.
+        windows: bool = true;
+        /// How far a window reaches back, s.
+        past_s: f64 = 2.0, within(0.0..=60.0);
+        /// How far a window reaches ahead, s.
+        future_s: f64 = 6.0, within(0.0..=60.0);
+        /// Time between two places of a window, s.
+        step_s: f64 = 0.5, within(FRAME_PERIOD_S..=60.0);
+        /// Time between two windows of an object, s.
+        every_s: f64 = 0.5, within(FRAME_PERIOD_S..=60.0);
     }
 }
 

@@ -16,9 +16,10 @@ pub use yaml_keys::simbev2x_keys;
 
 use std::path::Path;
 
-use crate::{AnnotationSettings, BevRule, BevSettings, CardSettings, DatasetSettings, TrackSettings};
+use crate::{AgentSettings, BevRule, BevSettings, DatasetSettings};
 use schema::BevClass;
 
+use crate::key::Settings;
 use crate::reader::{self, ConfigKey, Fault, Section, Source, with_documents};
 use parts::every_n_frames;
 
@@ -73,7 +74,7 @@ pub fn config_keys() -> Vec<ConfigKey> {
 
 fn dataset(root: &Section<'_>) -> DatasetSettings {
     let name = root.text("name", "dataset", "name of the dataset, in reports");
-    let card = card(&root.section("card", "words of the dataset's card, README.md in the store"));
+    let card = read(root, "card", "Words of the dataset's card, README.md in the store.");
     let seed = root.integer(
         "seed",
         27,
@@ -82,10 +83,10 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
         "seed of every random stream but that of the scenery (`world.seed`)",
     ) as u64;
     let (scenes, redraw) = scenario::scenes(root);
-    let annotation = annotation(&root.section("annotation", "which objects are annotated"));
-    let tracks = tracks(&root.section("tracks", "objects followed over a scene"));
+    let annotation = read(root, "annotation", "Which objects are annotated.");
+    let tracks = read(root, "tracks", "Objects followed over a scene.");
     let bev = bev(&root.section("bev", "bird's-eye-view masks"));
-    let models = scenario::models(&root.section("models", "models besides the built-in ones"));
+    let models: crate::ModelSettings = read(root, "models", "Models besides the built-in ones.");
     let has_packs = !models.is_built_in();
     let [(vehicle_rig, vehicle_occupancy), (rsu_rig, rsu_occupancy)] = rigs::of_kinds(root);
     let own_rigs = rigs::own(root);
@@ -96,16 +97,14 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
         scenes,
         redraw,
         models,
-        agents: scenario::agents(&root.section("agents", "data-collection vehicles and RSUs"), !has_packs),
-        timing: scenario::timing(&root.section("timing", "warm-up and durations")),
-        traffic: scenario::traffic(&root.section("traffic", "background vehicles and drivers")),
-        walkers: scenario::walkers(&root.section("walkers", "pedestrians")),
-        weather: scenario::weather(&root.section("weather", "weather draws and overrides")),
-        lights: scenario::lights(&root.section("lights", "street lamps and lit windows at night")),
-        hazards: scenario::hazards(&root.section("hazards", "accidents and road works")),
-        world: scenario::world(
-            &root.section("world", "the static world: scenery placed by rule on the land beside the roads"),
-        ),
+        agents: read(root, "agents", "Data-collection vehicles and RSUs."),
+        timing: read(root, "timing", "Warm-up and durations."),
+        traffic: read(root, "traffic", "Background vehicles and drivers."),
+        walkers: read(root, "walkers", "Pedestrians."),
+        weather: read(root, "weather", "Weather draws and overrides."),
+        lights: read(root, "lights", "Street lamps and lit windows at night."),
+        hazards: read(root, "hazards", "Accidents and road works."),
+        world: read(root, "world", "The static world: scenery placed by rule on the land beside the roads."),
         vehicle_rig,
         rsu_rig,
         own_rigs,
@@ -116,6 +115,9 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
         rsu_occupancy,
     };
     check_rates(root, &settings);
+    if !has_packs {
+        known_models(&root.section("agents", ""), &settings.agents);
+    }
     if settings.agents.penetration.is_some() && settings.traffic.vehicles.is_none() {
         root.fault_at(
             "agents",
@@ -125,20 +127,16 @@ fn dataset(root: &Section<'_>) -> DatasetSettings {
     settings
 }
 
-fn card(section: &Section<'_>) -> CardSettings {
-    let text = |key: &str, doc: &str| section.text(key, "", doc);
-    CardSettings {
-        description: text("description", "what the dataset is, as Markdown"),
-        licence: text(
-            "licence",
-            "licence of the dataset, an SPDX name where there is one; empty: not stated",
-        ),
-        authors: section.texts("authors", &[], "who made the dataset"),
-        url: text("url", "where the dataset is to be had"),
-        citation: text(
-            "citation",
-            "how to cite the dataset, as BibTeX; empty: an entry made of the words above",
-        ),
+/// A table of the configuration.
+fn read<T: Settings + Default>(root: &Section<'_>, key: &str, doc: &str) -> T {
+    T::read(&root.section(key, doc), &T::default())
+}
+
+fn known_models(agents: &Section<'_>, settings: &AgentSettings) {
+    for model in &settings.vehicle_models {
+        if schema::models::find(model).is_none_or(|m| m.wheelbase_m <= 0.0) {
+            agents.fault_at("vehicle_models", format!("`agents.vehicle_models`: no vehicle model `{model}`"));
+        }
     }
 }
 
@@ -160,43 +158,6 @@ fn check_rates(root: &Section<'_>, settings: &DatasetSettings) {
         if tracks.windows && !frames.is_multiple_of(boxes) {
             root.fault_at_any(&["tracks", "annotation"], problem(key, frames));
         }
-    }
-}
-
-fn annotation(section: &Section<'_>) -> AnnotationSettings {
-    let d = AnnotationSettings::default();
-    AnnotationSettings {
-        box_radius_m: section.number(
-            "box_radius_m",
-            d.box_radius_m,
-            1.0,
-            2000.0,
-            "boxes within this 3-D distance of an agent are collected, m",
-        ),
-        valid_by_image: section.flag(
-            "valid_by_image",
-            d.valid_by_image,
-            "an object without points is valid when an instance image shows it",
-        ),
-        every_n_frames: every_n_frames(section, "boxes, map records and tracks are written"),
-    }
-}
-
-fn tracks(section: &Section<'_>) -> TrackSettings {
-    let d = TrackSettings::default();
-    let time = |key: &str, default: f64, low: f64, doc: &str| section.number(key, default, low, 60.0, doc);
-    let windows = "write windows of the past and the future of what may move, for forecasting";
-    TrackSettings {
-        windows: section.flag("windows", d.windows, windows),
-        past_s: time("past_s", d.past_s, 0.0, "how far a window reaches back, s"),
-        future_s: time("future_s", d.future_s, 0.0, "how far a window reaches ahead, s"),
-        step_s: time("step_s", d.step_s, schema::FRAME_PERIOD_S, "time between two places of a window, s"),
-        every_s: time(
-            "every_s",
-            d.every_s,
-            schema::FRAME_PERIOD_S,
-            "time between two windows of an object, s",
-        ),
     }
 }
 
