@@ -25,7 +25,7 @@ settings! {
         map: String = "convoy/demo".into();
         /// Position in the world, m: the nearest driving lane that runs its way.
         xyz_m: [f64; 3] = [0.0; 3];
-        /// Heading from east, counter-clockwise: degrees in the configuration, then radians.
+        /// Heading from east, counter-clockwise.
         yaw_rad: f64 = deg(0.0), named("yaw_deg"), degrees(-360.0..=360.0);
     }
 }

@@ -1,85 +1,79 @@
 //! BEV masks.
 
+use schema::BevClass;
 use serde::Serialize;
 
-use schema::BevClass;
+use crate::key::{Name, choice, settings};
+use crate::reader::Section;
 
-/// How masks are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum BevRule {
-    /// By the triangles that sensors see: a cell carries what its centre does.
-    #[default]
-    Exact,
-    /// As SimBEV2X draws them, its rounding, closing and fallback at overpasses included.
-    Simbev2x,
-}
-
-impl BevRule {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Exact, Self::Simbev2x];
-
-    /// Name in configurations, archives and reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Exact => "exact",
-            Self::Simbev2x => "simbev2x",
-        }
+choice! {
+    /// How masks are drawn.
+    pub enum BevRule {
+        /// By the triangles that sensors see: a cell carries what its centre does.
+        #[default]
+        Exact = "exact",
+        /// As SimBEV2X draws them, its rounding, closing and fallback at overpasses included.
+        Simbev2x = "simbev2x",
     }
 }
 
-/// The BEV grid: square, centred on the agent, row 0 ahead, column 0 left.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct BevSettings {
-    /// Write BEV masks.
-    pub enabled: bool,
-    /// Rows and columns (400).
-    pub cells: u32,
-    /// Cell size, metres (0.4).
-    pub cell_m: f64,
-    /// How masks are drawn (exactly).
-    pub rule: BevRule,
-    /// Channels, in their order in the arrays (all 14).
-    pub classes: Vec<BevClass>,
-    /// With rule `simbev2x`: lanes are sampled every so many metres along their roads (0.4).
-    pub lane_step_m: f64,
-    /// With rule `simbev2x`: lanes this near to an agent's first place are collected, metres; without it 35 for every second of
-    /// the scene and its warm-up.
-    pub lane_radius_m: Option<f64>,
-    /// With rule `simbev2x`: lanes this near to an agent are drawn, metres; without it 140, or 20 more than to the corner of a
-    /// grid of more than 160 m.
-    pub near_radius_m: Option<f64>,
-    /// With rule `simbev2x`: a sidewalk seen from far above counts, too.
-    pub sidewalks_from_above: bool,
-    /// Write masks of paint that is no lane marking: stop lines, parking spaces, arrows.
-    pub paint: bool,
-    /// Write whose each cell is.
-    pub ids: bool,
-    /// Write how high the ground is.
-    pub heights: bool,
-    /// Masks are drawn at frames 0, n, 2 n, ... (1).
-    pub every_n_frames: u32,
+settings! {
+    /// The BEV grid: square, centred on the agent, row 0 ahead, column 0 left.
+    pub struct BevSettings {
+        /// Write BEV masks.
+        enabled: bool = true;
+        /// Rows and columns of the grid.
+        cells: u32 = 400, within(2..=4096), yaml("bev_dim");
+        /// Cell size, m.
+        cell_m: f64 = 0.4, within(0.01..=10.0), yaml("bev_res");
+        /// `exact`: by the triangles that sensors see; `simbev2x`: as SimBEV2X draws masks.
+        rule: BevRule = BevRule::Exact, choice();
+        /// Channels of the masks, in their order.
+        classes: Vec<BevClass> = BevClass::ALL.to_vec(), by(classes);
+        /// With rule `simbev2x`: lanes are sampled at this distance along their roads, m.
+        lane_step_m: f64 = 0.4, within(0.05..=10.0), yaml("waypoint_distance");
+        /// With rule `simbev2x`: lanes this near to an agent's first place are collected, m.
+        lane_radius_m: Option<f64> = None, within(1.0..=100_000.0),
+            or("35 m for every second of the scene and its warm-up");
+        /// With rule `simbev2x`: lanes this near to an agent are drawn, m.
+        near_radius_m: Option<f64> = None, within(1.0..=100_000.0),
+            or("140 m; for grids above 160 m 20 m more than to a corner"), yaml("nearby_mapping_area_radius");
+        /// With rule `simbev2x`: a sidewalk seen from far above counts, too.
+        sidewalks_from_above: bool = false, yaml("use_bev_for_sidewalks");
+        /// Write masks of stop lines, parking spaces, arrows and words.
+        paint: bool = false;
+        /// Write the id of the object over each cell.
+        ids: bool = false;
+        /// Write the height of the ground in each cell.
+        heights: bool = false;
+        /// Masks are drawn at frames 0, n, 2 n, ...
+        every_n_frames: u32 = 1, within(1..=1000);
+    }
 }
 
-impl Default for BevSettings {
-    fn default() -> Self {
-        Self {
-            enabled: true,
-            cells: 400,
-            cell_m: 0.4,
-            rule: BevRule::Exact,
-            classes: BevClass::ALL.to_vec(),
-            lane_step_m: 0.4,
-            lane_radius_m: None,
-            near_radius_m: None,
-            sidewalks_from_above: false,
-            paint: false,
-            ids: false,
-            heights: false,
-            every_n_frames: 1,
+fn classes(section: &Section<'_>, name: &Name, default: &Vec<BevClass>) -> Vec<BevClass> {
+    let key = name.key;
+    let all = BevClass::ALL.map(|class| class.name());
+    let usual: Vec<String> = default.iter().map(|class| class.name().to_owned()).collect();
+    let names = section.texts(key, &usual, name.doc);
+    let mut classes = Vec::new();
+    let path = section.path_of(key);
+    for name in &names {
+        match BevClass::from_name(name) {
+            Some(class) if classes.contains(&class) => {
+                section.fault_at(key, format!("`{path}` names `{name}` twice"));
+            }
+            Some(class) => classes.push(class),
+            None => {
+                let problem = format!("`{path}`: `{name}` is no class, expected some of {}", all.join(", "));
+                section.fault_at(key, problem);
+            }
         }
     }
+    if names.is_empty() {
+        section.fault_at(key, format!("`{path}` is empty: `bev.enabled = false` writes no masks"));
+    }
+    classes
 }
 
 impl BevSettings {

@@ -80,9 +80,10 @@ macro_rules! choice {
             $($(#[doc = $doc])+ $(#[$default])? #[serde(rename = $word)] $variant,)+
         }
 
+        #[allow(dead_code)] // Some are read alone.
         impl $name {
             /// All of them.
-            $vis const ALL: &'static [Self] = &[$(Self::$variant),+];
+            $vis const ALL: [Self; [$($word),+].len()] = [$(Self::$variant),+];
 
             /// Name in configurations, tables and reports.
             #[must_use]
@@ -135,6 +136,7 @@ pub(crate) struct Within<B>(RangeInclusive<B>);
 /// A number in a range, in another unit than that of the field.
 pub(crate) struct Scaled {
     range: RangeInclusive<f64>,
+    unit: &'static str,
     written: fn(f64) -> f64,
     value: fn(f64) -> f64,
 }
@@ -180,12 +182,13 @@ impl<T> Key<T> {
     pub(crate) fn degrees(self, range: RangeInclusive<f64>) -> Key<T, Scaled> {
         // Degrees that are written with nine digits come back as they were.
         let written = |radians: f64| (to_deg(radians) * 1e9).round() / 1e9;
-        self.how(Scaled { range, written, value: deg })
+        self.how(Scaled { range, unit: "degrees", written, value: deg })
     }
 
-    /// A thousandth of what the configuration says.
-    pub(crate) fn milli(self, range: RangeInclusive<f64>) -> Key<T, Scaled> {
-        self.how(Scaled { range, written: |value| 1e3 * value, value: |written| 1e-3 * written })
+    /// A thousandth of what the configuration says, in a unit such as `mrad`.
+    pub(crate) fn milli(self, range: RangeInclusive<f64>, unit: &'static str) -> Key<T, Scaled> {
+        let (written, value) = (|value| 1e3 * value, |written| 1e-3 * written);
+        self.how(Scaled { range, unit, written, value })
     }
 
     pub(crate) fn degrees_each(self) -> Key<T, DegreesEach> {
@@ -254,6 +257,11 @@ impl<T, How> Key<T, How> {
     }
 }
 
+/// A meaning with its unit.
+fn in_unit(doc: &str, unit: &str) -> String {
+    format!("{}, {unit}.", doc.trim().trim_end_matches('.'))
+}
+
 /// A type that a plain key has.
 pub(crate) trait Value: Sized {
     fn read(section: &Section<'_>, name: &Name, default: &Self) -> Self;
@@ -284,9 +292,10 @@ impl<T: Number> Key<T, Within<T::Bound>> {
 
 impl Key<f64, Scaled> {
     pub(crate) fn read(self, section: &Section<'_>, default: &f64) -> f64 {
-        let Scaled { range, written, value } = &self.how;
+        let Scaled { range, unit, written, value } = &self.how;
+        let doc = in_unit(self.name.doc, unit);
         let (min, max) = (*range.start(), *range.end());
-        let read = section.number(self.name.key, written(*default), min, max, self.name.doc);
+        let read = section.number(self.name.key, written(*default), min, max, &doc);
         self.told(section);
         value(read)
     }
@@ -294,7 +303,8 @@ impl Key<f64, Scaled> {
 
 impl Key<[f64; 3], DegreesEach> {
     pub(crate) fn read(self, section: &Section<'_>, default: &[f64; 3]) -> [f64; 3] {
-        section.triple(self.name.key, default.map(to_deg), self.name.doc).map(deg)
+        let doc = in_unit(self.name.doc, "degrees");
+        section.triple(self.name.key, default.map(to_deg), &doc).map(deg)
     }
 }
 

@@ -1,15 +1,18 @@
 //! Where a sensor sits on its agent.
 
 use frames::{Agent, Pose, Sensor, deg};
-use serde::Serialize;
 
-/// Where a sensor sits on its agent.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Mount {
-    /// Position in the agent's frame (FLU), metres.
-    pub xyz_m: [f64; 3],
-    /// Roll, pitch (positive nose down), yaw (positive left), radians.
-    pub rpy_rad: [f64; 3],
+use crate::key::settings;
+
+settings! {
+    /// Where a sensor sits on its agent.
+    #[derive(Copy)]
+    pub struct Mount {
+        /// Position on the agent: forward, left, up, m.
+        xyz_m: [f64; 3] = [0.0; 3];
+        /// Roll, pitch (nose down), yaw (left).
+        rpy_rad: [f64; 3] = [0.0; 3], named("rpy_deg"), degrees_each();
+    }
 }
 
 impl Mount {

@@ -1,47 +1,41 @@
 //! Voxel grids.
 
-use serde::Serialize;
+use crate::key::{choice, settings};
+use crate::reader::Section;
 
-/// What a sweep along z does between the cells in which things are met.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ZFill {
-    /// Nothing.
-    #[default]
-    None,
-    /// From what is met from below to what is next met from the top, where both have one label.
-    Scanline,
-    /// All cells between the highest and the lowest that were met are labelled by what touches them.
-    BoxSweep,
-}
-
-impl ZFill {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::None, Self::Scanline, Self::BoxSweep];
-
-    /// Name in configurations.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Scanline => "scanline",
-            Self::BoxSweep => "boxsweep",
-        }
+choice! {
+    /// What a sweep along z does between the cells in which things are met.
+    pub enum ZFill {
+        /// Nothing.
+        #[default]
+        None = "none",
+        /// From what is met from below to what is next met from the top, where both have one label.
+        Scanline = "scanline",
+        /// All cells between the highest and the lowest that were met are labelled by what touches them.
+        BoxSweep = "boxsweep",
     }
 }
 
-/// Along which directions columns are swept: from the top, the bottom, the front, ...
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[allow(missing_docs)] // The names are their own documentation.
-pub struct SweepSettings {
-    pub z_top: bool,
-    pub z_bottom: bool,
-    pub x_front: bool,
-    pub x_back: bool,
-    pub y_left: bool,
-    pub y_right: bool,
-    /// What is between, along z.
-    pub z_fill: ZFill,
+settings! {
+    /// Along which directions columns are swept: from the top, the bottom, the front, ...
+    #[derive(Eq)]
+    pub struct SweepSettings {
+        /// Without `full_sweep`: sweep columns from the top.
+        z_top: bool = true, named("use_z_top"), yaml_in("voxel_detector_properties", "use_z_top");
+        /// Without `full_sweep`: sweep columns from the bottom.
+        z_bottom: bool = true, named("use_z_bottom"), yaml_in("voxel_detector_properties", "use_z_bottom");
+        /// Without `full_sweep`: sweep columns from the front.
+        x_front: bool = false, named("use_x_front"), yaml_in("voxel_detector_properties", "use_x_front");
+        /// Without `full_sweep`: sweep columns from the back.
+        x_back: bool = false, named("use_x_back"), yaml_in("voxel_detector_properties", "use_x_back");
+        /// Without `full_sweep`: sweep columns from the left.
+        y_left: bool = false, named("use_y_left"), yaml_in("voxel_detector_properties", "use_y_left");
+        /// Without `full_sweep`: sweep columns from the right.
+        y_right: bool = false, named("use_y_right"), yaml_in("voxel_detector_properties", "use_y_right");
+        /// Between what sweeps from top and bottom meet: nothing; `scanline` one label where both have it; `boxsweep` what touches
+        /// each cell.
+        z_fill: ZFill = ZFill::None, named("z_fill_mode"), choice(), yaml_in("voxel_detector_properties", "z_fill_mode");
+    }
 }
 
 impl SweepSettings {
@@ -63,105 +57,65 @@ impl SweepSettings {
     }
 }
 
-impl Default for SweepSettings {
-    /// From the top and the bottom.
-    fn default() -> Self {
-        Self {
-            z_top: true,
-            z_bottom: true,
-            x_front: false,
-            x_back: false,
-            y_left: false,
-            y_right: false,
-            z_fill: ZFill::None,
-        }
+choice! {
+    /// How the insides of closed objects are filled.
+    pub enum FillingRule {
+        /// Class by class in chunks, as the published tool does.
+        #[default]
+        Chunk = "chunk",
+        /// As its paper says: what meets one label first in all six directions takes it.
+        Paper = "paper",
+        /// Whatever is closed is full.
+        Solid = "solid",
     }
 }
 
-/// How the insides of closed objects are filled.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum FillingRule {
-    /// Class by class in chunks, as the published tool does.
-    #[default]
-    Chunk,
-    /// As its paper says: what meets one label first in all six directions takes it.
-    Paper,
-    /// Whatever is closed is full.
-    Solid,
-}
-
-impl FillingRule {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Chunk, Self::Paper, Self::Solid];
-
-    /// Name in configurations.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Chunk => "chunk",
-            Self::Paper => "paper",
-            Self::Solid => "solid",
-        }
+settings! {
+    /// A voxel grid around an agent, turning fully with it.
+    pub struct OccupancySettings {
+        /// Write voxel grids.
+        enabled: bool = true, yaml("use_voxel_detector");
+        /// Reach ahead, behind, left and right, m.
+        range_m: f64 = 64.0, within(1.0..=500.0), yaml("voxel_detector_range");
+        /// Cell size, m.
+        voxel_m: f64 = 0.1, within(0.02..=5.0), yaml("voxel_size");
+        /// Lower face above the grid's origin, m.
+        lower_m: f64 = -1.0, within(-100.0..=100.0), yaml("voxel_detector_lower_limit");
+        /// Upper face above the grid's origin, m.
+        upper_m: f64 = 7.0, within(-100.0..=100.0), yaml("voxel_detector_upper_limit");
+        /// Grid origin above the agent's origin, m.
+        mount_z_m: f64 = 0.02, within(-10.0..=100.0);
+        /// Leave out the carrying agent's own body.
+        ignore_self: bool = false, yaml_in("voxel_detector_properties", "ignore_self");
+        /// Test every cell for what touches it; else sweeps along the grid's axes find what is met first.
+        full_sweep: bool = true, yaml_in("voxel_detector_properties", "full_sweep");
+        /// The sweeps, where not every cell is tested.
+        sweeps: SweepSettings = SweepSettings::default(), flat();
+        /// List occupied cells (`occupancy_cells/`) instead of writing whole grids; they are not filled then.
+        sparse: bool = false;
+        /// Write whose each occupied cell is (`occupancy_ids/`).
+        ids: bool = false;
+        /// Write the velocity of each occupied cell (`occupancy_flow/`).
+        flow: bool = false;
+        /// How insides are filled: `chunk` by class in chunks, as SimBEV2X does; `paper` where all six directions meet one label
+        /// first; `solid` whatever is closed.
+        fill_rule: FillingRule = FillingRule::Chunk, choice();
+        /// Write which cells the agent's lidars saw free, occupied or not at all (`occupancy_observed/`); one of them must sweep at
+        /// every frame that has a grid.
+        #[serde(skip_serializing_if = "std::ops::Not::not")]
+        observed: bool = false;
+        /// Grids are made at frames 0, n, 2 n, ...
+        every_n_frames: u32 = 1, within(1..=1000);
     }
+    rule possible;
 }
 
-/// A voxel grid around an agent, turning fully with it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct OccupancySettings {
-    /// Write voxel grids.
-    pub enabled: bool,
-    /// The grid reaches this far ahead, behind, left and right, metres (64).
-    pub range_m: f64,
-    /// Cell size, metres (0.1).
-    pub voxel_m: f64,
-    /// Lower face above the grid origin, metres (-1).
-    pub lower_m: f64,
-    /// Upper face above the grid origin, metres (7).
-    pub upper_m: f64,
-    /// Height of the grid origin above the agent's origin, metres (0.02).
-    pub mount_z_m: f64,
-    /// Leave out the carrying agent's own body.
-    pub ignore_self: bool,
-    /// Every cell is tested for what touches it; else sweeps find what is met first.
-    pub full_sweep: bool,
-    /// The sweeps, where not every cell is tested.
-    pub sweeps: SweepSettings,
-    /// List occupied cells instead of writing whole grids.
-    pub sparse: bool,
-    /// Write whose each occupied cell is.
-    pub ids: bool,
-    /// Write how each occupied cell moves.
-    pub flow: bool,
-    /// How insides are filled.
-    pub fill_rule: FillingRule,
-    /// Write which cells the agent's lidars saw free, occupied, or not at all. Says nothing of the grid itself: the stage
-    /// that makes it does not see this.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub observed: bool,
-    /// Grids are made at frames 0, n, 2 n, ... (1).
-    pub every_n_frames: u32,
-}
-
-impl Default for OccupancySettings {
-    fn default() -> Self {
-        Self {
-            enabled: true,
-            range_m: 64.0,
-            voxel_m: 0.1,
-            lower_m: -1.0,
-            upper_m: 7.0,
-            mount_z_m: 0.02,
-            ignore_self: false,
-            full_sweep: true,
-            sweeps: SweepSettings::default(),
-            sparse: false,
-            ids: false,
-            flow: false,
-            fill_rule: FillingRule::Chunk,
-            observed: false,
-            every_n_frames: 1,
-        }
+fn possible(s: &Section<'_>, grid: &OccupancySettings) {
+    if grid.lower_m >= grid.upper_m {
+        s.fault_at_any(&["lower_m", "upper_m"], format!("`{}` is not below upper_m", s.path_of("lower_m")));
+    } else if let Some(problem) = grid.problem() {
+        let keys = ["voxel_m", "range_m", "upper_m", "lower_m"];
+        s.fault_at_any(&keys, format!("`{}`: {problem}", s.path()));
     }
 }
 

@@ -50,6 +50,8 @@ pub(crate) enum YamlName {
     Same(&'static str),
     /// With percents instead of shares.
     Percent(&'static str),
+    /// A flag of a kind of image, by ours.
+    Camera(&'static str),
     /// Within a mapping.
     In(&'static str, &'static str),
 }

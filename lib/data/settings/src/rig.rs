@@ -3,12 +3,12 @@
 use frames::deg;
 use serde::Serialize;
 
-use super::camera::{CameraSettings, CameraSpec};
-use super::inertial::{GnssSpec, ImuSpec};
-use super::lidar::LidarSpec;
-use super::mount::Mount;
-use super::optics::Optics;
-use super::radar::RadarSpec;
+use crate::camera::{CameraSettings, CameraSpec};
+use crate::inertial::{GnssSpec, ImuSpec};
+use crate::lidar::LidarSpec;
+use crate::mount::Mount;
+use crate::occupancy::OccupancySettings;
+use crate::radar::RadarSpec;
 
 /// All sensors of one kind of agent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -31,22 +31,15 @@ impl Rig {
     /// The published vehicle rig: six cameras, a lidar, four radars, GNSS and IMU.
     #[must_use]
     pub fn vehicle() -> Self {
-        let optics = Optics::pinhole(1600, 900, deg(80.0));
         let camera = |name: &str, xyz, yaw| CameraSpec {
             name: name.into(),
             mount: Mount::upright(xyz, yaw),
-            optics: optics.clone(),
+            ..CameraSpec::default()
         };
         let radar = |name: &str, xyz, yaw| RadarSpec {
             name: name.into(),
             mount: Mount::upright(xyz, yaw),
-            range_m: 120.0,
-            horizontal_fov_rad: deg(100.0),
-            vertical_fov_rad: deg(20.0),
-            rays: 2000,
-            micro_motion: false,
-            snr_db: 10.0,
-            every_n_frames: 1,
+            ..RadarSpec::default()
         };
         Self {
             camera: CameraSettings::default(),
@@ -76,7 +69,7 @@ impl Rig {
         let camera = |name: &str, yaw| CameraSpec {
             name: name.into(),
             mount: Mount::upright([0.0, 0.0, 1.6], yaw),
-            optics: Optics::pinhole(1600, 900, deg(80.0)),
+            ..CameraSpec::default()
         };
         Self {
             camera: CameraSettings::default(),
@@ -89,16 +82,23 @@ impl Rig {
             radars: vec![RadarSpec {
                 name: "RAD_FRONT".into(),
                 mount: Mount::upright([0.0, 0.0, 1.2], 0.0),
-                range_m: 120.0,
                 horizontal_fov_rad: deg(120.0),
-                vertical_fov_rad: deg(20.0),
                 rays: 2400,
-                micro_motion: false,
-                snr_db: 10.0,
-                every_n_frames: 1,
+                ..RadarSpec::default()
             }],
             gnss: None,
             imu: None,
         }
     }
+}
+
+/// Sensors and voxel grid of some agents, instead of those of their kind.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OwnRig {
+    /// `vehicle_1`, `rsu_0`, ...; all of one kind.
+    pub agents: Vec<String>,
+    /// Sensors.
+    pub rig: Rig,
+    /// Voxel grid.
+    pub occupancy: OccupancySettings,
 }

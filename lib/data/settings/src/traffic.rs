@@ -7,10 +7,10 @@ settings! {
     pub struct TrafficSettings {
         /// Background vehicles in a scene.
         vehicles: Option<u32> = None, within(0..=20_000), or("drawn from the free spawn points"), yaml("n_vehicles");
-        /// Speed below the limit as a share of it (negative: faster), for every driver; without it from -0.4 to 0.2.
-        speed_difference: Option<f64> = None, within(-2.0..=0.95), or("drawn per driver"), yaml_percent("speed_difference");
-        /// Gap to a standing leader, m; without it from N(4.2, 1). No vehicle comes nearer than 0.5.
-        standstill_gap_m: Option<f64> = None, within(0.0..=50.0), or("drawn per driver"), yaml("distance_to_leading");
+        /// Speed below the limit as a share of it (negative: faster), for every driver.
+        speed_difference: Option<f64> = None, within(-2.0..=0.95), or("drawn per driver, -0.4 to 0.2"), yaml_percent("speed_difference");
+        /// Gap to a standing leader, m. No vehicle comes nearer than 0.5.
+        standstill_gap_m: Option<f64> = None, within(0.0..=50.0), or("drawn per driver, N(4.2, 1)"), yaml("distance_to_leading");
         /// Green time of every signal, s.
         green_time_s: Option<f64> = None, within(1.0..=600.0), or("drawn per signal, 4 to 28"), yaml("green_time");
         /// Yellow time, s.

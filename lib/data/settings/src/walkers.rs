@@ -11,8 +11,8 @@ settings! {
         max_count: u32 = 480, within(0..=20_000), yaml("max_n_walkers");
         /// Slowest walking speed, m/s.
         min_speed_mps: f64 = 0.8, within(0.1..=5.0), yaml("walker_speed_min");
-        /// Share of walkers who may cross roads anywhere; without it from Beta(2.4, 1.6).
-        cross_factor: Option<f64> = None, within(0.0..=1.0), or("drawn per scene"), yaml("walker_cross_factor");
+        /// Share of walkers who may cross roads anywhere.
+        cross_factor: Option<f64> = None, within(0.0..=1.0), or("drawn per scene, Beta(2.4, 1.6)"), yaml("walker_cross_factor");
         /// Share of walkers who use a wheelchair.
         wheelchair: f64 = 0.04, share(), yaml_percent("wheelchair_use_percentage");
         /// Share of walkers who walk in groups of two or three.

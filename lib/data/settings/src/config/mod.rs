@@ -1,12 +1,6 @@
 //! The dataset configuration: TOML in, [`DatasetSettings`] out, every fault at once with its line. YAML of SimBEV2X is
 //! translated first.
 
-mod cameras;
-mod lidar_scan;
-mod parts;
-mod rigs;
-mod scenario;
-mod table_names;
 mod yaml;
 mod yaml_keys;
 mod yaml_special;
@@ -16,12 +10,10 @@ pub use yaml_keys::simbev2x_keys;
 
 use std::path::Path;
 
-use crate::{AgentSettings, BevRule, BevSettings, DatasetSettings};
-use schema::BevClass;
+use crate::{DatasetSettings, rig_keys};
 
 use crate::key::Settings;
 use crate::reader::{self, ConfigKey, Fault, Section, Source, with_documents};
-use parts::every_n_frames;
 
 /// Reads a configuration file, and what it asks for in vain (keys of a YAML file that have no effect here). Files
 /// whose names end in `.yaml` or `.yml` are read as SimBEV2X configurations.
@@ -56,178 +48,24 @@ fn parse_yaml(text: &str, file: &str) -> Result<(DatasetSettings, Vec<Fault>), V
 pub fn parse(text: &str, file: &str) -> Result<DatasetSettings, Vec<Fault>> {
     let whole = Source { written: String::new(), file: file.to_owned(), text: Ok(text.to_owned()) };
     let folder = Path::new(file).parent().unwrap_or(Path::new(""));
-    let named = reader::texts_of(text, rigs::FILE_KEY, &["vehicle", "rsu"], &["rigs"]);
+    let named = reader::texts_of(text, rig_keys::FILE_KEY, &["vehicle", "rsu"], &["rigs"]);
     let rigs = named.into_iter().filter(|written| !written.is_empty()).map(|written| {
         let path = folder.join(&written);
         let text = std::fs::read_to_string(&path).map_err(|e| e.to_string());
         Source { written, file: path.display().to_string(), text }
     });
     let sources: Vec<Source> = std::iter::once(whole).chain(rigs).collect();
-    with_documents(&sources, dataset)
+    with_documents(&sources, read)
 }
 
 /// Every key with its type, default and meaning, in reading order: the source of `docs/configuration.md`.
 #[must_use]
 pub fn config_keys() -> Vec<ConfigKey> {
-    reader::describe(dataset)
+    reader::describe(read)
 }
 
-fn dataset(root: &Section<'_>) -> DatasetSettings {
-    let name = root.text("name", "dataset", "name of the dataset, in reports");
-    let card = read(root, "card", "Words of the dataset's card, README.md in the store.");
-    let seed = root.integer(
-        "seed",
-        27,
-        0,
-        i64::MAX,
-        "seed of every random stream but that of the scenery (`world.seed`)",
-    ) as u64;
-    let (scenes, redraw) = scenario::scenes(root);
-    let annotation = read(root, "annotation", "Which objects are annotated.");
-    let tracks = read(root, "tracks", "Objects followed over a scene.");
-    let bev = bev(&root.section("bev", "bird's-eye-view masks"));
-    let models: crate::ModelSettings = read(root, "models", "Models besides the built-in ones.");
-    let has_packs = !models.is_built_in();
-    let [(vehicle_rig, vehicle_occupancy), (rsu_rig, rsu_occupancy)] = rigs::of_kinds(root);
-    let own_rigs = rigs::own(root);
-    let settings = DatasetSettings {
-        name,
-        card,
-        seed,
-        scenes,
-        redraw,
-        models,
-        agents: read(root, "agents", "Data-collection vehicles and RSUs."),
-        timing: read(root, "timing", "Warm-up and durations."),
-        traffic: read(root, "traffic", "Background vehicles and drivers."),
-        walkers: read(root, "walkers", "Pedestrians."),
-        weather: read(root, "weather", "Weather draws and overrides."),
-        lights: read(root, "lights", "Street lamps and lit windows at night."),
-        hazards: read(root, "hazards", "Accidents and road works."),
-        world: read(root, "world", "The static world: scenery placed by rule on the land beside the roads."),
-        vehicle_rig,
-        rsu_rig,
-        own_rigs,
-        annotation,
-        tracks,
-        bev,
-        vehicle_occupancy,
-        rsu_occupancy,
-    };
-    check_rates(root, &settings);
-    if !has_packs {
-        known_models(&root.section("agents", ""), &settings.agents);
-    }
-    if settings.agents.penetration.is_some() && settings.traffic.vehicles.is_none() {
-        root.fault_at(
-            "agents",
-            "`agents.penetration` is a share of `traffic.vehicles`: say how many vehicles there are".into(),
-        );
-    }
-    settings
-}
-
-/// A table of the configuration.
-fn read<T: Settings + Default>(root: &Section<'_>, key: &str, doc: &str) -> T {
-    T::read(&root.section(key, doc), &T::default())
-}
-
-fn known_models(agents: &Section<'_>, settings: &AgentSettings) {
-    for model in &settings.vehicle_models {
-        if schema::models::find(model).is_none_or(|m| m.wheelbase_m <= 0.0) {
-            agents.fault_at("vehicle_models", format!("`agents.vehicle_models`: no vehicle model `{model}`"));
-        }
-    }
-}
-
-/// Labels that are made of boxes need boxes at their frames.
-fn check_rates(root: &Section<'_>, settings: &DatasetSettings) {
-    let boxes = settings.annotation.every_n_frames;
-    let problem = |key: &str, frames: u32| {
-        format!(
-            "`{key}` asks for every {frames}. frame, which is no multiple of `annotation.every_n_frames` ({boxes}): there are \
-             no boxes between"
-        )
-    };
-    let (bev, tracks) = (&settings.bev, &settings.tracks);
-    if bev.enabled && bev.rule == BevRule::Simbev2x && !bev.every_n_frames.is_multiple_of(boxes) {
-        root.fault_at("bev", problem("bev.every_n_frames", bev.every_n_frames));
-    }
-    for (key, frames) in [("tracks.step_s", tracks.step_frames()), ("tracks.every_s", tracks.every_frames())]
-    {
-        if tracks.windows && !frames.is_multiple_of(boxes) {
-            root.fault_at_any(&["tracks", "annotation"], problem(key, frames));
-        }
-    }
-}
-
-fn bev(section: &Section<'_>) -> BevSettings {
-    let d = BevSettings::default();
-    BevSettings {
-        enabled: section.flag("enabled", d.enabled, "write BEV masks"),
-        cells: section.integer("cells", d.cells.into(), 2, 4096, "rows and columns of the grid") as u32,
-        cell_m: section.number("cell_m", d.cell_m, 0.01, 10.0, "cell size, m"),
-        rule: section.choice(
-            "rule",
-            &BevRule::ALL.map(|rule| (rule.name(), rule)),
-            0,
-            "`exact`: by the triangles that sensors see; `simbev2x`: as SimBEV2X draws masks",
-        ),
-        classes: bev_classes(section),
-        lane_step_m: section.number(
-            "lane_step_m",
-            d.lane_step_m,
-            0.05,
-            10.0,
-            "with rule `simbev2x`: lanes are sampled at this distance along their roads, m",
-        ),
-        lane_radius_m: section.optional_number(
-            "lane_radius_m",
-            "35 m for every second of the scene and its warm-up",
-            1.0,
-            100_000.0,
-            "with rule `simbev2x`: lanes this near to an agent's first place are collected, m",
-        ),
-        near_radius_m: section.optional_number(
-            "near_radius_m",
-            "140 m; for grids above 160 m 20 m more than to a corner",
-            1.0,
-            100_000.0,
-            "with rule `simbev2x`: lanes this near to an agent are drawn, m",
-        ),
-        sidewalks_from_above: section.flag(
-            "sidewalks_from_above",
-            d.sidewalks_from_above,
-            "with rule `simbev2x`: a sidewalk seen from far above counts, too",
-        ),
-        paint: section.flag("paint", d.paint, "write masks of stop lines, parking spaces, arrows and words"),
-        ids: section.flag("ids", d.ids, "write the id of the object over each cell"),
-        heights: section.flag("heights", d.heights, "write the height of the ground in each cell"),
-        every_n_frames: every_n_frames(section, "masks are drawn"),
-    }
-}
-
-fn bev_classes(section: &Section<'_>) -> Vec<BevClass> {
-    let all = BevClass::ALL.map(|class| class.name().to_owned());
-    let names = section.texts("classes", &all, "channels of the masks, in their order");
-    let mut classes = Vec::new();
-    let path = section.path_of("classes");
-    for name in &names {
-        match BevClass::from_name(name) {
-            Some(class) if classes.contains(&class) => {
-                section.fault_at("classes", format!("`{path}` names `{name}` twice"));
-            }
-            Some(class) => classes.push(class),
-            None => {
-                let problem = format!("`{path}`: `{name}` is no class, expected some of {}", all.join(", "));
-                section.fault_at("classes", problem);
-            }
-        }
-    }
-    if names.is_empty() {
-        section.fault_at("classes", format!("`{path}` is empty: `bev.enabled = false` writes no masks"));
-    }
-    classes
+fn read(root: &Section<'_>) -> DatasetSettings {
+    DatasetSettings::read(root, &DatasetSettings::default())
 }
 
 /// Default settings with one scene, for tests.
@@ -243,8 +81,10 @@ mod rig_tests;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::BevRule;
     use crate::{BeamSpec, LidarSpec, Optics, Returned, RollingScan, Split, WeatherSpec, ZFill};
     use schema::AgentId;
+    use schema::BevClass;
 
     fn faults(text: &str) -> String {
         let faults = parse(text, "bad.toml").expect_err("has faults");
