@@ -6,12 +6,12 @@ use crate::annotation::AnnotationSettings;
 use crate::bev::{BevRule, BevSettings};
 use crate::card::CardSettings;
 use crate::hazards::HazardSettings;
-use crate::key::settings;
+use crate::key::{Settings, settings};
 use crate::lights::LightSettings;
 use crate::models::ModelSettings;
 use crate::occupancy::OccupancySettings;
 use crate::per_agent::PerAgent;
-use crate::reader::Section;
+use crate::reader::{ConfigKey, Section, describe};
 use crate::rig::{OwnRig, Rig};
 use crate::scenes::SceneCount;
 use crate::timing::TimingSettings;
@@ -73,6 +73,17 @@ settings! {
         rsu_occupancy: OccupancySettings = OccupancySettings::default(), named("rsu"), by(rig_keys::grid);
     }
     rule consistent;
+}
+
+/// Every key with its type, default and meaning, in reading order: the source of `docs/configuration.md`.
+#[must_use]
+pub fn config_keys() -> Vec<ConfigKey> {
+    describe(read)
+}
+
+/// Reads a configuration.
+pub(crate) fn read(root: &Section<'_>) -> DatasetSettings {
+    DatasetSettings::read(root, &DatasetSettings::default())
 }
 
 /// What keys of several tables must be together.

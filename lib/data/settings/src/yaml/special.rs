@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::Rig;
+use crate::rig::Rig;
 use saphyr::MarkedYaml;
 
-use super::yaml_keys::{MODELS, OTHER_MODEL, PROPERTY_KEYS, SENSOR_KEYS, weather};
-use super::yaml_writer::{Writer, decimal, flag, is_null, items, line, number, pairs, quoted, text};
+use super::names::{MODELS, OTHER_MODEL, is_mapping, property_key, sensor_key, weather};
+use super::writer::{Writer, decimal, flag, is_null, items, line, number, pairs, quoted, text};
 
 /// Frames, sweeps and radar readings a second.
 const RATE_HZ: f64 = 20.0;
@@ -182,7 +182,7 @@ fn sensor(
     all: &BTreeMap<&str, &MarkedYaml<'_>>,
 ) -> bool {
     let (agent, plain) = carrier(key);
-    if let Some((_, ours)) = SENSOR_KEYS.iter().find(|(name, _)| *name == plain) {
+    if let Some(ours) = sensor_key(&plain) {
         let text = flag(value).map(|f| f.to_string()).or_else(|| number(value).map(decimal));
         to.put(at, &format!("{agent}.{ours}"), text.unwrap_or_else(|| "\"?\"".into()));
         if plain == "lidar_channels" && all.get(properties_of(agent, "lidar").as_str()).is_none() {
@@ -194,16 +194,14 @@ fn sensor(
         to.warn(at, format!("`{key}` has no effect here: the semantic lidar has the rays of the lidar"));
         return true;
     }
-    let known = PROPERTY_KEYS.iter().any(|(mapping, ..)| *mapping == plain);
-    if !known && !(plain.ends_with("_camera_properties")) {
+    if !is_mapping(&plain) && !(plain.ends_with("_camera_properties")) {
         return false;
     }
     if is_null(value) {
         return true;
     }
     for (name, at, value) in pairs(value).unwrap_or_default() {
-        let ours = PROPERTY_KEYS.iter().find(|(m, n, _)| *m == plain && *n == name).map(|(.., ours)| *ours);
-        match ours {
+        match property_key(&plain, name) {
             Some("") => {}
             Some(ours) => {
                 // Flags and numbers come as texts, too; words (`BoxSweep`) are small here.

@@ -1,13 +1,21 @@
 //! SimBEV2X configurations in YAML, read as ours: every key becomes keys of our own with the same effect, or a warning
 //! that names it. The result is TOML text, line by line with the line it came from, and goes through the same checks.
 
+mod names;
+mod special;
+#[cfg(test)]
+mod tests;
+mod writer;
+
 use std::collections::BTreeMap;
 
 use saphyr::{LoadableYamlNode, MarkedYaml};
 
-use super::yaml_writer::{Translation, Writer, line, pairs, text};
-use super::{yaml_keys, yaml_special};
+use writer::{Writer, line, pairs, text};
+
 use crate::reader::Fault;
+pub use names::simbev2x_keys;
+pub(crate) use writer::Translation;
 
 /// Translates a YAML text (`source`); `file` is its name in messages.
 ///
@@ -41,10 +49,10 @@ fn write_key(
     value: &MarkedYaml<'_>,
     all: &BTreeMap<&str, &MarkedYaml<'_>>,
 ) {
-    match yaml_keys::rule(key) {
+    match names::rule(key) {
         Some(rule) => writer.follow(rule, key, at, value),
         None => {
-            if !yaml_special::translate(writer, key, at, value, all) {
+            if !special::translate(writer, key, at, value, all) {
                 writer.warn(at, format!("`{key}`: no such key here, ignored"));
             }
         }

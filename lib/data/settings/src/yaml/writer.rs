@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use saphyr::{MarkedYaml, Scalar, YamlData};
 
-use super::yaml_keys::Rule;
+use super::names::Rule;
 use crate::reader::Fault;
 
 /// A configuration in our own language.
@@ -133,7 +133,7 @@ impl<'f> Writer<'f> {
     }
 
     /// Writes a value by a rule.
-    pub(crate) fn follow(&mut self, rule: Rule, key: &str, at: usize, value: &MarkedYaml<'_>) {
+    pub(crate) fn follow(&mut self, rule: &Rule, key: &str, at: usize, value: &MarkedYaml<'_>) {
         match rule {
             Rule::Same(path) => match verbatim(value) {
                 Some(text) => self.put(at, path, text),
