@@ -1,4 +1,4 @@
-//! Generated pages must say what the code says. `CONVOY_ACCEPT=1 cargo test -p convoy-settings docs` rewrites them.
+//! Generated pages and schemas must say what the code says. `CONVOY_ACCEPT=1 cargo test -p convoy-settings docs` rewrites them.
 
 use std::fmt::Write;
 use std::fs;
@@ -35,4 +35,11 @@ fn configuration_page_names_every_key() {
     }
     let below = |page: &str| page.find(MARKER).expect("the page has the marker") + MARKER.len();
     check("docs/configuration.md", below, &text);
+}
+
+#[test]
+fn schemas_name_every_key() {
+    let text = |schema| serde_json::to_string_pretty(&schema).expect("is JSON") + "\n";
+    check("configs/schema.json", |_| 0, &text(settings::json_schema()));
+    check("configs/rigs/schema.json", |_| 0, &text(settings::rig_json_schema()));
 }
