@@ -72,7 +72,7 @@ settings! {
     rule consistent;
 }
 
-fn starts(s: &Section<'_>, name: &Name, _: &Vec<GivenStart>) -> Vec<GivenStart> {
+fn starts(s: &Section<'_>, name: &Name, _: Vec<GivenStart>) -> Vec<GivenStart> {
     let read = |item: &Section<'_>| GivenStart::read(item, &GivenStart::default());
     let list = s.sections(name.key, name.absent, name.doc);
     read(&s.describe_item(name.key));

@@ -51,7 +51,7 @@ settings! {
     }
 }
 
-fn classes(section: &Section<'_>, name: &Name, default: &Vec<BevClass>) -> Vec<BevClass> {
+fn classes(section: &Section<'_>, name: &Name, default: Vec<BevClass>) -> Vec<BevClass> {
     let key = name.key;
     let all = BevClass::ALL.map(|class| class.name());
     let usual: Vec<String> = default.iter().map(|class| class.name().to_owned()).collect();

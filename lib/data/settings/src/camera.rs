@@ -2,11 +2,12 @@
 
 use schema::{ImageKind, ImageSet};
 
+use crate::config_key::YamlName;
 use crate::key::{Name, settings};
 use crate::mount::Mount;
 use crate::optics::Optics;
 use crate::pictures::Pictures;
-use crate::reader::{Section, YamlName};
+use crate::reader::Section;
 
 settings! {
     /// What all cameras of a rig share, besides the size of their pictures.
@@ -45,7 +46,7 @@ settings! {
 }
 
 /// Kinds of images name their flags, here and in SimBEV2X.
-fn images(s: &Section<'_>, _: &Name, d: &ImageSet) -> ImageSet {
+fn images(s: &Section<'_>, _: &Name, d: ImageSet) -> ImageSet {
     let mut images = ImageSet::NONE;
     for &kind in ImageKind::ALL {
         let spec = kind.spec();

@@ -18,7 +18,7 @@ settings! {
     }
 }
 
-fn noise_deg(s: &Section<'_>, _: &Name, d: &[f64; 2]) -> [f64; 2] {
+fn noise_deg(s: &Section<'_>, _: &Name, d: [f64; 2]) -> [f64; 2] {
     let latitude = Key::new("noise_latitude_deg", "Standard deviation of the latitude, degrees.");
     let longitude = Key::new("noise_longitude_deg", "Standard deviation of the longitude, degrees.");
     [

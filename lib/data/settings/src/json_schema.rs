@@ -2,8 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
+use crate::config_key::{Absent, ConfigKey, Kind};
 use crate::dataset::config_keys;
-use crate::reader::{Absent, ConfigKey, Kind};
 use crate::rig_keys::FILE_KEY;
 
 const DIALECT: &str = "http://json-schema.org/draft-07/schema#";

@@ -5,7 +5,8 @@ use std::ops::RangeInclusive;
 
 use frames::{deg, to_deg};
 
-use crate::reader::{Section, YamlName};
+use crate::config_key::YamlName;
+use crate::reader::Section;
 
 /// Declares a section of the configuration:
 ///
@@ -211,7 +212,7 @@ impl<T> Key<T> {
         self.how(Switched)
     }
 
-    pub(crate) fn by<F: Fn(&Section<'_>, &Name, &T) -> T>(self, read: F) -> Key<T, By<F>> {
+    pub(crate) fn by<F: Fn(&Section<'_>, &Name, T) -> T>(self, read: F) -> Key<T, By<F>> {
         self.how(By(read))
     }
 
@@ -341,9 +342,9 @@ impl<T: Settings + Default> Key<Option<T>, Switched> {
     }
 }
 
-impl<T, F: Fn(&Section<'_>, &Name, &T) -> T> Key<T, By<F>> {
+impl<T: Clone, F: Fn(&Section<'_>, &Name, T) -> T> Key<T, By<F>> {
     pub(crate) fn read(self, section: &Section<'_>, default: &T) -> T {
-        let read = (self.how.0)(section, &self.name, default);
+        let read = (self.how.0)(section, &self.name, default.clone());
         self.told(section);
         read
     }

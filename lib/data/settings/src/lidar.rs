@@ -104,7 +104,7 @@ fn of_some_rays(s: &Section<'_>, beam: &BeamSpec) {
     }
 }
 
-fn returned(s: &Section<'_>, name: &Name, usual: &Returned) -> Returned {
+fn returned(s: &Section<'_>, name: &Name, usual: Returned) -> Returned {
     const WORDS: [&str; 3] = ["first", "strongest", "last"];
     let usually = [usual.first, usual.strongest, usual.last];
     let default: Vec<String> =
@@ -113,10 +113,10 @@ fn returned(s: &Section<'_>, name: &Name, usual: &Returned) -> Returned {
     let path = s.path_of(name.key);
     if let Some(word) = words.iter().find(|word| !WORDS.contains(&word.as_str())) {
         s.fault_at(name.key, format!("`{path}`: `{word}` is none of first, strongest, last"));
-        return *usual;
+        return usual;
     } else if words.is_empty() {
         s.fault_at(name.key, format!("`{path}` is empty: the lidar would return nothing"));
-        return *usual;
+        return usual;
     }
     let [first, strongest, last] = WORDS.map(|wanted| words.iter().any(|word| word == wanted));
     Returned { first, strongest, last }

@@ -21,13 +21,13 @@ use crate::table_names::TableNames;
 pub(crate) const FILE_KEY: &str = "rig";
 
 /// The rig in the table of a kind of agents.
-pub(crate) fn rig(root: &Section<'_>, name: &Name, default: &Rig) -> Rig {
-    carried(&over_file(root.section(name.key, kind_doc(name.key))), default)
+pub(crate) fn rig(root: &Section<'_>, name: &Name, default: Rig) -> Rig {
+    carried(&over_file(root.section(name.key, kind_doc(name.key))), &default)
 }
 
 /// The voxel grid there.
-pub(crate) fn grid(root: &Section<'_>, name: &Name, default: &OccupancySettings) -> OccupancySettings {
-    occupancy(&over_file(root.section(name.key, kind_doc(name.key))), default)
+pub(crate) fn grid(root: &Section<'_>, name: &Name, default: OccupancySettings) -> OccupancySettings {
+    occupancy(&over_file(root.section(name.key, kind_doc(name.key))), &default)
 }
 
 fn kind_doc(key: &str) -> &'static str {
@@ -45,7 +45,7 @@ fn over_file(section: Section<'_>) -> Section<'_> {
 }
 
 /// Rigs that single agents carry instead of those of their kind.
-pub(crate) fn own(root: &Section<'_>, name: &Name, _: &Vec<OwnRig>) -> Vec<OwnRig> {
+pub(crate) fn own(root: &Section<'_>, name: &Name, _: Vec<OwnRig>) -> Vec<OwnRig> {
     let list = root.sections(name.key, name.absent, name.doc).unwrap_or_default();
     agents_of(&over_file(root.describe_item(name.key)));
     let mut carriers = BTreeSet::new();

@@ -42,7 +42,7 @@ pub struct SceneCount {
 }
 
 /// How many scenes on which map, in split order.
-pub(crate) fn counts(root: &Section<'_>, name: &Name, _: &Vec<SceneCount>) -> Vec<SceneCount> {
+pub(crate) fn counts(root: &Section<'_>, name: &Name, _: Vec<SceneCount>) -> Vec<SceneCount> {
     let section = root.section(name.key, name.doc);
     let mut scenes = Vec::new();
     for split in Split::ALL {
@@ -66,7 +66,7 @@ pub(crate) fn counts(root: &Section<'_>, name: &Name, _: &Vec<SceneCount>) -> Ve
 }
 
 /// Which scenes are drawn anew.
-pub(crate) fn redraw(root: &Section<'_>, name: &Name, _: &Vec<(u32, u32)>) -> Vec<(u32, u32)> {
+pub(crate) fn redraw(root: &Section<'_>, name: &Name, _: Vec<(u32, u32)>) -> Vec<(u32, u32)> {
     let section = root.section("scenes", "").section(name.key, name.doc);
     let doc =
         "Which further draw of the scene is meant: each number gives another scene, 0 the first one again.";

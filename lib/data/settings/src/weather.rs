@@ -17,7 +17,7 @@ settings! {
     }
 }
 
-fn overrides(parent: &Section<'_>, name: &Name, _: &Vec<(String, f64)>) -> Vec<(String, f64)> {
+fn overrides(parent: &Section<'_>, name: &Name, _: Vec<(String, f64)>) -> Vec<(String, f64)> {
     let s = parent.section(name.key, name.doc);
     let read = |&name: &&'static str| {
         let (min, max) = match name {

@@ -169,3 +169,9 @@ fn a_lidar_sweeps_whenever_there_is_a_grid_of_what_was_seen() {
     let labelled = "[vehicle.lidar]\nevery_n_frames = 2\nsemantic = true\nsemantic_every_n_frames = 1\n";
     assert!(with(labelled, 1).is_err());
 }
+
+#[test]
+fn a_rig_without_a_name_is_a_fault() {
+    let told = with_rig("[vehicle]\nrig = \"\"\n", "").expect_err("names no file");
+    assert_eq!(told, "config.toml:4: `vehicle.rig` is empty, expected the name of a file\n");
+}

@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use schema::tables::Weather;
 
+use crate::config_key::YamlName;
 use crate::dataset::config_keys;
-use crate::reader::YamlName;
 
 const NO_ENGINE: &str = "there is no game engine and no window";
 

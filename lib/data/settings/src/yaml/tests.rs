@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::names::{SPECIAL, simbev2x_keys};
 use super::{Translation, translate};
-use crate::reader::{Absent, ConfigKey};
+use crate::config_key::{Absent, ConfigKey};
 use crate::{config_keys, parse};
 
 fn translated(text: &str) -> Translation {
