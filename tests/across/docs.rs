@@ -63,21 +63,6 @@ fn schema_page_names_every_column() {
     check("schema.md", &text);
 }
 
-#[test]
-fn configuration_page_names_every_key() {
-    let mut text = String::from("\n| key | type | default | meaning |\n|---|---|---|---|\n");
-    for key in pipeline::config_keys() {
-        let default = if key.default.is_empty() { String::new() } else { format!("`{}`", key.default) };
-        let row = [format!("`{}`", key.path), key.kind, default, key.doc];
-        writeln!(text, "| {} |", row.join(" | ")).expect("writes");
-    }
-    text.push_str("\n### Keys of SimBEV2X\n\n| key there | here |\n|---|---|\n");
-    for (key, ours) in pipeline::simbev2x_keys() {
-        writeln!(text, "| `{key}` | {ours} |").expect("writes");
-    }
-    check("configuration.md", &text);
-}
-
 /// What stands between backquotes in the text of a page, outside blocks of code.
 fn quoted(page: &str) -> impl Iterator<Item = &str> {
     let outside = page.split("```").step_by(2).flat_map(str::lines);

@@ -10,9 +10,9 @@ use opendrive::{LaneType, MarkType, Network, Road, RoadMark, RoadType, Speed, Sp
 use replay::Replay;
 use scene::SceneReader;
 use schema::geometry::Snapshot;
-use schema::settings::BevSettings;
 use schema::tables::{ActorRow, SceneTileRow};
 use schema::{ActorKind, BevClass, ObjectId};
+use settings::BevSettings;
 use store::Store;
 
 /// Where the other scene starts, metres along the road.

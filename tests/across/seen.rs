@@ -11,9 +11,9 @@ use pipeline::StageSettings;
 use plan::PlanMap;
 use renderer::{PinholeCamera, Renderer};
 use schema::geometry::Snapshot;
-use schema::settings::stages::{PlanSettings, SimulationSettings};
 use schema::tables::StateRow;
 use schema::{ActorRole, AgentId, ObjectId};
+use settings::stages::{PlanSettings, SimulationSettings};
 use testkit::{Agreement, PixelRays, look};
 use traffic::SceneInput;
 use visibility::CpuRenderer;
@@ -27,7 +27,7 @@ const FRAME: i32 = 8;
 
 /// A town with traffic around an agent: where the agent is, and another vehicle close to it.
 fn town() -> (Snapshot, Pose<World, Agent>, Pose<World, Agent>) {
-    let settings = pipeline::parse_config(CONFIG, "test").expect("the configuration is valid");
+    let settings = settings::parse(CONFIG, "test").expect("the configuration is valid");
     let network = town::generate(&town::named("convoy/demo").expect("is named")).expect("is generated");
     let plan_map = PlanMap { map: Map::new(network), hash: String::new() };
     let mut maps = BTreeMap::from([("convoy/demo".to_owned(), plan_map)]);

@@ -30,14 +30,14 @@ use rayon::prelude::*;
 use renderer::{Renderer, Scene, VoxelRenderer};
 use schema::geometry::Snapshot;
 use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
-use schema::settings::stages::{PlanSettings, SimulationSettings};
-use schema::settings::{DatasetSettings, LidarSpec};
 use schema::tables::{ActorRow, BoxRow};
 use schema::{ActorRole, AgentId, BevClass, DetectionClass, ObjectId};
 use sensors::{
     Camera, CameraView, CpuPainter, FrameWeather, Image, Lidar, LidarMoment, Painter, RadarMotion, Shot,
     Sight, StillWorld,
 };
+use settings::stages::{PlanSettings, SimulationSettings};
+use settings::{DatasetSettings, LidarSpec};
 use traffic::{SceneInput, SimulationLog};
 use visibility::CpuRenderer;
 use world::{Light, Moment, OwnModels, SceneWorld};
@@ -80,7 +80,7 @@ struct Row {
 }
 
 fn main() {
-    let settings = pipeline::parse_config(CONFIG, "bench").expect("the configuration is valid");
+    let settings = settings::parse(CONFIG, "bench").expect("the configuration is valid");
     let network = town::generate(&town::named("convoy/demo").expect("is named")).expect("is generated");
     let map = Map::new(network);
     let mut maps = BTreeMap::from([("convoy/demo".to_owned(), PlanMap { map, hash: String::new() })]);

@@ -10,8 +10,8 @@ use labels::validity::{Evidence, PointCloud, validate};
 use labels::voxel_grid::VoxelGrid;
 use labels::voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
 use renderer::VoxelRenderer;
-use schema::settings::{BevSettings, FillingRule, OccupancySettings, SweepSettings};
 use schema::tables::BoxRow;
+use settings::{BevSettings, FillingRule, OccupancySettings, SweepSettings};
 use testkit::small_town;
 
 fn main() {

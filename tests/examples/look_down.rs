@@ -10,7 +10,7 @@ use labels::bev::{Areas, BevRasterizer, to_rgb};
 use labels::fill::fill;
 use labels::voxels::{oblique_view, top_view, voxelize};
 use nalgebra::Point3;
-use schema::settings::{BevSettings, OccupancySettings};
+use settings::{BevSettings, OccupancySettings};
 use testkit::small_town;
 
 fn save(path: &Path, width: usize, height: usize, rgb: &[u8]) -> Result<(), Box<dyn Error>> {

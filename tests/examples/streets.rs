@@ -8,9 +8,9 @@ use frames::{Agent, Pose, World, deg};
 use land::tiles::{Surroundings, TileMaker};
 use opendrive::Map;
 use renderer::Renderer;
-use schema::settings::{CameraSettings, CameraSpec, Mount, Optics, SceneryRules};
 use schema::tables::{FrameRow, Weather};
 use sensors::{Camera, CpuPainter, FrameWeather, Painter, Shot};
+use settings::{CameraSettings, CameraSpec, Mount, Optics, SceneryRules};
 use visibility::CpuRenderer;
 use world::{Light, Moment, OwnModels, SceneWorld};
 

@@ -13,9 +13,9 @@ use rayon::ThreadPoolBuilder;
 use renderer::VoxelRenderer;
 use schema::arrays::{ArrayKind, BEV_MASKS};
 use schema::measures::counts::PartialCounts;
-use schema::settings::OccupancySettings;
 use schema::tables::LidarRow;
 use schema::{AgentId, Tag};
+use settings::OccupancySettings;
 use store::{Attempt, Identity, Scope, Store, TableOptions, TableWriter, Unit};
 use testkit::{WorldBuilder, sheet};
 

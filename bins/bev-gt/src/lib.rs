@@ -8,8 +8,8 @@ use labels::bev_map::LaneCollector;
 use pipeline::{At, Job, Stage, StageError};
 use replay::Replay;
 use scene::SceneReader;
-use schema::settings::BevRule;
-use schema::settings::stages::MaskSettings;
+use settings::BevRule;
+use settings::stages::MaskSettings;
 
 use masks::{Masks, Rule};
 use sources::{AgentLanes, SceneAreas, footprints};

@@ -10,7 +10,7 @@ use replay::Replay;
 use schema::AgentId;
 use schema::arrays::{ArrayKind, BEV_HEIGHTS, BEV_IDS, BEV_MASKS, BEV_PAINT};
 use schema::measures::counts::PartialCounts;
-use schema::settings::BevSettings;
+use settings::BevSettings;
 
 use crate::sources::{AgentLanes, SceneAreas};
 

@@ -7,9 +7,9 @@ use labels::bev_map::{LaneCollector, Paint, Reach};
 use nalgebra::Point3;
 use replay::Replay;
 use scene::{SceneError, SceneReader};
-use schema::settings::BevSettings;
 use schema::tables::BoxRow;
 use schema::{AgentId, AgentKind, Tag};
+use settings::BevSettings;
 
 /// The lanes that are drawn are chosen anew after so many frames: half a second.
 const CHOSEN_FRAMES: u32 = 10;

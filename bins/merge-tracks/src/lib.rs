@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use pipeline::{At, Job, Stage, StageError};
 use scene::SceneReader;
-use schema::settings::TrackSettings;
 use schema::tables::{ActorRow, BoxRow, ValidBoxRow};
 use schema::{ActorKind, ObjectId};
+use settings::TrackSettings;
 use store::keys;
 
 /// The stage.

@@ -10,8 +10,8 @@ use replay::Replay;
 use scene::SceneReader;
 use schema::arrays::{ArrayKind, VOXEL_CELLS, VOXEL_FLOW, VOXEL_GRIDS, VOXEL_IDS};
 use schema::measures::counts::PartialCounts;
-use schema::settings::{OccupancySettings, PerAgent};
 use schema::{AgentId, ObjectId, Tag};
+use settings::{OccupancySettings, PerAgent};
 
 /// The stage.
 pub const STAGE: Stage<Seen> = Stage::new(run);

@@ -3,10 +3,10 @@
 use frames::{Agent, Pose, World};
 use labels::validity::{PointCloud, radar_to_cartesian};
 use scene::{SceneError, SceneReader, SensorFrames};
-use schema::settings::Mount;
-use schema::settings::stages::{RangeRig, RangeSensor};
 use schema::tables::{LidarRow, RadarRow};
 use schema::{AgentId, ReturnKind, columns, framed, rate};
+use settings::Mount;
+use settings::stages::{RangeRig, RangeSensor};
 
 columns! {
     /// Where a lidar's returns are.

@@ -9,8 +9,8 @@ use scene::{ArrayReader, SceneReader};
 use schema::AgentId;
 use schema::arrays::{ArrayKind, FILLED_VOXEL_GRIDS, VOXEL_GRIDS};
 use schema::measures::counts::PartialCounts;
-use schema::settings::OccupancySettings;
-use schema::settings::stages::ValiditySettings;
+use settings::OccupancySettings;
+use settings::stages::ValiditySettings;
 use store::keys;
 
 use crate::error::InputError;

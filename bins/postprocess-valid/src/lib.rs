@@ -12,10 +12,10 @@ use pipeline::{At, Job, Stage, StageError};
 use rayon::prelude::*;
 use scene::{FrameRanges, SceneError, SceneLog, SceneReader};
 use schema::AgentId;
-use schema::settings::OccupancySettings;
-use schema::settings::stages::{RangeRig, ValiditySettings};
 use schema::table::Row;
 use schema::tables::{BoxRow, VISIBLE_TABLE, ValidBoxRow, VisibleRow};
+use settings::OccupancySettings;
+use settings::stages::{RangeRig, ValiditySettings};
 use store::keys;
 
 use crate::clouds::Clouds;

@@ -10,9 +10,9 @@ use pipeline::{At, Job, Place, StageError};
 use scene::{SceneError, SceneReader};
 use schema::arrays::{ArrayKind, OBSERVED_VOXELS};
 use schema::measures::counts::PartialCounts;
-use schema::settings::OccupancySettings;
-use schema::settings::stages::{RangeRig, ValiditySettings};
 use schema::{AgentId, rate};
+use settings::OccupancySettings;
+use settings::stages::{RangeRig, ValiditySettings};
 
 use crate::clouds::{Clouds, Readings};
 

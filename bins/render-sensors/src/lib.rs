@@ -9,9 +9,9 @@ use renderer::Renderer;
 use replay::{Light, Replay};
 use scene::SceneReader;
 use schema::ImageKind;
-use schema::settings::Rig;
-use schema::settings::stages::SensorSettings;
 use sensors::{Cameras, Carrier, CpuPainter, GeoOrigin, SharedBeams};
+use settings::Rig;
+use settings::stages::SensorSettings;
 use visibility::CpuRenderer;
 
 use crate::agent::{AgentRig, Eyes, Standing};

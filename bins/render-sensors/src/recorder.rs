@@ -8,10 +8,10 @@ use pipeline::{Place, Stage, StageError};
 use schema::calibration::METADATA_KEY;
 use schema::measures::counts::PartialCounts;
 use schema::measures::sensors::{IMAGES, SENSOR_BYTES, SWEEPS};
-use schema::settings::Rig;
-use schema::settings::stages::SensorSettings;
 use schema::{AgentId, rate};
 use sensors::{Carrier, Layout, Observation, Sensor, SensorError, SensorTable, SensorVisitor};
+use settings::Rig;
+use settings::stages::SensorSettings;
 use store::{Finished, TableOptions, TableWriter, Unit, keys};
 
 /// All sensors of one agent; any thread reads them.

@@ -196,8 +196,8 @@ mod tests {
     use opendrive::Map;
     use pipeline::StageSettings;
     use plan::PlanMap;
-    use schema::settings::stages::{PlanSettings, SimulationSettings};
     use schema::tables::FrameRow;
+    use settings::stages::{PlanSettings, SimulationSettings};
     use store::Store;
     use tilestore::{TileError, TileStore};
     use traffic::{SceneInput, SimulationLog};
@@ -237,7 +237,7 @@ mod tests {
              spawn_radius_m = 120\n[walkers]\ncount = 80\n[hazards]\nshare = 0.1\n[world]\n\
              radius_m = 120\n"
         );
-        let whole = pipeline::parse_config(&text, "test").expect("good settings");
+        let whole = settings::parse(&text, "test").expect("good settings");
         let (wishes, settings) = (PlanSettings::of(&whole), SimulationSettings::of(&whole));
         let maps = BTreeMap::from([(name.to_owned(), PlanMap { map, hash: String::new() })]);
         let plan = plan::plan(&wishes, &maps).expect("a plan");

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use opendrive::Map;
 use pipeline::{At, Place, StageError};
 use schema::scene_info::{AgentInfo, PackedModelInfo, SceneInfo};
-use schema::settings::stages::SimulationSettings;
 use schema::tables::{ActorRow, PlanAgentRow, PlanModelRow, PlanSceneRow, Weather};
 use schema::{ActorRole, HazardKind};
+use settings::stages::SimulationSettings;
 use traffic::SimulationLog;
 
 use crate::error::LogError;

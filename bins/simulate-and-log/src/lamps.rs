@@ -2,9 +2,9 @@
 
 use random::Stream;
 use schema::lights::{STREET_LAMP_LM, STREET_LAMP_RGB, WINDOW_RGB};
-use schema::settings::LightSettings;
 use schema::tables::{ActorRow, LampRow, PlanSceneRow};
 use schema::{ActorKind, LampKind};
+use settings::LightSettings;
 
 /// One row per street lamp and building, ascending by id; failed lamps are marked among the actors, too.
 ///

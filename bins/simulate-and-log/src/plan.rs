@@ -1,9 +1,9 @@
 //! What the plan says of a scene.
 
 use pipeline::{At, Job, StageError};
-use schema::settings::stages::SimulationSettings;
 use schema::table::Row;
 use schema::tables::{PlanAgentRow, PlanHazardRow, PlanModelRow, PlanSceneRow};
+use settings::stages::SimulationSettings;
 use store::keys;
 
 use crate::error::LogError;

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use opendrive::Map;
 use schema::scene_info::SignalGroupInfo;
-use schema::settings::TrafficSettings;
 use schema::tables::ActorRow;
 use schema::{ActorKind, Attribute};
+use settings::TrafficSettings;
 
 /// Adds the facts of their programs to the traffic lights among some actors.
 pub(crate) fn describe(

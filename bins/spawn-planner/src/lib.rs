@@ -11,9 +11,9 @@ use packs::PackModel;
 use pipeline::{At, Job, Place, Stage, StageError, StageSettings};
 use plan::{Plan, PlanMap, Roster, SceneSlot};
 use schema::catalogue::Catalogue;
-use schema::settings::stages::PlanSettings;
 use schema::table::Row;
 use schema::tables::{PlanAgentRow, PlanHazardRow, PlanModelRow, PlanSceneRow};
+use settings::stages::PlanSettings;
 use store::{Scope, Store, keys};
 
 use crate::maps::MapSource;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use opendrive::Map;
 use pipeline::{At, Place, StageError};
 use plan::SceneSlot;
-use schema::settings::stages::PlanSettings;
+use settings::stages::PlanSettings;
 use store::{Store, keys};
 
 use crate::error::MapError;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use packs::PackModel;
 use pipeline::StageError;
-use schema::settings::stages::PlanSettings;
+use settings::stages::PlanSettings;
 use store::{Unit, keys};
 
 use crate::error::ModelError;

@@ -11,8 +11,8 @@ use analysis::{
 use pipeline::{At, Graph, Job, Place, Stage, StageError, StageSpec, UnitKind};
 use scene::SceneReader;
 use schema::scene_info::{self, SceneInfo};
-use schema::settings::stages::StatisticsSettings;
 use schema::tables::PartialRow;
+use settings::stages::StatisticsSettings;
 use store::{Manifest, keys};
 
 /// The dataset's card, where people and sites that keep datasets look for it.

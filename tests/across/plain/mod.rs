@@ -16,8 +16,8 @@ use nalgebra::Vector3;
 use replay::Replay;
 use scene::{ArrayReader, SceneReader};
 use schema::arrays::{BEV_MASKS, VOXEL_GRIDS};
-use schema::settings::OccupancySettings;
 use schema::{AgentId, BevClass};
+use settings::OccupancySettings;
 use store::Store;
 
 const RANGE_M: f64 = 40.0;

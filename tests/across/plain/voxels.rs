@@ -3,7 +3,7 @@
 use frames::{Agent, Pose, World};
 use nalgebra::Vector3;
 use schema::Tag;
-use schema::settings::OccupancySettings;
+use settings::OccupancySettings;
 
 use super::soup::Piece;
 

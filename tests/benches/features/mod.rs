@@ -1,7 +1,7 @@
 //! What features of pictures cost: the same six cameras with each of them switched on, or off.
 
-use schema::settings::CameraSettings;
 use schema::tables::Weather;
+use settings::CameraSettings;
 
 use crate::Taken;
 

@@ -3,7 +3,7 @@
 use frames::{Agent, Frame, Pose};
 use serde::{Deserialize, Serialize};
 
-use crate::settings::Lens;
+use crate::lens::Lens;
 
 /// Key of the JSON text of a [`Calibration`] in a sensor table's metadata.
 pub const METADATA_KEY: &str = "sensor";

@@ -1,4 +1,4 @@
-//! The words that every crate shares: ids, tags, classes, palettes, settings, table rows and meshes.
+//! The words that every crate shares: ids, tags, classes, palettes, table rows and meshes.
 //!
 //! Nothing here reads or writes files. Numbers that other tools know (tag ids, palettes, corner order, channel
 //! order) are fixed here once and nowhere else.
@@ -25,6 +25,7 @@ mod imported;
 mod joined;
 mod lamp_kind;
 mod layer;
+pub mod lens;
 pub mod lights;
 pub mod measures;
 pub mod models;
@@ -36,7 +37,6 @@ pub mod rate;
 mod return_kind;
 pub mod scene_info;
 mod sensor_kind;
-pub mod settings;
 mod sign_type;
 mod signal_state;
 pub mod skin;

@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-use schema::settings::stages::StatisticsSettings;
-use schema::settings::{BevRule, CameraSpec, OccupancySettings, Rig};
 use schema::{FRAME_PERIOD_S, IMPORTED};
+use settings::stages::StatisticsSettings;
+use settings::{BevRule, CameraSpec, OccupancySettings, Rig};
 
 use crate::table::{Section, Tables, Values};
 use crate::text::{grouped, words};

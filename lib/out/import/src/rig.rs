@@ -3,7 +3,7 @@
 use frames::{Agent, Pose, Sensor, flu_from_optical};
 use schema::AgentKind;
 use schema::calibration::{Calibration, Mounting};
-use schema::settings::{Lens, Mount, OccupancySettings};
+use settings::{Lens, Mount, OccupancySettings};
 
 use crate::names::{self, LIDAR, SEMANTIC_LIDAR, VOXELS};
 use crate::value::Value;

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use schema::arrays::{BEV_MASKS, FILLED_VOXEL_GRIDS, VOXEL_GRIDS};
 use schema::measures::counts::PartialCounts;
 use schema::scene_info::LOG_STAGE;
-use schema::settings::{BevRule, BevSettings, OccupancySettings};
 use schema::table::Row;
 use schema::tables::{CameraRow, ValidBoxRow};
 use schema::{AgentId, IMPORTED, is_imported};
+use settings::{BevRule, BevSettings, OccupancySettings};
 use store::{Attempt, Identity, Scope, Store, StoreError, Unit, keys};
 
 use crate::arrays::{self, Arrays};

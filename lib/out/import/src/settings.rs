@@ -2,10 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use schema::settings::{
+use schema::{AgentKind, ImageKind, ImageSet, SensorKind};
+use settings::{
     CameraSpec, DatasetSettings, GnssSpec, ImuSpec, Lens, Optics, Rig as RigSettings, SceneCount,
 };
-use schema::{AgentKind, ImageKind, ImageSet, SensorKind};
 
 use crate::names::{GNSS, IMU, LIDAR, SEMANTIC_LIDAR, VOXELS, cameras, radars, sensor_of};
 use crate::rig::Rigs;
@@ -14,7 +14,7 @@ use crate::survey::SceneSurvey;
 
 /// Of some scenes.
 pub(crate) fn settings(name: &str, rigs: &Rigs, scenes: &[&SceneSurvey]) -> DatasetSettings {
-    let mut counts: BTreeMap<(schema::settings::Split, String), u32> = BTreeMap::new();
+    let mut counts: BTreeMap<(settings::Split, String), u32> = BTreeMap::new();
     for scene in scenes {
         *counts.entry((scene.split, scene.plan.map.clone())).or_default() += 1;
     }

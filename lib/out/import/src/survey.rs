@@ -6,8 +6,8 @@ use std::path::Path;
 use frames::{Agent, Pose, World};
 use rayon::prelude::*;
 use schema::AgentId;
-use schema::settings::Split;
 use schema::tables::{PlanAgentRow, PlanSceneRow, Weather};
+use settings::Split;
 use store::hash_bytes;
 
 use crate::error::ImportError;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use schema::calibration::Calibration;
-use schema::settings::LensModel;
+use settings::LensModel;
 
 /// What is nearer than this to a camera is not shown, metres along its axis.
 const NEAR_M: f64 = 0.1;
@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn lenses_bend_lines() {
-        let lens = schema::settings::Lens::Fisheye { k: [0.0; 4] };
+        let lens = settings::Lens::Fisheye { k: [0.0; 4] };
         let bent = Camera { lens: LensModel::of(&lens), ..camera() };
         // 45 degrees to the left of an equidistant lens: pi / 4 focal lengths.
         let ([u, v], _) = bent.project(Point3::new(5.0, 5.0, 1.0)).expect("is shown");

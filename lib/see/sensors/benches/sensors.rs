@@ -10,9 +10,9 @@ use glam::Vec3;
 use random::Stream;
 use renderer::Scene;
 use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
-use schema::settings::{BeamSpec, LidarSpec, Rig, RollingScan, WeatherSpec};
 use schema::tables::Weather;
 use sensors::{Image, Lidar, LidarMoment, Lighting, Picture, RadarMotion, Sight, Sky, pixel_counts, radar};
+use settings::{BeamSpec, LidarSpec, Rig, RollingScan, WeatherSpec};
 
 fn main() {
     divan::main();

@@ -8,8 +8,8 @@ use std::fs::File;
 use std::path::PathBuf;
 
 use frames::{Agent, Pose, World, deg};
-use schema::settings::{CameraSettings, Mount};
 use schema::tables::Weather;
+use settings::{CameraSettings, Mount};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".into()));

@@ -12,13 +12,13 @@ use frames::{Agent, Pose, World, deg};
 use glam::{Affine3A, Vec3};
 use renderer::Renderer;
 use schema::geometry::{Instance, Snapshot};
-use schema::settings::{CameraSettings, CameraSpec, Mount, Rig};
 use schema::tables::Weather;
 use schema::{AgentId, FRAME_PERIOD_S, ImageKind, ImageSet, lights, models};
 use sensors::{
     AgentState, Cameras, Carrier, CpuPainter, FrameWeather, GeoOrigin, Motion, Observation, Sensor,
     SensorVisitor,
 };
+use settings::{CameraSettings, CameraSpec, Mount, Rig};
 
 /// Model, place along and across the street, speed (metres a second), and whether it comes towards the camera.
 const TRAFFIC: [(&str, f32, f32, f32, bool); 4] = [

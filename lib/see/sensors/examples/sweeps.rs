@@ -9,10 +9,10 @@ use std::path::Path;
 use common::{at, prepared, street};
 use random::Stream;
 use renderer::{Renderer, Scene};
-use schema::settings::{BeamSpec, LidarSpec, Returned, RollingScan, WeatherSpec};
 use schema::tables::Weather;
 use schema::{ReturnKind, Tag};
 use sensors::{Lidar, LidarMoment, LidarSweep};
+use settings::{BeamSpec, LidarSpec, Returned, RollingScan, WeatherSpec};
 
 /// Pixels of a side.
 const SIDE: usize = 900;

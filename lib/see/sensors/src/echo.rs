@@ -6,7 +6,7 @@ use schema::geometry::{Part, Paving, Surface};
 
 /// Echoes weaker than this are as good as none, dB (of a square metre, and over the noise).
 pub(crate) const FLOOR_DB: f64 = -80.0;
-/// Distance at which [`schema::settings::RadarSpec::snr_db`] is stated, metres.
+/// Distance at which [`settings::RadarSpec::snr_db`] is stated, metres.
 pub(crate) const REFERENCE_M: f64 = 100.0;
 
 /// How a surface scatters a wave of 77 GHz: shares of what comes in.

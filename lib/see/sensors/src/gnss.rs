@@ -2,8 +2,8 @@
 
 use frames::{Agent, Pose, World};
 use random::Stream;
-use schema::settings::GnssSpec;
 use schema::tables::{GNSS_TABLE, GnssRow};
+use settings::GnssSpec;
 
 use crate::error::SensorError;
 use crate::geo::GeoOrigin;

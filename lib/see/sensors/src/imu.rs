@@ -4,8 +4,8 @@ use frames::math;
 use nalgebra::Vector3;
 use random::Stream;
 use schema::FRAME_PERIOD_S;
-use schema::settings::ImuSpec;
 use schema::tables::{IMU_TABLE, ImuRow};
+use settings::ImuSpec;
 
 use crate::error::SensorError;
 use crate::metadata::sensor_metadata;

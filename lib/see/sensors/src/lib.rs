@@ -18,7 +18,7 @@
 //! use frames::{Agent, LocalOrigin, Pose, World};
 //! use glam::{Affine3A, Vec3};
 //! use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
-//! use schema::settings::{CameraSettings, CameraSpec, LidarSpec, Mount, Optics};
+//! use settings::{CameraSettings, CameraSpec, LidarSpec, Mount, Optics};
 //! use schema::{Tag, images};
 //! use sensors::{Camera, CpuPainter, FrameWeather, Image, Lidar, LidarMoment};
 //! use renderer::Renderer;

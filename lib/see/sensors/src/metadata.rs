@@ -2,7 +2,7 @@
 
 use frames::{Agent, Frame, Pose};
 use schema::calibration::{Calibration, Mounting};
-use schema::settings::{CameraSettings, CameraSpec, Mount};
+use settings::{CameraSettings, CameraSpec, Mount};
 
 /// Pose and rate of a sensor in its agent's frame, as JSON of a [`Calibration`].
 #[must_use]
@@ -49,8 +49,8 @@ fn text(calibration: &Calibration) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use schema::settings::Rig;
     use serde_json::{Value, json};
+    use settings::Rig;
 
     #[test]
     fn the_front_left_camera_is_described_as_published() {

@@ -3,9 +3,9 @@
 use frames::LocalOrigin;
 use glam::Affine3A;
 use renderer::Scene;
-use schema::settings::Mount;
 use schema::tables::Weather;
 use schema::{ObjectId, rate};
+use settings::Mount;
 
 use crate::camera::picture::Picture;
 use crate::camera::sight::Sight;

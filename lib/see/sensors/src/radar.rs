@@ -6,9 +6,9 @@ use rayon::prelude::*;
 use renderer::{Hit, Hits, RayBatch, RenderError, Scene};
 use schema::geometry::Instance;
 use schema::measures::sensors::RADAR_POINTS;
-use schema::settings::RadarSpec;
 use schema::tables::RadarRow;
 use schema::{FRAME_PERIOD_S, ObjectId};
+use settings::RadarSpec;
 
 use crate::echo;
 use crate::error::SensorError;

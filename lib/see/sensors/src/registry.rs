@@ -1,8 +1,8 @@
 //! The list of all sensors: one line a kind.
 
 use schema::Joined;
-use schema::settings::{LidarSpec, Rig};
 use schema::tables::{LidarReturnsRow, LidarRow, SemanticLidarRow};
+use settings::{LidarSpec, Rig};
 
 use crate::camera::{Boxes2d, VisibleObjects, visit_images};
 use crate::gnss::Gnss;

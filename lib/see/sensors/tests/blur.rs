@@ -6,8 +6,8 @@ use common::{Builder, at, film, optics, picture, set_view, snapshot, street};
 use glam::{Affine3A, Vec3};
 use schema::Tag;
 use schema::geometry::{Instance, Snapshot, Surface};
-use schema::settings::CameraSettings;
 use schema::tables::Weather;
+use settings::CameraSettings;
 
 const WIDTH: u32 = 320;
 

@@ -14,9 +14,9 @@ use nalgebra::Point3;
 use schema::Tag;
 use schema::geometry::Surface;
 use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
-use schema::settings::{CameraSettings, Lens, Mount, Optics};
 use schema::tables::Weather;
 use sensors::{Image, Sight, decode_depth_m, pixel_counts};
+use settings::{CameraSettings, Lens, Mount, Optics};
 
 fn decode(bytes: &[u8]) -> (Vec<u8>, png::OutputInfo) {
     let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));

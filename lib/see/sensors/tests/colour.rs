@@ -7,10 +7,10 @@ use std::path::PathBuf;
 
 use common::{film, grey_sight, optics, picture, set_view, snapshot, standing_view, street, with_scene};
 use schema::geometry::{Snapshot, Surface, Wall};
-use schema::settings::{CameraSettings, Optics};
 use schema::tables::Weather;
 use schema::{Tag, lights};
 use sensors::Picture;
+use settings::{CameraSettings, Optics};
 
 /// The street from the middle of its right lane.
 fn of_street(snapshot: &Snapshot, weather: &Weather, optics: Optics) -> Picture {

@@ -6,8 +6,8 @@ use common::{Builder, at, film, instance, optics, picture, set_view, snapshot};
 use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Kerbs, Snapshot, Surface};
-use schema::settings::CameraSettings;
 use schema::tables::Weather;
+use settings::CameraSettings;
 
 const WIDTH_M: f32 = 3.5;
 

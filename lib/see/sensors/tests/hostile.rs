@@ -13,15 +13,15 @@ use renderer::{
     Alone, AloneRays, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer,
 };
 use schema::geometry::{Snapshot, TriMesh};
-use schema::settings::{
-    BeamSpec, CameraSettings, CameraSpec, GnssSpec, ImuSpec, LidarSpec, Mount, Optics, Rig, RollingScan,
-    ScanPattern, WeatherSpec,
-};
 use schema::tables::Weather;
 use schema::{AgentId, ImageKind, ImageSet};
 use sensors::{
     AgentState, Camera, Cameras, Carrier, CpuPainter, GeoOrigin, Lidar, LidarMoment, Motion, Observation,
     RadarMotion, Sensor, SensorError, SensorVisitor, radar,
+};
+use settings::{
+    BeamSpec, CameraSettings, CameraSpec, GnssSpec, ImuSpec, LidarSpec, Mount, Optics, Rig, RollingScan,
+    ScanPattern, WeatherSpec,
 };
 
 const ODD: [f64; 7] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 0.0, 1e300, 1e-300];
@@ -129,10 +129,10 @@ fn odd_lidars_and_radars_return_something_or_nothing() {
             }
             let base = &Rig::vehicle().radars[0];
             for spec in [
-                schema::settings::RadarSpec { rays: 50, range_m: odd, ..base.clone() },
-                schema::settings::RadarSpec { rays: 50, horizontal_fov_rad: odd, ..base.clone() },
-                schema::settings::RadarSpec { rays: 50, vertical_fov_rad: odd, ..base.clone() },
-                schema::settings::RadarSpec { rays: 0, ..base.clone() },
+                settings::RadarSpec { rays: 50, range_m: odd, ..base.clone() },
+                settings::RadarSpec { rays: 50, horizontal_fov_rad: odd, ..base.clone() },
+                settings::RadarSpec { rays: 50, vertical_fov_rad: odd, ..base.clone() },
+                settings::RadarSpec { rays: 0, ..base.clone() },
             ] {
                 let pose = Affine3A::from_translation(Vec3::Z);
                 let motion =

@@ -4,8 +4,8 @@ use frames::{Agent, Pose, World};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use random::Stream;
-use schema::settings::{GnssSpec, ImuSpec, Mount};
 use sensors::{GeoOrigin, Motion, gnss, imu};
+use settings::{GnssSpec, ImuSpec, Mount};
 
 fn quiet() -> ImuSpec {
     ImuSpec { noise_accel_mps2: 0.0, gyro_bias_radps: 0.0, noise_gyro_radps: 0.0, ..ImuSpec::default() }

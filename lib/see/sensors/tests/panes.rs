@@ -6,9 +6,9 @@ use common::{at, block, instance, optics, set_view, sight, snapshot, with_scene}
 use schema::Tag;
 use schema::geometry::{Instance, Snapshot, Surface};
 use schema::lights;
-use schema::settings::CameraSettings;
 use schema::tables::Weather;
 use sensors::{Picture, Sight};
+use settings::CameraSettings;
 
 const SHELL: u16 = 7;
 

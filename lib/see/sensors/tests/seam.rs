@@ -8,7 +8,6 @@ use glam::Affine3A;
 use nalgebra::Vector3;
 use renderer::{Renderer, Scene};
 use schema::geometry::{Snapshot, Surface, Wall};
-use schema::settings::Rig;
 use schema::table::{Column, Row};
 use schema::tables::Weather;
 use schema::{AgentId, ImageKind, ImageSet, Tag};
@@ -16,6 +15,7 @@ use sensors::{
     AgentState, Cameras, Carrier, CpuPainter, GeoOrigin, Motion, Observation, Sensor, SensorError,
     SensorVisitor,
 };
+use settings::Rig;
 use testkit::BruteRenderer;
 
 /// A road, a house and cars, one of which drives.

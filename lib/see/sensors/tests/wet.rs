@@ -10,9 +10,9 @@ use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Snapshot, Surface};
 use schema::images::{Depth, Instance, Semantic};
-use schema::settings::CameraSettings;
 use schema::tables::Weather;
 use sensors::Picture;
+use settings::CameraSettings;
 
 /// Rain has just stopped: all is wet, and there are puddles.
 fn soaked() -> Weather {
@@ -203,7 +203,7 @@ impl sensors::SensorVisitor for Kept<'_> {
 
 #[test]
 fn drops_on_the_lens_change_colour_alone_and_only_when_it_rains() {
-    use schema::settings::{CameraSpec, Mount, Rig};
+    use settings::{CameraSpec, Mount, Rig};
     let tables = |lens_drops: f64, weather: &Weather, frame: u32| {
         let camera = CameraSettings { lens_drops, ..CameraSettings::default() };
         let spec = CameraSpec {

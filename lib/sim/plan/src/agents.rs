@@ -11,9 +11,9 @@ use schema::AgentId;
 use schema::catalogue::Catalogue;
 use schema::models::Model;
 use schema::models::RSU_MODEL;
-use schema::settings::stages::PlanSettings;
-use schema::settings::{AgentSettings, SpawnMode, TrafficSettings};
 use schema::tables::PlanAgentRow;
+use settings::stages::PlanSettings;
+use settings::{AgentSettings, SpawnMode, TrafficSettings};
 
 use crate::PlanError;
 use crate::pool::{SpawnPoint, SpawnPool};

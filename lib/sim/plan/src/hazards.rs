@@ -8,9 +8,9 @@ use opendrive::{LanePos, Map};
 use random::Stream;
 use schema::catalogue::Catalogue;
 use schema::models::Model;
-use schema::settings::HazardSettings;
 use schema::tables::PlanHazardRow;
 use schema::{HazardKind, fleet};
+use settings::HazardSettings;
 
 use crate::pool::{SpawnPoint, SpawnPool};
 

@@ -2,8 +2,8 @@
 
 use random::Stream;
 use schema::lights::STREET_LAMP_LM;
-use schema::settings::LightSettings;
 use schema::tables::Weather;
+use settings::LightSettings;
 
 /// The lights of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]

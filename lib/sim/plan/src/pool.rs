@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 use opendrive::{LaneInfo, LanePos, Map, VEHICLE_LANE_WIDTH_M};
-use schema::settings::GivenStart;
+use settings::GivenStart;
 
 use crate::PlanError;
 

@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use random::Stream;
-use schema::settings::Split;
-use schema::settings::stages::PlanSettings;
 use serde::{Deserialize, Serialize};
+use settings::Split;
+use settings::stages::PlanSettings;
 
 use crate::PlanError;
 
@@ -152,7 +152,7 @@ pub fn scene_slots(settings: &PlanSettings) -> Result<Vec<SceneSlot>, PlanError>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use schema::settings::SceneCount;
+    use settings::SceneCount;
 
     fn settings(wishes: &[(Split, &str, u32)]) -> PlanSettings {
         let count = |&(split, map, count): &(Split, &str, u32)| SceneCount { split, map: map.into(), count };

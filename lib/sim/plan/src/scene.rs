@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use opendrive::Map;
 use random::Stream;
 use schema::catalogue::Catalogue;
-use schema::settings::SpawnMode;
-use schema::settings::stages::PlanSettings;
 use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
+use settings::SpawnMode;
+use settings::stages::PlanSettings;
 
 use crate::PlanError;
 use crate::agents::{place_rsus, place_vehicles, vehicle_models, vehicle_rows};

@@ -2,7 +2,7 @@
 
 use random::Stream;
 use schema::FRAME_PERIOD_S;
-use schema::settings::TimingSettings;
+use settings::TimingSettings;
 
 /// Recorded time of a scene: whole seconds, uniform before rounding (so the two end values are half as likely as the
 /// others), at least 1.

@@ -1,8 +1,8 @@
 //! Random weather.
 
 use random::Stream;
-use schema::settings::WeatherSettings;
 use schema::tables::Weather;
+use settings::WeatherSettings;
 
 /// Values up to this count as none, percent.
 const FAINT: f64 = 10.0;

@@ -9,9 +9,9 @@ use opendrive::Map;
 use schema::ObjectId;
 use schema::catalogue::Catalogue;
 use schema::scene_info::{DriverInfo, HazardInfo, SignalGroupInfo};
-use schema::settings::stages::SimulationSettings;
 use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, SignalRow, StateRow};
 use schema::tile::TileIndex;
+use settings::stages::SimulationSettings;
 
 /// A scene to simulate.
 ///
@@ -21,7 +21,7 @@ use schema::tile::TileIndex;
 /// use opendrive::Map;
 /// use schema::AgentId;
 /// use schema::catalogue::Catalogue;
-/// use schema::settings::stages::SimulationSettings;
+/// use settings::stages::SimulationSettings;
 /// use schema::tables::{PlanAgentRow, PlanSceneRow};
 /// use traffic::{SceneInput, simulate};
 ///

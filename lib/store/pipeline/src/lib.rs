@@ -1,4 +1,4 @@
-//! The stage graph, the dataset configuration and the stage runner.
+//! The stage graph and the stage runner.
 //!
 //! A stage binary is a dozen lines: it hands a [`Stage`] to [`run_stage`], which parses the arguments, reads the
 //! configuration, decides which scenes need work, runs them with their failures kept apart, and turns the outcome
@@ -6,7 +6,6 @@
 
 mod args;
 mod code_version;
-mod config;
 mod error;
 mod graph;
 mod imported;
@@ -20,7 +19,6 @@ mod views;
 
 pub use args::{ProgressMode, SceneList, StageArgs};
 pub use code_version::code_version;
-pub use config::{ConfigKey, Fault, config_keys, load as load_config, parse as parse_config, simbev2x_keys};
 pub use error::{At, Place, StageError, report};
 pub use graph::{Graph, StageSpec, UnitKind};
 pub use interrupt::{listen as listen_for_signals, stopped as was_stopped};

@@ -7,8 +7,8 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
-use schema::settings::DatasetSettings;
 use serde::Serialize;
+use settings::DatasetSettings;
 use store::{Attempt, Failure, Identity, MadeBy, Manifest, Scope, Store, Unit, keys};
 
 use crate::args::{ProgressMode, StageArgs};
@@ -19,7 +19,7 @@ use crate::programs::{Programs, STAMP_LEN};
 use crate::progress::Progress;
 use crate::status::{CodeRule, SOURCE, Staleness, State, Status, plan_section, planned_scenes};
 use crate::views::{StageSettings, ViewError, config_hash};
-use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, config, interrupt};
+use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, interrupt};
 
 /// A stage: its work for one scope. Its name in `pipeline.toml` is that of the settings that it sees.
 #[derive(Clone, Copy)]
@@ -202,7 +202,7 @@ fn run_with<S: StageSettings>(stage: Stage<S>, args: &StageArgs, programs: &Prog
 
 /// Reads the configuration, printing every fault and, where they are `wanted`, all warnings.
 pub fn settings_or_faults(path: &Path, wanted: bool) -> Option<DatasetSettings> {
-    match config::load(path) {
+    match settings::load(path) {
         Ok((settings, warnings)) => {
             for warning in warnings.iter().filter(|_| wanted) {
                 tracing::warn!("{warning}");

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use schema::settings::DatasetSettings;
+use settings::DatasetSettings;
 use store::{Manifest, Scope, Store, StoreError};
 
 use crate::graph::{Graph, StageSpec, UnitKind};

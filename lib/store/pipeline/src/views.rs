@@ -1,12 +1,12 @@
 //! What each stage sees of the configuration, and its digest.
 
 use schema::ImageKind;
-use schema::settings::stages::{
+use serde::Serialize;
+use settings::stages::{
     MaskSettings, PlanSettings, RangeRig, RangeSensor, SensorSettings, SimulationSettings,
     StatisticsSettings, ValiditySettings,
 };
-use schema::settings::{DatasetSettings, OccupancySettings, PerAgent, Rig, TrackSettings};
-use serde::Serialize;
+use settings::{DatasetSettings, OccupancySettings, PerAgent, Rig, TrackSettings};
 
 use crate::graph::StageSpec;
 
@@ -190,16 +190,23 @@ pub fn config_hash(spec: &StageSpec, settings: &DatasetSettings) -> Result<Strin
     Ok(store::hash_bytes(&bytes(settings).map_err(|source| ViewError::Json { stage, source })?))
 }
 
+/// Default settings with one scene, for tests.
+#[cfg(test)]
+pub(crate) fn example_settings() -> DatasetSettings {
+    settings::parse("[scenes.train]\n\"convoy/demo\" = 1\n", "example.toml")
+        .expect("the smallest configuration is valid")
+}
+
 #[cfg(test)]
 mod tests {
     use schema::ImageSet;
-    use schema::settings::{BevRule, OwnRig, RollingScan, WeatherSpec};
+    use settings::{BevRule, OwnRig, RollingScan, WeatherSpec};
 
     use super::*;
     use crate::graph::Graph;
 
     fn base() -> DatasetSettings {
-        let mut base = crate::config::example_settings();
+        let mut base = example_settings();
         base.own_rigs.push(OwnRig {
             agents: vec!["vehicle_1".into()],
             rig: base.vehicle_rig.clone(),

@@ -8,12 +8,12 @@ use scene::{ArrayReader, SceneError, SceneLog, SceneReader, SensorFrames, agent_
 use schema::arrays::BEV_MASKS;
 use schema::calibration::{Calibration, METADATA_KEY, Mounting};
 use schema::scene_info::{AgentInfo, LOG_STAGE, SCENE_FILE, SceneInfo};
-use schema::settings::Lens;
 use schema::table::{Blob, Row};
 use schema::tables::{
     ActorRow, AgentRow, CameraRow, FrameRow, GnssRow, LampRow, SignalRow, StateRow, VisibleRow,
 };
 use schema::{AgentId, FRAME_PERIOD_S};
+use settings::Lens;
 use store::{Attempt, Identity, Scope, Store, StoreError, TableOptions, Unit, keys};
 
 const SCENE: u32 = 7;

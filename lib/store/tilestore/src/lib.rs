@@ -9,9 +9,9 @@ use rayon::prelude::*;
 use schema::Layer;
 use schema::catalogue::Catalogue;
 use schema::geometry::SurfaceMesh;
-use schema::settings::SceneryRules;
 use schema::tables::{SurfaceRow, TILE_STAGE, TileObjectRow};
 use schema::tile::TileIndex;
+use settings::SceneryRules;
 use store::{Attempt, Identity, MadeBy, Manifest, Scope, Store, StoreError, keys};
 
 /// A tile cannot be had.

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 
 use land::tiles::TileMaker;
 use opendrive::Map;
-use schema::settings::SceneryRules;
 use schema::tile::TileIndex;
+use settings::SceneryRules;
 use store::{Problem, Scope, Store, keys, verify};
 use tilestore::TileStore;
 

@@ -12,9 +12,9 @@ use land::tiles::{TileMaker, reached};
 use opendrive::Map;
 use random::Stream;
 use schema::DetectionClass;
-use schema::settings::SceneryRules;
 use schema::tables::TileObjectRow;
 use schema::tile::TileIndex;
+use settings::SceneryRules;
 
 /// Boxes are collected within this distance of an agent, metres.
 const RADIUS_M: f64 = 200.0;

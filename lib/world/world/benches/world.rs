@@ -3,9 +3,9 @@
 
 use land::tiles::TileMaker;
 use opendrive::Map;
-use schema::settings::SceneryRules;
 use schema::tables::FrameRow;
 use schema::tile::TileIndex;
+use settings::SceneryRules;
 use world::{Moment, SceneWorld};
 
 fn main() {

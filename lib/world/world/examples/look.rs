@@ -16,8 +16,8 @@ use land::tiles::{Surroundings, TileMaker};
 use opendrive::{Map, Network};
 use schema::geometry::{Instance, Snapshot, Surface, TriMesh};
 use schema::models::MODELS;
-use schema::settings::SceneryRules;
 use schema::tables::FrameRow;
+use settings::SceneryRules;
 use world::{Moment, SceneWorld};
 
 /// A z-buffer with flat shading.

@@ -1,6 +1,6 @@
 //! What can be wrong with a grid.
 
-use schema::settings::BevSettings;
+use settings::BevSettings;
 
 /// A grid that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

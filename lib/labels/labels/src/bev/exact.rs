@@ -5,8 +5,8 @@ use frames::{Aabb, Agent, Pose, World};
 use glam::{Affine3A, Vec3, Vec3A};
 use nalgebra::Point3;
 use schema::geometry::{Snapshot, TriMesh};
-use schema::settings::BevSettings;
 use schema::{BevClass, ObjectId, Tag};
+use settings::BevSettings;
 
 use crate::bev::error::BevError;
 use crate::bev::grid::GridFrame;

@@ -3,7 +3,7 @@
 use schema::BevClass;
 use schema::measures::bev as measures;
 use schema::measures::counts::PartialCounts;
-use schema::settings::BevSettings;
+use settings::BevSettings;
 
 /// A mask of 14 classes over a square grid; a cell may carry several.
 #[derive(Clone, Debug, PartialEq, Eq)]

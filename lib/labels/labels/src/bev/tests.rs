@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use testkit::{WorldBuilder, box_mesh, sheet};
 
 use nalgebra::Point3;
-use schema::settings::BevSettings;
 use schema::{BevClass, Tag};
+use settings::BevSettings;
 
 use frames::{Agent, Pose, World};
 

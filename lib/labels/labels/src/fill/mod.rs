@@ -25,7 +25,7 @@ mod solid;
 mod sweep;
 
 use schema::Tag;
-use schema::settings::{FillingRule, OccupancySettings};
+use settings::{FillingRule, OccupancySettings};
 
 use crate::voxel_grid::VoxelGrid;
 pub use order::ORDER;

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use schema::ObjectId;
 use schema::measures::tracks::MOVING_CLASSES;
-use schema::settings::TrackSettings;
 use schema::tables::{TrackFrameRow, WindowRow};
+use settings::TrackSettings;
 
 /// Windows of all objects of moving classes, by frame, then id, from the merged boxes of a scene (by frame, then id). The
 /// first windows are of frame 0; an object has one wherever it is in some agent's list at the moment.

@@ -17,7 +17,7 @@
 //! agent is.
 //!
 //! ```
-//! use schema::settings::OccupancySettings;
+//! use settings::OccupancySettings;
 //! use labels::voxels::GridPlacement;
 //!
 //! let placement = GridPlacement::new(&OccupancySettings { voxel_m: 0.5, ..OccupancySettings::default() })?;

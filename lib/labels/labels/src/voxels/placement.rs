@@ -6,7 +6,7 @@ use glam::{Affine3A, Mat3A, Vec3A};
 use renderer::{RenderError, VoxelBlock, VoxelRenderer};
 use schema::ObjectId;
 use schema::geometry::Snapshot;
-use schema::settings::OccupancySettings;
+use settings::OccupancySettings;
 
 use crate::voxels::cpu::CpuVoxelRenderer;
 

@@ -10,8 +10,8 @@
 use rayon::prelude::*;
 use renderer::{RenderError, VoxelBlock, VoxelRenderer};
 use schema::geometry::Snapshot;
-use schema::settings::{SweepSettings, ZFill};
 use schema::{ObjectId, Tag};
+use settings::{SweepSettings, ZFill};
 
 use crate::voxels::column::{GridTriangle, RANK, Span};
 use crate::voxels::cpu::{Bins, CpuVoxelRenderer, SLAB_SLICES, collect};

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use renderer::{RenderError, VoxelBlock, VoxelRenderer};
 use schema::Tag;
 use schema::geometry::{Snapshot, TriMesh};
-use schema::settings::OccupancySettings;
+use settings::OccupancySettings;
 use testkit::{WorldBuilder, box_mesh, sheet, small_town};
 
 use crate::voxels::{CpuVoxelRenderer, GridPlacement, voxelize};

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use analysis::{DatasetFacts, MadeBy, MeasureTotals, Tables, compute_tables, dataset_card};
 use schema::scene_info::SceneInfo;
-use schema::settings::stages::StatisticsSettings;
-use schema::settings::{AnnotationSettings, BevSettings, CardSettings, OccupancySettings, PerAgent, Rig};
+use settings::stages::StatisticsSettings;
+use settings::{AnnotationSettings, BevSettings, CardSettings, OccupancySettings, PerAgent, Rig};
 
 fn settings(card: CardSettings) -> StatisticsSettings {
     let grids = |grid: OccupancySettings| PerAgent { vehicle: grid.clone(), rsu: grid, own: Vec::new() };

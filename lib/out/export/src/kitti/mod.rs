@@ -19,10 +19,10 @@ mod unit;
 use std::collections::BTreeMap;
 
 use scene::{SensorEntry, SensorKind};
-use schema::settings::Lens;
 use schema::table::Row;
 use schema::tables::{BoxRow, CameraRow, ValidBoxRow};
 use schema::{AgentId, ImageKind};
+use settings::Lens;
 
 use self::pair::{MOST, Pair, Sequence};
 use crate::{Cost, ExportError, Layout, Omission, SceneSource, Source, UnitFiles, UnitName};

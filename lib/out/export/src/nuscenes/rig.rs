@@ -1,8 +1,8 @@
 //! Which sensors of an agent become which channels, and at which frames.
 
 use scene::{SensorEntry, SensorKind};
-use schema::settings::Lens;
 use schema::{AgentId, ImageKind};
+use settings::Lens;
 
 use super::options::NuScenesOptions;
 use super::rows::token;

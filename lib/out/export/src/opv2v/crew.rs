@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use frames::{Agent, Optical, Pose, Sensor, flu_from_optical};
 use nalgebra::Vector3;
 use scene::{SensorEntry, SensorKind, sensors_of};
-use schema::settings::Lens;
 use schema::{AgentId, AgentKind, ImageKind};
+use settings::Lens;
 
 use super::beams::Rings;
 use super::options::{Options, Variant};

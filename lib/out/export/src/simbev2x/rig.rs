@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 use frames::{Agent, Optical, Pose, Sensor, flu_from_optical};
 use scene::{SensorEntry, SensorKind};
 use schema::calibration::Calibration;
-use schema::settings::Lens;
 use schema::{AgentId, AgentKind};
 use serde::{Deserialize, Serialize};
+use settings::Lens;
 
 use super::names::{self, LIDAR, SEMANTIC_LIDAR, VOXELS};
 use super::pytext::Node;

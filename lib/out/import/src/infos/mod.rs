@@ -11,7 +11,7 @@ use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::PathBuf;
 
-use schema::settings::Split;
+use settings::Split;
 
 use crate::error::ImportError;
 use crate::folder::Folder;

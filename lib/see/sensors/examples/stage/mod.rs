@@ -14,9 +14,9 @@ use packs::{Hang, PackModel};
 use people::Walker;
 use schema::geometry::{Instance, Snapshot, Surface, SurfaceMesh, TriMesh};
 use schema::models::{BaseType, Model};
-use schema::settings::{CameraSettings, Optics};
 use schema::tables::Weather;
 use schema::{Tag, benches};
+use settings::{CameraSettings, Optics};
 
 /// What stands on the plane.
 #[derive(Default)]

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use glam::Vec3;
 use renderer::{Alone, PinholeCamera, SKY, Scene, VisibilityBuffer};
 use schema::geometry::{Instance, Snapshot};
-use schema::settings::Rig;
 use schema::tables::{BOXES_2D_TABLE, Box2dRow};
 use schema::{DetectionClass, ObjectId, Tag};
+use settings::Rig;
 
 use super::looking::{Window, look_bent_at};
 use super::sight::Sight;
@@ -279,7 +279,7 @@ fn truncation([left, top, right, bottom]: [f32; 4], camera: &PinholeCamera) -> f
 mod tests {
     use frames::Pose;
     use renderer::Renderer;
-    use schema::settings::{CameraSettings, CameraSpec, Lens, Mount, Optics};
+    use settings::{CameraSettings, CameraSpec, Lens, Mount, Optics};
     use testkit::{WorldBuilder, box_mesh};
     use visibility::CpuRenderer;
 

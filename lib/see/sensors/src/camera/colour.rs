@@ -3,8 +3,8 @@
 use random::Stream;
 use schema::geometry::Snapshot;
 use schema::images::{OfKind, Rgb};
-use schema::settings::Rig;
 use schema::tables::CameraRow;
+use settings::Rig;
 
 use super::drops::Drops;
 use super::encode;

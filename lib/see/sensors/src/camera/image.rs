@@ -5,8 +5,8 @@ use std::marker::PhantomData;
 use schema::geometry::Snapshot;
 use schema::images::{ImageEncoding, OfKind};
 use schema::measures::sensors::IMAGES;
-use schema::settings::Rig;
 use schema::table::Row;
+use settings::Rig;
 
 use super::sight::Sight;
 use crate::error::SensorError;

@@ -30,7 +30,7 @@ mod visible;
 
 use schema::ImageKind;
 use schema::images::{Depth, Flow, Instance, Semantic};
-use schema::settings::Rig;
+use settings::Rig;
 
 use crate::sensor::{Carrier, SensorVisitor};
 pub(crate) use boxes_2d::Boxes2d;

@@ -6,7 +6,7 @@ use glam::{Affine3A, Vec2, Vec3};
 use lanes::{LANES, Lanes, Vec3s};
 use rayon::prelude::*;
 use renderer::PinholeCamera;
-use schema::settings::{LensModel, Optics};
+use settings::{LensModel, Optics};
 
 use crate::error::{MAX_SIDE_PX, SensorError};
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use frames::{Agent, LocalOrigin, Pose, World};
-use schema::settings::{CameraSettings, CameraSpec, Mount, Rig};
+use settings::{CameraSettings, CameraSpec, Mount, Rig};
 
 use super::model::CameraModel;
 use super::view::CameraView;

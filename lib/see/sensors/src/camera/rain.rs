@@ -102,7 +102,7 @@ mod tests {
     use std::sync::Arc;
 
     use glam::Affine3A;
-    use schema::settings::{CameraSettings, Optics};
+    use settings::{CameraSettings, Optics};
 
     use super::*;
 

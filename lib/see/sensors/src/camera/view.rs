@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 use renderer::PinholeCamera;
-use schema::settings::CameraSettings;
+use settings::CameraSettings;
 
 use super::model::CameraModel;
 

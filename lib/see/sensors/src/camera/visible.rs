@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use schema::ImageKind;
-use schema::settings::Rig;
 use schema::tables::{VISIBLE_TABLE, VisibleRow};
+use settings::Rig;
 
 use super::labels::pixel_counts;
 use crate::error::SensorError;

@@ -12,8 +12,8 @@
 //!   its own, so nothing is lost by that.
 
 use random::unit_f32;
-use schema::settings::LidarSpec;
 use schema::tables::Weather;
+use settings::LidarSpec;
 
 use crate::light::fog_extinction_per_m;
 

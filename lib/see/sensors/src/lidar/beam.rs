@@ -1,8 +1,8 @@
 //! A beam as several rays, and what they met as echoes.
 
 use glam::Vec3;
-use schema::settings::{BeamSpec, Returned};
 use schema::{ObjectId, ReturnKind};
+use settings::{BeamSpec, Returned};
 
 use super::air::Air;
 

@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Vec3};
 use random::Stream;
-use schema::settings::LidarSpec;
+use settings::LidarSpec;
 
 use super::beam::{beside, offsets};
 use super::patch::Patch;

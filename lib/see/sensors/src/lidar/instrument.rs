@@ -4,7 +4,7 @@ use glam::Vec3;
 use random::Stream;
 use rayon::prelude::*;
 use renderer::{Hits, RayBatch, Scene};
-use schema::settings::LidarSpec;
+use settings::LidarSpec;
 
 use super::air::Air;
 use super::beam::offsets;

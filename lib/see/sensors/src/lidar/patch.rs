@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use schema::settings::LidarSpec;
+use settings::LidarSpec;
 
 /// Columns and channels of the blocks in which rays are followed: 16 neighbours make a packet.
 const BLOCK: [usize; 2] = [4, 4];

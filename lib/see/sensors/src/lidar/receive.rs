@@ -6,8 +6,8 @@ use glam::{Affine3A, Vec3};
 use random::Stream;
 use renderer::Hit;
 use schema::geometry::Snapshot;
-use schema::settings::LidarSpec;
 use schema::{ObjectId, ReturnKind};
+use settings::LidarSpec;
 
 use super::air::Air;
 use super::beam::{Echo, Met, add_air, echoes_of, keep};

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use random::Stream;
 use schema::measures::sensors::LIDAR_POINTS;
-use schema::settings::LidarSpec;
+use settings::LidarSpec;
 
 use super::instrument::Lidar;
 use super::sweep::SweepRow;

@@ -2,7 +2,7 @@
 
 use renderer::Scene;
 use schema::rate;
-use schema::settings::{LidarSpec, Mount, Rig};
+use settings::{LidarSpec, Mount, Rig};
 
 use super::instrument::Lidar;
 use super::path::LidarMoment;

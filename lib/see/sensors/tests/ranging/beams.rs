@@ -3,9 +3,9 @@
 use glam::Affine3A;
 use renderer::Renderer;
 use schema::geometry::{Instance, Snapshot, Surface};
-use schema::settings::{BeamSpec, LidarSpec, Returned, ScanPattern};
 use schema::{ReturnKind, Tag};
 use sensors::{Lidar, LidarMoment, LidarSweep, OfBeam};
+use settings::{BeamSpec, LidarSpec, Returned, ScanPattern};
 
 use super::common::{at, block, instance, prepared, snapshot, street};
 use super::stream;

@@ -14,8 +14,8 @@ use random::Stream;
 use renderer::{RayBatch, Renderer, Scene};
 use schema::Tag;
 use schema::geometry::{Surface, Wall};
-use schema::settings::{LidarSpec, RadarSpec, Rig, ScanPattern};
 use sensors::{Lidar, LidarMoment, LidarSweep, RadarMotion, RadarReturns, SensorError};
+use settings::{LidarSpec, RadarSpec, Rig, ScanPattern};
 
 fn stream() -> Stream {
     Stream::new(27, 0, "test/sensors", 1)

@@ -4,8 +4,8 @@ use glam::{Affine3A, Vec3};
 use renderer::{Renderer, Scene};
 use schema::Tag;
 use schema::geometry::{Instance, Snapshot, Surface};
-use schema::settings::{LidarSpec, RollingScan, ScanPattern};
 use sensors::{Lidar, LidarMoment, LidarSweep, SensorPath};
+use settings::{LidarSpec, RollingScan, ScanPattern};
 
 use super::common::{at, block, instance, prepared, snapshot, street};
 use super::stream;

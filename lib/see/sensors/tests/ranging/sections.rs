@@ -5,8 +5,8 @@ use std::sync::Arc;
 use actors::{Posture, actor_mesh};
 use glam::{Affine3A, Vec3};
 use renderer::Renderer;
-use schema::settings::{RadarSpec, Rig};
 use sensors::RadarMotion;
+use settings::{RadarSpec, Rig};
 
 use super::common::{at, instance, prepared, snapshot};
 use super::radar;

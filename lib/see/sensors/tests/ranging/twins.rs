@@ -8,7 +8,6 @@ use renderer::{
     Alone, AloneRays, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer,
 };
 use schema::geometry::{Instance, Snapshot, Surface};
-use schema::settings::{BeamSpec, LidarSpec, Mount, Returned, Rig, RollingScan, ScanPattern, WeatherSpec};
 use schema::table::{Column, Row};
 use schema::tables::Weather;
 use schema::{AgentId, ImageSet, Tag};
@@ -16,6 +15,7 @@ use sensors::{
     AgentState, Cameras, Carrier, FrameWeather, GeoOrigin, Lidar, LidarMoment, Motion, Observation, Sensor,
     SensorError, SensorPath, SensorVisitor, SharedBeams,
 };
+use settings::{BeamSpec, LidarSpec, Mount, Returned, Rig, RollingScan, ScanPattern, WeatherSpec};
 
 use super::common::{at, block, first_frame, instance, prepared, street};
 use super::{small, stream};

@@ -6,10 +6,10 @@ use frames::math::{cos, exp, ln, pow, sin, tan};
 use glam::{Affine3A, Vec3};
 use renderer::Renderer;
 use schema::geometry::Surface;
-use schema::settings::{BeamSpec, LidarSpec, Returned, ScanPattern, WeatherSpec};
 use schema::tables::Weather;
 use schema::{ReturnKind, Tag};
 use sensors::{Lidar, LidarMoment, LidarSweep};
+use settings::{BeamSpec, LidarSpec, Returned, ScanPattern, WeatherSpec};
 
 use super::common::{at, block, instance, prepared, snapshot};
 use super::stream;

@@ -6,8 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::Plan;
 use indicatif::{DecimalBytes, HumanCount};
-use schema::settings::{BevSettings, DatasetSettings, Lens, Rig, Split};
 use schema::{AgentId, AgentKind, ImageKind};
+use settings::{BevSettings, DatasetSettings, Lens, Rig, Split};
 
 /// Bytes as stored, measured on four datasets of 240 agent-frames each (the demo town and three of CARLA's). Busy places
 /// take more: good within a factor of two.
@@ -203,8 +203,8 @@ pub fn lines(settings: &DatasetSettings, plan: &Plan, cores: usize) -> Vec<Strin
 #[cfg(test)]
 mod tests {
     use super::*;
-    use schema::settings::SceneCount;
     use schema::tables::{PlanAgentRow, PlanSceneRow};
+    use settings::SceneCount;
 
     fn plan() -> Plan {
         let scene = |scene, frames: u32, split: &str| PlanSceneRow {
@@ -341,7 +341,7 @@ mod tests {
     /// Measured: the demo's two scenes of 40 frames, 2 vehicles and an RSU each, are 1.57 GB.
     #[test]
     fn the_demo_is_as_large_as_it_is() {
-        let demo = pipeline::parse_config(include_str!("../../../../../configs/demo.toml"), "demo.toml");
+        let demo = settings::parse(include_str!("../../../../../configs/demo.toml"), "demo.toml");
         let agents = [0, 1].iter().flat_map(|&scene| {
             let row = move |agent: AgentId| PlanAgentRow { scene, agent, ..PlanAgentRow::default() };
             [AgentId::vehicle(0), AgentId::vehicle(1), AgentId::rsu(0)].map(row)

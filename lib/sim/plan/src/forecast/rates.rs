@@ -2,7 +2,7 @@
 //! demo town and three of CARLA's); seconds of one core, from the table of docs/performance.md.
 
 use schema::ImageKind;
-use schema::settings::{RadarSpec, Rig};
+use settings::{RadarSpec, Rig};
 
 /// What a pixel of an image takes.
 #[derive(Clone, Copy, Debug, PartialEq)]

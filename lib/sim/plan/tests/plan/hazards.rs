@@ -7,9 +7,9 @@ use opendrive::{LaneType, Map};
 use plan::{Plan, PlanMap, SpawnPool, plan};
 use schema::HazardKind;
 use schema::models::find;
-use schema::settings::stages::PlanSettings;
-use schema::settings::{SceneCount, Split};
 use schema::tables::PlanHazardRow;
+use settings::stages::PlanSettings;
+use settings::{SceneCount, Split};
 use testkit::both_ways;
 
 /// A straight road to the east with a lane each way.

@@ -7,8 +7,8 @@ use opendrive::{Cubic, Lane, LaneSection, LaneType, Map};
 use plan::{PlanError, PlanMap, SceneSlot, SpawnPool, plan, plan_scene, scene_slots};
 use proptest::prelude::*;
 use schema::catalogue::Catalogue;
-use schema::settings::stages::PlanSettings;
-use schema::settings::{GivenStart, SceneCount, SpawnMode, Split};
+use settings::stages::PlanSettings;
+use settings::{GivenStart, SceneCount, SpawnMode, Split};
 use testkit::{real_map, road, straight_road};
 
 fn settings(scenes: &[(Split, &str, u32)]) -> PlanSettings {

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use nalgebra::Point3;
 use opendrive::LaneType;
 use plan::{Plan, PlanMap, plan};
-use schema::settings::stages::PlanSettings;
-use schema::settings::{SceneCount, SpawnMode, Split};
 use schema::tables::{PlanSceneRow, Weather};
+use settings::stages::PlanSettings;
+use settings::{SceneCount, SpawnMode, Split};
 use testkit::both_ways;
 
 /// Four standard errors of a share of one half are 0.9 points.

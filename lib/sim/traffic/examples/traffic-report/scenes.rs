@@ -5,8 +5,8 @@ use std::ops::{ControlFlow, RangeInclusive};
 use land::tiles::TileMaker;
 use opendrive::{LaneInfo, LanePos, Map};
 use schema::HazardKind;
-use schema::settings::{SceneryRules, WalkerSettings};
 use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow};
+use settings::{SceneryRules, WalkerSettings};
 use traffic::{SceneInput, SimulationLog, simulate};
 
 use crate::common::{

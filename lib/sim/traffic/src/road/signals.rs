@@ -6,7 +6,7 @@ use opendrive::Map;
 use random::Stream;
 use schema::SignalState;
 use schema::scene_info::SignalGroupInfo;
-use schema::settings::TrafficSettings;
+use settings::TrafficSettings;
 
 /// When a signal is green within its junction's cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,10 +7,10 @@ use nalgebra::Point3;
 use opendrive::{LanePos, Map};
 use random::Stream;
 use schema::models::{BaseType, Model};
-use schema::settings::TrafficSettings;
 use schema::tables::{ActorRow, PlanSceneRow};
 use schema::trains::{self, Train};
 use schema::{ActorRole, AgentKind, fleet};
+use settings::TrafficSettings;
 
 use crate::error::TrafficError;
 use crate::hazards::Hazards;

@@ -9,7 +9,7 @@
 //! distracted ones those who overlook all lights and signs.
 
 use random::{Stream, unit_f32};
-use schema::settings::TrafficSettings;
+use settings::TrafficSettings;
 
 /// So many steps on end are a second.
 const AWAY_STEPS: u8 = 20;

@@ -2,7 +2,7 @@
 
 use random::Stream;
 use schema::models::{BaseType, Model};
-use schema::settings::TrafficSettings;
+use settings::TrafficSettings;
 
 use crate::car_following::Idm;
 use crate::vehicle::attention::{Attention, Class, Sight};

@@ -5,9 +5,9 @@ use crate::common::{
     tracks, two_lanes, yaw,
 };
 use opendrive::{Cubic, Map, MarkType, Network};
-use schema::settings::stages::SimulationSettings;
 use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, StateRow};
 use schema::{ActorKind, ActorRole, HazardKind};
+use settings::stages::SimulationSettings;
 use traffic::SimulationLog;
 
 /// A saloon, as all agents here have it.

@@ -5,8 +5,8 @@ use crate::common;
 use crate::common::{agent, collisions, crossing, red_runs, run, scene, settings, straight, tracks};
 use nalgebra::Point3;
 use opendrive::Map;
-use schema::settings::stages::SimulationSettings;
 use schema::tables::{PlanAgentRow, PlanSceneRow};
+use settings::stages::SimulationSettings;
 
 /// Lights, signs, vehicles, walkers.
 fn overlooking([lights, signs, vehicles, walkers]: [f64; 4]) -> SimulationSettings {

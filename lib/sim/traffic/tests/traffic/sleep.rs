@@ -3,9 +3,9 @@
 use crate::common::{agent, agents_on, collisions, crossing, run, scene, settings, straight, tracks, yaw};
 use nalgebra::Point3;
 use opendrive::Map;
-use schema::settings::stages::SimulationSettings;
 use schema::tables::{PlanSceneRow, StateRow};
 use schema::{ActorKind, ActorRole};
+use settings::stages::SimulationSettings;
 use traffic::SimulationLog;
 
 fn awake_within(distance_m: f64) -> SimulationSettings {

@@ -6,8 +6,8 @@ use crate::common::{
 };
 use opendrive::Map;
 use schema::SignalState;
-use schema::settings::stages::SimulationSettings;
 use schema::tables::{PlanAgentRow, PlanSceneRow};
+use settings::stages::SimulationSettings;
 
 fn moving() -> SimulationSettings {
     let mut settings = settings();

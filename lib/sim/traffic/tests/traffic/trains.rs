@@ -10,11 +10,11 @@ use frames::math::sin_cos;
 use land::tiles::TileMaker;
 use nalgebra::{Point3, Vector3};
 use opendrive::{LaneType, Map, MarkType};
-use schema::settings::SceneryRules;
-use schema::settings::stages::SimulationSettings;
 use schema::tables::{ActorRow, PlanSceneRow, StateRow};
 use schema::trains::{self, Train};
 use schema::{ActorKind, HazardKind};
+use settings::SceneryRules;
+use settings::stages::SimulationSettings;
 use traffic::SimulationLog;
 
 /// Every other vehicle is a train, where one has room.

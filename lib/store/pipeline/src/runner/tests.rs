@@ -4,10 +4,11 @@ use std::io::Write;
 use std::sync::{Arc, LazyLock};
 
 use schema::scene_info::LOG_STAGE;
-use schema::settings::stages::MaskSettings;
+use settings::stages::MaskSettings;
 use store::{Backend, Memory};
 
 use super::*;
+use crate::views::example_settings;
 
 /// A store in which three scenes are planned and simulated.
 fn simulated(store: &Store, settings: &DatasetSettings) {
@@ -73,7 +74,7 @@ fn write(job: &mut Job<'_, MaskSettings>, bytes: usize) -> Result<(), StageError
 
 #[test]
 fn a_panic_is_the_fault_of_its_scene_alone() {
-    let settings = config::example_settings();
+    let settings = example_settings();
     let store = Store::open("memory:").expect("is a place");
     simulated(&store, &settings);
     let bad = run_of(&settings, &store, |job| {
@@ -97,7 +98,7 @@ fn a_panic_is_the_fault_of_its_scene_alone() {
 
 #[test]
 fn a_full_store_stops_the_stage_and_blames_no_scene() {
-    let settings = config::example_settings();
+    let settings = example_settings();
     let whole = Memory::default();
     simulated(&Store::new(Arc::new(whole.clone())), &settings);
     // The same store with room for one scene's file and its records.
@@ -118,7 +119,7 @@ fn a_full_store_stops_the_stage_and_blames_no_scene() {
 
 #[test]
 fn what_is_not_ready_is_no_failure() {
-    let settings = config::example_settings();
+    let settings = example_settings();
     let store = Store::open("memory:").expect("is a place");
     simulated(&store, &settings);
     store.backend().remove(&SCENES[1].manifest("simulate-and-log")).expect("removes");
@@ -136,7 +137,7 @@ fn what_is_not_ready_is_no_failure() {
 
 #[test]
 fn a_store_of_another_format_is_left_alone() {
-    let settings = config::example_settings();
+    let settings = example_settings();
     let store = Store::open("memory:").expect("is a place");
     simulated(&store, &settings);
     let key = SCENES[1].manifest("simulate-and-log");
@@ -150,7 +151,7 @@ fn a_store_of_another_format_is_left_alone() {
 
 #[test]
 fn what_older_code_made_is_kept_when_told_so() {
-    let settings = config::example_settings();
+    let settings = example_settings();
     let store = Store::open("memory:").expect("is a place");
     simulated(&store, &settings);
     let run = run_of(&settings, &store, |job| write(job, 10));
@@ -184,7 +185,7 @@ fn what_older_code_made_is_kept_when_told_so() {
 
 #[test]
 fn an_edited_program_makes_its_stage_again_and_leaves_others() {
-    let settings = config::example_settings();
+    let settings = example_settings();
     let store = Store::open("memory:").expect("is a place");
     simulated(&store, &settings);
     let of_build = |programs: &'static Programs, run: fn(&mut Job<'_, MaskSettings>) -> _| Run {

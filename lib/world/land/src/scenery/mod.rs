@@ -9,7 +9,7 @@
 //! ```
 //! use schema::ActorKind;
 //! use schema::catalogue::Catalogue;
-//! use schema::settings::SceneryRules;
+//! use settings::SceneryRules;
 //! use surfaces::{Atlas, Region};
 //!
 //! let map = testkit::straight(200.0);
@@ -40,8 +40,8 @@ mod trees;
 
 use crate::surfaces::{AreaGround, Ground};
 use schema::catalogue::Catalogue;
-use schema::settings::SceneryRules;
 use schema::tables::TileObjectRow;
+use settings::SceneryRules;
 
 pub use catalogue::{BUILDINGS, BuildingKind, TREES};
 pub use signs::{PLATES, Plate};

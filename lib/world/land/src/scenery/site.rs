@@ -3,7 +3,7 @@
 use crate::surfaces::{AreaGround, GroundLevels};
 use opendrive::Map;
 use schema::catalogue::Catalogue;
-use schema::settings::SceneryRules;
+use settings::SceneryRules;
 
 /// Half the side of the ground that a pole takes, metres.
 pub(crate) const FOOT_M: f64 = 0.3;

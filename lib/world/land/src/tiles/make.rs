@@ -4,9 +4,9 @@ use crate::surfaces::{Atlas, Region};
 use opendrive::Map;
 use schema::catalogue::Catalogue;
 use schema::geometry::SurfaceMesh;
-use schema::settings::SceneryRules;
 use schema::tables::{ActorRow, TileObjectRow};
 use schema::tile::{TILE_M, TileIndex};
+use settings::SceneryRules;
 
 use crate::tiles::number::{TooManyObjects, number, reached};
 

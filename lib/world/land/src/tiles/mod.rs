@@ -4,7 +4,7 @@
 //! static-boxes` counts the lights, signs and parked vehicles that a frame has in each town.
 //!
 //! ```
-//! use schema::settings::SceneryRules;
+//! use settings::SceneryRules;
 //! use schema::tile::TileIndex;
 //! use tiles::TileMaker;
 //!

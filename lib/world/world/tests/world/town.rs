@@ -10,9 +10,9 @@ use land::tiles::Surroundings;
 use nalgebra::Point3;
 use opendrive::{LaneInfo, LaneType, Map};
 use random::Stream;
-use schema::settings::SceneryRules;
 use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
 use schema::{ActorKind, ActorRole, LampKind, SignalState, Tag};
+use settings::SceneryRules;
 use testkit::real_maps;
 use world::{Moment, SceneWorld, WorldError};
 

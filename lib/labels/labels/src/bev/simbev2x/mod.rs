@@ -20,8 +20,8 @@ use crate::culling::MeshCache;
 use frames::{Agent, Pose, World};
 use nalgebra::Point3;
 use schema::geometry::Snapshot;
-use schema::settings::BevSettings;
 use schema::{BevClass, Tag};
+use settings::BevSettings;
 
 use crate::bev::error::BevError;
 use crate::bev::grid::GridFrame;

@@ -7,8 +7,8 @@ use labels::bev::{Areas, BevMask, BevRasterizer};
 use nalgebra::Point3;
 use proptest::prelude::*;
 use schema::geometry::Snapshot;
-use schema::settings::BevSettings;
 use schema::{BevClass, ObjectId, Tag};
+use settings::BevSettings;
 use testkit::{WorldBuilder, box_mesh, sheet, small_town};
 
 use crate::bev::rays::{EDGE, Grid, Hit, Piece, cast, pieces};

@@ -4,8 +4,8 @@ use frames::{Agent, Pose, World};
 use labels::bev::{BevMask, Footprint, LaneAreas, LaneRasterizer, LaneStrip, LaneView};
 use nalgebra::Point3;
 use schema::geometry::Snapshot;
-use schema::settings::BevSettings;
 use schema::{BevClass, Tag};
+use settings::BevSettings;
 use testkit::{WorldBuilder, box_mesh, sheet, small_town};
 
 use crate::bev::rays::{Hit, cast, pieces};

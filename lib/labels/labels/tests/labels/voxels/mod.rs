@@ -7,7 +7,7 @@ use frames::{Agent, Pose, World};
 use labels::voxels::{CpuVoxelRenderer, GridPlacement};
 use renderer::{VoxelBlock, VoxelRenderer};
 use schema::geometry::Snapshot;
-use schema::settings::OccupancySettings;
+use settings::OccupancySettings;
 
 /// 16 x 16 x 12 cells of 0.25 m: from -2 m to 2 m and from -1 m to 2 m.
 fn small() -> OccupancySettings {

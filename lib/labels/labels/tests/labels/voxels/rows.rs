@@ -4,7 +4,7 @@ use glam::{Affine3A, Vec3};
 use labels::voxels::{CellRows, Wanted};
 use schema::Tag;
 use schema::geometry::Snapshot;
-use schema::settings::OccupancySettings;
+use settings::OccupancySettings;
 use testkit::{WorldBuilder, box_mesh, sheet, small_town};
 
 use crate::voxels::{at, ready, small, whole};

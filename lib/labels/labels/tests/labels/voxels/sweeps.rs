@@ -2,7 +2,7 @@
 
 use schema::Tag;
 use schema::geometry::Snapshot;
-use schema::settings::{SweepSettings, ZFill};
+use settings::{SweepSettings, ZFill};
 use testkit::{WorldBuilder, box_mesh, sheet};
 
 use crate::voxels::{at, ready, small, whole};

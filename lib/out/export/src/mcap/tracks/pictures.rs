@@ -5,8 +5,8 @@ use schema::AgentId;
 use schema::ImageKind;
 use schema::calibration::Calibration;
 use schema::images::ImageEncoding;
-use schema::settings::Lens;
 use schema::tables::CameraRow;
+use settings::Lens;
 
 use super::Track;
 use crate::mcap::chunk::{Compression, Messages};

@@ -11,10 +11,10 @@ use opendrive::{
     LaneLink, LaneSection, LaneType, LaneValidity, Map, MarkType, Network, Road, RoadLink, RoadMark, Signal,
     Speed, SpeedUnit,
 };
-use schema::settings::stages::SimulationSettings;
-use schema::settings::{TrafficSettings, WalkerSettings};
 use schema::tables::{ActorRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, StateRow, Weather};
 use schema::{ActorKind, ActorRole, AgentId, Attributes, HazardKind, SignalState};
+use settings::stages::SimulationSettings;
+use settings::{TrafficSettings, WalkerSettings};
 use testkit::lane;
 pub(crate) use testkit::straight;
 use traffic::{SceneInput, SimulationLog, simulate};

@@ -6,9 +6,9 @@ use land::tiles::{Surroundings, TileMaker};
 use nalgebra::Point3;
 use opendrive::Map;
 use schema::geometry::Snapshot;
-use schema::settings::SceneryRules;
 use schema::tables::{ActorRow, FrameRow};
 use schema::{ActorKind, Tag};
+use settings::SceneryRules;
 use world::{Moment, SceneWorld};
 
 pub(crate) fn named(name: &str) -> Map {

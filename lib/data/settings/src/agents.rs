@@ -1,0 +1,99 @@
+//! Data-collection vehicles and RSUs.
+
+use frames::deg;
+
+use crate::key::{Name, Settings, choice, settings};
+use crate::reader::Section;
+
+choice! {
+    /// How data-collection vehicles are spread.
+    pub enum SpawnMode {
+        /// Around a pivot.
+        Clustered = "clustered",
+        /// Each near one that is placed already.
+        Chained = "chained",
+        /// A coin flip per scene.
+        #[default]
+        Both = "both",
+    }
+}
+
+settings! {
+    /// A place where data-collection vehicles may start, given by the user.
+    pub struct GivenStart {
+        /// Name of the map, as in `scenes`.
+        map: String = "convoy/demo".into();
+        /// Position in the world, m: the nearest driving lane that runs its way.
+        xyz_m: [f64; 3] = [0.0; 3];
+        /// Heading from east, counter-clockwise.
+        yaw_rad: f64 = deg(0.0), named("yaw_deg"), degrees(-360.0..=360.0);
+    }
+}
+
+settings! {
+    /// Data-collection vehicles and RSUs.
+    pub struct AgentSettings {
+        /// Fewest data-collection vehicles in a scene.
+        min_vehicles: u32 = 2, within(1..=1000), yaml("min_vehicles");
+        /// Most data-collection vehicles in a scene: the first one decides where a scene takes place.
+        max_vehicles: u32 = 8, within(1..=1000), yaml("max_vehicles");
+        /// Vehicles around a pivot, each near another, or a coin flip per scene.
+        spawn_mode: SpawnMode = SpawnMode::Both, choice(), yaml("vehicle_spawn_mode");
+        /// Spacing of a cluster, m.
+        clustered_spawn_distance_m: f64 = 48.0, within(0.1..=100_000.0), yaml("clustered_spawn_distance");
+        /// Reach of a link of a chain, m.
+        chained_spawn_distance_m: f64 = 64.0, within(0.1..=100_000.0), yaml("chained_spawn_distance");
+        /// Fewest RSUs in a scene.
+        min_rsus: u32 = 0, within(0..=1000), yaml("min_rsus");
+        /// Most RSUs in a scene (signalised junctions near the start limit them).
+        max_rsus: u32 = 4, within(0..=1000), yaml("max_rsus");
+        /// Models of the data-collection vehicles, taken in turn.
+        vehicle_models: Vec<String> =
+            ["car.coupe", "car.sedan", "car.hatchback", "car.sports"].map(String::from).to_vec();
+        /// Their colours (sRGB), taken in turn.
+        vehicle_colors: Vec<[u8; 3]> = vec![
+            [0, 0, 0],
+            [255, 0, 0],
+            [0, 255, 0],
+            [0, 0, 255],
+            [255, 255, 0],
+            [255, 0, 255],
+            [0, 255, 255],
+            [255, 255, 255],
+        ];
+        /// Spacing of the spawn points along lanes, m.
+        spawn_separation_m: f64 = 24.0, within(2.0..=1000.0), yaml("spawn_point_separation_distance");
+        /// Where data-collection vehicles may start, instead of the map's spawn points.
+        starts: Vec<GivenStart> = Vec::new(), or("the map's spawn points"), by(starts);
+        /// Share of a scene's vehicles that collect data (at least one does); `traffic.vehicles` counts all of them, and
+        /// `min_vehicles` and `max_vehicles` have no say.
+        penetration: Option<f64> = None, within(0.0..=1.0), or("min_vehicles to max_vehicles collect data");
+    }
+    rule consistent;
+}
+
+fn starts(s: &Section<'_>, name: &Name, _: Vec<GivenStart>) -> Vec<GivenStart> {
+    let read = |item: &Section<'_>| GivenStart::read(item, &GivenStart::default());
+    let list = s.sections(name.key, name.absent, name.doc);
+    read(&s.describe_item(name.key));
+    list.unwrap_or_default().iter().map(read).collect()
+}
+
+/// Whether the models are known depends on the packs, which other keys name.
+fn consistent(s: &Section<'_>, read: &AgentSettings) {
+    in_order(s, ("min_vehicles", read.min_vehicles), ("max_vehicles", read.max_vehicles));
+    in_order(s, ("min_rsus", read.min_rsus), ("max_rsus", read.max_rsus));
+    if read.vehicle_models.is_empty() || read.vehicle_colors.is_empty() {
+        s.fault_at(
+            "vehicle_models",
+            "`agents.vehicle_models` and `agents.vehicle_colors` must not be empty".into(),
+        );
+    }
+}
+
+fn in_order(s: &Section<'_>, (low, least): (&str, u32), (high, most): (&str, u32)) {
+    if least > most {
+        let (low_path, high_path) = (s.path_of(low), s.path_of(high));
+        s.fault_at(low, format!("`{low_path}` is {least}, more than `{high_path}` ({most})"));
+    }
+}

@@ -1,0 +1,70 @@
+//! The configuration's language: what can be said of a dataset, and how it is read from TOML or from YAML of SimBEV2X.
+//!
+//! Settings are plain, validated values, in SI units and radians; each stage sees the parts that it uses ([`stages`]). Default
+//! values are those of the published dataset unless a field says otherwise. Each section is a file of its own.
+
+mod agents;
+mod annotation;
+mod bev;
+mod camera;
+mod card;
+mod config_key;
+mod dataset;
+mod hazards;
+mod inertial;
+mod json_schema;
+mod key;
+mod lidar;
+mod lights;
+mod load;
+mod models;
+mod mount;
+mod occupancy;
+mod optics;
+mod per_agent;
+mod pictures;
+mod radar;
+mod reader;
+mod rig;
+mod rig_keys;
+mod scenes;
+pub mod stages;
+mod table_names;
+mod timing;
+mod tracks;
+mod traffic;
+mod walkers;
+mod weather;
+mod world;
+mod yaml;
+
+pub use agents::{AgentSettings, GivenStart, SpawnMode};
+pub use annotation::AnnotationSettings;
+pub use bev::{BevRule, BevSettings};
+pub use camera::{CameraSettings, CameraSpec};
+pub use card::CardSettings;
+pub use config_key::{Absent, ConfigKey, Kind};
+pub use dataset::{DatasetSettings, config_keys};
+pub use hazards::HazardSettings;
+pub use inertial::{GnssSpec, ImuSpec};
+pub use json_schema::{json_schema, rig_json_schema};
+pub use lidar::{BeamSpec, LidarSpec, Returned, RollingScan, ScanPattern, WeatherSpec};
+pub use lights::LightSettings;
+pub use load::{load, parse};
+pub use models::ModelSettings;
+pub use mount::Mount;
+pub use occupancy::{FillingRule, OccupancySettings, SweepSettings, ZFill};
+pub use optics::Optics;
+pub use per_agent::PerAgent;
+pub use radar::RadarSpec;
+pub use reader::Fault;
+pub use rig::*;
+pub use scenes::{SceneCount, Split};
+pub use schema::lens::{Lens, LensModel};
+pub use timing::TimingSettings;
+pub use tracks::TrackSettings;
+pub use traffic::TrafficSettings;
+pub use walkers::WalkerSettings;
+pub use weather::WeatherSettings;
+pub use world::{SceneryRules, WorldSettings};
+pub use yaml::simbev2x_keys;

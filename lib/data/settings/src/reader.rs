@@ -1,0 +1,542 @@
+//! Reading TOML key by key: types, ranges and unknown keys are checked, faults are gathered.
+
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::config_key::{Absent, ConfigKey, Kind, YamlName, listed};
+
+/// A fault of a configuration file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// The file.
+    pub file: String,
+    /// The line, from 1, where there is one.
+    pub line: Option<usize>,
+    /// What is wrong and what was expected.
+    pub message: String,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.line {
+            Some(line) => write!(f, "{}:{line}: {}", self.file, self.message),
+            None => write!(f, "{}: {}", self.file, self.message),
+        }
+    }
+}
+
+/// A file with keys of a configuration: the configuration itself, or one that it names.
+pub(crate) struct Source {
+    /// As the configuration writes it; empty for the configuration itself.
+    pub(crate) written: String,
+    /// Its path, for messages.
+    pub(crate) file: String,
+    /// What is in it, or why it cannot be read.
+    pub(crate) text: Result<String, String>,
+}
+
+/// A source that was read and parsed.
+struct Document<'a> {
+    source: &'a Source,
+    table: Spanned<DeTable<'a>>,
+}
+
+struct Context<'a> {
+    /// The configuration first.
+    documents: &'a [Document<'a>],
+    faults: RefCell<Vec<(Home, Fault)>>,
+    /// The tables that were read, by path.
+    tables: RefCell<BTreeMap<String, Table<'a>>>,
+    /// Without documents: the keys that were asked for.
+    keys: RefCell<Vec<ConfigKey>>,
+}
+
+/// A table of the configuration that was read.
+#[derive(Default)]
+struct Table<'a> {
+    layers: Vec<Layer<'a>>,
+    /// Keys that were asked for.
+    seen: BTreeSet<String>,
+}
+
+/// Number of a document and line in it.
+type Home = (usize, usize);
+
+impl<'a> Context<'a> {
+    fn new(documents: &'a [Document<'a>]) -> Self {
+        let (faults, tables, keys) = Default::default();
+        Self { documents, faults, tables, keys }
+    }
+
+    fn fault(&self, document: usize, span: Option<Range<usize>>, message: String) {
+        let Some(Document { source, .. }) = self.documents.get(document) else { return };
+        let text = source.text.as_deref().unwrap_or_default();
+        let line = span.map(|s| text[..s.start.min(text.len())].matches('\n').count() + 1);
+        let fault = Fault { file: source.file.clone(), line, message };
+        let found = ((document, line.unwrap_or(usize::MAX)), fault);
+        let mut faults = self.faults.borrow_mut();
+        if !faults.contains(&found) {
+            faults.push(found);
+        }
+    }
+
+    /// A table that is read; the first time its layers are those that are given.
+    fn open(&'a self, path: String, layers: impl FnOnce() -> Vec<Layer<'a>>) -> Section<'a> {
+        let is_known = self.tables.borrow().contains_key(&path);
+        if !is_known {
+            let table = Table { layers: layers(), seen: BTreeSet::new() };
+            self.tables.borrow_mut().insert(path.clone(), table);
+        }
+        let layers = self.tables.borrow().get(&path).map(|t| t.layers.clone()).unwrap_or_default();
+        Section { context: self, path, layers }
+    }
+
+    /// Keys that were never asked for are faults: a typing mistake must not pass in silence.
+    fn check_unknown(&self) {
+        for (path, Table { layers, seen }) in &*self.tables.borrow() {
+            for (key, document) in layers.iter().flat_map(|l| l.table.iter().map(|(k, _)| (k, l.document))) {
+                let name = key.get_ref().as_ref();
+                if seen.contains(name) {
+                    continue;
+                }
+                let near = seen.iter().map(|s| (strsim::levenshtein(s, name), s)).min();
+                let hint = match near {
+                    Some((d, near)) if d <= 2.max(name.len() / 4) => format!(" (did you mean `{near}`?)"),
+                    _ => String::new(),
+                };
+                let message = format!("unknown key `{}`{hint}", joined(path, name));
+                self.fault(document, Some(key.span()), message);
+            }
+        }
+    }
+}
+
+fn joined(path: &str, key: &str) -> String {
+    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
+}
+
+/// A table of a document.
+#[derive(Clone)]
+struct Layer<'a> {
+    table: &'a DeTable<'a>,
+    document: usize,
+    /// Where the table stands; a document itself stands nowhere.
+    span: Option<Range<usize>>,
+}
+
+/// A table of the configuration, or the absence of one (then every key has its default). Below it may lie the same table of
+/// another file: it has the keys that the first one lacks. A table can be opened as often as needed.
+pub(crate) struct Section<'a> {
+    context: &'a Context<'a>,
+    path: String,
+    layers: Vec<Layer<'a>>,
+}
+
+/// A value and the document that it stands in.
+#[derive(Clone, Copy)]
+struct Found<'a> {
+    value: &'a Spanned<DeValue<'a>>,
+    document: usize,
+}
+
+/// Parses a configuration and the files that it names, and reads it; keys that were not asked for are faults.
+pub(crate) fn with_documents<T>(
+    sources: &[Source],
+    read: impl FnOnce(&Section<'_>) -> T,
+) -> Result<T, Vec<Fault>> {
+    let (mut documents, mut broken) = (Vec::with_capacity(sources.len()), Vec::new());
+    for (number, source) in sources.iter().enumerate() {
+        let (table, errors) = DeTable::parse_recoverable(source.text.as_deref().unwrap_or_default());
+        broken.extend(errors.into_iter().map(|error| (number, error)));
+        documents.push(Document { source, table });
+    }
+    let context = Context::new(&documents);
+    for (number, error) in broken {
+        context.fault(number, error.span(), error.message().replace('\n', ", "));
+    }
+    let whole = context.documents.first();
+    let layer = whole.map(|whole| Layer { table: whole.table.get_ref(), document: 0, span: None });
+    let value = read(&context.open(String::new(), || layer.into_iter().collect()));
+    context.check_unknown();
+    let mut faults = context.faults.take();
+    if faults.is_empty() {
+        return Ok(value);
+    }
+    faults.sort_by_key(|(home, _)| *home);
+    Err(faults.into_iter().map(|(_, fault)| fault).collect())
+}
+
+/// The texts that a key has in some tables of a configuration, and in the tables of some lists: the files that it names.
+pub(crate) fn texts_of(text: &str, key: &str, tables: &[&str], lists: &[&str]) -> BTreeSet<String> {
+    let (document, _) = DeTable::parse_recoverable(text);
+    let root = document.get_ref();
+    let in_tables = tables.iter().filter_map(|name| root.get(*name)?.get_ref().as_table());
+    let in_lists = lists.iter().filter_map(|name| root.get(*name)?.get_ref().as_array());
+    let in_lists = in_lists.flatten().filter_map(|item| item.get_ref().as_table());
+    in_tables.chain(in_lists).filter_map(|t| t.get(key)?.get_ref().as_str().map(str::to_owned)).collect()
+}
+
+/// The keys that a reading function asks for.
+pub(crate) fn describe<T>(read: impl FnOnce(&Section<'_>) -> T) -> Vec<ConfigKey> {
+    let context = Context::new(&[]);
+    read(&context.open(String::new(), Vec::new));
+    context.keys.take()
+}
+
+impl<'a> Section<'a> {
+    fn full(&self, key: &str) -> String {
+        joined(&self.path, key)
+    }
+
+    fn get(&self, key: &str) -> Option<Found<'a>> {
+        self.see(key);
+        self.all(key).next()
+    }
+
+    fn see(&self, key: &str) {
+        let mut tables = self.context.tables.borrow_mut();
+        tables.entry(self.path.clone()).or_default().seen.insert(key.to_owned());
+    }
+
+    /// What a key has in each layer, the topmost first.
+    fn all(&self, key: &str) -> impl Iterator<Item = Found<'a>> {
+        let found = |l: &Layer<'a>| Some(Found { value: l.table.get(key)?, document: l.document });
+        self.layers.iter().filter_map(found)
+    }
+
+    fn fault(&self, found: Found<'_>, message: String) {
+        self.context.fault(found.document, Some(found.value.span()), message);
+    }
+
+    /// Lays the section over the file that a key names, if it does: keys that it lacks are taken from there.
+    pub(crate) fn over_file(mut self, key: &str, doc: &str) -> Self {
+        self.note(key, Kind::Text, Absent::Words("none".into()), doc);
+        let Some(found) = self.get(key) else { return self };
+        let Some(written) = found.value.get_ref().as_str() else {
+            self.wrong_type(key, found, "a string");
+            return self;
+        };
+        if written.is_empty() {
+            self.fault(found, format!("`{}` is empty, expected the name of a file", self.full(key)));
+            return self;
+        }
+        let mut documents = self.context.documents.iter().enumerate();
+        let Some((number, document)) = documents.find(|(_, d)| d.source.written == written) else {
+            return self;
+        };
+        if self.layers.iter().any(|l| l.document == number) {
+            return self;
+        }
+        if let Err(why) = &document.source.text {
+            let message = format!("`{}`: {}: cannot read: {why}", self.full(key), document.source.file);
+            self.fault(found, message);
+        }
+        let table = document.table.get_ref();
+        if let Some(nested) = table.get(key) {
+            let message = format!("`{}`: such a file names no other", self.full(key));
+            self.context.fault(number, Some(nested.span()), message);
+        }
+        self.layers.push(Layer { table, document: number, span: None });
+        let mut tables = self.context.tables.borrow_mut();
+        tables.entry(self.path.clone()).or_default().layers.clone_from(&self.layers);
+        drop(tables);
+        self
+    }
+
+    fn note(&self, key: &str, kind: Kind, default: Absent, doc: &str) {
+        let mut keys = self.context.keys.borrow_mut();
+        let path = self.full(key);
+        if self.context.documents.is_empty() && !keys.iter().any(|known| known.path == path) {
+            keys.push(ConfigKey { path, kind, default, doc: doc.trim().to_owned(), yaml: Vec::new() });
+        }
+    }
+
+    /// Tells the names that a key has in SimBEV2X.
+    pub(crate) fn named_there(&self, key: &str, names: &[YamlName]) {
+        let path = self.full(key);
+        if let Some(known) = self.context.keys.borrow_mut().iter_mut().find(|known| known.path == path) {
+            known.yaml = names.to_vec();
+        }
+    }
+
+    fn wrong_type(&self, key: &str, found: Found<'_>, expected: &str) {
+        let kind = found.value.get_ref().type_str();
+        let article = if kind.starts_with(['a', 'i', 'o']) { "an" } else { "a" };
+        self.fault(found, format!("`{}` is {article} {kind}, expected {expected}", self.full(key)));
+    }
+
+    /// Reports a fault at a key (or at its section when the key is absent).
+    pub(crate) fn fault_at(&self, key: &str, message: String) {
+        self.fault_at_any(&[key], message);
+    }
+
+    /// Reports a fault that several keys make together: at the first of them that is there, else at the section.
+    pub(crate) fn fault_at_any(&self, keys: &[&str], message: String) {
+        if let Some(found) = keys.iter().find_map(|key| self.all(key).next()) {
+            self.fault(found, message);
+        } else {
+            let layer = self.layers.first();
+            self.context.fault(layer.map_or(0, |l| l.document), layer.and_then(|l| l.span.clone()), message);
+        }
+    }
+
+    /// The path of the section, for messages.
+    pub(crate) fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// The full path of a key, for messages.
+    pub(crate) fn path_of(&self, key: &str) -> String {
+        self.full(key)
+    }
+
+    /// An integer in a range.
+    pub(crate) fn integer(&self, key: &str, default: i64, min: i64, max: i64, doc: &str) -> i64 {
+        let absent = Absent::Value(default.to_string());
+        self.found_integer(key, absent, (min, max), doc).unwrap_or(default)
+    }
+
+    /// An integer in a range, or nothing; `absent` says what happens then.
+    pub(crate) fn optional_integer(
+        &self,
+        key: &str,
+        absent: &str,
+        min: i64,
+        max: i64,
+        doc: &str,
+    ) -> Option<i64> {
+        self.found_integer(key, Absent::Words(absent.to_owned()), (min, max), doc)
+    }
+
+    fn found_integer(&self, key: &str, absent: Absent, (min, max): (i64, i64), doc: &str) -> Option<i64> {
+        self.note(key, Kind::Integer { min, max }, absent, doc);
+        let found = self.get(key)?;
+        let Some(number) = as_integer(found.value.get_ref()) else {
+            self.wrong_type(key, found, "an integer");
+            return None;
+        };
+        if !(min..=max).contains(&number) {
+            self.fault(found, format!("`{}` is {number}, expected {min} to {max}", self.full(key)));
+            return None;
+        }
+        Some(number)
+    }
+
+    /// A number in a range.
+    pub(crate) fn number(&self, key: &str, default: f64, min: f64, max: f64, doc: &str) -> f64 {
+        let absent = Absent::Value(default.to_string());
+        self.found_number(key, absent, (min, max), doc).unwrap_or(default)
+    }
+
+    /// A number in a range, or nothing; `absent` says what happens then.
+    pub(crate) fn optional_number(
+        &self,
+        key: &str,
+        absent: &str,
+        min: f64,
+        max: f64,
+        doc: &str,
+    ) -> Option<f64> {
+        self.found_number(key, Absent::Words(absent.to_owned()), (min, max), doc)
+    }
+
+    fn found_number(&self, key: &str, absent: Absent, (min, max): (f64, f64), doc: &str) -> Option<f64> {
+        self.note(key, Kind::Number { min, max }, absent, doc);
+        let found = self.get(key)?;
+        let Some(number) = as_number(found.value.get_ref()) else {
+            self.wrong_type(key, found, "a number");
+            return None;
+        };
+        if !(min..=max).contains(&number) {
+            self.fault(found, format!("`{}` is {number}, expected {min} to {max}", self.full(key)));
+            return None;
+        }
+        Some(number)
+    }
+
+    /// `true` or `false`.
+    pub(crate) fn flag(&self, key: &str, default: bool, doc: &str) -> bool {
+        self.note(key, Kind::Flag, Absent::Value(default.to_string()), doc);
+        let Some(found) = self.get(key) else { return default };
+        found.value.get_ref().as_bool().unwrap_or_else(|| {
+            self.wrong_type(key, found, "true or false");
+            default
+        })
+    }
+
+    /// A text.
+    pub(crate) fn text(&self, key: &str, default: &str, doc: &str) -> String {
+        self.note(key, Kind::Text, Absent::Value(format!("\"{default}\"")), doc);
+        let Some(found) = self.get(key) else { return default.to_owned() };
+        found.value.get_ref().as_str().map(str::to_owned).unwrap_or_else(|| {
+            self.wrong_type(key, found, "a string");
+            default.to_owned()
+        })
+    }
+
+    /// One of some words.
+    pub(crate) fn choice<T: Copy>(&self, key: &str, options: &[(&str, T)], default: usize, doc: &str) -> T {
+        let words: Vec<String> = options.iter().map(|(word, _)| (*word).to_owned()).collect();
+        let absent = Absent::Value(format!("\"{}\"", options[default].0));
+        self.note(key, Kind::Choice(words.clone()), absent, doc);
+        let words = listed(&words);
+        let Some(found) = self.get(key) else { return options[default].1 };
+        let Some(text) = found.value.get_ref().as_str() else {
+            self.wrong_type(key, found, &format!("one of {words}"));
+            return options[default].1;
+        };
+        options.iter().find(|(word, _)| *word == text).map_or_else(
+            || {
+                let message = format!("`{}` is \"{text}\", expected one of {words}", self.full(key));
+                self.fault(found, message);
+                options[default].1
+            },
+            |(_, option)| *option,
+        )
+    }
+
+    /// Some texts.
+    pub(crate) fn texts(&self, key: &str, default: &[String], doc: &str) -> Vec<String> {
+        self.note(key, Kind::Texts, Absent::Value(format!("{default:?}")), doc);
+        self.items(key, "a list of strings", |v| v.as_str().map(str::to_owned))
+            .unwrap_or_else(|| default.to_vec())
+    }
+
+    /// Some numbers, or nothing; `absent` says what happens then.
+    pub(crate) fn numbers(&self, key: &str, absent: &str, doc: &str) -> Option<Vec<f64>> {
+        self.note(key, Kind::Numbers, Absent::Words(absent.to_owned()), doc);
+        self.items(key, "a list of numbers", as_number)
+    }
+
+    /// Three numbers.
+    pub(crate) fn triple(&self, key: &str, default: [f64; 3], doc: &str) -> [f64; 3] {
+        self.note(key, Kind::Triple, Absent::Value(format!("{default:?}")), doc);
+        let Some(numbers) = self.items(key, "three numbers", as_number) else { return default };
+        numbers.as_slice().try_into().unwrap_or_else(|_| {
+            self.fault_at(key, format!("`{}` has {} numbers, expected three", self.full(key), numbers.len()));
+            default
+        })
+    }
+
+    /// Colours, each three integers 0 to 255.
+    pub(crate) fn colors(&self, key: &str, default: &[[u8; 3]], doc: &str) -> Vec<[u8; 3]> {
+        self.note(key, Kind::Colors, Absent::Value(format!("{default:?}")), doc);
+        let color = |v: &DeValue<'_>| -> Option<[u8; 3]> {
+            let parts: Vec<u8> = v
+                .as_array()?
+                .iter()
+                .map(|c| as_integer(c.get_ref()).and_then(|n| u8::try_from(n).ok()))
+                .collect::<Option<_>>()?;
+            parts.as_slice().try_into().ok()
+        };
+        self.items(key, "a list of [red, green, blue], 0 to 255", color).unwrap_or_else(|| default.to_vec())
+    }
+
+    fn items<T>(
+        &self,
+        key: &str,
+        expected: &str,
+        item: impl Fn(&DeValue<'_>) -> Option<T>,
+    ) -> Option<Vec<T>> {
+        let found = self.get(key)?;
+        let items = found.value.get_ref().as_array().map(|a| a.iter().map(|v| item(v.get_ref())).collect());
+        match items {
+            Some(Some(items)) => Some(items),
+            Some(None) => {
+                self.fault(found, format!("`{}` is not {expected}", self.full(key)));
+                None
+            }
+            None => {
+                self.wrong_type(key, found, expected);
+                None
+            }
+        }
+    }
+
+    /// A table within this one.
+    pub(crate) fn section(&self, key: &str, doc: &str) -> Section<'a> {
+        self.note(key, Kind::Table, Absent::Words(String::new()), doc);
+        self.see(key);
+        let layers = || {
+            let mut layers = Vec::new();
+            for found in self.all(key) {
+                match found.value.get_ref().as_table() {
+                    Some(table) => {
+                        let span = Some(found.value.span());
+                        layers.push(Layer { table, document: found.document, span });
+                    }
+                    None => self.wrong_type(key, found, "a table"),
+                }
+            }
+            layers
+        };
+        self.context.open(self.full(key), layers)
+    }
+
+    /// A list of tables, or `None` when it is absent.
+    pub(crate) fn sections(&self, key: &str, absent: &str, doc: &str) -> Option<Vec<Section<'a>>> {
+        self.note(key, Kind::Tables, Absent::Words(absent.to_owned()), doc);
+        let found = self.get(key)?;
+        let Some(array) = found.value.get_ref().as_array() else {
+            self.wrong_type(key, found, "a list of tables");
+            return None;
+        };
+        let mut sections = Vec::new();
+        for (i, item) in array.iter().enumerate() {
+            let Some(table) = item.get_ref().as_table() else {
+                self.wrong_type(key, Found { value: item, ..found }, "a table");
+                continue;
+            };
+            let path = format!("{}[{i}]", self.full(key));
+            let layer = Layer { table, document: found.document, span: Some(item.span()) };
+            sections.push(self.context.open(path, || vec![layer]));
+        }
+        Some(sections)
+    }
+
+    /// A table within a list of tables, for the description of its keys alone.
+    pub(crate) fn describe_item(&self, key: &str) -> Section<'a> {
+        self.context.open(format!("{}[]", self.full(key)), Vec::new)
+    }
+
+    /// All keys of a table whose keys are free (map names, weather parameters), in file order.
+    pub(crate) fn free_integers(&self, kind: &str, min: i64, max: i64, doc: &str) -> Vec<(String, i64)> {
+        self.note(kind, Kind::Integer { min, max }, Absent::Words("none".into()), doc);
+        let Some(Layer { table, .. }) = self.layers.first() else { return Vec::new() };
+        let mut keys: Vec<_> =
+            table.iter().map(|(key, _)| (key.span().start, key.get_ref().to_string())).collect();
+        keys.sort_unstable();
+        let read = |(_, key): (usize, String)| {
+            let found = self.get(&key)?;
+            match as_integer(found.value.get_ref()) {
+                Some(n) if (min..=max).contains(&n) => Some((key, n)),
+                Some(n) => {
+                    self.fault(found, format!("`{}` is {n}, expected {min} to {max}", self.full(&key)));
+                    None
+                }
+                None => {
+                    self.wrong_type(&key, found, "an integer");
+                    None
+                }
+            }
+        };
+        keys.into_iter().filter_map(read).collect()
+    }
+}
+
+fn as_integer(value: &DeValue<'_>) -> Option<i64> {
+    let integer = value.as_integer()?;
+    i64::from_str_radix(integer.as_str(), integer.radix()).ok()
+}
+
+fn as_number(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Float(float) => float.as_str().parse().ok().filter(|f: &f64| f.is_finite()),
+        other => as_integer(other).map(|n| n as f64),
+    }
+}

@@ -1,0 +1,4 @@
+//! Tests of what others see of the crate.
+
+mod docs;
+mod schemas;
