@@ -10,16 +10,14 @@ use crate::reader::Section;
 
 /// Declares a section of the configuration:
 ///
-/// ```text
-/// settings! {
-///     /// How long scenes last.
-///     pub struct TimingSettings {
-///         /// Shortest scene, s.
-///         min_duration_s: f64 = 8.0, within(1.0..=3600.0), yaml("min_scene_duration");
-///     }
-///     rule in_order;
-/// }
-/// ```
+// settings! {
+//     /// How long scenes last.
+//     pub struct TimingSettings {
+//         /// Shortest scene, s.
+//         min_duration_s: f64 = 8.0, within(1.0..=3600.0), yaml("min_scene_duration");
+//     }
+//     rule in_order;
+// }
 ///
 /// A field is a key of the same name: its type, its default, and methods of [`Key`] that say the rest. The rule, a function,
 /// holds keys against each other.

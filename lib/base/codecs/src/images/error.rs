@@ -14,7 +14,7 @@ pub enum ImageError {
     #[error("is neither PNG nor JPEG")]
     Unknown,
     /// A side has no pixels, or too many.
-    #[error("has {width} x {height} pixels, at most {most_px} along a side are possible")]
+    #[error("is {width} x {height} pixels: at most {most_px} x {most_px} are possible")]
     Size {
         /// Pixels in a row.
         width: usize,
