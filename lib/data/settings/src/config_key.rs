@@ -32,7 +32,7 @@ pub(crate) enum YamlName {
 
 /// What a key takes.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(missing_docs)] // Their texts follow.
+#[expect(missing_docs, reason = "their `Display` says what each takes")]
 pub enum Kind {
     Table,
     Tables,

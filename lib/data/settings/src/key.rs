@@ -79,7 +79,7 @@ macro_rules! choice {
             $($(#[doc = $doc])+ $(#[$default])? #[serde(rename = $word)] $variant,)+
         }
 
-        #[allow(dead_code)] // Some are read alone.
+        #[allow(dead_code, reason = "some choices are only read")]
         impl $name {
             /// All of them.
             $vis const ALL: [Self; [$($word),+].len()] = [$(Self::$variant),+];

@@ -8,7 +8,7 @@ use crate::reader::Section;
 /// Part of a dataset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-#[allow(missing_docs)] // The names are their own documentation.
+#[expect(missing_docs, reason = "the names say it all")]
 pub enum Split {
     Train,
     Val,
