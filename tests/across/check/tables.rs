@@ -1,5 +1,6 @@
 //! Faults of tables.
 
+use std::cell::RefCell;
 use std::fs::{self, File};
 use std::sync::Arc;
 
@@ -187,6 +188,29 @@ pub(super) const OF_SENSORS: &[Plant] = &[
         change::<Float32Type>(sensor(store, "FLW-CAM_FRONT"), "dx", FRAME, |all| {
             all.iter_mut().for_each(|dx| *dx += 2.0 / 160.0);
         });
+    }),
+    ("flow", "pixels of object", |store| {
+        // Vehicles as if they stood still, fixed things as they are.
+        for camera in ["CAM_FRONT", "CAM_FRONT_LEFT", "CAM_FRONT_RIGHT", "CAM_BACK"] {
+            let (instances, flow) =
+                (sensor(store, &format!("IST-{camera}")), sensor(store, &format!("FLW-{camera}")));
+            if !instances.is_file() {
+                continue;
+            }
+            let vehicles = RefCell::new(Vec::new());
+            repaint(instances, |pixels| {
+                let is_vehicle = |pixel: &[u8; 3]| (14..=18).contains(&pixel[0]);
+                *vehicles.borrow_mut() = pixels.iter().map(is_vehicle).collect();
+            });
+            for column in ["dx", "dy"] {
+                change::<Float32Type>(flow.clone(), column, FRAME, |all| {
+                    all.iter_mut()
+                        .zip(&*vehicles.borrow())
+                        .filter(|(_, is)| **is)
+                        .for_each(|(v, _)| *v = 0.0);
+                });
+            }
+        }
     }),
     ("flow ids", "CAM_FRONT:", |store| {
         change::<Float32Type>(sensor(store, "FLW-CAM_FRONT"), "dy", FRAME, |all| {

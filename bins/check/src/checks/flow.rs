@@ -13,8 +13,14 @@ use crate::space::{V3, norm, sub};
 
 /// Flow may differ by this, pixels, and by this share of it.
 const FLOW: [f64; 2] = [0.1, 0.02];
-/// Rims turn as fast as their body drives, and somewhat faster where it slides.
-const WHEELS: f64 = 1.1;
+/// Tread turns as fast as the body drives, and tread nearer to the camera than its axle is seen to go somewhat faster.
+const WHEELS: f64 = 1.25;
+/// Bodies of vehicles may be off by this, pixels, more than by what all may: they lean on their springs.
+const BODY_PX: f64 = 1.0;
+/// Wheels reach up to this above the ground, m: of cars and two-wheelers, and of what is higher or longer than these.
+const WHEELS_UP_TO_M: [f64; 2] = [0.85, 1.25];
+/// Height and length beyond which wheels are those of lorries and buses, m.
+const HEAVY_M: [f64; 2] = [2.3, 6.5];
 /// Flow beyond this (a picture is 2) is cut off and not judged.
 const CUT: f64 = 1.95;
 /// Objects with fewer pixels are not judged.
@@ -61,59 +67,121 @@ pub(crate) fn check(
     if dx.len() != pixels || dy.len() != pixels {
         return;
     }
-    let (mut flow, mut beyond_wheels, mut found) = (Judged::new(), Judged::new(), Judged::new());
+    let mut judges = Judges {
+        scene,
+        now,
+        before,
+        frame,
+        flow: Judged::new(),
+        wheels: Judged::new(),
+        found: Judged::new(),
+    };
     for (k, (pixel, depth)) in instance.pixels().iter().zip(depth.pixels()).enumerate() {
         let (id, tag) = label(*pixel);
-        let (x, y) = ((k % width) as f64 + 0.5, (k / width) as f64 + 0.5);
-        let (flow_x, flow_y) = (f64::from(dx[k]), f64::from(dy[k]));
-        if flow_x.abs().max(flow_y.abs()) > CUT || id == own {
-            continue;
+        let flow = [f64::from(dx[k]), f64::from(dy[k])];
+        if flow[0].abs().max(flow[1].abs()) <= CUT && id != own {
+            judges.pixel([k % width, k / width], (id, tag), depth_m(*depth), flow);
         }
-        let moved = [0.5 * flow_x * width as f64, -0.5 * flow_y * height as f64];
-        let Some(point) = point_of(now, [x, y], depth_m(*depth), id) else { continue };
-        let Some(was) = point_before_or_sky(scene, id, frame, point, now, before) else { continue };
-        let was_m = camera.optics.depth_of(was);
+    }
+    judges.report(ledger);
+}
+
+/// What the pixels of a camera's flow say of the objects that they show.
+struct Judges<'a, 's> {
+    scene: &'a Scene,
+    now: &'a Sight<'s>,
+    before: &'a Sight<'s>,
+    frame: usize,
+    flow: Judged,
+    wheels: Judged,
+    found: Judged,
+}
+
+impl Judges<'_, '_> {
+    /// Judges a pixel. `flow` is its own, of a picture that is 2 units wide and high.
+    fn pixel(&mut self, [column, row]: [usize; 2], (id, tag): (u16, u8), depth: Option<f64>, flow: [f64; 2]) {
+        let Self { scene, now, before, frame, .. } = *self;
+        let (width, height) = now.camera.size();
+        let (x, y) = (column as f64 + 0.5, row as f64 + 0.5);
+        let moved = [0.5 * flow[0] * width as f64, -0.5 * flow[1] * height as f64];
+        let Some(point) = point_of(now, [x, y], depth, id) else { return };
+        let Some(was) = point_before_or_sky(scene, id, frame, point, now, before) else { return };
+        let was_m = now.camera.optics.depth_of(was);
         if was_m < NEAR_M {
-            continue;
+            return;
         }
-        let Some([was_x, was_y]) = camera.optics.project(was) else { continue };
-        let wanted = [x - was_x, y - was_y];
-        if !moves_its_limbs(tag) {
+        let Some(was_px) = now.camera.optics.project(was) else { return };
+        let wanted = [x - was_px[0], y - was_px[1]];
+        // Beyond the cut the file says less than there was.
+        let is_cut =
+            wanted[0].abs() > 0.48 * CUT * width as f64 || wanted[1].abs() > 0.48 * CUT * height as f64;
+        if !moves_its_limbs(tag) && !is_cut {
             let off = libm::hypot(moved[0] - wanted[0], moved[1] - wanted[1]);
             let allowed = FLOW[0] + FLOW[1] * libm::hypot(wanted[0], wanted[1]);
-            // Beyond the cut the file says less than there was.
-            let is_cut =
-                wanted[0].abs() > 0.48 * CUT * width as f64 || wanted[1].abs() > 0.48 * CUT * height as f64;
-            if !is_cut {
-                judge(&mut flow, id, off <= allowed);
-                let wheels = wheels_px(now, before, point, was, [was_x, was_y]);
-                judge(&mut beyond_wheels, id, off <= allowed + wheels);
+            match place_on(scene, id, frame, now.world_from_optical.outward(point)) {
+                Place::Fixed => judge(&mut self.flow, id, off <= allowed),
+                Place::Body => judge(&mut self.flow, id, off <= allowed + BODY_PX),
+                Place::AmongWheels => {
+                    let turned = wheels_px(now, before, point, was, was_px);
+                    judge(&mut self.wheels, id, off <= allowed + turned);
+                }
+                Place::Moving => {}
             }
         }
         if id != 0
-            && now.inner(k % width, k / width).is_some()
+            && now.inner(column, row).is_some()
             && let Some(holds) = was_there(before, [x - moved[0], y - moved[1]], id, was_m)
         {
-            judge(&mut found, id, holds);
+            judge(&mut self.found, id, holds);
         }
     }
-    for (rule, judged) in [(Rule::Flow, flow), (Rule::FlowIds, found)] {
-        for (id, [all, off]) in judged.into_iter().filter(|(_, [all, _])| *all >= FEW) {
-            // Wheels turn; fences are seen through.
-            let turns = rule == Rule::Flow && scene.actors.get(&id).is_some_and(|actor| !actor.fixed);
-            let wheels_alone = || beyond_wheels.get(&id).is_some_and(|[all, off]| *off <= all / 10);
-            let allowed = match rule {
-                Rule::Flow if turns && wheels_alone() => all,
-                Rule::Flow if turns => 3 * all / 4,
-                Rule::Flow => all / 10,
-                _ => all / 2,
-            };
-            ledger.expect(rule, off <= allowed, || {
-                let model = scene.actors.get(&id).map_or("sky", |actor| actor.model.as_str());
-                format!("frame {frame}: {}: {off} of {all} pixels of object {id} ({model})", camera.name)
-            });
+
+    /// Says of which objects too many pixels are off.
+    fn report(self, ledger: &mut Ledger) {
+        let Self { scene, now, frame, flow, wheels, found, .. } = self;
+        let name = &now.camera.name;
+        for (rule, what, judged) in
+            [(Rule::Flow, "", flow), (Rule::Flow, " about its wheels", wheels), (Rule::FlowIds, "", found)]
+        {
+            for (id, [all, off]) in judged.into_iter().filter(|(_, [all, _])| *all >= FEW) {
+                // Fences are seen through.
+                let allowed = if rule == Rule::Flow { all / 10 } else { all / 2 };
+                ledger.expect(rule, off <= allowed, || {
+                    let model = scene.actors.get(&id).map_or("sky", |actor| actor.model.as_str());
+                    format!("frame {frame}: {name}: {off} of {all} pixels of object {id} ({model}){what}")
+                });
+            }
         }
     }
+}
+
+/// On what part of an object a point is, by how that moves.
+enum Place {
+    /// On something fixed, or the sky.
+    Fixed,
+    /// On the body of a vehicle: it moves as its pose says.
+    Body,
+    /// As low as wheels are, which turn.
+    AmongWheels,
+    /// On a vehicle with an open door, which may be moving.
+    Moving,
+}
+
+fn place_on(scene: &Scene, id: u16, frame: usize, in_world: V3) -> Place {
+    let frame = frame as i64;
+    let (Some(actor), Some(pose)) = (scene.actors.get(&id), scene.pose(id, frame)) else {
+        return Place::Fixed;
+    };
+    if actor.fixed {
+        return Place::Fixed;
+    }
+    let is_open = |frame| scene.state(id, frame).is_some_and(|state| state.open_door);
+    if is_open(frame) || is_open(frame - 1) {
+        return Place::Moving;
+    }
+    let is_heavy = actor.size_m[2] > HEAVY_M[0] || actor.size_m[0] > HEAVY_M[1];
+    let up_to_m = WHEELS_UP_TO_M[usize::from(is_heavy)];
+    if pose.inward(in_world)[2] < up_to_m { Place::AmongWheels } else { Place::Body }
 }
 
 /// How far a wheel's rim may be from where its body takes it, pixels: as far as the body has come, seen from here.
