@@ -227,7 +227,7 @@ bench: build
 	$(CARGO) bench --locked -p convoy-tests --bench agent_frame --bench stages
 
 bench-kernels:
-	$(CARGO) bench --locked -p convoy-opendrive -p convoy-world -p convoy-traffic -p convoy-visibility \
+	$(CARGO) bench --locked -p convoy-opendrive -p convoy-world -p convoy-traffic -p convoy-render \
 		-p convoy-sensors -p convoy-codecs --benches
 	$(CARGO) bench --locked -p convoy-evaluation --bench scale
 	$(CARGO) bench --locked -p convoy-tests --bench labels

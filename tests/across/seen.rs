@@ -9,14 +9,14 @@ use land::tiles::{Surroundings, TileMaker};
 use opendrive::Map;
 use pipeline::StageSettings;
 use plan::PlanMap;
-use renderer::{PinholeCamera, Renderer};
+use render::cpu::CpuRenderer;
+use render::{CameraQuery, PinholeCamera, RayQuery, Renderer};
 use schema::geometry::Snapshot;
 use schema::tables::StateRow;
 use schema::{ActorRole, AgentId, ObjectId};
 use settings::stages::{PlanSettings, SimulationSettings};
 use testkit::{Agreement, PixelRays, look};
 use traffic::SceneInput;
-use visibility::CpuRenderer;
 use world::{Moment, SceneWorld};
 
 const CONFIG: &str = "seed = 27\n[scenes.train]\n\"convoy/demo\" = 1\n[agents]\nmin_vehicles = 1\nmax_vehicles = 1\n\
@@ -113,8 +113,8 @@ fn a_towns_pictures_are_what_rays_see() {
     let mut all = Agreement::default();
     for (name, camera) in views(&world, &own, &other) {
         let rays = PixelRays::new(&camera);
-        let seen = scene.look(&[camera]).expect("has no device").remove(0);
-        let hits = scene.trace(&[rays.batch()]).expect("has no device").remove(0);
+        let seen = scene.look(&[CameraQuery::of(camera)]).expect("has no device").remove(0);
+        let hits = scene.trace(&[RayQuery::of(rays.batch())]).expect("has no device").remove(0);
         let found = rays.compare(&world, &seen, &hits).unwrap_or_else(|why| panic!("{name}: {why}"));
         assert!(found.seen > 40_000, "{name}: {found:?}");
         eprintln!("{name}: {found:?}");

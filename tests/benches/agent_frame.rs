@@ -27,7 +27,8 @@ use pipeline::StageSettings;
 use plan::PlanMap;
 use random::Stream;
 use rayon::prelude::*;
-use renderer::{Renderer, Scene, VoxelRenderer};
+use render::cpu::CpuRenderer;
+use render::{CameraQuery, Renderer, Scene, VoxelRenderer};
 use schema::geometry::Snapshot;
 use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
 use schema::tables::{ActorRow, BoxRow};
@@ -39,7 +40,6 @@ use sensors::{
 use settings::stages::{PlanSettings, SimulationSettings};
 use settings::{DatasetSettings, LidarSpec};
 use traffic::{SceneInput, SimulationLog};
-use visibility::CpuRenderer;
 use world::{Light, Moment, OwnModels, SceneWorld};
 
 const CONFIG: &str = "seed = 27\n[scenes.train]\n\"convoy/demo\" = 1\n[agents]\nmin_vehicles = 2\nmax_vehicles = 2\n\
@@ -266,7 +266,7 @@ impl<'a> Agentframe<'a> {
                 Camera::new(spec, &rig.camera).expect("is a camera").view(&origin, &self.pose, &self.pose)
             })
             .collect();
-        let pinholes: Vec<_> = views.iter().map(CameraView::pinhole).collect();
+        let pinholes: Vec<_> = views.iter().map(|view| CameraQuery::of(view.pinhole())).collect();
         let raster = best(3, || scene.look(&pinholes));
         let seen = scene.look(&pinholes).expect("has no device");
         let shots: Vec<Shot<'_>> = views.iter().zip(&seen).map(|(view, seen)| Shot { view, seen }).collect();
@@ -333,7 +333,7 @@ impl<'a> Agentframe<'a> {
                     Camera::new(spec, &camera).expect("is a camera").view(&origin, &self.pose, &before)
                 })
                 .collect();
-            let pinholes: Vec<_> = views.iter().map(CameraView::pinhole).collect();
+            let pinholes: Vec<_> = views.iter().map(|view| CameraQuery::of(view.pinhole())).collect();
             let seen = scene.look(&pinholes).expect("has no device");
             let shots: Vec<Shot<'_>> =
                 views.iter().zip(&seen).map(|(view, seen)| Shot { view, seen }).collect();

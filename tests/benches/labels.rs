@@ -9,7 +9,7 @@ use labels::fill::Filler;
 use labels::validity::{Evidence, PointCloud, validate};
 use labels::voxel_grid::VoxelGrid;
 use labels::voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
-use renderer::VoxelRenderer;
+use render::VoxelRenderer;
 use schema::tables::BoxRow;
 use settings::{BevSettings, FillingRule, OccupancySettings, SweepSettings};
 use testkit::small_town;

@@ -7,11 +7,11 @@ use std::path::PathBuf;
 use frames::{Agent, Pose, World, deg};
 use land::tiles::{Surroundings, TileMaker};
 use opendrive::Map;
-use renderer::Renderer;
+use render::cpu::CpuRenderer;
+use render::{CameraQuery, Renderer};
 use schema::tables::{FrameRow, Weather};
 use sensors::{Camera, CpuPainter, FrameWeather, Painter, Shot};
 use settings::{CameraSettings, CameraSpec, Mount, Optics, SceneryRules};
-use visibility::CpuRenderer;
 use world::{Light, Moment, OwnModels, SceneWorld};
 
 /// Name, height over the road, sideways from the middle of the lane, pitch downwards, yaw to the left, field of view, in degrees
@@ -83,7 +83,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 CameraSpec { name: "CAM".into(), mount, optics: Optics::pinhole(1600, 900, deg(fov_deg)) };
             let view_of =
                 Camera::new(&spec, &CameraSettings::default())?.view(&snapshot.origin, &pose, &pose);
-            let seen = scene.look(&[view_of.pinhole()])?;
+            let seen = scene.look(&[CameraQuery::of(view_of.pinhole())])?;
             let place = snapshot.origin.local_from_world(centre);
             let shot = Shot { view: &view_of, seen: &seen[0] };
             let picture = painter.paint(&*scene, &when, place, &[shot])?.remove(0);

@@ -10,7 +10,7 @@ use labels::voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
 use peak_alloc::PeakAlloc;
 use pipeline::{Progress, ProgressMode, StageError};
 use rayon::ThreadPoolBuilder;
-use renderer::VoxelRenderer;
+use render::VoxelRenderer;
 use schema::arrays::{ArrayKind, BEV_MASKS};
 use schema::measures::counts::PartialCounts;
 use schema::tables::LidarRow;

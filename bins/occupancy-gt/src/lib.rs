@@ -5,7 +5,7 @@ use framewise::{FrameArray, FrameArrays, label_agents};
 use labels::voxel_grid::{Filling, VoxelGrid, add_cells};
 use labels::voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
 use pipeline::{At, Job, Place, Stage, StageError};
-use renderer::VoxelRenderer;
+use render::VoxelRenderer;
 use replay::Replay;
 use scene::SceneReader;
 use schema::arrays::{ArrayKind, VOXEL_CELLS, VOXEL_FLOW, VOXEL_GRIDS, VOXEL_IDS};

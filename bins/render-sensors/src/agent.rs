@@ -2,7 +2,7 @@
 
 use pipeline::{At, Place, StageError};
 use rayon::prelude::*;
-use renderer::Renderer;
+use render::Renderer;
 use replay::Replay;
 use schema::ObjectId;
 use schema::geometry::Snapshot;

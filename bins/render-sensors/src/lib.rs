@@ -5,14 +5,14 @@ mod recorder;
 
 use framewise::{Part, in_turn};
 use pipeline::{At, Job, Place, Stage, StageError};
-use renderer::Renderer;
+use render::Renderer;
+use render::cpu::CpuRenderer;
 use replay::{Light, Replay};
 use scene::SceneReader;
 use schema::ImageKind;
 use sensors::{Cameras, Carrier, CpuPainter, GeoOrigin, SharedBeams};
 use settings::Rig;
 use settings::stages::SensorSettings;
-use visibility::CpuRenderer;
 
 use crate::agent::{AgentRig, Eyes, Standing};
 

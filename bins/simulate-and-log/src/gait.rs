@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use frames::{Object, Pose, World};
-use people::{LOOKS, Look, Walker};
+use meshes::people::{LOOKS, Look, Walker};
 use random::Stream;
 use replay::packed::ModelError;
 use schema::models::Model;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use renderer::{SKY, Surfaces, VisibilityBuffer};
+use render::{SKY, Surfaces, VisibilityBuffer};
 use schema::geometry::{Snapshot, Surface};
 use sensors::CameraView;
 

@@ -118,12 +118,12 @@ mod tests {
             of("lib/map/town", &["lib/map/opendrive", "lib/base/frames"]),
             of("bins/stats", &["lib/out/analysis", "lib/base/frames"]),
             of("bins/check", &["lib/data/schema"]),
-            of("lib/dev/testkit", &["lib/see/renderer"]),
+            of("lib/dev/testkit", &["lib/see/render"]),
         ];
         assert_eq!(faults(&fine), [""; 0]);
         for (broken, fault) in [
-            (of("lib/map/town", &["lib/see/renderer"]), "lib/map/town: must not depend on lib/see/renderer"),
-            (of("lib/see/renderer", &["bins/stats"]), "must not depend on bins/stats"),
+            (of("lib/map/town", &["lib/see/render"]), "lib/map/town: must not depend on lib/see/render"),
+            (of("lib/see/render", &["bins/stats"]), "must not depend on bins/stats"),
             (of("bins/stats", &["lib/dev/testkit"]), "must not depend on lib/dev/testkit"),
             (of("bins/check", &["lib/map/opendrive"]), "which it checks"),
             (of("lib/town", &[]), "is in none of the folders"),

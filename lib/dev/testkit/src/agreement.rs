@@ -2,7 +2,7 @@
 //! is, is worked out here from corners and poses, in double precision.
 
 use glam::{Affine3A, DVec2, DVec3, Mat3, Vec3};
-use renderer::{Hits, PinholeCamera, RayBatch, SKY, VisibilityBuffer};
+use render::{Hits, PinholeCamera, RayBatch, SKY, VisibilityBuffer};
 use schema::geometry::Snapshot;
 
 /// An edge farther than this from a pixel's centre decides nothing, nor does one that the rounding of single-precision places

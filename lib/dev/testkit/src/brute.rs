@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Mat3};
-use renderer::{
-    Alone, AloneRays, Hit, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer,
+use render::{
+    CameraQuery, Hit, Hits, Outputs, RayBatch, RayQuery, RenderError, Renderer, Scene, VisibilityBuffer,
     pose_before,
 };
 use schema::geometry::{Instance, Snapshot, TriMesh};
@@ -26,6 +26,8 @@ struct Triangle {
     instance: u32,
     number: u32,
     corners: [DVec3; 3],
+    /// Whether it is a pane of a vehicle with something behind it.
+    is_pane: bool,
 }
 
 impl Renderer for BruteRenderer {
@@ -55,7 +57,13 @@ impl<'a> BruteScene<'a> {
             let mesh = snapshot.mesh(instance);
             for triangle in 0..mesh.triangles.len() {
                 let corners = mesh.corners(triangle).map(|p| rotation * p.as_dvec3() + shift);
-                triangles.push(Triangle { instance: number as u32, number: triangle as u32, corners });
+                let is_pane = mesh.part(triangle).surface.is_window() && snapshot.has_cabin(instance.object);
+                triangles.push(Triangle {
+                    instance: number as u32,
+                    number: triangle as u32,
+                    corners,
+                    is_pane,
+                });
             }
         }
         Self { snapshot, triangles }
@@ -68,10 +76,10 @@ impl<'a> BruteScene<'a> {
         origin: DVec3,
         direction: DVec3,
         range: [f64; 2],
-        counts: impl Fn(u32) -> bool,
+        counts: impl Fn(&Triangle) -> bool,
     ) -> Option<Hit> {
         let mut best: Option<(f64, Hit)> = None;
-        for triangle in self.triangles.iter().filter(|t| counts(t.instance)) {
+        for triangle in self.triangles.iter().filter(|t| counts(t)) {
             let [a, b, c] = triangle.corners;
             let (e1, e2) = (b - a, c - a);
             let p = direction.cross(e2);
@@ -95,7 +103,7 @@ impl<'a> BruteScene<'a> {
         best.map(|(_, hit)| hit)
     }
 
-    fn follow(&self, batch: &RayBatch<'_>, counts: impl Fn(u32) -> bool) -> Hits {
+    fn follow(&self, batch: &RayBatch<'_>, counts: impl Fn(&Triangle) -> bool) -> Hits {
         let mut hits = Hits::none(batch.directions.len());
         for (ray, direction) in batch.directions.iter().enumerate() {
             let (origin, direction) = (batch.origin.as_dvec3(), direction.as_dvec3());
@@ -111,7 +119,9 @@ impl<'a> BruteScene<'a> {
         hits
     }
 
-    fn look_through(&self, camera: &PinholeCamera, counts: impl Fn(u32) -> bool) -> VisibilityBuffer {
+    fn look_through(&self, query: &CameraQuery<'_>) -> VisibilityBuffer {
+        let camera = &query.camera;
+        let is_among = is_among(query.among);
         let pose = &camera.local_from_optical;
         let local_from_optical = DAffine3 {
             matrix3: Mat3::from(pose.matrix3).as_dmat3(),
@@ -125,8 +135,9 @@ impl<'a> BruteScene<'a> {
                 // Not of unit length: distances along it are planar depths.
                 let direction = local_from_optical.transform_vector3(DVec3::new(column, row, 1.0));
                 let range = [f64::from(camera.near_m), f64::from(camera.far_m)];
-                if let Some(hit) = self.closest_of(local_from_optical.translation, direction, range, &counts)
-                {
+                let is_opaque = query.panes.row(y) >> (x & 1) & 1 != 0;
+                let counts = |t: &Triangle| is_among(t) && (is_opaque || !t.is_pane);
+                if let Some(hit) = self.closest_of(local_from_optical.translation, direction, range, counts) {
                     let index = buffer.index(x, y);
                     buffer.instance[index] = hit.instance;
                     buffer.triangle[index] = hit.triangle;
@@ -143,29 +154,25 @@ impl Scene for BruteScene<'_> {
         self.snapshot
     }
 
-    fn look(&self, cameras: &[PinholeCamera]) -> Result<Vec<VisibilityBuffer>, RenderError> {
-        Ok(cameras.iter().map(|camera| self.look_through(camera, |_| true)).collect())
+    fn look(&self, queries: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
+        let answer = |query: &CameraQuery<'_>| {
+            let mut seen = self.look_through(query);
+            if query.outputs == Outputs::Depths {
+                (seen.instance, seen.triangle) = (Vec::new(), Vec::new());
+            }
+            seen
+        };
+        Ok(queries.iter().map(answer).collect())
     }
 
-    fn look_at(&self, shots: &[Alone<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
-        let alone = |shot: &Alone<'_>| self.look_through(&shot.camera, |i| shot.instances.contains(&i));
-        Ok(shots.iter().map(alone).collect())
+    fn trace(&self, queries: &[RayQuery<'_>]) -> Result<Vec<Hits>, RenderError> {
+        let answer = |query: &RayQuery<'_>| {
+            Self::new(self.snapshot, query.before, query.cabins).follow(&query.rays, is_among(query.among))
+        };
+        Ok(queries.iter().map(answer).collect())
     }
+}
 
-    fn trace(&self, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
-        Ok(batches.iter().map(|batch| self.follow(batch, |_| true)).collect())
-    }
-
-    fn trace_at(&self, batches: &[AloneRays<'_>]) -> Result<Vec<Hits>, RenderError> {
-        let alone = |one: &AloneRays<'_>| self.follow(&one.rays, |i| one.instances.contains(&i));
-        Ok(batches.iter().map(alone).collect())
-    }
-
-    fn trace_before(&self, before: f32, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
-        Self::new(self.snapshot, before, false).trace(batches)
-    }
-
-    fn trace_behind(&self, before: f32, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
-        Self::new(self.snapshot, before, true).trace(batches)
-    }
+fn is_among(among: Option<&[u32]>) -> impl Fn(&Triangle) -> bool {
+    move |triangle| among.is_none_or(|among| among.contains(&triangle.instance))
 }

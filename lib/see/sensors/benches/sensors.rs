@@ -8,7 +8,7 @@ use std::sync::Arc;
 use divan::Bencher;
 use glam::Vec3;
 use random::Stream;
-use renderer::Scene;
+use render::{CameraQuery, Scene};
 use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
 use schema::tables::Weather;
 use sensors::{Image, Lidar, LidarMoment, Lighting, Picture, RadarMotion, Sight, Sky, pixel_counts, radar};
@@ -50,7 +50,7 @@ fn lighting(bencher: Bencher) {
 
 #[divan::bench]
 fn camera_visibility(bencher: Bencher) {
-    with_sight(&day(), |scene, sight, _| bencher.bench(|| scene.look(&[sight.seen.camera])));
+    with_sight(&day(), |scene, sight, _| bencher.bench(|| scene.look(&[CameraQuery::of(sight.seen.camera)])));
 }
 
 #[divan::bench]

@@ -6,8 +6,8 @@ mod stage;
 use std::error::Error;
 use std::path::Path;
 
+use meshes::people::Walker;
 use packs::PackModel;
-use people::Walker;
 
 use stage::{Stage, at};
 

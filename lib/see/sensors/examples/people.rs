@@ -6,8 +6,8 @@ mod stage;
 use std::error::Error;
 use std::path::Path;
 
-use actors::Posture;
-use people::{LOOKS, Look};
+use meshes::actors::Posture;
+use meshes::people::{LOOKS, Look};
 use schema::models::{BaseType, MODELS, Model};
 
 use stage::{Stage, at};

@@ -7,10 +7,10 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use actors::{Posture, actor_mesh};
 use frames::{Agent, Pose, World, deg};
 use glam::{Affine3A, Vec3};
-use renderer::Renderer;
+use meshes::actors::{Posture, actor_mesh};
+use render::Renderer;
 use schema::geometry::{Instance, Snapshot};
 use schema::tables::Weather;
 use schema::{AgentId, FRAME_PERIOD_S, ImageKind, ImageSet, lights, models};
@@ -101,7 +101,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         [("spray", rain, 0.0), ("after-rain", dried, 0.0), ("drops", rain, 1.0), ("night", night, 1.0)]
     {
         let snapshot = scene(weather.is_night());
-        let mut renderer = visibility::CpuRenderer::default();
+        let mut renderer = render::cpu::CpuRenderer::default();
         renderer.prepare(&snapshot.meshes)?;
         let placed = renderer.place(&snapshot)?;
         let camera = CameraSettings {

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use common::{at, prepared, street};
 use random::Stream;
-use renderer::{Renderer, Scene};
+use render::{Renderer, Scene};
 use schema::tables::Weather;
 use schema::{ReturnKind, Tag};
 use sensors::{Lidar, LidarMoment, LidarSweep};

@@ -7,7 +7,7 @@ mod stage;
 use std::error::Error;
 use std::path::Path;
 
-use actors::Posture;
+use meshes::actors::Posture;
 use schema::models::{Model, PARKED_TWO_WHEELERS, vehicles};
 use schema::trains::{TRAINS, Train, sections};
 use schema::{fleet, trains};

@@ -36,7 +36,7 @@ pub enum SensorError {
     NoPainter,
     /// The renderer failed.
     #[error(transparent)]
-    Render(#[from] renderer::RenderError),
+    Render(#[from] render::RenderError),
     /// A scan pattern with more rays than a sweep can number.
     #[error("lidar: {problem}")]
     ScanPattern {

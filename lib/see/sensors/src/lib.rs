@@ -1,11 +1,11 @@
 //! Sensors: cameras (colour, semantic, instance, depth, flow), lidar, radar, GNSS, IMU.
 //!
-//! Everything is computed from what a [`renderer::Renderer`] sees in one snapshot of the world, so that images, points and
+//! Everything is computed from what a [`render::Renderer`] sees in one snapshot of the world, so that images, points and
 //! labels agree to the triangle. Nothing here reads or writes files: readings are table rows.
 //!
 //! * An [`Observation`] holds what the sensors of one agent are given at one frame. [`see`] looks through cameras; each
 //!   kind of [`Image`] is read from a [`Sight`]. Colour is put into it by a [`Painter`], the second, optional
-//!   seam beside [`renderer::Renderer`].
+//!   seam beside [`render::Renderer`].
 //! * [`Lidar`] holds a lidar's rays; [`Lidar::sweep`] follows them. [`radar`] draws and follows a radar's.
 //! * [`gnss`] and [`imu`] need only the agent's motion.
 //! * Every sensor of a rig is a [`Sensor`]; [`visit_sensors`] shows them all.
@@ -21,8 +21,8 @@
 //! use settings::{CameraSettings, CameraSpec, LidarSpec, Mount, Optics};
 //! use schema::{Tag, images};
 //! use sensors::{Camera, CpuPainter, FrameWeather, Image, Lidar, LidarMoment};
-//! use renderer::Renderer;
-//! use visibility::CpuRenderer;
+//! use render::Renderer;
+//! use render::cpu::CpuRenderer;
 //!
 //! // Level ground of 400 m.
 //! let corner = |x: f32, y: f32| Vec3::new(200.0 * x, 200.0 * y, 0.0);

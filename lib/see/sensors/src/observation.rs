@@ -2,7 +2,7 @@
 
 use frames::LocalOrigin;
 use glam::Affine3A;
-use renderer::Scene;
+use render::Scene;
 use schema::tables::Weather;
 use schema::{ObjectId, rate};
 use settings::Mount;

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use rayon::prelude::*;
-use renderer::{Renderer, Scene, VisibilityBuffer};
+use render::{Renderer, Scene, VisibilityBuffer};
 
 use crate::camera::picture::Picture;
 use crate::camera::view::CameraView;

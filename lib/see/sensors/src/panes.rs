@@ -1,7 +1,7 @@
 //! What is behind the panes of vehicles: the first surface there that is none.
 
 use glam::Vec3;
-use renderer::{Hit, RayBatch, RenderError, Scene, pose_before};
+use render::{Hit, RayBatch, RayQuery, RenderError, Scene, pose_before};
 use schema::geometry::{DOOR_M, Surface};
 
 /// Share of light that passes a pane: UN Regulation 43 wants 70 % of panes that a driver looks through.
@@ -96,8 +96,8 @@ impl<'a> Panes<'a> {
         let mut places: Vec<usize> = (0..found.len()).collect();
         while !places.is_empty() {
             let range_m = [0.0, reach_m];
-            let batch = RayBatch { origin, directions: &directions, range_m, nearest_m: &nearest_m };
-            let hits = self.scene.trace_behind(before, &[batch])?;
+            let rays = RayBatch { origin, directions: &directions, range_m, nearest_m: &nearest_m };
+            let hits = self.scene.trace(&[RayQuery { before, cabins: true, ..RayQuery::of(rays) }])?;
             let mut left = 0;
             for (ray, hit) in hits.iter().flat_map(|hits| hits.iter()).enumerate() {
                 let Some(hit) = hit else { continue };

@@ -3,7 +3,7 @@
 use glam::{Affine3A, Vec3};
 use random::Stream;
 use rayon::prelude::*;
-use renderer::{Hit, Hits, RayBatch, RenderError, Scene};
+use render::{Hit, Hits, RayBatch, RayQuery, RenderError, Scene};
 use schema::geometry::Instance;
 use schema::measures::sensors::RADAR_POINTS;
 use schema::tables::RadarRow;
@@ -217,7 +217,7 @@ fn beyond_own(
     let directions: Vec<Vec3> = rays.iter().map(|ray| ray.direction).collect();
     let farthest_m = rays.iter().map(|ray| ray.limit_m).fold(0.0, f32::max);
     let all = RayBatch { origin, directions: &directions, range_m: [0.0, farthest_m], nearest_m: &[] };
-    let mut hits: Vec<Option<Hit>> = scene.trace(&[all])?.iter().flat_map(Hits::iter).collect();
+    let mut hits: Vec<Option<Hit>> = scene.trace(&[RayQuery::of(all)])?.iter().flat_map(Hits::iter).collect();
 
     let instances = &scene.snapshot().instances;
     let is_own = |hit: &Hit| {
@@ -237,7 +237,7 @@ fn beyond_own(
         let nearest_m: Vec<f32> = inside.iter().map(|(_, hit)| hit.t + STEP_M).collect();
         let onward =
             RayBatch { origin, directions: &directions, range_m: [0.0, farthest_m], nearest_m: &nearest_m };
-        let next = scene.trace(&[onward])?;
+        let next = scene.trace(&[RayQuery::of(onward)])?;
         for ((ray, _), hit) in inside.iter().zip(next.iter().flat_map(Hits::iter)) {
             hits[*ray] = hit;
         }

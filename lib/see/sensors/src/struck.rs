@@ -1,7 +1,7 @@
 //! What a ray struck.
 
 use glam::Vec3;
-use renderer::{Hit, pose_before};
+use render::{Hit, pose_before};
 use schema::ObjectId;
 use schema::geometry::{Part, Snapshot};
 

@@ -9,9 +9,7 @@ use frames::{Agent, Pose, World};
 use glam::{Affine3A, Vec3};
 use nalgebra::Vector3;
 use random::Stream;
-use renderer::{
-    Alone, AloneRays, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer,
-};
+use render::{CameraQuery, Hits, RayQuery, RenderError, Renderer, Scene, VisibilityBuffer};
 use schema::geometry::{Snapshot, TriMesh};
 use schema::tables::Weather;
 use schema::{AgentId, ImageKind, ImageSet};
@@ -184,27 +182,11 @@ impl Scene for Nothing<'_> {
         self.0
     }
 
-    fn look(&self, _: &[PinholeCamera]) -> Result<Vec<VisibilityBuffer>, RenderError> {
+    fn look(&self, _: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
         unplugged()
     }
 
-    fn look_at(&self, _: &[Alone<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
-        unplugged()
-    }
-
-    fn trace(&self, _: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
-        unplugged()
-    }
-
-    fn trace_at(&self, _: &[AloneRays<'_>]) -> Result<Vec<Hits>, RenderError> {
-        unplugged()
-    }
-
-    fn trace_before(&self, _: f32, _: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
-        unplugged()
-    }
-
-    fn trace_behind(&self, _: f32, _: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
+    fn trace(&self, _: &[RayQuery<'_>]) -> Result<Vec<Hits>, RenderError> {
         unplugged()
     }
 }

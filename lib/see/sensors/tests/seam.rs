@@ -6,7 +6,7 @@ use common::{at, block, first_frame, instance, optics, plane, prepared, snapshot
 use frames::{Agent, Pose, World};
 use glam::Affine3A;
 use nalgebra::Vector3;
-use renderer::{Renderer, Scene};
+use render::{Renderer, Scene};
 use schema::geometry::{Snapshot, Surface, Wall};
 use schema::table::{Column, Row};
 use schema::tables::Weather;

@@ -5,12 +5,12 @@ mod common;
 use common::{first_frame, optics, standing_view, street, with_scene};
 use frames::{LocalOrigin, Pose, World};
 use glam::{DVec3, Vec3A};
-use renderer::Renderer;
+use render::cpu::CpuRenderer;
+use render::{CameraQuery, Renderer};
 use schema::ObjectId;
 use schema::geometry::Snapshot;
 use schema::tables::Weather;
 use sensors::{CpuPainter, FrameWeather, Painter, Shot, StillWorld};
-use visibility::CpuRenderer;
 
 /// A street of which every third object moves.
 struct Street {
@@ -69,7 +69,7 @@ fn painted(street: &Street, painter: &dyn Painter, when: &FrameWeather, x_m: f64
         ..view
     };
     with_scene(&snapshot, |scene| {
-        let seen = scene.look(&[camera.pinhole()]).expect("has no device").remove(0);
+        let seen = scene.look(&[CameraQuery::of(camera.pinhole())]).expect("has no device").remove(0);
         let place = snapshot.origin.local_from_world(pose.xyz());
         let shots = [Shot { view: &camera, seen: &seen }];
         painter.paint(scene, when, place, &shots).expect("has no device").remove(0).rgb

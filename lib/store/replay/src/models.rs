@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::packed::ModelError;
-use actors::{ActorMesh, Coarser, Joint, Piece, Rig};
+use meshes::actors::{ActorMesh, Coarser, Joint, Piece, Rig};
 use packs::{Hang, PackModel};
 use schema::scene_info::PackedModelInfo;
 use store::Store;

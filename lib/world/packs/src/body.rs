@@ -1,7 +1,7 @@
 //! The figure of a rig: how long its bones are, and how what hangs on them is turned into their frames.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
-use people::{Age, Bone, Figure, Look, Measures, Side as Of};
+use meshes::people::{Age, Bone, Figure, Look, Measures, Side as Of};
 
 use crate::error::Problem;
 use crate::joints::{Mark, Side};

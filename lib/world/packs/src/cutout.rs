@@ -1,6 +1,6 @@
 //! Cut-outs as geometry: triangles whose picture is clear in places are cut along its edges, so that every sense sees the same.
 
-use people::Bone;
+use meshes::people::Bone;
 
 use crate::soup::Triangle;
 use crate::stencil::Stencil;

@@ -1,6 +1,6 @@
 //! Which joint of a rig is which of ours: by the page, or by names that programs and shops use.
 
-use people::Bone;
+use meshes::people::Bone;
 
 /// What joints are looked for: those of our bones, and the wrists, where forearms end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use people::{Bone, Walker};
+use meshes::people::{Bone, Walker};
 use schema::geometry::TriMesh;
 use schema::models::BaseType;
 use schema::tables::PlanModelRow;

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DAffine3, DMat3, DMat4, DVec3};
-use people::Bone;
+use meshes::people::Bone;
 
 use crate::accessor::Numbers;
 use crate::document::Document;

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 use gltf_json::mesh::{Mode, Semantic};
 use gltf_json::validation::Checked;
-use people::Bone;
+use meshes::people::Bone;
 use schema::Tag;
 
 use crate::accessor::Numbers;

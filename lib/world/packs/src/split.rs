@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::{DVec3, Vec2};
-use people::{Bone, Side};
+use meshes::people::{Bone, Side};
 
 use crate::body::Body;
 use crate::soup::Triangle;

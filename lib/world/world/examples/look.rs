@@ -8,11 +8,11 @@ use std::io::BufWriter;
 use std::path::Path;
 use std::sync::Arc;
 
-use actors::{Posture, actor_mesh};
 use frames::{LocalOrigin, Object, Pose, World};
 use glam::{Affine3A, Mat4, Vec3};
 use land::scenery::PLATES;
 use land::tiles::{Surroundings, TileMaker};
+use meshes::actors::{Posture, actor_mesh};
 use opendrive::{Map, Network};
 use schema::geometry::{Instance, Snapshot, Surface, TriMesh};
 use schema::models::MODELS;

@@ -3,10 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use actors::{ActorMesh, Cabin, Coarser, Joint, Piece, Posture, Rig, actor_mesh, has_variants};
 use frames::math::f32::pow;
 use frames::{LocalOrigin, Object, Pose, World};
 use glam::{Affine3A, Mat3A, Quat, Vec3A};
+use meshes::actors::{ActorMesh, Cabin, Coarser, Joint, Piece, Posture, Rig, actor_mesh, has_variants};
 use rayon::prelude::*;
 use schema::geometry::{Instance, ObjectMotion, Snapshot, SurfaceMesh, TriMesh};
 use schema::models::RSU_MODEL;

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use crate::culling::MeshFacts;
 use glam::{Affine3A, Vec3A};
 use rayon::prelude::*;
-use renderer::{RenderError, VoxelBlock, VoxelRenderer};
+use render::{RenderError, VoxelBlock, VoxelRenderer};
 use schema::geometry::{Instance, Snapshot, TriMesh};
 
 use crate::voxels::column::{GridTriangle, Span};

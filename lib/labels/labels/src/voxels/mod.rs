@@ -13,7 +13,7 @@
 //! [`CpuVoxelRenderer::cell_rows`] lists the same cells with their objects and velocities, slab by slab, so that grids of any size
 //! fit; [`CpuVoxelRenderer::sweep`] gives the shells that sweeps along the axes meet first.
 //!
-//! [`CpuVoxelRenderer`] does this behind the seam of [`renderer::VoxelRenderer`]; [`GridPlacement`] says where the grid of an
+//! [`CpuVoxelRenderer`] does this behind the seam of [`render::VoxelRenderer`]; [`GridPlacement`] says where the grid of an
 //! agent is.
 //!
 //! ```

@@ -3,7 +3,7 @@
 use crate::voxel_grid::VoxelGrid;
 use frames::{Agent, LocalOrigin, Pose, World};
 use glam::{Affine3A, Mat3A, Vec3A};
-use renderer::{RenderError, VoxelBlock, VoxelRenderer};
+use render::{RenderError, VoxelBlock, VoxelRenderer};
 use schema::ObjectId;
 use schema::geometry::Snapshot;
 use settings::OccupancySettings;

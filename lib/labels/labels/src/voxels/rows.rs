@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{Affine3A, Vec3A};
 use rayon::prelude::*;
-use renderer::{RenderError, VoxelBlock};
+use render::{RenderError, VoxelBlock};
 use schema::geometry::{Instance, Snapshot};
 use schema::{FRAME_PERIOD_S, Tag};
 
@@ -46,7 +46,7 @@ struct Owned {
 }
 
 impl CpuVoxelRenderer {
-    /// The occupied cells of a block: the very ones that [`renderer::VoxelRenderer::voxelize`] labels. Of surfaces whose labels
+    /// The occupied cells of a block: the very ones that [`render::VoxelRenderer::voxelize`] labels. Of surfaces whose labels
     /// rank alike the object of the smaller id has the cell. Holds as many slabs of the grid as there are threads, never the
     /// grid.
     ///

@@ -8,7 +8,7 @@
 //! is left out.
 
 use rayon::prelude::*;
-use renderer::{RenderError, VoxelBlock, VoxelRenderer};
+use render::{RenderError, VoxelBlock, VoxelRenderer};
 use schema::geometry::Snapshot;
 use schema::{ObjectId, Tag};
 use settings::{SweepSettings, ZFill};

@@ -6,7 +6,7 @@ use crate::voxel_grid::VoxelGrid;
 use frames::{Agent, Pose, World};
 use glam::DVec3;
 use proptest::prelude::*;
-use renderer::{RenderError, VoxelBlock, VoxelRenderer};
+use render::{RenderError, VoxelBlock, VoxelRenderer};
 use schema::Tag;
 use schema::geometry::{Snapshot, TriMesh};
 use settings::OccupancySettings;

@@ -8,10 +8,10 @@ use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
-use actors::{Piece, Posture, actor_mesh};
 use glam::{Affine3A, Vec3};
+use meshes::actors::{Piece, Posture, actor_mesh};
+use meshes::people::Walker;
 use packs::{Hang, PackModel};
-use people::Walker;
 use schema::geometry::{Instance, Snapshot, Surface, SurfaceMesh, TriMesh};
 use schema::models::{BaseType, Model};
 use schema::tables::Weather;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::Vec3;
-use renderer::{Alone, PinholeCamera, SKY, Scene, VisibilityBuffer};
+use render::{CameraQuery, PinholeCamera, SKY, Scene, VisibilityBuffer};
 use schema::geometry::{Instance, Snapshot};
 use schema::tables::{BOXES_2D_TABLE, Box2dRow};
 use schema::{DetectionClass, ObjectId, Tag};
@@ -120,9 +120,11 @@ fn look_alone<'a>(
         return pairs.map(|(window, instances)| look_bent_at(scene, view, *window, instances)).collect();
     }
     let camera = view.pinhole();
-    let alone: Vec<Alone<'_>> =
-        pairs.map(|(window, instances)| Alone { camera: cropped(&camera, window), instances }).collect();
-    Ok(scene.look_at(&alone)?)
+    let alone = |(window, instances): (&Window, &'a [u32])| CameraQuery {
+        among: Some(instances),
+        ..CameraQuery::of(cropped(&camera, window))
+    };
+    Ok(scene.look(&pairs.map(alone).collect::<Vec<_>>())?)
 }
 
 /// The tag of what a pixel shows, and whose it is; none of the sky.
@@ -278,10 +280,10 @@ fn truncation([left, top, right, bottom]: [f32; 4], camera: &PinholeCamera) -> f
 #[cfg(test)]
 mod tests {
     use frames::Pose;
-    use renderer::Renderer;
+    use render::Renderer;
+    use render::cpu::CpuRenderer;
     use settings::{CameraSettings, CameraSpec, Lens, Mount, Optics};
     use testkit::{WorldBuilder, box_mesh};
-    use visibility::CpuRenderer;
 
     use super::super::looking::look;
     use super::super::mounted::Camera;

@@ -1,7 +1,7 @@
 //! The depth image.
 
 use rayon::prelude::*;
-use renderer::VisibilityBuffer;
+use render::VisibilityBuffer;
 use schema::geometry::Snapshot;
 use schema::images::Depth;
 use schema::tables::CameraRow;

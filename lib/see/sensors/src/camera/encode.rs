@@ -1,7 +1,7 @@
 //! Encoders with settings chosen by measurement (`benches/sensors.rs`).
 
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
-use renderer::VisibilityBuffer;
+use render::VisibilityBuffer;
 use schema::table::Blob;
 use schema::tables::CameraRow;
 

@@ -3,7 +3,7 @@
 use glam::{Affine3A, Mat3};
 use lanes::{LANES, Lanes, Vec3s};
 use rayon::prelude::*;
-use renderer::{Surfaces, VisibilityBuffer};
+use render::{Surfaces, VisibilityBuffer};
 use schema::ImageKind;
 use schema::geometry::Snapshot;
 use schema::images::{Flow, OfKind};

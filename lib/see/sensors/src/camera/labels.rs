@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
-use renderer::{SKY, VisibilityBuffer};
+use render::{SKY, VisibilityBuffer};
 use schema::geometry::Snapshot;
 use schema::images::{Instance, Semantic};
 use schema::tables::CameraRow;

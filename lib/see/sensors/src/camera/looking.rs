@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use rayon::prelude::*;
-use renderer::{AloneRays, Hits, PinholeCamera, RayBatch, Scene, VisibilityBuffer};
+use render::{CameraQuery, PinholeCamera, RayBatch, RayQuery, Scene, VisibilityBuffer};
 
 use super::view::CameraView;
 use crate::error::SensorError;
@@ -32,8 +32,11 @@ struct Bundle {
 /// # Errors
 /// The renderer failed.
 pub(crate) fn look(scene: &dyn Scene, views: &[CameraView]) -> Result<Vec<VisibilityBuffer>, SensorError> {
-    let straight: Vec<PinholeCamera> =
-        views.iter().filter(|view| view.model.rays().is_none()).map(CameraView::pinhole).collect();
+    let straight: Vec<CameraQuery<'_>> = views
+        .iter()
+        .filter(|view| view.model.rays().is_none())
+        .map(|view| CameraQuery::of(view.pinhole()))
+        .collect();
     let mut straight = scene.look(&straight)?.into_iter();
     let mut seen = Vec::with_capacity(views.len());
     for view in views {
@@ -43,7 +46,7 @@ pub(crate) fn look(scene: &dyn Scene, views: &[CameraView]) -> Result<Vec<Visibi
             None => {
                 let camera = view.pinhole();
                 let window = Window { corner: [0, 0], size: [camera.width, camera.height] };
-                let mut buffer = look_bent(view, window, |batches| Ok(scene.trace(batches)?))?;
+                let mut buffer = look_bent(view, window, None, scene)?;
                 buffer.rays = view.model.rays().cloned();
                 buffer
             }
@@ -62,16 +65,14 @@ pub(super) fn look_bent_at(
     window: Window,
     instances: &[u32],
 ) -> Result<VisibilityBuffer, SensorError> {
-    look_bent(view, window, |batches| {
-        let alone: Vec<_> = batches.iter().map(|rays| AloneRays { rays: *rays, instances }).collect();
-        Ok(scene.trace_at(&alone)?)
-    })
+    look_bent(view, window, Some(instances), scene)
 }
 
 fn look_bent(
     view: &CameraView,
     window: Window,
-    trace: impl FnOnce(&[RayBatch<'_>]) -> Result<Vec<Hits>, SensorError>,
+    among: Option<&[u32]>,
+    scene: &dyn Scene,
 ) -> Result<VisibilityBuffer, SensorError> {
     let whole = view.pinhole();
     let [width, height] = window.size;
@@ -99,11 +100,12 @@ fn look_bent(
     };
     let bundles: Vec<Bundle> = bands.par_iter().map(bundle).collect();
     let (origin, range_m) = (Vec3::from(view.local_from_optical.translation), [whole.near_m, whole.far_m]);
-    let batches: Vec<RayBatch<'_>> = bundles
-        .iter()
-        .map(|b| RayBatch { origin, directions: &b.directions, range_m, nearest_m: &[] })
-        .collect();
-    for (bundle, hits) in bundles.iter().zip(trace(&batches)?) {
+    let query = |directions| RayQuery {
+        among,
+        ..RayQuery::of(RayBatch { origin, directions, range_m, nearest_m: &[] })
+    };
+    let queries: Vec<RayQuery<'_>> = bundles.iter().map(|bundle| query(&bundle.directions)).collect();
+    for (bundle, hits) in bundles.iter().zip(scene.trace(&queries)?) {
         for (&(pixel, length), hit) in bundle.pixels.iter().zip(hits.iter()) {
             let Some(hit) = hit else { continue };
             buffer.instance[pixel] = hit.instance;

@@ -8,7 +8,7 @@
 use glam::{Affine3A, Mat3, Vec3};
 use lanes::{LANES, Lanes, Vec3s, floor_words};
 use rayon::prelude::*;
-use renderer::{Surfaces, VisibilityBuffer};
+use render::{Surfaces, VisibilityBuffer};
 use schema::geometry::Surface;
 
 use super::film::Film;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Vec2, Vec3};
 use lanes::{LANES, Lanes, Vec3s};
 use rayon::prelude::*;
-use renderer::PinholeCamera;
+use render::PinholeCamera;
 use settings::{LensModel, Optics};
 
 use crate::error::{MAX_SIDE_PX, SensorError};

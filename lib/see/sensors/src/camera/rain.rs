@@ -1,7 +1,7 @@
 //! Streaks of falling rain in front of a camera.
 
 use glam::{Vec2, Vec3};
-use renderer::VisibilityBuffer;
+use render::VisibilityBuffer;
 use textures::{hash2, unit};
 
 use super::model::CameraModel;

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use lanes::{LANES, Lanes, STEPS, Vec3s, exp_neg, smoothstep};
 use rayon::prelude::*;
-use renderer::{Bend, Facet as Triangle, RenderError, SKY, Scene, SurfacePoints, Surfaces, VisibilityBuffer};
+use render::{Bend, Facet as Triangle, RenderError, SKY, Scene, SurfacePoints, Surfaces, VisibilityBuffer};
 
 use super::antialias::smooth_edges;
 use super::bloom::{blocks, bloom, gather};

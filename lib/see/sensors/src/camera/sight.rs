@@ -1,6 +1,6 @@
 //! What images are made of.
 
-use renderer::VisibilityBuffer;
+use render::VisibilityBuffer;
 
 use super::picture::Picture;
 use super::view::CameraView;

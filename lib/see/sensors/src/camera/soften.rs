@@ -2,7 +2,7 @@
 
 use glam::Vec2;
 use rayon::prelude::*;
-use renderer::VisibilityBuffer;
+use render::VisibilityBuffer;
 use schema::FRAME_PERIOD_S;
 use schema::geometry::Snapshot;
 

@@ -8,7 +8,7 @@ use frames::Aabb;
 use glam::{Mat3, Vec2, Vec3};
 use lanes::{LANES, Lanes, Vec3s, exp_neg};
 use rayon::prelude::*;
-use renderer::VisibilityBuffer;
+use render::VisibilityBuffer;
 use schema::geometry::{Instance, Snapshot};
 use schema::{FRAME_PERIOD_S, Tag};
 use textures::{hash2, unit};

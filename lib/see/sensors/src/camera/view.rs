@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Affine3A;
-use renderer::PinholeCamera;
+use render::PinholeCamera;
 use settings::CameraSettings;
 
 use super::model::CameraModel;

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use random::Stream;
 use rayon::prelude::*;
-use renderer::{Hits, RayBatch, Scene};
+use render::{Hits, RayBatch, RayQuery, Scene};
 use settings::LidarSpec;
 
 use super::air::Air;
@@ -78,7 +78,7 @@ impl Lidar {
     /// drops nor noise. Returns with `|x| <= 2.44` and `|y| <= 1.04` are left out (the agent's own body).
     ///
     /// Of a rolling lidar, columns of a slice are fired at one moment: from where the sensor is then, at instances that are where
-    /// [`renderer::pose_before`] has them.
+    /// [`render::pose_before`] has them.
     ///
     /// # Errors
     /// The renderer failed.
@@ -178,11 +178,12 @@ impl Lidar {
             slice.patches.par_iter().zip(beams).map(|(patch, beams)| gun.fire(patch, beams)).collect();
         let origin = Vec3::from(local_from_sensor.translation);
         let range_m = [0.0, self.spec.range_m as f32];
-        let batches: Vec<RayBatch<'_>> =
-            fired.iter().map(|directions| RayBatch { origin, directions, range_m, nearest_m: &[] }).collect();
-        let is_now = slice.before == 0.0;
-        let hits =
-            if is_now { scene.trace(&batches)? } else { scene.trace_before(slice.before, &batches)? };
+        let query = |directions| RayQuery {
+            before: slice.before,
+            ..RayQuery::of(RayBatch { origin, directions, range_m, nearest_m: &[] })
+        };
+        let queries: Vec<RayQuery<'_>> = fired.iter().map(|directions| query(directions)).collect();
+        let hits = scene.trace(&queries)?;
         let behind = match panes {
             Some(panes) => self.behind(panes, slice.before, origin, &fired, &hits)?,
             None => vec![Vec::new(); fired.len()],

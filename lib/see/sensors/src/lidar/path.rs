@@ -1,7 +1,7 @@
 //! Where a lidar is while it turns.
 
 use glam::Affine3A;
-use renderer::pose_before;
+use render::pose_before;
 use schema::tables::Weather;
 
 /// Where a sensor is at a frame, and how its agent came there.

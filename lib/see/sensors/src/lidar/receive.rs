@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{Affine3A, Vec3};
 use random::Stream;
-use renderer::Hit;
+use render::Hit;
 use schema::geometry::Snapshot;
 use schema::{ObjectId, ReturnKind};
 use settings::LidarSpec;

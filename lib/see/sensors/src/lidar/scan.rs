@@ -1,7 +1,7 @@
 //! What the rays of beams meet.
 
 use glam::Vec3;
-use renderer::Hits;
+use render::Hits;
 
 use crate::panes::Behind;
 

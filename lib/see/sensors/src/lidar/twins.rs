@@ -1,6 +1,6 @@
 //! Lidars of one agent that fire the same beams.
 
-use renderer::Scene;
+use render::Scene;
 use schema::rate;
 use settings::{LidarSpec, Mount, Rig};
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use lanes::{Lanes, Vec3s};
-use renderer::{RenderError, Scene};
+use render::{RenderError, Scene};
 
 use super::lens::{HOUSES, Lens};
 use super::still::StillMaps;

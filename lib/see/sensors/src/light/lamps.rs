@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use lanes::{LANES, Lanes, Vec3s, Words, floor_words};
 use rayon::prelude::*;
-use renderer::{RenderError, Scene};
+use render::{RenderError, Scene};
 use schema::geometry::{Snapshot, Surface, TriMesh};
 use schema::{ObjectId, lights};
 

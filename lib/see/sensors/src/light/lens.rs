@@ -2,7 +2,7 @@
 
 use frames::LocalOrigin;
 use glam::{Affine3A, DVec3, Mat3A, Vec3, Vec3A};
-use renderer::{PinholeCamera, RenderError, Scene};
+use render::{CameraQuery, Outputs, PinholeCamera, RenderError, Scene, Stipple};
 
 /// Distance of the stand-in for the sun, metres: far enough that its rays are within a degree of parallel, near
 /// enough that depths keep a millimetre in `f32`.
@@ -13,6 +13,23 @@ const REACH_M: f32 = 900.0;
 pub(super) const BLOCK: usize = 8;
 /// Places of lenses along the light are this far apart, metres.
 const STEP_M: f64 = 64.0;
+
+/// Light passes half of the panes, as about half passes two panes of 70 % each: the soft edges of shadows make grey of the pattern.
+const HALF_OF_PANES: Stipple = Stipple::new([[false, true], [true, false]]);
+
+/// Depths of what a camera sees of a scene, of all instances or of some; panes of vehicles are opaque where a pattern says so.
+///
+/// # Errors
+/// The renderer failed.
+pub(super) fn depths(
+    scene: &dyn Scene,
+    camera: &PinholeCamera,
+    among: Option<&[u32]>,
+    panes: Stipple,
+) -> Result<Vec<f32>, RenderError> {
+    let query = CameraQuery { camera: *camera, among, outputs: Outputs::Depths, panes };
+    Ok(scene.look(&[query])?.pop().map_or_else(Vec::new, |seen| seen.depth_m))
+}
 
 /// How large a map is, and how finely lenses for it are told apart.
 #[derive(Clone, Copy, Debug)]
@@ -144,11 +161,7 @@ impl Lens {
         camera: &PinholeCamera,
         among: Option<&[u32]>,
     ) -> Result<Vec<f32>, RenderError> {
-        if self.through_panes {
-            scene.depths_through_panes(camera, among)
-        } else {
-            scene.depths(camera, among)
-        }
+        depths(scene, camera, among, if self.through_panes { HALF_OF_PANES } else { Stipple::OPAQUE })
     }
 
     /// The camera that sees a window, in the local frame of an origin.

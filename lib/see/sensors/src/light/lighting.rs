@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use renderer::{RenderError, Scene};
+use render::{RenderError, Scene};
 use schema::tables::Weather;
 
 use super::enclosed::Enclosed;

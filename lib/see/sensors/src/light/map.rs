@@ -3,7 +3,7 @@
 use glam::Vec3;
 use lanes::{LANES, Lanes, Vec3s, floor_words};
 use rayon::prelude::*;
-use renderer::PinholeCamera;
+use render::PinholeCamera;
 
 use super::lens::{BLOCK, Lens, Window};
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
 use glam::Vec3;
-use renderer::{RenderError, Renderer, Scene};
+use render::{RenderError, Renderer, Scene};
 
 use super::lighting::{FrameWeather, Lighting};
 use super::sky::Sky;

@@ -2,10 +2,11 @@
 
 use glam::{Affine3A, Mat3A, Vec3};
 use lanes::{Lanes, Vec3s};
-use renderer::{PinholeCamera, RenderError, Scene};
+use render::{PinholeCamera, RenderError, Scene, Stipple};
 use schema::ObjectId;
 use schema::geometry::Instance;
 
+use super::lens::depths;
 use super::walls::is_ground;
 
 /// What is so near is not in the way, metres: rims of the lamp itself.
@@ -70,7 +71,7 @@ impl Seen {
         };
         let instances = (0..).zip(&snapshot.instances);
         let near: Vec<u32> = instances.filter(|(_, i)| is_near(i)).map(|(number, _)| number).collect();
-        let depth_m = scene.depths(&camera, Some(&near))?;
+        let depth_m = depths(scene, &camera, Some(&near), Stipple::OPAQUE)?;
         Ok(Self { camera, optical_from_local: local_from_optical.inverse(), depth_m })
     }
 
@@ -113,11 +114,11 @@ impl Seen {
 
 #[cfg(test)]
 mod tests {
-    use renderer::Renderer;
+    use render::Renderer;
+    use render::cpu::CpuRenderer;
     use schema::Tag;
     use schema::geometry::Surface;
     use testkit::{block, instance, snapshot};
-    use visibility::CpuRenderer;
 
     use super::*;
 

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use lanes::{LANES, Lanes, Vec3s, floor_words, lerp};
 use rayon::prelude::*;
-use renderer::{RenderError, Scene};
+use render::{RenderError, Scene};
 
 use super::lens::{ABOVE, BLOCK, Lens, MAPS, Window};
 use super::map::{AROUND, Lit, Map};
@@ -204,10 +204,10 @@ mod tests {
 
     use frames::LocalOrigin;
     use glam::Affine3A;
-    use renderer::{Alone, AloneRays, Hits, PinholeCamera, RayBatch, Renderer, VisibilityBuffer};
+    use render::cpu::CpuRenderer;
+    use render::{CameraQuery, Hits, RayBatch, RayQuery, Renderer, VisibilityBuffer};
     use schema::Tag;
     use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
-    use visibility::CpuRenderer;
 
     use super::super::still::StillWorld;
     use super::*;
@@ -271,14 +271,16 @@ mod tests {
                 .map(|i| Vec3::new((i % n) as f32 * 1.3 - 78.0, (i / n) as f32 * 1.3 - 78.0, 0.0))
                 .collect();
             let directions = [to_light];
-            let batch = |&origin| RayBatch {
-                origin,
-                directions: &directions,
-                range_m: [1e-3, 500.0],
-                nearest_m: &[],
+            let query = |&origin| {
+                RayQuery::of(RayBatch {
+                    origin,
+                    directions: &directions,
+                    range_m: [1e-3, 500.0],
+                    nearest_m: &[],
+                })
             };
-            let batches: Vec<_> = places.iter().map(batch).collect();
-            let hits = scene.trace(&batches).expect("has no device");
+            let queries: Vec<_> = places.iter().map(query).collect();
+            let hits = scene.trace(&queries).expect("has no device");
             let (mut wrong, mut shaded) = (0, 0);
             for (p, hit) in places.iter().zip(hits) {
                 let want = if hit.get(0).is_some() { 0.0 } else { 1.0 };
@@ -317,23 +319,11 @@ mod tests {
         fn snapshot(&self) -> &Snapshot {
             self.0.snapshot()
         }
-        fn look(&self, cameras: &[PinholeCamera]) -> Result<Vec<VisibilityBuffer>, RenderError> {
-            self.0.look(cameras)
+        fn look(&self, queries: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
+            self.0.look(queries)
         }
-        fn look_at(&self, shots: &[Alone<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
-            self.0.look_at(shots)
-        }
-        fn trace(&self, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
-            self.0.trace(batches)
-        }
-        fn trace_at(&self, batches: &[AloneRays<'_>]) -> Result<Vec<Hits>, RenderError> {
-            self.0.trace_at(batches)
-        }
-        fn trace_before(&self, before: f32, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
-            self.0.trace_before(before, batches)
-        }
-        fn trace_behind(&self, before: f32, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
-            self.0.trace_behind(before, batches)
+        fn trace(&self, queries: &[RayQuery<'_>]) -> Result<Vec<Hits>, RenderError> {
+            self.0.trace(queries)
         }
     }
 

@@ -5,7 +5,7 @@
 
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use lanes::{LANES, Lanes, Vec3s, floor_words};
-use renderer::{Facet, PinholeCamera, RayBatch, RenderError, Scene, Surfaces, VisibilityBuffer};
+use render::{Facet, PinholeCamera, RayBatch, RayQuery, RenderError, Scene, Surfaces, VisibilityBuffer};
 use schema::geometry::Surface;
 
 use super::fog::Fog;
@@ -169,18 +169,18 @@ fn looked(scene: &dyn Scene, cameras: &[PinholeCamera]) -> Result<Vec<Visibility
         pixels.iter().map(|at| camera.local_from_optical.transform_vector3(look(at)).normalize()).collect()
     };
     let directions: Vec<Vec<Vec3>> = cameras.iter().map(seen_from).collect();
-    let batches: Vec<RayBatch<'_>> = cameras
-        .iter()
-        .zip(&directions)
-        .map(|(camera, directions)| RayBatch {
+    let query = |(camera, directions): (&PinholeCamera, _)| {
+        RayQuery::of(RayBatch {
             origin: camera.local_from_optical.translation.into(),
             directions,
             range_m: [camera.near_m, camera.far_m],
             nearest_m: &[],
         })
-        .collect();
+    };
+    let queries: Vec<RayQuery<'_>> =
+        cameras.iter().zip(directions.iter().map(Vec::as_slice)).map(query).collect();
     let mut buffers: Vec<VisibilityBuffer> = cameras.iter().map(VisibilityBuffer::empty).collect();
-    for (buffer, (hits, directions)) in buffers.iter_mut().zip(scene.trace(&batches)?.iter().zip(&directions))
+    for (buffer, (hits, directions)) in buffers.iter_mut().zip(scene.trace(&queries)?.iter().zip(&directions))
     {
         let ahead = Vec3::from(buffer.camera.local_from_optical.matrix3.z_axis);
         for ((hit, direction), &(x, y)) in hits.iter().zip(directions).zip(&pixels) {
@@ -217,11 +217,11 @@ mod tests {
     use std::sync::Arc;
 
     use frames::LocalOrigin;
-    use renderer::Renderer;
+    use render::Renderer;
+    use render::cpu::CpuRenderer;
     use schema::Tag;
     use schema::geometry::{Instance, Part, Snapshot, TriMesh};
     use schema::tables::Weather;
-    use visibility::CpuRenderer;
 
     use super::super::lighting::Lighting;
     use super::*;

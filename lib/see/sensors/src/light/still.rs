@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use renderer::{RenderError, Renderer};
+use render::{RenderError, Renderer};
 use schema::ObjectId;
 use schema::geometry::Snapshot;
 

@@ -8,11 +8,11 @@
 use glam::{DVec3, Vec3};
 use lanes::Lanes;
 use rayon::prelude::*;
-use renderer::{RenderError, Scene};
+use render::{RenderError, Scene, Stipple};
 use schema::Tag;
 use schema::geometry::TriMesh;
 
-use super::lens::Lens;
+use super::lens::{Lens, depths};
 
 /// Texels of the map a side of a cell.
 const CELL: usize = 2;
@@ -98,7 +98,7 @@ impl Walls {
         // From the south-west, row by row.
         let side = lens.side as usize;
         let heights = |among: &[u32]| -> Result<Vec<f32>, RenderError> {
-            let depth_m = scene.depths(&camera, Some(among))?;
+            let depth_m = depths(scene, &camera, Some(among), Stipple::OPAQUE)?;
             let rows = depth_m.chunks_exact(side).rev();
             Ok(rows.flatten().map(|depth_m| up_m - depth_m).collect())
         };

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use lanes::{Lanes, Vec3s};
-use renderer::Facet as Triangle;
+use render::Facet as Triangle;
 use schema::geometry::{Instance, Part, Surface};
 use schema::{ObjectId, Tag};
 

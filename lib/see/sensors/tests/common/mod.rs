@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use frames::{Agent, LocalOrigin, Pose, World};
 use glam::{Affine3A, Vec3};
-use renderer::{Renderer, Scene};
+use render::cpu::CpuRenderer;
+use render::{Renderer, Scene};
 use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh, Wall};
 use schema::tables::{CameraRow, Weather};
 use schema::{ImageSet, Tag, lights};
 use sensors::{Camera, CameraView, CpuPainter, FrameWeather, Image, Lighting, Painter, Picture, Sight, Sky};
 use settings::{CameraSettings, CameraSpec, Mount, Optics};
 pub(crate) use testkit::{block, instance, plane, snapshot};
-use visibility::CpuRenderer;
 
 /// A renderer with a snapshot's meshes.
 pub(crate) fn prepared(snapshot: &Snapshot) -> CpuRenderer {

@@ -1,7 +1,7 @@
 //! Beams that meet more than one surface, against shares counted by hand.
 
 use glam::Affine3A;
-use renderer::Renderer;
+use render::Renderer;
 use schema::geometry::{Instance, Snapshot, Surface};
 use schema::{ReturnKind, Tag};
 use sensors::{Lidar, LidarMoment, LidarSweep, OfBeam};

@@ -11,7 +11,7 @@ mod weather;
 use common::{at, block, instance, plane, prepared, snapshot, street, with_scene};
 use glam::{Affine3A, Vec3};
 use random::Stream;
-use renderer::{RayBatch, Renderer, Scene};
+use render::{RayBatch, RayQuery, Renderer, Scene};
 use schema::Tag;
 use schema::geometry::{Surface, Wall};
 use sensors::{Lidar, LidarMoment, LidarSweep, RadarMotion, RadarReturns, SensorError};
@@ -137,7 +137,7 @@ fn sweeps_equal_single_rays_and_do_not_depend_on_threads() {
             range_m: [0.0, 120.0],
             nearest_m: &[],
         };
-        let Some(hit) = scene.trace(&[ray]).expect("has no device")[0].get(0) else { continue };
+        let Some(hit) = scene.trace(&[RayQuery::of(ray)]).expect("has no device")[0].get(0) else { continue };
         let p = *direction * hit.t;
         if p.x.abs() <= 2.44 && p.y.abs() <= 1.04 {
             continue;

@@ -1,7 +1,7 @@
 //! Rolling scans against ranges worked out by hand: one column at a time, of what moves at one speed.
 
 use glam::{Affine3A, Vec3};
-use renderer::{Renderer, Scene};
+use render::{Renderer, Scene};
 use schema::Tag;
 use schema::geometry::{Instance, Snapshot, Surface};
 use sensors::{Lidar, LidarMoment, LidarSweep, SensorPath};

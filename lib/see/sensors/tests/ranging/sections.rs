@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use actors::{Posture, actor_mesh};
 use glam::{Affine3A, Vec3};
-use renderer::Renderer;
+use meshes::actors::{Posture, actor_mesh};
+use render::Renderer;
 use sensors::RadarMotion;
 use settings::{RadarSpec, Rig};
 

@@ -4,9 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use frames::{Agent, Pose, World};
 use nalgebra::Vector3;
-use renderer::{
-    Alone, AloneRays, Hits, PinholeCamera, RayBatch, RenderError, Renderer, Scene, VisibilityBuffer,
-};
+use render::{CameraQuery, Hits, RayQuery, RenderError, Renderer, Scene, VisibilityBuffer};
 use schema::geometry::{Instance, Snapshot, Surface};
 use schema::table::{Column, Row};
 use schema::tables::Weather;
@@ -84,30 +82,14 @@ impl Scene for Counting<'_> {
         self.scene.snapshot()
     }
 
-    fn look(&self, cameras: &[PinholeCamera]) -> Result<Vec<VisibilityBuffer>, RenderError> {
-        self.scene.look(cameras)
+    fn look(&self, queries: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
+        self.scene.look(queries)
     }
 
-    fn look_at(&self, shots: &[Alone<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
-        self.scene.look_at(shots)
-    }
-
-    fn trace(&self, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
-        let rays = batches.iter().map(|batch| batch.directions.len()).sum();
-        self.rays.fetch_add(rays, Ordering::Relaxed);
-        self.scene.trace(batches)
-    }
-
-    fn trace_at(&self, batches: &[AloneRays<'_>]) -> Result<Vec<Hits>, RenderError> {
-        self.scene.trace_at(batches)
-    }
-
-    fn trace_before(&self, before: f32, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
-        self.scene.trace_before(before, batches)
-    }
-
-    fn trace_behind(&self, before: f32, batches: &[RayBatch<'_>]) -> Result<Vec<Hits>, RenderError> {
-        self.scene.trace_behind(before, batches)
+    fn trace(&self, queries: &[RayQuery<'_>]) -> Result<Vec<Hits>, RenderError> {
+        let now = queries.iter().filter(|query| query.before == 0.0 && !query.cabins);
+        self.rays.fetch_add(now.map(|query| query.rays.directions.len()).sum(), Ordering::Relaxed);
+        self.scene.trace(queries)
     }
 }
 

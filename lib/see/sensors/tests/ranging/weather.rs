@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use frames::math::{cos, exp, ln, pow, sin, tan};
 use glam::{Affine3A, Vec3};
-use renderer::Renderer;
+use render::Renderer;
 use schema::geometry::Surface;
 use schema::tables::Weather;
 use schema::{ReturnKind, Tag};

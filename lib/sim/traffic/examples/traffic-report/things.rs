@@ -36,14 +36,14 @@ struct Thing<'a> {
 impl<'a> Thing<'a> {
     fn new(actor: &'a ActorRow) -> Option<Self> {
         let size = [actor.length_m, actor.width_m, actor.height_m];
-        let mesh = actors::actor_mesh(&actor.model, size, actor.variant)?;
+        let mesh = meshes::actors::actor_mesh(&actor.model, size, actor.variant)?;
         let pose = Pose::<World, Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
         let lowest = mesh.pieces.iter().map(|p| f64::from(p.mesh.aabb().min.z)).fold(f64::INFINITY, f64::min);
         let hung = matches!(actor.kind, ActorKind::TrafficLight | ActorKind::Sign);
         let ground_m = if hung { lowest + SUNK_M } else { 0.0 };
         let mut triangles = Vec::new();
         for piece in &mesh.pieces {
-            let Some(from_piece) = piece.joint.object_from_piece(&actors::Posture::default()) else {
+            let Some(from_piece) = piece.joint.object_from_piece(&meshes::actors::Posture::default()) else {
                 continue;
             };
             for i in 0..piece.mesh.triangles.len() {

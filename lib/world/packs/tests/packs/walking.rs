@@ -5,8 +5,8 @@ use std::f32::consts::TAU;
 
 use frames::Aabb;
 use glam::Vec3;
+use meshes::people::{Bone, Walker};
 use packs::{Hang, PackModel};
-use people::{Bone, Walker};
 
 use crate::faults::read;
 use crate::person::person;

@@ -4,9 +4,9 @@
 use std::collections::BTreeMap;
 
 use crate::common::{demo, place, rules, start};
-use actors::actor_mesh;
 use frames::math::sin_cos;
 use frames::{Object, Pose, World};
+use meshes::actors::actor_mesh;
 use nalgebra::Point3;
 use opendrive::Map;
 use schema::ActorKind;
@@ -49,7 +49,7 @@ fn footprints_hold_what_is_drawn_at_walking_height_and_little_more() {
         let low = (held.xyz_m[2] - actor.xyz_m[2]) as f32;
         let mut reach = [0.0_f64; 2];
         for piece in &mesh.pieces {
-            let Some(from_piece) = piece.joint.object_from_piece(&actors::Posture::default()) else {
+            let Some(from_piece) = piece.joint.object_from_piece(&meshes::actors::Posture::default()) else {
                 continue;
             };
             for i in 0..piece.mesh.triangles.len() {

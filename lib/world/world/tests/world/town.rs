@@ -296,7 +296,7 @@ fn blinkers_and_emergency_lights_flash_by_the_clock() {
 fn the_motion_of_a_walker_is_that_of_its_limbs() {
     use std::f64::consts::TAU;
     let model = schema::models::find("walker.woman").unwrap();
-    let body = people::Walker::new(model, 3);
+    let body = meshes::people::Walker::new(model, 3);
     let [length_m, width_m, height_m] = body.size_m().to_array().map(f64::from);
     let (kind, name) = (ActorKind::Walker, model.name.to_owned());
     let walker = ActorRow { kind, model: name, length_m, width_m, height_m, variant: 3, ..car(7) };

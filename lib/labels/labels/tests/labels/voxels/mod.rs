@@ -5,7 +5,7 @@ mod sweeps;
 
 use frames::{Agent, Pose, World};
 use labels::voxels::{CpuVoxelRenderer, GridPlacement};
-use renderer::{VoxelBlock, VoxelRenderer};
+use render::{VoxelBlock, VoxelRenderer};
 use schema::geometry::Snapshot;
 use settings::OccupancySettings;
 

@@ -1,0 +1,3 @@
+//! Tests of `render`, one program for all its modules.
+
+mod cpu;

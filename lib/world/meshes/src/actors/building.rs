@@ -1,0 +1,247 @@
+//! Houses, blocks, towers, shops and halls.
+
+use glam::Vec3;
+use schema::Tag;
+use schema::geometry::{Part, Surface, TriMesh, Wall};
+
+use crate::solids::MeshBuilder;
+
+const TAG: Tag = Tag::Building;
+
+/// Walls: what they are made of, and their colours, linear RGB.
+const WALLS: [(Wall, [f32; 3]); 10] = [
+    (Wall::Ashlar, [0.52, 0.45, 0.35]),
+    (Wall::Brick, [0.36, 0.15, 0.10]),
+    (Wall::Plaster, [0.60, 0.58, 0.54]),
+    (Wall::Panels, [0.30, 0.31, 0.33]),
+    (Wall::Plaster, [0.55, 0.50, 0.30]),
+    (Wall::Brick, [0.42, 0.33, 0.26]),
+    (Wall::Brick, [0.25, 0.20, 0.17]),
+    (Wall::Ashlar, [0.48, 0.42, 0.42]),
+    (Wall::Curtain, [0.40, 0.46, 0.50]),
+    (Wall::Plaster, [0.65, 0.62, 0.50]),
+];
+
+/// What a building's parts look like.
+struct Look {
+    wall_rgb: [f32; 3],
+    wall: Part,
+    base: Part,
+    trim: Part,
+    flat_roof: Part,
+    tiles: Part,
+}
+
+impl Look {
+    fn of(kind: &str, variant: u32) -> Self {
+        let (mut made_of, wall_rgb) = WALLS[variant as usize % WALLS.len()];
+        match (kind, made_of) {
+            // Nobody lives behind a glass front; every second tower has one.
+            ("house", Wall::Curtain | Wall::Panels) => made_of = Wall::Plaster,
+            ("tower", Wall::Plaster | Wall::Brick) => made_of = Wall::Curtain,
+            _ => {}
+        }
+        let tile_rgb =
+            [[0.25, 0.07, 0.04], [0.09, 0.08, 0.08], [0.18, 0.10, 0.07]][variant as usize / 10 % 3];
+        Self {
+            wall_rgb,
+            wall: Part::new(TAG, Surface::Facade(made_of), wall_rgb),
+            base: Part::new(TAG, Surface::Concrete, wall_rgb.map(|c| 0.55 * c)),
+            trim: Part::new(TAG, Surface::Concrete, wall_rgb.map(|c| (1.25 * c).min(0.8))),
+            flat_roof: Part::new(TAG, Surface::Gravel, [0.12, 0.12, 0.12]),
+            tiles: Part::new(TAG, Surface::RoofTiles, tile_rgb),
+        }
+    }
+}
+
+/// A building with its entrance on the side of +x.
+pub(crate) fn building(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> {
+    let half = 0.5 * size;
+    let look = Look::of(kind, variant);
+    let mut b = MeshBuilder::new();
+    match kind {
+        "house" => house(&mut b, size, &look),
+        "tower" => tower(&mut b, size, &look, variant),
+        "shop" | "block" => block(&mut b, size, &look, variant, kind == "block"),
+        "hall" => hall(&mut b, size, &look),
+        _ => return None,
+    }
+    b.fit(Vec3::new(-half.x, -half.y, 0.0), Vec3::new(half.x, half.y, size.z));
+    Some(b.finish_flat())
+}
+
+/// A house with a gable roof.
+fn house(b: &mut MeshBuilder, size: Vec3, look: &Look) {
+    let half = 0.5 * size;
+    let Look { wall_rgb, wall, base, flat_roof, tiles, .. } = *look;
+    let eaves = 0.64 * size.z;
+    let (x, y) = (half.x - 0.45, half.y - 0.30);
+    storeys(b, wall, base, flat_roof, [x, y], [0.0, eaves], 0.4);
+    // A gable roof with its ridge along y, overhanging on all sides, and its gable walls under it.
+    let ring = |y: f32, x: f32, drop: f32| {
+        vec![
+            Vec3::new(-x, y, eaves - drop),
+            Vec3::new(-x, y, eaves),
+            Vec3::new(0.0, y, size.z),
+            Vec3::new(x, y, eaves),
+            Vec3::new(x, y, eaves - drop),
+        ]
+    };
+    let wall_plain = Part::new(TAG, Surface::Concrete, wall_rgb);
+    let under = Part::new(TAG, Surface::Wood, [0.3, 0.22, 0.15]);
+    let rings = [ring(-half.y, half.x, 0.12), ring(half.y, half.x, 0.12)];
+    b.loft(&rings, |_, j| if j == 4 { under } else { tiles }, [wall_plain; 2]);
+    let chimney = Part::new(TAG, Surface::Concrete, [0.3, 0.14, 0.10]);
+    b.cuboid(
+        chimney,
+        Vec3::new(-0.35 * half.x - 0.3, 0.3 * half.y, eaves),
+        Vec3::new(-0.35 * half.x + 0.3, 0.3 * half.y + 0.6, size.z),
+    );
+    door(b, x, half.x - 0.1, 0.0);
+}
+
+/// A tower on a podium.
+fn tower(b: &mut MeshBuilder, size: Vec3, look: &Look, variant: u32) {
+    let half = 0.5 * size;
+    let Look { wall, base, trim, flat_roof, .. } = *look;
+    let inset = 0.25;
+    let podium = (0.18 * size.z).min(8.0);
+    let (x, y) = (half.x - inset, half.y - inset);
+    storeys(b, wall, base, flat_roof, [x, y], [0.0, podium], 0.6);
+    let slim = [0.86 * x, 0.86 * y];
+    let step = if variant.is_multiple_of(2) { 0.78 } else { 0.999 };
+    storeys(b, wall, trim, flat_roof, slim, [podium, step * (size.z - 3.0)], 0.3);
+    if step < 0.9 {
+        storeys(
+            b,
+            wall,
+            trim,
+            flat_roof,
+            [0.8 * slim[0], 0.8 * slim[1]],
+            [step * (size.z - 3.0), size.z - 3.0],
+            0.3,
+        );
+    }
+    cornice(b, trim, [half.x, half.y], podium - 0.12, 0.35);
+    let plant = Part::new(TAG, Surface::Metal, [0.35; 3]);
+    b.cuboid(
+        plant,
+        Vec3::new(-0.4 * half.x, -0.4 * half.y, size.z - 3.1),
+        Vec3::new(0.4 * half.x, 0.4 * half.y, size.z),
+    );
+    door(b, x, half.x, 0.25 * half.y);
+}
+
+/// Floors over shops.
+fn block(b: &mut MeshBuilder, size: Vec3, look: &Look, variant: u32, balconies: bool) {
+    let half = 0.5 * size;
+    let Look { wall, base, trim, flat_roof, .. } = *look;
+    let inset = 0.25;
+    let ground = 3.8f32.min(0.8 * size.z);
+    let (x, y) = (half.x - inset, half.y - inset);
+    let shop = Part::new(TAG, Surface::Glass, [0.06, 0.07, 0.08]);
+    let top = size.z - 0.9;
+    storeys(b, wall, base, flat_roof, [x, y], [0.0, top], 0.5);
+    // Shop windows across the front between piers, with an awning or a band over them.
+    let bays = ((2.0 * y) / 3.6).floor().max(1.0) as usize;
+    for i in 0..bays {
+        let y0 = -y + 2.0 * y * i as f32 / bays as f32;
+        let y1 = y0 + 2.0 * y / bays as f32;
+        b.cuboid(shop, Vec3::new(x - 0.2, y0 + 0.35, 0.5), Vec3::new(x + 0.06, y1 - 0.35, ground - 0.9));
+    }
+    cornice(b, trim, [half.x, half.y], ground, 0.30);
+    if (variant / 3).is_multiple_of(2) && balconies {
+        let rail = Part::new(TAG, Surface::Metal, [0.18; 3]);
+        let floors = ((top - ground) / 3.0).floor() as usize;
+        for floor in 1..floors {
+            for side in [-0.5, 0.5] {
+                let z = ground + 3.0 * floor as f32;
+                let (y0, y1) = (side * y - 1.3, side * y + 1.3);
+                b.cuboid(trim, Vec3::new(x - 0.05, y0, z - 0.14), Vec3::new(half.x, y1, z));
+                b.cuboid(rail, Vec3::new(half.x - 0.05, y0, z), Vec3::new(half.x, y1, z + 0.95));
+            }
+        }
+    }
+    parapet(b, trim, [x, y], top, size.z - 0.3);
+    let unit = Part::new(TAG, Surface::Metal, [0.4; 3]);
+    b.cuboid(unit, Vec3::new(-0.5 * x, -0.3 * y, top), Vec3::new(-0.1 * x, 0.1 * y, size.z));
+    cornice(b, trim, [half.x - 0.05, half.y - 0.05], top - 0.1, 0.2);
+    door(b, x, half.x - 0.1, 0.0);
+}
+
+/// A hall with a shed roof.
+fn hall(b: &mut MeshBuilder, size: Vec3, look: &Look) {
+    let half = 0.5 * size;
+    let Look { wall_rgb, base, flat_roof, .. } = *look;
+    let (x, y) = (half.x - 0.1, half.y - 0.1);
+    let metal = Part::new(TAG, Surface::Metal, wall_rgb);
+    let top = 0.9 * size.z;
+    storeys(b, metal, base, flat_roof, [x, y], [0.0, top], 0.8);
+    // A shed roof in ridges along x.
+    let ridges = 3;
+    for i in 0..ridges {
+        let y0 = -half.y + size.y * i as f32 / ridges as f32;
+        let y1 = y0 + size.y / ridges as f32;
+        let ring = |x: f32| {
+            vec![
+                Vec3::new(x, y0, top - 0.05),
+                Vec3::new(x, y1, top - 0.05),
+                Vec3::new(x, y0 + 0.15 * (y1 - y0), size.z),
+            ]
+        };
+        b.loft(&[ring(-half.x), ring(half.x)], |_, _| flat_roof, [metal; 2]);
+    }
+    let gate = Part::new(TAG, Surface::Metal, [0.5, 0.5, 0.52]);
+    for share in [-0.5, 0.4] {
+        b.cuboid(
+            gate,
+            Vec3::new(x - 0.1, share * y - 1.9, 0.0),
+            Vec3::new(half.x, share * y + 1.9, 0.5 * top),
+        );
+    }
+}
+
+/// A block of walls from `z[0]` to `z[1]` with a plinth of some height.
+fn storeys(
+    b: &mut MeshBuilder,
+    wall: Part,
+    base: Part,
+    roof: Part,
+    half: [f32; 2],
+    z: [f32; 2],
+    plinth: f32,
+) {
+    let ring = |z: f32| {
+        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y)| Vec3::new(x * half[0], y * half[1], z))
+            .to_vec()
+    };
+    b.loft(
+        &[ring(z[0]), ring(z[0] + plinth), ring(z[1])],
+        |k, _| if k == 0 { base } else { wall },
+        [base, roof],
+    );
+}
+
+fn cornice(b: &mut MeshBuilder, trim: Part, half: [f32; 2], z: f32, height: f32) {
+    b.cuboid(trim, Vec3::new(-half[0], -half[1], z - height), Vec3::new(half[0], half[1], z));
+}
+
+fn parapet(b: &mut MeshBuilder, trim: Part, half: [f32; 2], low: f32, high: f32) {
+    let [x, y] = half;
+    for (min, max) in [
+        ((-x, -y), (x, -y + 0.3)),
+        ((-x, y - 0.3), (x, y)),
+        ((-x, -y + 0.3), (-x + 0.3, y - 0.3)),
+        ((x - 0.3, -y + 0.3), (x, y - 0.3)),
+    ] {
+        b.cuboid(trim, Vec3::new(min.0, min.1, low), Vec3::new(max.0, max.1, high));
+    }
+}
+
+fn door(b: &mut MeshBuilder, wall_x: f32, front_x: f32, y: f32) {
+    let wood = Part::new(Tag::Building, Surface::Wood, [0.16, 0.09, 0.05]);
+    b.cuboid(wood, Vec3::new(wall_x - 0.15, y - 0.6, 0.0), Vec3::new(wall_x + 0.05, y + 0.6, 2.2));
+    let canopy = Part::new(Tag::Building, Surface::Concrete, [0.3; 3]);
+    b.cuboid(canopy, Vec3::new(wall_x - 0.1, y - 0.9, 2.35), Vec3::new(front_x, y + 0.9, 2.5));
+}

@@ -1,0 +1,119 @@
+//! Meshes of everything that stands or moves in a scene, made from a model name, a size and a variant.
+//!
+//! [`actor_mesh`] makes them; wheels, limbs and doors are pieces of the same object that hang on [`Joint`]s.
+//!
+//! ```
+//! use meshes::actors::{Posture, actor_mesh};
+//!
+//! let car = actor_mesh("car.sedan", [4.7, 1.84, 1.44], 0).unwrap();
+//! // Body, four wheels, four doors and what shows behind them; closed doors are not to be seen.
+//! let parked = Posture::default();
+//! let shown = car.pieces.iter().filter(|p| p.joint.object_from_piece(&parked).is_some()).count();
+//! assert_eq!((car.pieces.len(), shown), (13, 5));
+//! ```
+
+mod bodies;
+mod brigade;
+mod building;
+mod bus;
+mod cabin;
+mod canvas;
+mod car;
+mod cones;
+mod decal;
+mod device;
+mod heavy;
+mod hull;
+mod load;
+mod lorry;
+mod motorcycle;
+mod nature;
+mod pieces;
+mod pod;
+mod posture;
+mod props;
+mod rig;
+mod shelter;
+mod sign;
+mod skin;
+mod street;
+mod tanks;
+mod trailer;
+mod two_wheeler;
+mod warning;
+mod wheel;
+mod wheelchair;
+mod works;
+
+use std::sync::Arc;
+
+use crate::people::Walker;
+use glam::Vec3;
+use schema::geometry::TriMesh;
+use schema::models::{self, BaseType};
+use schema::trains;
+
+pub use pieces::{ActorMesh, Cabin, Coarser, Joint, Piece};
+pub use posture::Posture;
+pub use rig::{Pedals, Pusher, Rider, Rig};
+
+/// The mesh of an actor.
+///
+/// `model` is a name of [`schema::models::MODELS`], of [`schema::trains`], of a parked two-wheeler, or of the scenery (`building.*`, `tree.*`, `light.signal`, ...);
+/// `size_m` is length, width, height; `variant` tells apart objects of the same model. Walkers are as high as that says, and as
+/// long and wide as such people are ([`meshes::people::Walker::size_m`]). The mesh stands on z = 0 inside the
+/// box of that size, centred in x and y; poles of lights and signs reach below z = 0. `None`: no such model.
+#[must_use]
+pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMesh> {
+    let size = Vec3::new(size_m[0] as f32, size_m[1] as f32, size_m[2] as f32);
+    let fixed =
+        |mesh: TriMesh| Some(ActorMesh::of(vec![Piece { mesh: Arc::new(mesh), joint: Joint::Fixed }]));
+    if let Some((parked, ridden)) = models::find_parked(model) {
+        return Some(two_wheeler::parked(parked, ridden, size));
+    }
+    if let Some(train) = trains::of_towed(model) {
+        return Some(match train.towed.base {
+            BaseType::Bus => bus::rear_section(train, size),
+            _ => trailer::trailer(train, size),
+        });
+    }
+    if let Some(known) = models::find(model).or_else(|| trains::find(model)) {
+        return match known.base {
+            BaseType::Car | BaseType::Van => Some(car::vehicle(known, size)),
+            BaseType::Truck if known.name == "truck.pickup" => Some(car::vehicle(known, size)),
+            BaseType::Truck => Some(heavy::truck(known, size)),
+            BaseType::Bus => Some(bus::bus(known, size)),
+            BaseType::Motorcycle | BaseType::Bicycle => Some(two_wheeler::two_wheeler(known, size, variant)),
+            BaseType::Pedestrian if known.wheel_radius_m > 0.0 => {
+                Some(wheelchair::wheelchair(known, size, variant))
+            }
+            BaseType::Pedestrian => Some(bodies::walker(Walker::of_height(known, variant, size.z))),
+            BaseType::Cone => fixed(cones::cone(known.name, size)),
+            BaseType::Barrier => fixed(cones::barrier(known.name, size)),
+        };
+    }
+    let (family, kind) = model.split_once('.')?;
+    match family {
+        "building" => building::building(kind, size, variant).and_then(fixed),
+        "tree" | "bush" => nature::plant(family, kind, size, variant).and_then(fixed),
+        "light" | "sign" | "pole" | "rsu" => street::street(family, kind, size, variant).and_then(fixed),
+        "prop" => {
+            props::prop(kind, size, variant).or_else(|| works::item(kind, size, variant)).and_then(fixed)
+        }
+        _ => None,
+    }
+}
+
+/// Whether objects of a model and a size differ by their variants; if not, [`actor_mesh`] makes the same of each.
+#[must_use]
+pub fn has_variants(model: &str) -> bool {
+    let is_uniform = models::find_parked(model).is_some()
+        || trains::of_towed(model).is_some()
+        || models::find(model).or_else(|| trains::find(model)).is_some_and(|known| {
+            !matches!(known.base, BaseType::Motorcycle | BaseType::Bicycle | BaseType::Pedestrian)
+        });
+    !is_uniform
+}
+
+#[cfg(test)]
+mod tests;

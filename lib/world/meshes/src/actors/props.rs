@@ -1,0 +1,142 @@
+//! Benches, bins, racks, fences, walls and rocks.
+
+use glam::Vec3;
+use schema::geometry::{Part, Surface, TriMesh};
+use schema::{Tag, benches};
+
+use crate::solids::MeshBuilder;
+
+/// Street furniture by name.
+pub(crate) fn prop(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> {
+    let mut b = MeshBuilder::new();
+    match kind {
+        "bench" => bench(&mut b, size),
+        "rack" => rack(&mut b, size),
+        "bin" => bin(&mut b, size, variant),
+        "fence" => fence(&mut b, size, variant),
+        "wall" => wall(&mut b, size, variant),
+        "rock" => rock(&mut b, size, variant),
+        _ => return None,
+    }
+    (!b.is_empty()).then(|| b.finish())
+}
+
+/// A bench; it looks along +x.
+fn bench(b: &mut MeshBuilder, size: Vec3) {
+    let half = 0.5 * size;
+    let wood = Part::new(Tag::Static, Surface::Wood, [0.30, 0.16, 0.07]);
+    let iron = Part::new(Tag::Static, Surface::Metal, [0.06; 3]);
+    // The seat looks along +x; the back rest is behind it.
+    let (seat_z, back_x) = (benches::SEAT as f32 * size.z, -half.x + benches::BACK_M as f32);
+    for y in [-0.8 * half.y, 0.8 * half.y] {
+        b.cuboid(iron, Vec3::new(-half.x, y - 0.03, 0.0), Vec3::new(half.x, y + 0.03, 0.45 * size.z));
+        b.cuboid(
+            iron,
+            Vec3::new(-half.x, y - 0.03, 0.45 * size.z),
+            Vec3::new(-half.x + 0.06, y + 0.03, size.z),
+        );
+    }
+    for i in 0..3 {
+        let x = -half.x + 0.08 + 0.14 * i as f32;
+        b.cuboid(
+            wood,
+            Vec3::new(x, -half.y, 0.45 * size.z),
+            Vec3::new((x + 0.11).min(half.x), half.y, seat_z),
+        );
+    }
+    for z in [0.66, 0.84] {
+        b.cuboid(
+            wood,
+            Vec3::new(back_x - 0.03, -half.y, z * size.z),
+            Vec3::new(back_x, half.y, (z + 0.13) * size.z),
+        );
+    }
+}
+
+/// A hoop to lock bicycles to; it runs along x.
+fn rack(b: &mut MeshBuilder, size: Vec3) {
+    let (half, r) = (0.5 * size, 0.5 * size.y);
+    let steel = Part::new(Tag::Static, Surface::Metal, [0.32, 0.33, 0.34]);
+    let top = size.z - r;
+    for x in [-half.x + r, half.x - r] {
+        b.bar(steel, Vec3::new(x, 0.0, 0.0), Vec3::new(x, 0.0, top), [r; 2], 6);
+    }
+    b.bar(steel, Vec3::new(-half.x + r, 0.0, top), Vec3::new(half.x - r, 0.0, top), [r; 2], 6);
+}
+
+/// A litter bin.
+fn bin(b: &mut MeshBuilder, size: Vec3, variant: u32) {
+    let half = 0.5 * size;
+    let colour = [[0.05, 0.15, 0.06], [0.10, 0.10, 0.11], [0.25, 0.12, 0.04]][variant as usize % 3];
+    let body = Part::new(Tag::Static, Surface::Plain, colour);
+    let lid = Part::new(Tag::Static, Surface::Metal, [0.3; 3]);
+    b.stack(
+        body,
+        &[
+            (Vec3::ZERO, 0.40 * size.x, 0.40 * size.y),
+            (Vec3::Z * 0.86 * size.z, 0.47 * size.x, 0.47 * size.y),
+        ],
+        12,
+    );
+    b.stack(
+        lid,
+        &[(Vec3::Z * 0.86 * size.z, half.x, half.y), (Vec3::Z * size.z, 0.7 * half.x, 0.7 * half.y)],
+        12,
+    );
+}
+
+/// A fence of wood or metal.
+fn fence(b: &mut MeshBuilder, size: Vec3, variant: u32) {
+    let half = 0.5 * size;
+    let wood = variant.is_multiple_of(2);
+    let post = if wood {
+        Part::new(Tag::Fence, Surface::Wood, [0.32, 0.20, 0.10])
+    } else {
+        Part::new(Tag::Fence, Surface::Metal, [0.12, 0.13, 0.13])
+    };
+    let count = (size.x / 2.0).ceil().max(1.0) as usize;
+    for i in 0..=count {
+        let x =
+            (-half.x + 0.04 + (size.x - 0.08) * i as f32 / count as f32).clamp(-half.x + 0.04, half.x - 0.04);
+        b.cuboid(post, Vec3::new(x - 0.04, -half.y, 0.0), Vec3::new(x + 0.04, half.y, size.z));
+    }
+    for z in [0.18, 0.80] {
+        b.cuboid(
+            post,
+            Vec3::new(-half.x, -0.4 * half.y, z * size.z),
+            Vec3::new(half.x, 0.4 * half.y, (z + 0.07) * size.z),
+        );
+    }
+    // Palings at a spacing that keeps a fence light.
+    let palings = (size.x / if wood { 0.22 } else { 0.30 }).floor().clamp(1.0, 120.0) as usize;
+    let half_width = if wood { 0.05 } else { 0.012 };
+    for i in 0..palings {
+        let x = -half.x + size.x * (i as f32 + 0.5) / palings as f32;
+        b.cuboid(
+            post,
+            Vec3::new(x - half_width, -0.25 * half.y, 0.08),
+            Vec3::new(x + half_width, 0.25 * half.y, 0.96 * size.z),
+        );
+    }
+}
+
+/// A wall with a cap.
+fn wall(b: &mut MeshBuilder, size: Vec3, variant: u32) {
+    let half = 0.5 * size;
+    let (low, high) = (Vec3::new(-half.x, -half.y, 0.0), Vec3::new(half.x, half.y, size.z));
+    let colour = [[0.42, 0.40, 0.37], [0.36, 0.18, 0.12], [0.55, 0.52, 0.46]][variant as usize % 3];
+    let stone = Part::new(Tag::Wall, Surface::Concrete, colour);
+    let cap = Part::new(Tag::Wall, Surface::Concrete, [0.5; 3]);
+    b.cuboid(stone, low + Vec3::new(0.02, 0.04, 0.0), Vec3::new(high.x - 0.02, high.y - 0.04, 0.93 * size.z));
+    b.cuboid(cap, Vec3::new(low.x, low.y, 0.93 * size.z), high);
+}
+
+/// A lump of stone.
+fn rock(b: &mut MeshBuilder, size: Vec3, variant: u32) {
+    let half = 0.5 * size;
+    let (low, high) = (Vec3::new(-half.x, -half.y, 0.0), Vec3::new(half.x, half.y, size.z));
+    let stone = Part::new(Tag::Rock, Surface::Concrete, [0.27, 0.26, 0.24]);
+    let bump = |ring: usize, side: usize| 0.80 + 0.05 * ((ring * 5 + side * 3 + variant as usize) % 5) as f32;
+    b.blob(stone, Vec3::Z * 0.3 * size.z, half, 5, 8, bump);
+    b.fit(low, high);
+}

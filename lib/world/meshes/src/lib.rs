@@ -1,0 +1,5 @@
+#![doc = include_str!("../README.md")]
+
+pub mod actors;
+pub mod people;
+pub mod solids;

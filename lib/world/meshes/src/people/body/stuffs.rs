@@ -1,0 +1,41 @@
+//! Cloth, skin, hair: what the parts of a body are made of.
+
+use schema::Tag;
+use schema::geometry::{Part, Surface};
+
+use crate::people::look::{Look, Top};
+
+/// What somebody's parts are made of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stuffs {
+    pub(crate) tag: Tag,
+    pub(crate) top: Part,
+    pub(crate) bottom: Part,
+    pub(crate) skin: Part,
+    pub(crate) hair: Part,
+    pub(crate) shoe: Part,
+    pub(crate) extra: Part,
+}
+
+impl Stuffs {
+    pub(crate) fn new(look: &Look, tag: Tag) -> Self {
+        let cloth = |rgb: [f32; 3]| Part::new(tag, Surface::Cloth, rgb);
+        let clothes = |weave, rgb: [f32; 3]| Part::new(tag, Surface::Clothes(weave), rgb);
+        Self {
+            tag,
+            top: clothes(look.top_weave, look.top_rgb),
+            bottom: match look.top {
+                Top::Dress => clothes(look.top_weave, look.top_rgb),
+                _ => clothes(look.bottom_weave, look.bottom_rgb),
+            },
+            skin: cloth(look.skin_rgb),
+            hair: cloth(look.hair_rgb),
+            shoe: Part::new(tag, Surface::Rubber, look.shoe_rgb),
+            extra: cloth(look.extra_rgb),
+        }
+    }
+
+    pub(crate) fn cloth(&self, rgb: [f32; 3]) -> Part {
+        Part::new(self.tag, Surface::Cloth, rgb)
+    }
+}
