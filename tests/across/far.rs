@@ -87,7 +87,7 @@ fn standing(actors: &[ActorRow], at: [f64; 3], within_m: f64) -> Vec<ActorRow> {
     let mut found: Vec<ActorRow> = actors.iter().filter(near).cloned().collect();
     for actor in &mut found {
         actor.id = 0;
-        if schema::street_lamps::is_street_lamp(actor) {
+        if catalogue::street_lamps::is_street_lamp(actor) {
             actor.variant = 0;
         }
     }

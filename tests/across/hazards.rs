@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufReader;
 
+use catalogue::Special;
 use codecs::NpzReader;
 use convoy_tests::{Bench, SMALL};
 use nalgebra::Point3;
@@ -163,14 +164,18 @@ fn vehicles_have_lamps_and_doors(made: &Made) {
     for actor in made.actors.iter().filter(|a| a.role == ActorRole::Hazard && a.kind == ActorKind::Vehicle) {
         let states: Vec<&StateRow> = made.states.iter().filter(|s| s.id == actor.id).collect();
         assert_eq!(states.len(), made.info.frames as usize + 1, "{actor:?}");
-        let model = schema::models::find(&actor.model).expect("a model");
+        let model = catalogue::models::find(&actor.model).expect("a model");
         // The sun is at 5 degrees.
         let wanted = lights::POSITION | lights::LOW_BEAM;
-        let flashing = if model.special == "emergency" { lights::EMERGENCY } else { 0 };
+        let flashing = if model.special == Special::Emergency { lights::EMERGENCY } else { 0 };
         for state in states {
             assert_eq!(state.lights & (wanted | lights::EMERGENCY), wanted | flashing, "{actor:?}");
             let open = state.door_rad.iter().filter(|a| **a > 0.0).count();
-            assert!(if model.doors() == 0 { open == 0 } else { open == 1 || open == model.doors() });
+            assert!(if usize::from(model.doors) == 0 {
+                open == 0
+            } else {
+                open == 1 || open == usize::from(model.doors)
+            });
             doors += usize::from(open > 0);
         }
     }

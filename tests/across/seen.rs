@@ -35,11 +35,11 @@ fn town() -> (Snapshot, Pose<World, Agent>, Pose<World, Agent>) {
     let map = maps.remove("convoy/demo").expect("is there").map;
     let simulation = SimulationSettings::of(&settings);
     let centres: Vec<[f64; 3]> = plan.agents.iter().map(|a| a.xyz_m).collect();
-    let maker = TileMaker::new(&map, &settings.world.scenery, schema::catalogue::Catalogue::built_in());
+    let maker = TileMaker::new(&map, &settings.world.scenery, catalogue::Catalogue::built_in());
     let Surroundings { actors: fixed, ground } =
         maker.around(&centres, simulation.reach_m, 1).expect("there are ids");
     let input = SceneInput {
-        catalogue: schema::catalogue::Catalogue::built_in(),
+        catalogue: catalogue::Catalogue::built_in(),
         map: &map,
         scene: &plan.scenes[0],
         agents: &plan.agents,

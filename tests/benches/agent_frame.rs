@@ -88,11 +88,11 @@ fn main() {
     let map = maps.remove("convoy/demo").expect("is there").map;
     let centres: Vec<[f64; 3]> = plan.agents.iter().map(|a| a.xyz_m).collect();
     let reach_m = SimulationSettings::of(&settings).reach_m;
-    let maker = TileMaker::new(&map, &settings.world.scenery, schema::catalogue::Catalogue::built_in());
+    let maker = TileMaker::new(&map, &settings.world.scenery, catalogue::Catalogue::built_in());
     let Surroundings { actors: fixed, ground } = maker.around(&centres, reach_m, 1).expect("there are ids");
 
     let input = SceneInput {
-        catalogue: schema::catalogue::Catalogue::built_in(),
+        catalogue: catalogue::Catalogue::built_in(),
         map: &map,
         scene: &plan.scenes[0],
         agents: &plan.agents,

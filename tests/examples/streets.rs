@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let centre: [f64; 3] = here.position.coords.into();
     let rules = SceneryRules::default();
     let Surroundings { actors, ground } =
-        TileMaker::new(&map, &rules, schema::catalogue::Catalogue::built_in()).around(&[centre], 300.0, 1)?;
+        TileMaker::new(&map, &rules, catalogue::Catalogue::built_in()).around(&[centre], 300.0, 1)?;
     let world = SceneWorld::with_models(&actors, ground, &OwnModels::new(), Light::Sheltered)?;
     let mut renderer = CpuRenderer::default();
     renderer.prepare(&world.meshes())?;

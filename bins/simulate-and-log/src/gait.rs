@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use catalogue::{Model, benches};
 use frames::{Object, Pose, World};
 use meshes::people::{LOOKS, Look, Walker};
 use random::Stream;
 use replay::packed::ModelError;
-use schema::models::Model;
 use schema::tables::{ActorRow, PlanModelRow, StateRow};
-use schema::{ActorKind, ActorRole, FRAME_PERIOD_S, ObjectId, benches};
+use schema::{ActorKind, ActorRole, FRAME_PERIOD_S, ObjectId};
 use store::Store;
 
 /// Share of the way to their speed that they come within a frame: strides get longer and shorter over some four steps of it.

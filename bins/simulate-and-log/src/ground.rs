@@ -243,16 +243,12 @@ mod tests {
         let plan = plan::plan(&wishes, &maps).expect("a plan");
         let (scene, map) = (&plan.scenes[0], &maps[name].map);
         let store = Store::open("memory:").expect("a store");
-        let tiles = TileStore::new(
-            &store,
-            (map, ""),
-            (&settings.scenery, schema::catalogue::Catalogue::built_in()),
-            "test",
-        )
-        .expect("a place for tiles");
+        let tiles =
+            TileStore::new(&store, (map, ""), (&settings.scenery, catalogue::Catalogue::built_in()), "test")
+                .expect("a place for tiles");
         let nearby = Nearby::new(&tiles, settings.reach_m);
         let input = SceneInput {
-            catalogue: schema::catalogue::Catalogue::built_in(),
+            catalogue: catalogue::Catalogue::built_in(),
             map,
             scene,
             agents: &plan.agents,

@@ -15,10 +15,10 @@ pub(crate) fn draw(actors: &mut [ActorRow], plan: &PlanSceneRow, settings: &Ligh
     let flux_lm = (STREET_LAMP_LM + plan.street_light_change_lm).max(settings.min_intensity_lm);
     let mut rows = Vec::new();
     for actor in actors.iter_mut() {
-        if schema::street_lamps::is_street_lamp(actor) {
+        if catalogue::street_lamps::is_street_lamp(actor) {
             let works = !stream("lights/failure", actor).chance(settings.street_lamp_failure);
             if !works {
-                schema::street_lamps::mark_failed(actor);
+                catalogue::street_lamps::mark_failed(actor);
             }
             let (kind, color) = (LampKind::Street, STREET_LAMP_RGB.to_vec());
             rows.push(LampRow { id: actor.id, kind, works, flux_lm: Some(flux_lm), color });

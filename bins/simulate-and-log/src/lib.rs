@@ -12,9 +12,9 @@ mod world;
 
 use std::ops::ControlFlow;
 
+use catalogue::Catalogue;
 use pipeline::{At, Job, Place, Progress, Stage, StageError};
 use random::Stream;
-use schema::catalogue::Catalogue;
 use schema::tables::{PlanSceneRow, TILE_STAGE};
 use schema::{ActorKind, Attribute, ObjectId};
 use settings::stages::SimulationSettings;

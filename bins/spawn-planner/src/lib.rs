@@ -7,10 +7,10 @@ mod models;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use catalogue::Catalogue;
 use packs::PackModel;
 use pipeline::{At, Job, Place, Stage, StageError, StageSettings};
 use plan::{Plan, PlanMap, Roster, SceneSlot};
-use schema::catalogue::Catalogue;
 use schema::table::Row;
 use schema::tables::{PlanAgentRow, PlanHazardRow, PlanModelRow, PlanSceneRow};
 use settings::stages::PlanSettings;

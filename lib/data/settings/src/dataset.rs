@@ -104,7 +104,7 @@ fn consistent(root: &Section<'_>, settings: &DatasetSettings) {
 
 fn known_models(root: &Section<'_>, settings: &AgentSettings) {
     for model in &settings.vehicle_models {
-        if schema::models::find(model).is_none_or(|m| m.wheelbase_m <= 0.0) {
+        if catalogue::models::find(model).is_none_or(|m| m.wheelbase_m <= 0.0) {
             let problem = format!("`agents.vehicle_models`: no vehicle model `{model}`");
             root.section("agents", "").fault_at("vehicle_models", problem);
         }

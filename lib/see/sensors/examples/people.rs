@@ -6,9 +6,9 @@ mod stage;
 use std::error::Error;
 use std::path::Path;
 
+use catalogue::{BaseType, Model, Special, models::MODELS};
 use meshes::actors::Posture;
 use meshes::people::{LOOKS, Look};
-use schema::models::{BaseType, MODELS, Model};
 
 use stage::{Stage, at};
 
@@ -79,7 +79,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Two on each of four benches, from before and from the side: those of each model who are dressed so as to sit, in turn.
 fn benches(people: &[&Model], folder: &Path) -> Result<(), Box<dyn Error>> {
-    let sits = |model: &&&Model| model.special.is_empty() && model.name != "walker.child";
+    let sits = |model: &&&Model| model.special == Special::None && model.name != "walker.child";
     let mut all: Vec<(&Model, u32)> = Vec::new();
     for model in people.iter().filter(sits) {
         let looks = (0..LOOKS).filter(|look| Look::new(model, *look).may_sit());

@@ -7,13 +7,14 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use catalogue::models;
 use frames::{Agent, Pose, World, deg};
 use glam::{Affine3A, Vec3};
 use meshes::actors::{Posture, actor_mesh};
 use render::Renderer;
 use schema::geometry::{Instance, Snapshot};
 use schema::tables::Weather;
-use schema::{AgentId, FRAME_PERIOD_S, ImageKind, ImageSet, lights, models};
+use schema::{AgentId, FRAME_PERIOD_S, ImageKind, ImageSet, lights};
 use sensors::{
     AgentState, Cameras, Carrier, CpuPainter, FrameWeather, GeoOrigin, Motion, Observation, Sensor,
     SensorVisitor,

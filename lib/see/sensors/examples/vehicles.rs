@@ -7,10 +7,13 @@ mod stage;
 use std::error::Error;
 use std::path::Path;
 
+use catalogue::{
+    Model,
+    models::{PARKED_TWO_WHEELERS, vehicles},
+    trains,
+    trains::{TRAINS, Train, sections},
+};
 use meshes::actors::Posture;
-use schema::models::{Model, PARKED_TWO_WHEELERS, vehicles};
-use schema::trains::{TRAINS, Train, sections};
-use schema::{fleet, trains};
 
 use stage::{Stage, at};
 
@@ -49,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// A paint that a model comes in: one of its own if it has few.
 fn paint(model: &Model, number: usize) -> [f32; 3] {
-    match fleet::paints(model) {
+    match model.paints {
         few if few.len() < PAINTS.len() => {
             few[0].map(|byte| frames::math::f32::pow(f32::from(byte) / 255.0, 2.2))
         }

@@ -2,15 +2,13 @@
 
 use std::f64::consts::PI;
 
+use catalogue::{Catalogue, Model, RSU_MODEL};
 use frames::OrientedRect;
 use frames::math::{atan2, sin};
 use nalgebra::Point3;
 use opendrive::Map;
 use random::Stream;
 use schema::AgentId;
-use schema::catalogue::Catalogue;
-use schema::models::Model;
-use schema::models::RSU_MODEL;
 use schema::tables::PlanAgentRow;
 use settings::stages::PlanSettings;
 use settings::{AgentSettings, SpawnMode, TrafficSettings};

@@ -3,13 +3,12 @@
 //! A hazard takes up one lane from its back (upstream) to its front. How many are tried is fixed by the number of
 //! places; whether a try finds room is not.
 
+use catalogue::{Catalogue, Model, fleet};
 use nalgebra::Point3;
 use opendrive::{LanePos, Map};
 use random::Stream;
-use schema::catalogue::Catalogue;
-use schema::models::Model;
+use schema::HazardKind;
 use schema::tables::PlanHazardRow;
-use schema::{HazardKind, fleet};
 use settings::HazardSettings;
 
 use crate::pool::{SpawnPoint, SpawnPool};

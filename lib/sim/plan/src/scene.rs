@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use catalogue::Catalogue;
 use opendrive::Map;
 use random::Stream;
-use schema::catalogue::Catalogue;
 use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
 use settings::SpawnMode;
 use settings::stages::PlanSettings;

@@ -31,7 +31,7 @@ fn simulated(bencher: divan::Bencher<'_, '_>, map: &Map, share: u32, taken: u32,
     let agents = common::agents_on(map, 8, 7);
     let lights = common::lights(map);
     let input = SceneInput {
-        catalogue: schema::catalogue::Catalogue::built_in(),
+        catalogue: catalogue::Catalogue::built_in(),
         map,
         scene: &scene,
         agents: &agents,

@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::ops::ControlFlow;
 
+use catalogue::Catalogue;
 use nalgebra::Point3;
 use opendrive::Map;
 use schema::ObjectId;
-use schema::catalogue::Catalogue;
 use schema::scene_info::{DriverInfo, HazardInfo, SignalGroupInfo};
 use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, SignalRow, StateRow};
 use schema::tile::TileIndex;
@@ -20,7 +20,7 @@ use settings::stages::SimulationSettings;
 ///
 /// use opendrive::Map;
 /// use schema::AgentId;
-/// use schema::catalogue::Catalogue;
+/// use catalogue::Catalogue;
 /// use settings::stages::SimulationSettings;
 /// use schema::tables::{PlanAgentRow, PlanSceneRow};
 /// use traffic::{SceneInput, simulate};

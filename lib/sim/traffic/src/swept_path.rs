@@ -1,8 +1,8 @@
 //! The ground that vehicles are about to sweep, corners and all: drivers stop for whoever is on it, be it beside their lane,
 //! and for what stands there in accidents and road works; walkers who are not crossing step back from it.
 
+use catalogue::trains::Train;
 use nalgebra::{Point3, Vector2, Vector3};
-use schema::trains::Train;
 
 use crate::grid::Grid;
 use crate::outline::outline;

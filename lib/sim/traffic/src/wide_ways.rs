@@ -4,9 +4,9 @@
 
 use std::sync::Arc;
 
+use catalogue::trains::Train;
 use frames::math::sin_cos;
 use nalgebra::{Point3, Vector3};
-use schema::trains::Train;
 
 use crate::road::centreline::CentrelinePoint;
 use crate::road::net::{Lane, Net};
@@ -228,8 +228,8 @@ pub(crate) fn towed_yaw_rad(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use catalogue::trains;
     use opendrive::{Curve, Geometry, LaneSection, LaneType, Map, Network};
-    use schema::trains;
     use testkit::{lane, straight};
 
     /// Straight on for 60 m, round a bend to the left whose lane's middle has a radius, on for 60 m.

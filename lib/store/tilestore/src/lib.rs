@@ -3,11 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use catalogue::Catalogue;
 use land::tiles::{Tile, TileMaker};
 use opendrive::Map;
 use rayon::prelude::*;
 use schema::Layer;
-use schema::catalogue::Catalogue;
 use schema::geometry::SurfaceMesh;
 use schema::tables::{SurfaceRow, TILE_STAGE, TileObjectRow};
 use schema::tile::TileIndex;

@@ -22,16 +22,15 @@ fn some() -> BTreeSet<TileIndex> {
 fn what_is_kept_is_what_was_made() {
     let (map, rules) = (street(), SceneryRules::default());
     let store = Store::open("memory:").unwrap();
-    let tiles =
-        TileStore::new(&store, (&map, "h"), (&rules, schema::catalogue::Catalogue::built_in()), "1").unwrap();
+    let tiles = TileStore::new(&store, (&map, "h"), (&rules, catalogue::Catalogue::built_in()), "1").unwrap();
     let made = tiles.get(&some()).unwrap();
     // Another one finds them in the store.
-    let found = TileStore::new(&store, (&map, "h"), (&rules, schema::catalogue::Catalogue::built_in()), "1")
+    let found = TileStore::new(&store, (&map, "h"), (&rules, catalogue::Catalogue::built_in()), "1")
         .unwrap()
         .get(&some())
         .unwrap();
     assert_eq!(made, found);
-    let maker = TileMaker::new(&map, &rules, schema::catalogue::Catalogue::built_in());
+    let maker = TileMaker::new(&map, &rules, catalogue::Catalogue::built_in());
     for tile in &found {
         let whole = maker.make(tile.index);
         assert_eq!(tile.objects, whole.objects);
@@ -47,9 +46,7 @@ fn other_maps_rules_and_code_have_sets_of_their_own() {
     let other = SceneryRules { tree_density: 0.1, ..rules.clone() };
     let store = Store::open("memory:").unwrap();
     let set = |hash: &str, rules, code: &str| {
-        TileStore::new(&store, (&map, hash), (rules, schema::catalogue::Catalogue::built_in()), code)
-            .unwrap()
-            .set()
+        TileStore::new(&store, (&map, hash), (rules, catalogue::Catalogue::built_in()), code).unwrap().set()
     };
     let sets = [set("h", &rules, "1"), set("i", &rules, "1"), set("h", &other, "1"), set("h", &rules, "2")];
     assert_eq!(BTreeSet::from(sets).len(), 4);
@@ -61,8 +58,7 @@ fn a_tile_that_was_cut_short_is_made_again() {
     let (map, rules) = (street(), SceneryRules::default());
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open(folder.path()).unwrap();
-    let tiles =
-        TileStore::new(&store, (&map, "h"), (&rules, schema::catalogue::Catalogue::built_in()), "1").unwrap();
+    let tiles = TileStore::new(&store, (&map, "h"), (&rules, catalogue::Catalogue::built_in()), "1").unwrap();
     let index = TileIndex { x: 1, y: 0 };
     let whole = tiles.surfaces(index).unwrap();
     let path = folder.path().join(keys::tile(tiles.set(), index, "surfaces"));

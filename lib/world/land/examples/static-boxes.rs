@@ -51,7 +51,7 @@ fn class_of(object: &TileObjectRow) -> Option<DetectionClass> {
 /// The means of a map, by class, and what they took.
 fn row(name: &str, map: &Map) -> String {
     let rules = SceneryRules::default();
-    let maker = TileMaker::new(map, &rules, schema::catalogue::Catalogue::built_in());
+    let maker = TileMaker::new(map, &rules, catalogue::Catalogue::built_in());
     let mut tiles: BTreeMap<TileIndex, Vec<TileObjectRow>> = BTreeMap::new();
     let mut clock = Duration::ZERO;
     let places: Vec<[f64; 3]> = map

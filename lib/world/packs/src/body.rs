@@ -1,7 +1,8 @@
 //! The figure of a rig: how long its bones are, and how what hangs on them is turned into their frames.
 
+use catalogue::Age;
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
-use meshes::people::{Age, Bone, Figure, Look, Measures, Side as Of};
+use meshes::people::{Bone, Figure, Look, Measures, Side as Of};
 
 use crate::error::Problem;
 use crate::joints::{Mark, Side};
@@ -105,11 +106,7 @@ impl Body {
             upper_arm: length(Mark::UpperArm, Mark::Forearm)? as f32,
             forearm: length(Mark::Forearm, Mark::Hand)? as f32,
         };
-        let age = match sheet.age {
-            "child" => Age::Child,
-            "elderly" => Age::Elder,
-            _ => Age::Adult,
-        };
+        let age = Age::from_name(sheet.age);
         let figure = Figure::measured(Look::plain(age, sheet.gender == "female"), &measures);
         let mut body = Self { figure, bone_from_object: [DAffine3::IDENTITY; Bone::BODY.len()] };
         for (bone, joint) in [(Bone::Pelvis, hips), (Bone::Chest, chest), (Bone::Head, neck)] {

@@ -2,10 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use catalogue::BaseType;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use gltf_json::Root;
 use schema::Tag;
-use schema::models::BaseType;
 
 use crate::error::Problem;
 use crate::limits;

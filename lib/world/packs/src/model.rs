@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use catalogue::BaseType;
 use glam::{DVec3, Vec3};
 use meshes::people::{Bone, Walker};
 use schema::geometry::TriMesh;
-use schema::models::BaseType;
 use schema::tables::PlanModelRow;
 
 use crate::bake::Baker;
@@ -152,7 +152,7 @@ fn described(
         name: sheet.name,
         base_type: sheet.base.name().to_owned(),
         size_m,
-        special: sheet.special,
+        special: sheet.special.name().to_owned(),
         age: sheet.age.to_owned(),
         gender: sheet.gender.to_owned(),
         weight: sheet.weight,

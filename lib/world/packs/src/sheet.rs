@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use schema::models::{self, BaseType, Model};
+use catalogue::{Age, BaseType, Gender, Model, Special, models};
 use schema::{Tag, lights};
 use serde::Deserialize;
 
@@ -102,14 +102,14 @@ pub(crate) struct Sheet {
     /// Of people the height alone.
     pub(crate) size_m: Option<[f64; 3]>,
     pub(crate) height_m: f64,
-    /// Words of [`models::AGES`] and [`models::GENDERS`]; empty where it is nobody.
+    /// Words of [`Age::NAMES`] and [`Gender::NAMES`]; empty where it is nobody.
     pub(crate) age: &'static str,
     pub(crate) gender: &'static str,
     /// Which joint each node is.
     pub(crate) joints: BTreeMap<String, Mark>,
     pub(crate) file: Option<String>,
     pub(crate) weight: f64,
-    pub(crate) special: String,
+    pub(crate) special: Special,
     pub(crate) scale: f64,
     /// Rows: forward, left, up in the file's axes.
     pub(crate) axes: [[f64; 3]; 3],
@@ -206,9 +206,12 @@ impl Written {
         Sheet::check_name(&self.name, base)?;
         let replaced = models::find(&self.name);
         let person = self.person(base, replaced)?;
-        if !["", "emergency", "taxi", "electric"].contains(&self.special.as_str()) {
-            return Err(bad("special", format!("`{}` is none of emergency, taxi, electric", self.special)));
-        }
+        let special = [Special::None, Special::Emergency, Special::Taxi, Special::Electric]
+            .into_iter()
+            .find(|special| special.name() == self.special)
+            .ok_or_else(|| {
+                bad("special", format!("`{}` is none of emergency, taxi, electric", self.special))
+            })?;
         for v in self.size_m.into_iter().flatten() {
             between("size_m", v, 0.02, 30.0)?;
         }
@@ -222,7 +225,7 @@ impl Written {
         };
         let weight = match (self.weight, replaced) {
             (Some(weight), _) => between("weight", weight, 0.0, 1000.0)?,
-            (None, Some(model)) if base.is_driven() => schema::fleet::weight(model),
+            (None, Some(model)) if base.is_driven() => catalogue::fleet::weight(model),
             (None, _) => 1.0,
         };
         let axes = axes(&self.up, &self.forward)?;
@@ -266,7 +269,7 @@ impl Written {
             joints,
             file: self.file,
             weight,
-            special: self.special,
+            special,
             scale: between("scale", self.scale, 1e-6, 1e6)?,
             axes,
             wheelbase_m: wheelbase_m.transpose()?,
@@ -291,7 +294,7 @@ impl Written {
             let wrong = given.iter().find(|(_, there)| *there);
             return wrong.map_or(Ok(None), |(key, _)| Err(bad(*key, format!("a {} has none", base.name()))));
         }
-        if let Some(model) = replaced.filter(|model| !model.special.is_empty()) {
+        if let Some(model) = replaced.filter(|model| model.special != Special::None) {
             return Err(bad(
                 "name",
                 format!("`{}` has its own work, chair, pram or dog, and cannot be replaced", model.name),
@@ -307,8 +310,8 @@ impl Written {
                 (None, None) => Err(bad(key, format!("is missing: {}", words.join(", ")))),
             }
         };
-        let age = of("age", &self.age, &models::AGES, Some("adult"))?;
-        Ok(Some([age, of("gender", &self.gender, &models::GENDERS, None)?]))
+        let age = of("age", &self.age, &Age::NAMES, Some("adult"))?;
+        Ok(Some([age, of("gender", &self.gender, &Gender::NAMES, None)?]))
     }
 }
 

@@ -22,7 +22,7 @@ fn make_four_tiles(bencher: divan::Bencher<'_, '_>) {
     let (map, rules) = (map(), SceneryRules::default());
     let tiles = [(-1, -1), (-1, 0), (0, -1), (0, 0)].map(|(x, y)| TileIndex { x, y });
     bencher.bench_local(|| {
-        let maker = TileMaker::new(&map, &rules, schema::catalogue::Catalogue::built_in());
+        let maker = TileMaker::new(&map, &rules, catalogue::Catalogue::built_in());
         tiles.map(|index| maker.make(index))
     });
 }
@@ -30,9 +30,8 @@ fn make_four_tiles(bencher: divan::Bencher<'_, '_>) {
 #[divan::bench(sample_count = 5)]
 fn build_world(bencher: divan::Bencher<'_, '_>) {
     let (map, rules) = (map(), SceneryRules::default());
-    let around = TileMaker::new(&map, &rules, schema::catalogue::Catalogue::built_in())
-        .around(&[[0.0; 3]], 400.0, 1)
-        .unwrap();
+    let around =
+        TileMaker::new(&map, &rules, catalogue::Catalogue::built_in()).around(&[[0.0; 3]], 400.0, 1).unwrap();
     bencher
         .with_inputs(|| around.ground.clone())
         .bench_local_values(|ground| SceneWorld::new(&around.actors, ground).unwrap());
@@ -41,9 +40,8 @@ fn build_world(bencher: divan::Bencher<'_, '_>) {
 #[divan::bench]
 fn snapshot(bencher: divan::Bencher<'_, '_>) {
     let (map, rules) = (map(), SceneryRules::default());
-    let around = TileMaker::new(&map, &rules, schema::catalogue::Catalogue::built_in())
-        .around(&[[0.0; 3]], 400.0, 1)
-        .unwrap();
+    let around =
+        TileMaker::new(&map, &rules, catalogue::Catalogue::built_in()).around(&[[0.0; 3]], 400.0, 1).unwrap();
     let world = SceneWorld::new(&around.actors, around.ground).unwrap();
     let frame = FrameRow::default();
     let moment = Moment { states: &[], previous: &[], signals: &[], frame: &frame };

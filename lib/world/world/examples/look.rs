@@ -8,6 +8,7 @@ use std::io::BufWriter;
 use std::path::Path;
 use std::sync::Arc;
 
+use catalogue::models::MODELS;
 use frames::{LocalOrigin, Object, Pose, World};
 use glam::{Affine3A, Mat4, Vec3};
 use land::scenery::PLATES;
@@ -15,7 +16,6 @@ use land::tiles::{Surroundings, TileMaker};
 use meshes::actors::{Posture, actor_mesh};
 use opendrive::{Map, Network};
 use schema::geometry::{Instance, Snapshot, Surface, TriMesh};
-use schema::models::MODELS;
 use schema::tables::FrameRow;
 use settings::SceneryRules;
 use world::{Moment, SceneWorld};
@@ -180,7 +180,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         small.push((name.to_owned(), size, 0));
     }
     let works: Vec<(String, [f64; 3], u32)> =
-        schema::works::all().map(|(name, size)| (name.to_owned(), size, 0)).collect();
+        catalogue::works::all().map(|(name, size)| (name.to_owned(), size, 0)).collect();
     let mut canvas = Canvas::new(1800, 1100);
     canvas.draw(
         &sheet(&works, 9, 2.2),
@@ -241,7 +241,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let rules = SceneryRules::default();
     let clock = std::time::Instant::now();
     let Surroundings { actors, ground } =
-        TileMaker::new(&map, &rules, schema::catalogue::Catalogue::built_in()).around(&[centre], 300.0, 1)?;
+        TileMaker::new(&map, &rules, catalogue::Catalogue::built_in()).around(&[centre], 300.0, 1)?;
     println!("tiles {:?}: {} actors", clock.elapsed(), actors.len());
     let clock = std::time::Instant::now();
     let world = SceneWorld::new(&actors, ground)?;

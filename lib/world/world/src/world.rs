@@ -3,15 +3,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use catalogue::{RSU_MODEL, street_lamps};
 use frames::math::f32::pow;
 use frames::{LocalOrigin, Object, Pose, World};
 use glam::{Affine3A, Mat3A, Quat, Vec3A};
 use meshes::actors::{ActorMesh, Cabin, Coarser, Joint, Piece, Posture, Rig, actor_mesh, has_variants};
 use rayon::prelude::*;
 use schema::geometry::{Instance, ObjectMotion, Snapshot, SurfaceMesh, TriMesh};
-use schema::models::RSU_MODEL;
 use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
-use schema::{ActorKind, Layer, ObjectId, SignalState, lights, street_lamps};
+use schema::{ActorKind, Layer, ObjectId, SignalState, lights};
 
 use crate::error::WorldError;
 use crate::state::{flashing, local_from_level, local_from_state, usable};

@@ -174,36 +174,5 @@ pub(crate) fn weather(parameter: &str) -> Option<&'static str> {
     Weather::NAMES.into_iter().find(|name| *name == renamed)
 }
 
-/// Body styles that come nearest to the vehicles of the published dataset, by a part of their names.
-pub(crate) const MODELS: &[(&str, &str)] = &[
-    ("mustang", "car.coupe"),
-    ("supra", "car.sports"),
-    ("chiron", "car.sports"),
-    ("tt", "car.coupe"),
-    ("mini", "car.mini"),
-    ("micro", "car.micro"),
-    ("model3", "car.electric"),
-    ("prius", "car.electric"),
-    ("patrol", "car.suv"),
-    ("wrangler", "car.offroad"),
-    ("police", "car.police"),
-    ("taxi", "car.taxi"),
-    ("sprinter", "van.delivery"),
-    ("volkswagen.t2", "van.camper"),
-    ("fusorosa", "bus.city"),
-    ("carlacola", "truck.box"),
-    ("cybertruck", "truck.pickup"),
-    ("european_hgv", "truck.heavy"),
-    ("firetruck", "truck.fire"),
-    ("low_rider", "motorcycle.cruiser"),
-    ("ninja", "motorcycle.sport"),
-    ("yzf", "motorcycle.sport"),
-    ("vespa", "motorcycle.scooter"),
-    ("crossbike", "bicycle.city"),
-    ("omafiets", "bicycle.city"),
-    ("century", "bicycle.road"),
-    ("ambulance", "van.ambulance"),
-];
-
-/// Body style of a vehicle that none of [`MODELS`] names.
+/// The model of a vehicle whose name no record has a part of (`simbev2x` of [`catalogue::Model`]).
 pub(crate) const OTHER_MODEL: &str = "car.sedan";

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use crate::rig::Rig;
+use catalogue::models;
 use saphyr::MarkedYaml;
 
-use super::names::{MODELS, OTHER_MODEL, is_mapping, property_key, sensor_key, weather};
+use super::names::{OTHER_MODEL, is_mapping, property_key, sensor_key, weather};
 use super::writer::{Writer, decimal, flag, is_null, items, line, number, pairs, quoted, text};
 
 /// Frames, sweeps and radar readings a second.
@@ -46,7 +47,7 @@ pub(crate) fn translate(
                 to.put(line(scene), &format!("scenes.redraw.{}", quoted(&number)), "1".into());
             }
         }
-        "vehicle_list" => models(to, key, at, value),
+        "vehicle_list" => vehicles(to, key, at, value),
         "vehicle_color_list" => colors(to, key, at, value),
         "use_scene_number_for_random_seed" => {
             if flag(value) == Some(false) {
@@ -109,23 +110,25 @@ pub(crate) fn translate(
     true
 }
 
-fn models(to: &mut Writer<'_>, key: &str, at: usize, value: &MarkedYaml<'_>) {
-    let mut models = Vec::new();
+fn vehicles(to: &mut Writer<'_>, key: &str, at: usize, value: &MarkedYaml<'_>) {
+    let mut names = Vec::new();
     for item in items(value).unwrap_or_default() {
         let wish = text(item).unwrap_or_default();
         let lower = wish.to_ascii_lowercase();
-        let known = schema::models::find(wish).map(|m| m.name);
-        let near = MODELS.iter().find(|(part, _)| lower.contains(part)).map(|(_, ours)| *ours);
-        let model = known.or(near).unwrap_or_else(|| {
-            to.warn(
-                line(item),
-                format!("`{key}`: no body like `{wish}` here, `{OTHER_MODEL}` takes its place"),
-            );
-            OTHER_MODEL
-        });
-        models.push(quoted(model));
+        let known = models::find(wish).or_else(|| models::of_simbev2x(&lower));
+        let model = known.map_or_else(
+            || {
+                to.warn(
+                    line(item),
+                    format!("`{key}`: no body like `{wish}` here, `{OTHER_MODEL}` takes its place"),
+                );
+                OTHER_MODEL
+            },
+            |model| model.name,
+        );
+        names.push(quoted(model));
     }
-    to.put(at, "agents.vehicle_models", format!("[{}]", models.join(", ")));
+    to.put(at, "agents.vehicle_models", format!("[{}]", names.join(", ")));
 }
 
 /// Texts such as `255, 0, 0`.

@@ -230,13 +230,13 @@ mod tests {
             ("bus.articulated", "vehicle.bus.bendy"),
             ("bus.articulated_rear", "vehicle.bus.bendy"),
         ] {
-            let model = schema::trains::find(name).expect("a section");
+            let model = catalogue::trains::find(name).expect("a section");
             let tags: Vec<u8> = model.base.tags().iter().map(|tag| *tag as u8).collect();
             let class = DetectionClass::from_tags(&tags).expect("a class");
             assert_eq!(category(class, &model.facts()), wanted, "{name}");
             assert!(tags.iter().all(|tag| is_told_by_object(*tag)));
         }
-        let bus = schema::models::find("bus.city").expect("a bus");
+        let bus = catalogue::models::find("bus.city").expect("a bus");
         assert_eq!(category(DetectionClass::Bus, &bus.facts()), "vehicle.bus.rigid");
     }
 

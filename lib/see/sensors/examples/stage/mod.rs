@@ -8,14 +8,14 @@ use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
+use catalogue::{BaseType, Model, benches};
 use glam::{Affine3A, Vec3};
 use meshes::actors::{Piece, Posture, actor_mesh};
 use meshes::people::Walker;
 use packs::{Hang, PackModel};
+use schema::Tag;
 use schema::geometry::{Instance, Snapshot, Surface, SurfaceMesh, TriMesh};
-use schema::models::{BaseType, Model};
 use schema::tables::Weather;
-use schema::{Tag, benches};
 use settings::{CameraSettings, Optics};
 
 /// What stands on the plane.

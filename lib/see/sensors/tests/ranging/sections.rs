@@ -38,7 +38,7 @@ fn section_dbsm(model: &str, size_m: [f64; 3], view_deg: f32) -> f64 {
 
 #[test]
 fn cars_show_most_to_who_looks_at_a_side() {
-    let model = schema::models::vehicles().find(|m| m.name == "car.sedan").expect("is a model");
+    let model = catalogue::models::vehicles().find(|m| m.name == "car.sedan").expect("is a model");
     let [front, corner, side, rear] =
         [0.0, 45.0, 90.0, 180.0].map(|view| section_dbsm("car.sedan", model.size_m, view));
     let all = format!("front {front:.1}, corner {corner:.1}, side {side:.1}, rear {rear:.1}");
@@ -52,7 +52,7 @@ fn cars_show_most_to_who_looks_at_a_side() {
 #[test]
 fn people_are_where_measured_ones_are() {
     // -8 dBsm on average, whichever way they are turned.
-    let model = schema::models::walkers().next().expect("is one");
+    let model = catalogue::models::walkers().next().expect("is one");
     for view in [0.0, 90.0] {
         let got = section_dbsm(model.name, [0.5, 0.6, 1.75], view);
         assert!((got + 8.0).abs() < 2.5, "{view}: {got:.1}");

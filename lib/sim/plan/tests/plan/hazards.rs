@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use catalogue::{Special, models::find};
 use nalgebra::Point3;
 use opendrive::{LaneType, Map};
 use plan::{Plan, PlanMap, SpawnPool, plan};
 use schema::HazardKind;
-use schema::models::find;
 use schema::tables::PlanHazardRow;
 use settings::stages::PlanSettings;
 use settings::{SceneCount, Split};
@@ -89,7 +89,7 @@ fn accidents_are_as_long_as_their_vehicles() {
     assert!(count > 1000, "{count}");
     for hazard in &plan.hazards {
         assert_eq!((hazard.kind, hazard.items), (HazardKind::Accident, 0));
-        let special = |m: &String| find(m).expect("a model").special == "emergency";
+        let special = |m: &String| find(m).expect("a model").special == Special::Emergency;
         let [front, rear] = [&hazard.models[0], &hazard.models[1]];
         assert!(!special(front) && !special(rear));
         let tail_m = match hazard.models.get(2) {

@@ -2,11 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use catalogue::Catalogue;
 use nalgebra::Point3;
 use opendrive::{Cubic, Lane, LaneSection, LaneType, Map};
 use plan::{PlanError, PlanMap, SceneSlot, SpawnPool, plan, plan_scene, scene_slots};
 use proptest::prelude::*;
-use schema::catalogue::Catalogue;
 use settings::stages::PlanSettings;
 use settings::{GivenStart, SceneCount, SpawnMode, Split};
 use testkit::{real_map, road, straight_road};

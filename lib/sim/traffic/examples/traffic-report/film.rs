@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use catalogue::{models, trains};
 use frames::math::sin_cos;
 use nalgebra::Point3;
 use opendrive::{LaneHit, LanePos, Map};
-use schema::{ActorKind, ActorRole, Attribute, models, trains};
+use schema::{ActorKind, ActorRole, Attribute};
 use traffic::SimulationLog;
 
 use crate::common::yaw;

@@ -78,8 +78,7 @@ fn queues(seed: u64) -> Vec<PlanAgentRow> {
 fn scenery(map: &Map, seed: u64, agents: &[PlanAgentRow]) -> Vec<ActorRow> {
     let centres: Vec<[f64; 3]> = agents.iter().map(|a| a.xyz_m).collect();
     let rules = SceneryRules { seed, ..SceneryRules::default() };
-    let around =
-        TileMaker::new(map, &rules, schema::catalogue::Catalogue::built_in()).around(&centres, SCENERY_M, 1);
+    let around = TileMaker::new(map, &rules, catalogue::Catalogue::built_in()).around(&centres, SCENERY_M, 1);
     let mut fixed = around.map(|around| around.actors).unwrap_or_default();
     let mut missing = lights(map);
     missing.retain(|light| fixed.iter().all(|a| a.opendrive_id != light.opendrive_id));
@@ -154,7 +153,7 @@ impl Plan {
         let wanted = !full && self.seed.is_multiple_of(HAZARD_SEEDS);
         let hazards = if wanted { hazards(&map, &agents) } else { Vec::new() };
         let input = SceneInput {
-            catalogue: schema::catalogue::Catalogue::built_in(),
+            catalogue: catalogue::Catalogue::built_in(),
             map: &map,
             scene: &scene,
             agents: &agents,

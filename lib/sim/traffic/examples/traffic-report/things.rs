@@ -3,11 +3,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use catalogue::benches;
 use frames::{Object, Pose, World};
 use nalgebra::Point3;
+use schema::ActorKind;
 use schema::geometry::Surface;
 use schema::tables::ActorRow;
-use schema::{ActorKind, benches};
 
 use super::film::{Body, Film};
 

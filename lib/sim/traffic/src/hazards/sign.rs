@@ -1,11 +1,11 @@
 //! Where the warning sign of a hazard stands: beside the road, some way before it.
 
+use catalogue::works::Item;
 use nalgebra::Point3;
 use opendrive::{LaneId, LanePos, LaneType, Map};
 use random::Stream;
 use schema::footprint::footprint;
 use schema::tables::ActorRow;
-use schema::works::Item;
 
 use super::thing::{Spot, Thing};
 use crate::scene::free_space::{Footprint, Taken, apart};

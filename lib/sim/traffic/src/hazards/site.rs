@@ -1,11 +1,12 @@
 //! Setting up one hazard.
 
+use catalogue::{
+    BaseType, Catalogue, Model, cars, people, roadside,
+    works::{self, Item},
+};
 use random::Stream;
-use schema::catalogue::Catalogue;
-use schema::models::{self, BaseType, Model};
 use schema::tables::PlanHazardRow;
-use schema::works::{self, Item};
-use schema::{ActorKind, HazardKind, fleet};
+use schema::{ActorKind, HazardKind};
 
 use super::stretch::Stretch;
 use super::thing::{Spot, Thing};
@@ -115,8 +116,8 @@ impl<'m, 't> Site<'m, 't> {
         }
         // Police stand about where they came by car.
         let mut people = self.catalogue.walkers();
-        if emergency.is_some_and(|m| m.name == "car.police") {
-            people.extend(models::find("walker.police").map(|police| (police, 1.0)));
+        if emergency.is_some_and(|m| m.name == cars::POLICE.name) {
+            people.push((&people::POLICE, 1.0));
         }
         for way_m in gaps_m {
             self.people(&people, way_m);
@@ -140,7 +141,7 @@ impl<'m, 't> Site<'m, 't> {
             _ => 30.0,
         };
         let turn_rad = self.draw.uniform(-most, most).to_radians();
-        let color = self.draw.choose(fleet::paints(model)).copied()?;
+        let color = self.draw.choose(model.paints).copied()?;
         let doors = doors::left_open(model, &mut self.draw);
         let spot = Spot::new(&self.stretch.at(way_m, 0.0)?, turn_rad, [0.0; 2]);
         self.add(Thing::vehicle(model, color, doors, &spot))
@@ -226,7 +227,7 @@ impl<'m, 't> Site<'m, 't> {
         if let (Some(model), Some(spot)) = (self.catalogue.find(name), self.any_spot(way_m)) {
             let (kind, color) = match model.base {
                 BaseType::Pedestrian => (ActorKind::Walker, ORANGE),
-                _ => (ActorKind::Prop, if name == "barrier.concrete" { CONCRETE } else { RED }),
+                _ => (ActorKind::Prop, if name == roadside::CONCRETE.name { CONCRETE } else { RED }),
             };
             self.add(Thing::of_model(kind, model, color, &spot));
         }
@@ -241,7 +242,7 @@ impl<'m, 't> Site<'m, 't> {
                     self.add(Thing::item(item, &spot));
                 }
             }
-            None => self.model("walker.worker", way_m),
+            None => self.model(people::WORKER.name, way_m),
         }
     }
 }

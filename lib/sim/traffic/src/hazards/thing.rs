@@ -1,12 +1,11 @@
 //! One thing that stands in a hazard.
 
+use catalogue::{Model, Special, roadside, works::Item};
 use frames::math::{sin_cos, tan};
 use frames::{Object, Pose, World};
 use nalgebra::{Point3, Vector3};
 use opendrive::LanePoint;
-use schema::models::Model;
 use schema::tables::ActorRow;
-use schema::works::Item;
 use schema::{ActorKind, ActorRole, Attribute, Attributes, ObjectId, Tag, lights};
 
 use crate::bodies::PERSON_KG;
@@ -33,7 +32,8 @@ fn mass_kg(kind: ActorKind, model: &str, size_m: [f64; 3]) -> f64 {
     match (kind, model) {
         (ActorKind::Walker, _) => PERSON_KG,
         (ActorKind::Vehicle, _) => VEHICLE_KG_M3 * volume_m3,
-        (_, "barrier.concrete" | "prop.pipe" | "prop.pile" | "prop.stone_ring") => STONE_KG_M3 * volume_m3,
+        (_, name) if name == roadside::CONCRETE.name => STONE_KG_M3 * volume_m3,
+        (_, "prop.pipe" | "prop.pile" | "prop.stone_ring") => STONE_KG_M3 * volume_m3,
         (_, name) if name.starts_with("prop.concrete") => STONE_KG_M3 * volume_m3,
         (_, "prop.iron_plank" | "prop.construction_light") => 200.0 * volume_m3.max(1.0),
         _ => (LIGHT_KG_M3 * volume_m3).max(LEAST_KG),
@@ -121,7 +121,7 @@ impl Thing {
 
     /// A vehicle; those of police, ambulance and fire brigade flash.
     pub(super) fn vehicle(model: &'static Model, color: [u8; 3], doors: [f32; 4], at: &Spot) -> Self {
-        let lamps = if model.special == "emergency" { lights::EMERGENCY } else { 0 };
+        let lamps = if model.special == Special::Emergency { lights::EMERGENCY } else { 0 };
         Self { doors, lamps, ..Self::of_model(ActorKind::Vehicle, model, color, at) }
     }
 

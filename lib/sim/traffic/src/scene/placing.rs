@@ -1,12 +1,13 @@
 //! Who and what a scene begins with: vehicles, walkers, parked vehicles, lamps.
 
+use catalogue::{Model, people};
 use frames::{Object, Pose, World};
 use nalgebra::Point3;
 use opendrive::Map;
 use random::Stream;
 use schema::ObjectId;
 use schema::tables::ActorRow;
-use schema::{ActorKind, ActorRole, Attribute, models};
+use schema::{ActorKind, ActorRole, Attribute};
 
 use crate::bodies::{Bodies, Owner};
 use crate::error::TrafficError;
@@ -108,7 +109,7 @@ pub(crate) struct Streets<'a> {
 
 /// A walker as it is drawn, before it has a place.
 struct Drawn {
-    model: &'static models::Model,
+    model: &'static Model,
     color: [u8; 3],
     speed_mps: f64,
     stream: Stream,
@@ -116,39 +117,30 @@ struct Drawn {
 }
 
 /// Draws who a walker is.
-fn draw_walker(
-    input: &SceneInput<'_>,
-    catalogue: &[(&'static models::Model, f64)],
-    number: u64,
-) -> Option<Drawn> {
+fn draw_walker(input: &SceneInput<'_>, catalogue: &[(&'static Model, f64)], number: u64) -> Option<Drawn> {
     let (scene, settings) = (input.scene, &input.settings.walkers);
     let mut stream = Stream::new(scene.seed, u64::from(scene.scene), "traffic/walker", number);
     let (model, color) = (stream.choose_common(catalogue)?, *stream.choose(&CLOTHES)?);
     let speed = stream.log_normal(0.16, 0.64).max(settings.min_speed_mps).max(0.1);
     let mut chairs = Stream::new(scene.seed, u64::from(scene.scene), "traffic/wheelchair", number);
-    let (model, speed_mps) = match models::wheelchair() {
-        Some(chair) if chairs.chance(settings.wheelchair) => (chair, speed.min(WHEELCHAIR_MPS)),
-        _ => {
-            let takes = Stream::new(scene.seed, u64::from(scene.scene), "traffic/walker/takes", number);
-            take_along(model, speed, takes)
-        }
+    let (model, speed_mps) = if chairs.chance(settings.wheelchair) {
+        (&people::WHEELCHAIR, speed.min(WHEELCHAIR_MPS))
+    } else {
+        let takes = Stream::new(scene.seed, u64::from(scene.scene), "traffic/walker/takes", number);
+        take_along(model, speed, takes)
     };
     let anywhere = stream.chance(scene.walker_cross_factor);
     Some(Drawn { model, color, speed_mps, stream, anywhere })
 }
 
 /// Of grown-ups some push a pram, none of them running, and some lead a dog.
-fn take_along(
-    model: &'static models::Model,
-    speed_mps: f64,
-    mut draw: Stream,
-) -> (&'static models::Model, f64) {
+fn take_along(model: &'static Model, speed_mps: f64, mut draw: Stream) -> (&'static Model, f64) {
     if model.facts().get(&Attribute::Age) == Some("child") {
         return (model, speed_mps);
     }
-    match (draw.uniform(0.0, 1.0), models::with_pram(), models::with_dog()) {
-        (share, Some(pram), _) if share < PRAMS => (pram, speed_mps.min(PRAM_MPS)),
-        (share, _, Some(dog)) if share < PRAMS + DOGS => (dog, speed_mps),
+    match draw.uniform(0.0, 1.0) {
+        share if share < PRAMS => (&people::WITH_PRAM, speed_mps.min(PRAM_MPS)),
+        share if share < PRAMS + DOGS => (&people::WITH_DOG, speed_mps),
         _ => (model, speed_mps),
     }
 }

@@ -1,8 +1,8 @@
 //! What rows of the log have in common.
 
+use catalogue::{BaseType, Model};
 use frames::{Object, Pose, World};
 use nalgebra::Vector3;
-use schema::models::{BaseType, Model};
 use schema::tables::{ActorRow, StateRow};
 use schema::{ActorKind, ActorRole, Attributes, FRAME_PERIOD_S, ObjectId};
 

@@ -3,13 +3,15 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
+use catalogue::{
+    BaseType, Model, Special, fleet,
+    trains::{self, Train},
+};
 use nalgebra::Point3;
 use opendrive::{LanePos, Map};
 use random::Stream;
-use schema::models::{BaseType, Model};
 use schema::tables::{ActorRow, PlanSceneRow};
-use schema::trains::{self, Train};
-use schema::{ActorRole, AgentKind, fleet};
+use schema::{ActorRole, AgentKind};
 use settings::TrafficSettings;
 
 use crate::error::TrafficError;
@@ -132,7 +134,7 @@ fn background(
     for (i, &(lane, along)) in order.into_iter().map(|k| &points[k]).enumerate() {
         let mut draw = stream("traffic/vehicle", i as u64);
         let Some(&model) = draw.choose_weighted(&catalogue, |m| input.catalogue.weight(m)) else { return };
-        let Some(paint) = draw.choose(fleet::paints(model)) else { return };
+        let Some(paint) = draw.choose(model.paints) else { return };
         let reckless = draw.chance(traffic.reckless_background);
         let distracted = draw.chance(traffic.distracted_background) && !reckless;
         let difference = draw.uniform(-0.4, 0.2);
@@ -185,7 +187,7 @@ fn background(
 
 /// Whether a train drives in place of a background vehicle, and which.
 fn train_instead(traffic: &TrafficSettings, model: &Model, draw: &mut Stream) -> Option<&'static Train> {
-    let ordinary = model.special.is_empty();
+    let ordinary = model.special == Special::None;
     let base = if draw.chance(traffic.articulated_lorries) {
         BaseType::Truck
     } else if model.base == BaseType::Bus && ordinary && draw.chance(traffic.articulated_buses) {
@@ -239,7 +241,7 @@ impl TrainRoads<'_> {
         if !sections.iter().all(|&(at, yaw_rad, size_m)| taken.is_free(&at, yaw_rad, size_m)) {
             return None;
         }
-        let colors = [fleet::paints(model), fleet::paints(train.towed)].map(|paints| draw.choose(paints));
+        let colors = [model.paints, train.towed.paints].map(|paints| draw.choose(paints));
         let [Some(color), Some(towed_color)] = colors else { return None };
         for (at, yaw_rad, size_m) in sections {
             taken.insert(at, yaw_rad, size_m);

@@ -1,8 +1,8 @@
 //! Doors of vehicles that stand.
 
+use catalogue::Model;
 use random::Stream;
 use schema::FRAME_PERIOD_S;
-use schema::models::Model;
 
 /// Open doors stand at this angle, radians.
 const OPEN_RAD: f64 = 1.1;
@@ -14,7 +14,7 @@ const CLOSED_MPS: f64 = 1.0;
 
 /// One of the doors, or all: each as likely.
 fn choice(model: &Model, draw: &mut Stream) -> [bool; 4] {
-    let doors = model.doors();
+    let doors = usize::from(model.doors);
     let chosen = draw.index(doors + 1).unwrap_or(doors);
     std::array::from_fn(|door| door < doors && (chosen == door || chosen == doors))
 }
@@ -22,7 +22,7 @@ fn choice(model: &Model, draw: &mut Stream) -> [bool; 4] {
 /// The doors of a vehicle that is left with some of them open, radians.
 pub(crate) fn left_open(model: &Model, draw: &mut Stream) -> [f32; 4] {
     let open = choice(model, draw);
-    open.map(|open| if open && model.doors() > 0 { OPEN_RAD as f32 } else { 0.0 })
+    open.map(|open| if open && model.doors > 0 { OPEN_RAD as f32 } else { 0.0 })
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +48,7 @@ pub(crate) struct Doors {
 
 impl Doors {
     pub(crate) fn new(model: &'static Model, chance: f64, draw: Stream) -> Self {
-        let chance = if model.doors() == 0 { 0.0 } else { chance };
+        let chance = if model.doors == 0 { 0.0 } else { chance };
         Self { model, chance, draw, state: State::Closed, angle_rad: 0.0 }
     }
 
@@ -82,7 +82,7 @@ impl Doors {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use schema::models;
+    use catalogue::models;
 
     fn doors(name: &str, chance: f64, entity: u64) -> Doors {
         Doors::new(models::find(name).expect("a model"), chance, Stream::new(5, 0, "test/doors", entity))

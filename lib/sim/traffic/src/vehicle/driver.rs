@@ -1,7 +1,7 @@
 //! Who drives: how fast and how close, and what is overlooked.
 
+use catalogue::{BaseType, Model};
 use random::Stream;
-use schema::models::{BaseType, Model};
 use settings::TrafficSettings;
 
 use crate::car_following::Idm;

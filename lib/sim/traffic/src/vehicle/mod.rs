@@ -16,8 +16,8 @@ pub(crate) mod sway;
 pub(crate) mod towed;
 pub(crate) mod wake;
 
+use catalogue::{BaseType, Model, swept_m};
 use nalgebra::{Point3, Vector3};
-use schema::models::{BaseType, Model, swept_m};
 
 use self::claim::Claim;
 use self::doors::Doors;

@@ -1,10 +1,9 @@
 //! How a vehicle moves: its followed point on the route by exactly the way that its speed asks for, its body after it.
 
+use catalogue::{BaseType, Model, trains::Train};
 use frames::{Object, Pose, World};
 use nalgebra::{Point3, Vector3};
 use schema::FRAME_PERIOD_S;
-use schema::models::{BaseType, Model};
-use schema::trains::Train;
 
 use crate::bodies::{Body, BodyMotion};
 use crate::car_following::COMFORT_BRAKING;

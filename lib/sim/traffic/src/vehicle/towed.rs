@@ -1,10 +1,10 @@
 //! What a vehicle tows: its front turns about the hitch, and its axle never slides sideways (a tractrix).
 
+use catalogue::trains::Train;
 use frames::math::{sin_cos, tan};
 use frames::{Object, Pose, World};
 use nalgebra::{Point3, Vector3};
 use schema::FRAME_PERIOD_S;
-use schema::trains::Train;
 
 use crate::bodies::{Body, BodyMotion};
 use crate::road::centreline::CentrelinePoint;
@@ -124,7 +124,7 @@ impl Towed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use schema::trains;
+    use catalogue::trains;
 
     /// The yaw of what is towed after its lead's hitch has gone along some points.
     fn after(points: impl Iterator<Item = Point3<f64>>, rod_m: f64) -> (Point3<f64>, f64) {

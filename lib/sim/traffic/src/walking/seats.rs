@@ -1,11 +1,11 @@
 //! Seats on benches, for some of those who wait beside one.
 
+use catalogue::{Model, Special, benches};
 use frames::{Object, Pose, World};
 use nalgebra::Point3;
 use random::Stream;
-use schema::models::Model;
+use schema::Attribute;
 use schema::tables::ActorRow;
-use schema::{Attribute, benches};
 
 use crate::walking::crowd::Crowd;
 
@@ -39,7 +39,7 @@ pub(crate) fn on_bench(bench: &ActorRow, pose: &Pose<World, Object>) -> [Seat; 2
 /// reach the ground, and who comes from a pack has clothes that only hang.
 fn may_sit(model: &Model) -> bool {
     let child = model.facts().get(&Attribute::Age) == Some("child");
-    model.own.is_none() && model.special.is_empty() && model.wheel_radius_m == 0.0 && !child
+    !model.is_of_pack() && model.special == Special::None && model.wheel_radius_m == 0.0 && !child
 }
 
 /// The seat that somebody takes who waits beside some, if anybody does: a free one, from which they keep others off.

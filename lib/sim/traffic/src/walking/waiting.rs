@@ -1,10 +1,11 @@
 //! Places where people stand and wait: at the kerb before a crosswalk, beside a bench, before a building.
 
+use catalogue::benches;
 use frames::{Object, Pose, World};
 use nalgebra::{Point3, Vector2};
 use random::Stream;
+use schema::ActorKind;
 use schema::tables::ActorRow;
-use schema::{ActorKind, benches};
 
 use crate::grid::Grid;
 use crate::walking::paths::Paths;

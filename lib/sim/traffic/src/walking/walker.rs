@@ -1,10 +1,10 @@
 //! Walkers on their routes: over sidewalks, crosswalks and, some of them, straight over roads.
 
+use catalogue::Model;
 use frames::{Object, Pose, World};
 use nalgebra::{Point3, Vector2};
 use random::Stream;
 use schema::FRAME_PERIOD_S;
-use schema::models::Model;
 
 use crate::bodies::{Body, BodyMotion};
 use crate::occupancy::{CrossingWalker, Occupancy};

@@ -219,7 +219,7 @@ fn road_works_hold_every_kind_of_thing_and_workers() {
             assert_eq!(class, wanted, "{thing:?}");
         }
     }
-    let small = schema::works::SMALL.iter().chain(&schema::works::LARGE).map(|(name, _)| *name);
+    let small = catalogue::works::SMALL.iter().chain(&catalogue::works::LARGE).map(|(name, _)| *name);
     let cones = ["cone.traffic", "cone.plain", "cone.big", "cone.barrel", "cone.skinny"];
     let others = ["walker.worker", "barrier.street", "barrier.wooden", "sign.road_works", "sign.danger"];
     for name in small.chain(cones).chain(others) {
@@ -316,7 +316,7 @@ fn doors_of_traffic_open_at_stops_and_close_in_motion() {
         let states: Vec<&StateRow> = log.states.iter().filter(|s| s.id == actor.id).collect();
         let speed = |s: &StateRow| s.velocity_mps.iter().map(|v| v * v).sum::<f32>().sqrt();
         let open = |s: &StateRow| s.door_rad.iter().any(|a| *a > 0.0);
-        let doors = schema::models::find(&actor.model).expect("a model").doors();
+        let doors = catalogue::models::find(&actor.model).expect("a model").doors;
         let ever = states.iter().any(|s| open(s));
         assert!(!ever || (doors > 0 && actor.role == ActorRole::Background), "{actor:?}");
         opened += usize::from(ever);

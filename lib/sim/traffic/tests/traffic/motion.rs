@@ -3,10 +3,11 @@
 use crate::common::{
     agent, agents_on, bent_seam, circle, collisions, right_bend, run, scene, settings, tracks, yaw,
 };
+use catalogue::models;
 use frames::math::{atan, sin_cos};
 use opendrive::Map;
+use schema::ActorKind;
 use schema::tables::{PlanAgentRow, PlanSceneRow, StateRow};
-use schema::{ActorKind, models};
 use traffic::SimulationLog;
 
 /// Speed in space over the step before a state, m/s.

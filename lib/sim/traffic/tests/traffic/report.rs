@@ -17,12 +17,13 @@ mod touching;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::common::{crossing, straight, two_lanes};
+use catalogue::models;
 use film::Film;
 use frames::math::{cos, sin, sin_cos};
 use frames::{Object, Pose, World};
 use opendrive::{Map, MarkType};
 use schema::tables::{ActorRow, SignalRow, StateRow};
-use schema::{ActorKind, SignalState, models};
+use schema::{ActorKind, SignalState};
 use traffic::SimulationLog;
 
 /// Middle, yaw and speed along it.

@@ -6,12 +6,12 @@ use crate::common::{
     agent, agents_on, collisions, hazard, lights, red_runs, run, run_beside, run_with, scene, settings,
     tracks, two_lanes, yaw,
 };
+use catalogue::trains::{self, Train};
 use frames::math::sin_cos;
 use land::tiles::TileMaker;
 use nalgebra::{Point3, Vector3};
 use opendrive::{LaneType, Map, MarkType};
 use schema::tables::{ActorRow, PlanSceneRow, StateRow};
-use schema::trains::{self, Train};
 use schema::{ActorKind, HazardKind};
 use settings::SceneryRules;
 use settings::stages::SimulationSettings;
@@ -191,8 +191,7 @@ fn a_train_is_the_one_that_it_would_be_without_others() {
 fn scenery(map: &Map, agents: &[schema::tables::PlanAgentRow]) -> Vec<ActorRow> {
     let centres: Vec<[f64; 3]> = agents.iter().map(|a| a.xyz_m).collect();
     let rules = SceneryRules { seed: 1, ..SceneryRules::default() };
-    let around =
-        TileMaker::new(map, &rules, schema::catalogue::Catalogue::built_in()).around(&centres, 250.0, 1);
+    let around = TileMaker::new(map, &rules, catalogue::Catalogue::built_in()).around(&centres, 250.0, 1);
     let mut fixed = around.map(|around| around.actors).unwrap_or_default();
     let mut missing = lights(map);
     missing.retain(|light| fixed.iter().all(|a| a.opendrive_id != light.opendrive_id));

@@ -4,12 +4,12 @@ use frames::OrientedRect;
 use random::Stream;
 use schema::{ActorKind, Tag};
 
-use crate::scenery::catalogue::{BUILDINGS, BuildingKind};
 use crate::scenery::claims::{Candidate, rank, settle};
 use crate::scenery::draft::Draft;
 use crate::scenery::draw::draw;
 use crate::scenery::frontage::Frontage;
 use crate::scenery::islands::Islands;
+use crate::scenery::kinds::{BUILDINGS, BuildingKind};
 use crate::scenery::land::Land;
 use crate::scenery::site::{Site, reach_m};
 

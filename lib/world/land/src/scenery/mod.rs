@@ -8,7 +8,7 @@
 //!
 //! ```
 //! use schema::ActorKind;
-//! use schema::catalogue::Catalogue;
+//! use catalogue::Catalogue;
 //! use settings::SceneryRules;
 //! use surfaces::{Atlas, Region};
 //!
@@ -21,13 +21,13 @@
 //! assert_eq!(scenery::place(&atlas.ground(&area), &SceneryRules::default(), Catalogue::built_in()), objects);
 //! ```
 
-mod catalogue;
 mod claims;
 mod draft;
 mod draw;
 mod frontage;
 mod furniture;
 mod islands;
+mod kinds;
 mod land;
 mod lights;
 mod lots;
@@ -39,11 +39,11 @@ mod swept;
 mod trees;
 
 use crate::surfaces::{AreaGround, Ground};
-use schema::catalogue::Catalogue;
+use catalogue::Catalogue;
 use schema::tables::TileObjectRow;
 use settings::SceneryRules;
 
-pub use catalogue::{BUILDINGS, BuildingKind, TREES};
+pub use kinds::{BUILDINGS, BuildingKind, TREES};
 pub use signs::{PLATES, Plate};
 
 use draft::Draft;

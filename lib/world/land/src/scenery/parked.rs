@@ -3,14 +3,13 @@
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_2;
 
+use catalogue::{BaseType, Catalogue, Model, Special, fleet, models};
 use frames::math::{atan2, sin_cos};
 use frames::{OrientedRect, wrap_pi};
 use nalgebra::{Point3, Vector3};
 use opendrive::{LaneInfo, LaneType};
 use random::Stream;
-use schema::catalogue::Catalogue;
-use schema::models::{self, BaseType, Model};
-use schema::{ActorKind, fleet};
+use schema::ActorKind;
 
 use crate::scenery::claims::{Candidate, Rank, rank, settle};
 use crate::scenery::draft::Draft;
@@ -130,7 +129,7 @@ struct Models {
 
 impl Models {
     fn of(catalogue: &Catalogue) -> Self {
-        let fits = |m: &&'static Model| m.special != "emergency" && m.size_m[0] <= LONGEST_M;
+        let fits = |m: &&'static Model| m.special != Special::Emergency && m.size_m[0] <= LONGEST_M;
         let civil = || catalogue.vehicles().filter(fits);
         let common = |m: &'static Model| -> Common { (m, catalogue.weight(m)) };
         let is_long = |m: &&'static Model| m.base == BaseType::Truck && m.size_m[0] > PLACE_M;
@@ -138,7 +137,7 @@ impl Models {
             matches!(m.base, BaseType::Car | BaseType::Van) || m.base == BaseType::Truck && !is_long(m)
         };
         let motorcycles = models::PARKED_TWO_WHEELERS.iter().filter(|m| m.base == BaseType::Motorcycle);
-        let motorcycles = motorcycles.filter(|m| m.special != "emergency");
+        let motorcycles = motorcycles.filter(|m| m.special != Special::Emergency);
         Self {
             ordinary: civil().filter(ordinary).map(common).collect(),
             trucks: civil().filter(is_long).map(common).collect(),

@@ -1,10 +1,10 @@
 //! Bicycles locked to hoops along the kerbs of sidewalks.
 
 use crate::surfaces::Ground;
+use catalogue::{BaseType, Model, models::PARKED_TWO_WHEELERS};
 use frames::OrientedRect;
 use frames::math::atan2;
 use random::Stream;
-use schema::models::{BaseType, Model, PARKED_TWO_WHEELERS};
 use schema::{ActorKind, Tag};
 
 use crate::scenery::claims::{Candidate, rank, settle};

@@ -1,8 +1,8 @@
 //! What placing rules look at.
 
 use crate::surfaces::{AreaGround, GroundLevels};
+use catalogue::Catalogue;
 use opendrive::Map;
-use schema::catalogue::Catalogue;
 use settings::SceneryRules;
 
 /// Half the side of the ground that a pole takes, metres.

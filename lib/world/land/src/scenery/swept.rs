@@ -2,10 +2,10 @@
 //!
 //! A bus whose middle follows its lane has its rear axle on a smaller circle and its outer front corner on a larger one.
 
+use catalogue::swept_m;
 use frames::wrap_pi;
 use nalgebra::Point3;
 use opendrive::{LaneHit, Map};
-use schema::models::swept_m;
 
 /// The longest vehicle: length, width and half its wheelbase, metres.
 const LENGTH_M: f64 = 12.0;

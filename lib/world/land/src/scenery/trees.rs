@@ -4,11 +4,11 @@ use frames::OrientedRect;
 use random::Stream;
 use schema::{ActorKind, Tag};
 
-use crate::scenery::catalogue::TREES;
 use crate::scenery::claims::{Candidate, rank, settle};
 use crate::scenery::draft::Draft;
 use crate::scenery::draw::draw;
 use crate::scenery::frontage::{Frontage, Spot};
+use crate::scenery::kinds::TREES;
 use crate::scenery::land::Land;
 use crate::scenery::site::{Site, reach_m};
 

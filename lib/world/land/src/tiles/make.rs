@@ -1,8 +1,8 @@
 //! Making tiles.
 
 use crate::surfaces::{Atlas, Region};
+use catalogue::Catalogue;
 use opendrive::Map;
-use schema::catalogue::Catalogue;
 use schema::geometry::SurfaceMesh;
 use schema::tables::{ActorRow, TileObjectRow};
 use schema::tile::{TILE_M, TileIndex};

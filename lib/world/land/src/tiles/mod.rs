@@ -10,7 +10,7 @@
 //!
 //! let map = testkit::straight(600.0);
 //! let rules = SceneryRules::default();
-//! let maker = TileMaker::new(&map, &rules, schema::catalogue::Catalogue::built_in());
+//! let maker = TileMaker::new(&map, &rules, catalogue::Catalogue::built_in());
 //! let tile = maker.make(TileIndex { x: 1, y: 0 });
 //! assert!(!tile.objects.is_empty() && tile.objects.iter().all(|o| (256.0..512.0).contains(&o.xyz_m[0])));
 //! ```

@@ -1,11 +1,12 @@
 //! Fire engines: lockers, lights, stripes, ladders.
 
 use crate::solids::{Detail, MeshBuilder};
+use catalogue::Load;
 use glam::Vec3;
 use schema::geometry::{Part, Surface};
 use schema::{Tag, lights};
 
-use crate::actors::lorry::{Load, Lorry};
+use crate::actors::lorry::Lorry;
 use crate::actors::pod::rounded;
 
 /// The body of a fire engine; a ladder lies on its roof, or on a turntable.

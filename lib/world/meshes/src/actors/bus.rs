@@ -1,25 +1,24 @@
 //! Buses: a hull with rows of windows, doors on the right, a unit on the roof.
 
 use crate::solids::{Detail, MeshBuilder};
+use catalogue::{BusBody, Model, Rim, Shape, trains::Train};
 use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Part, Surface};
 use schema::lights;
-use schema::models::Model;
-use schema::trains::Train;
 
 use crate::actors::cabin::{REAR_DOOR_M, REAR_PANE};
 use crate::actors::car::{Car, Looks};
 use crate::actors::decal::patch;
 use crate::actors::heavy::tall_mirrors;
-use crate::actors::hull::{Hull, Style};
+use crate::actors::hull::Hull;
 use crate::actors::pieces::ActorMesh;
 use crate::actors::pod::rounded;
 use crate::actors::skin::Place;
-use crate::actors::wheel::{Rim, Wheels};
+use crate::actors::wheel::Wheels;
 
 /// A city bus with a low floor.
-const CITY: Style = Style {
+const CITY: Shape = Shape {
     nose_z: 0.35,
     cowl: (0.003, 0.36),
     roof: (0.030, 0.985),
@@ -43,7 +42,7 @@ const CITY: Style = Style {
 };
 
 /// A coach: passengers sit over their luggage.
-const COACH: Style = Style {
+const COACH: Shape = Shape {
     nose_z: 0.40,
     cowl: (0.004, 0.42),
     roof: (0.045, 0.985),
@@ -61,7 +60,7 @@ const COACH: Style = Style {
 };
 
 /// A school bus behind its bonnet.
-const SCHOOL: Style = Style {
+const SCHOOL: Shape = Shape {
     nose_z: 0.44,
     cowl: (0.125, 0.485),
     roof: (0.155, 0.985),
@@ -81,7 +80,7 @@ const SCHOOL: Style = Style {
 };
 
 /// The rear section of an articulated bus: nobody looks out ahead.
-const REAR: Style = Style {
+const REAR: Shape = Shape {
     cowl: (0.001, 0.36),
     roof: (0.006, 0.985),
     windows: (0.05, 0.94),
@@ -94,7 +93,7 @@ const REAR: Style = Style {
     ..CITY
 };
 /// The front one: it ends upright before its bellows.
-const FRONT: Style = Style {
+const FRONT: Shape = Shape {
     pillars: &[0.20, 0.36, 0.52, 0.68, 0.84],
     bow_m: [0.20, 0.02],
     glass_bow_m: [0.20, 0.02],
@@ -109,21 +108,22 @@ const HALF_BELLOWS_M: f32 = 0.80;
 const BELLOWS_Y: f32 = 1.15;
 const BELLOWS_Z: [f32; 2] = [0.40, 0.22];
 
-/// A bus.
-pub(crate) fn bus(model: &Model, size: Vec3) -> ActorMesh {
+/// A bus, or the section of an articulated one that drives.
+pub(crate) fn bus(model: &Model, body: BusBody, size: Vec3) -> ActorMesh {
     let half = 0.5 * size;
     let radius = model.wheel_radius_m as f32;
-    let (style, overhang_m) = match model.name {
-        "bus.coach" => (COACH, 2.70),
-        "bus.school" => (SCHOOL, 1.05),
-        "bus.articulated" => (FRONT, 2.75),
-        _ => (CITY, 2.75),
+    let (shape, overhang_m) = match body {
+        BusBody::City => (CITY, 2.75),
+        BusBody::Coach => (COACH, 2.70),
+        BusBody::School => (SCHOOL, 1.05),
+        BusBody::ArticulatedFront => (FRONT, 2.75),
+        BusBody::ArticulatedRear => (REAR, 2.75),
     };
-    let is_front = model.name == "bus.articulated";
+    let is_front = body == BusBody::ArticulatedFront;
     let back = if is_front { HALF_BELLOWS_M - half.x } else { -half.x };
     let front = half.x - overhang_m;
     let axles = [front, front - model.wheelbase_m as f32];
-    let hull = Hull::new(style, [back, half.x], [half.y, size.z], &axles, radius);
+    let hull = Hull::new(shape, [back, half.x], [half.y, size.z], &axles, radius);
     let wheels =
         Wheels { tag: Tag::Bus, axles: &axles, radius, width: 0.32, outer_y: half.y - 0.07, rim: Rim::Heavy };
     let car = Car { model, hull: &hull, looks: Looks::new(Tag::Bus, model), wheels };
@@ -141,9 +141,9 @@ pub(crate) fn bus(model: &Model, size: Vec3) -> ActorMesh {
         bands(&mut b, &car, detail);
         on_the_roof(&mut b, &car, size, detail);
         // A bonnet stands before the mirrors.
-        let bonnet_m = if model.name == "bus.school" { half.x - hull.x_of(style.cowl.0) - 0.22 } else { 0.0 };
+        let bonnet_m = if body == BusBody::School { half.x - hull.x_of(shape.cowl.0) - 0.22 } else { 0.0 };
         tall_mirrors(&mut b, &hull, &car.looks, half - Vec3::X * bonnet_m, detail);
-        let fit = b.fit(Vec3::new(-half.x, -half.y, style.clearance * size.z), half.with_z(size.z));
+        let fit = b.fit(Vec3::new(-half.x, -half.y, shape.clearance * size.z), half.with_z(size.z));
         (car.wheels.under(b, detail), fit)
     };
     let on_the_skin = |f: f32, place: Place, left: bool| is_pane(&car, f, place, left);

@@ -1,5 +1,6 @@
 //! Cones and barriers around hazards.
 
+use catalogue::{BarrierBody, ConeBody};
 use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Part, Surface, TriMesh};
@@ -32,18 +33,19 @@ const CONE: Profile = Profile {
     body: ORANGE,
 };
 
-fn profile(name: &str) -> Profile {
-    match name {
+fn profile(body: ConeBody) -> Profile {
+    match body {
+        ConeBody::Traffic => CONE,
         // Red without stripes.
-        "cone.plain" => Profile {
+        ConeBody::Plain => Profile {
             layers: &[(0.05, 1.0), (0.9, 0.25), (1.0, 0.12)],
             white: &[],
             body: Part::new(Tag::TrafficCone, Surface::Plain, [0.70, 0.07, 0.03]),
             ..CONE
         },
-        "cone.big" => Profile { plate: 0.07, foot: 0.78, ..CONE },
+        ConeBody::Big => Profile { plate: 0.07, foot: 0.78, ..CONE },
         // A roadside drum: four bands, a rubber ring around its foot.
-        "cone.barrel" => Profile {
+        ConeBody::Barrel => Profile {
             layers: &[
                 (0.0, 0.94),
                 (0.12, 0.92),
@@ -60,7 +62,7 @@ fn profile(name: &str) -> Profile {
             ..CONE
         },
         // A channelizer: a slim post with a bulb on top.
-        "cone.skinny" => Profile {
+        ConeBody::Skinny => Profile {
             layers: &[
                 (0.05, 0.52),
                 (0.25, 0.42),
@@ -79,18 +81,17 @@ fn profile(name: &str) -> Profile {
             round_plate: true,
             ..CONE
         },
-        "cone.construction" => {
+        ConeBody::Construction => {
             Profile { layers: &[(0.05, 1.0), (0.42, 0.64), (0.72, 0.35), (1.0, 0.10)], white: &[1], ..CONE }
         }
-        "cone.small" => {
+        ConeBody::Small => {
             Profile { layers: &[(0.05, 1.0), (0.45, 0.60), (0.68, 0.38), (1.0, 0.10)], white: &[1], ..CONE }
         }
-        _ => CONE,
     }
 }
 
-pub(crate) fn cone(name: &str, size: Vec3) -> TriMesh {
-    let profile = profile(name);
+pub(crate) fn cone(body: ConeBody, size: Vec3) -> TriMesh {
+    let profile = profile(body);
     let half = 0.5 * size;
     let mut b = MeshBuilder::new();
     let plate_z = profile.plate * size.z;
@@ -115,11 +116,11 @@ pub(crate) fn cone(name: &str, size: Vec3) -> TriMesh {
 }
 
 /// A barrier; its long side is the length.
-pub(crate) fn barrier(name: &str, size: Vec3) -> TriMesh {
-    match name {
-        "barrier.concrete" => concrete(size),
-        "barrier.wooden" => wooden(size),
-        _ => street(size),
+pub(crate) fn barrier(body: BarrierBody, size: Vec3) -> TriMesh {
+    match body {
+        BarrierBody::Street => street(size),
+        BarrierBody::Concrete => concrete(size),
+        BarrierBody::Wooden => wooden(size),
     }
 }
 

@@ -1,37 +1,36 @@
 //! Lorries: a cab on a frame with a body behind it, all on wheels.
 
 use crate::solids::{Detail, MeshBuilder};
+use catalogue::{Load, Model, Rim, Shape};
 use glam::Vec3;
 use schema::Tag;
-use schema::models::Model;
 
 use crate::actors::car::{Car, Looks};
-use crate::actors::hull::{Hull, Style};
-use crate::actors::lorry::{CAB, Load, Lorry, TYRE_M};
+use crate::actors::hull::Hull;
+use crate::actors::lorry::{CAB, Lorry, TYRE_M, cab_top_m, is_fire};
 use crate::actors::pieces::ActorMesh;
 use crate::actors::pod::rounded;
-use crate::actors::wheel::{Rim, Wheels};
+use crate::actors::wheel::Wheels;
 use crate::actors::{brigade, load, tanks, trailer};
 
 /// That of a fire engine, with room for a crew.
-const CREW_CAB: Style =
-    Style { cowl: (0.010, 0.485), roof: (0.13, 0.985), windows: (0.10, 0.90), pillars: &[0.42, 0.58], ..CAB };
+const CREW_CAB: Shape =
+    Shape { cowl: (0.010, 0.485), roof: (0.13, 0.985), windows: (0.10, 0.90), pillars: &[0.42, 0.58], ..CAB };
 
 /// How much narrower than the body a cab is on each side: mirrors fill that.
 const NARROWER_M: f32 = 0.07;
 
 /// A lorry: cab over the front axle, frame, and a box (or the body of a fire engine).
-pub(crate) fn truck(model: &Model, size: Vec3) -> ActorMesh {
+pub(crate) fn truck(model: &Model, load: Load, size: Vec3) -> ActorMesh {
     let half = 0.5 * size;
     let radius = model.wheel_radius_m as f32;
     let front = half.x - 1.35;
     let rear = front - model.wheelbase_m as f32;
-    let axles = if model.axles() == 3 { vec![front, rear + 0.65, rear - 0.65] } else { vec![front, rear] };
-    let load = Load::of(model);
-    let fire = load.is_fire();
+    let axles = if model.axles == 3 { vec![front, rear + 0.65, rear - 0.65] } else { vec![front, rear] };
+    let fire = is_fire(load);
     let cab_length = if fire { 2.75 } else { 1.35 + 1.12 * radius + 0.09 };
     let cab_back = half.x - cab_length;
-    let cab_top = load.cab_top(size.z);
+    let cab_top = cab_top_m(load, size.z);
     let hull = Hull::new(
         if fire { CREW_CAB } else { CAB },
         [cab_back, half.x],
@@ -85,7 +84,7 @@ pub(crate) fn tall_mirrors(b: &mut MeshBuilder, hull: &Hull, looks: &Looks, half
 /// What a lorry carries.
 fn carried(lorry: &Lorry<'_>, b: &mut MeshBuilder, detail: Detail) {
     match lorry.load {
-        Load::Goods(ribbed) => {
+        Load::Goods { ribbed } => {
             load::goods(lorry, b, ribbed, detail);
             deflector(lorry, b, detail);
         }

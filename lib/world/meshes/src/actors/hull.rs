@@ -5,54 +5,13 @@
 //! on the left to -1 on the right.
 
 use crate::solids::{chain_at, curve_at};
+use catalogue::Shape;
 use glam::Vec3;
-
-/// Proportions of a cabin. Lengths are shares of the whole length counted from the nose, heights shares of the whole height.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Style {
-    /// Height of the bonnet's front edge.
-    pub(crate) nose_z: f32,
-    /// Lower edge of the windscreen.
-    pub(crate) cowl: (f32, f32),
-    /// Where the roof begins and ends.
-    pub(crate) roof: (f32, f32),
-    /// Lower edge of the rear window.
-    pub(crate) deck: (f32, f32),
-    pub(crate) tail_z: f32,
-    /// Side windows begin and end here.
-    pub(crate) windows: (f32, f32),
-    pub(crate) pillars: &'static [f32],
-    /// Half width of the roof as a share of the half width.
-    pub(crate) roof_width: f32,
-    /// Gap under the body.
-    pub(crate) clearance: f32,
-    pub(crate) rear_glass: bool,
-    /// Roof height where something stands on it.
-    pub(crate) roof_z: f32,
-    /// How far the middle of nose and tail stand out before their corners, metres.
-    pub(crate) bow_m: [f32; 2],
-    /// The same of the windscreen and the rear window.
-    pub(crate) glass_bow_m: [f32; 2],
-    /// How far the belt lies inside the widest place, as a share of the half width.
-    pub(crate) tuck: f32,
-    /// Half widths of nose and tail at their corners, as shares.
-    pub(crate) ends_width: [f32; 2],
-    /// How far the nose leans back: share of its height, metres.
-    pub(crate) nose_lean: &'static [(f32, f32)],
-    /// How far the tail leans forward.
-    pub(crate) tail_lean: &'static [(f32, f32)],
-    /// Height of the belt as shares of the bonnet's and the boot's.
-    pub(crate) belt: [f32; 2],
-    /// How far the edge of the roof lies below its middle, metres.
-    pub(crate) crown_m: f32,
-    /// How far the roof falls off to its front and rear ends.
-    pub(crate) falls: [f32; 2],
-}
 
 /// A cabin's skin.
 #[derive(Clone, Debug)]
 pub(crate) struct Hull {
-    pub(crate) style: Style,
+    pub(crate) style: Shape,
     /// Tail and nose, metres.
     pub(crate) x: [f32; 2],
     pub(crate) half_width: f32,
@@ -90,7 +49,7 @@ const SIDE: [(f32, f32); 6] =
 impl Hull {
     /// A cabin from tail to nose, with wheels of a radius under it.
     pub(crate) fn new(
-        mut style: Style,
+        mut style: Shape,
         x: [f32; 2],
         [half_width, height]: [f32; 2],
         axles: &[f32],
@@ -238,7 +197,7 @@ impl Hull {
             let near = (1.0 - end / 0.085).max(0.0);
             near * near
         };
-        let Style { nose_z, tail_z, nose_lean, tail_lean, .. } = self.style;
+        let Shape { nose_z, tail_z, nose_lean, tail_lean, .. } = self.style;
         curve_at(tail_lean, z / (tail_z * self.height)) * share(1.0 - f)
             - curve_at(nose_lean, z / (nose_z * self.height)) * share(f)
     }

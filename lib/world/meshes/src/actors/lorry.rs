@@ -1,17 +1,16 @@
 //! What is under and behind the cab of every lorry: a frame on axles, lamps.
 
 use crate::solids::{Detail, MeshBuilder};
+use catalogue::{Load, Shape};
 use glam::Vec3;
 use schema::geometry::{Part, Surface};
-use schema::models::Model;
 use schema::{Tag, lights};
 
 use crate::actors::car::Car;
-use crate::actors::hull::Style;
 use crate::actors::pod::rounded;
 
 /// A cab above its engine.
-pub(crate) const CAB: Style = Style {
+pub(crate) const CAB: Shape = Shape {
     nose_z: 0.47,
     cowl: (0.012, 0.485),
     roof: (0.17, 0.985),
@@ -37,73 +36,26 @@ pub(crate) const CAB: Style = Style {
 /// Width of tyres.
 pub(crate) const TYRE_M: f32 = 0.34;
 
-/// What a lorry carries behind its cab.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Load {
-    /// A box: smooth, or ribbed.
-    Goods(bool),
-    Curtain,
-    Flatbed,
-    Dropside,
-    Tipper,
-    Mixer,
-    Tank,
-    Refuse,
-    Tow,
-    Sweeper,
-    Fire,
-    Ladder,
-    /// A semi-trailer's front.
-    Coupling,
-    /// What stands on a semi-trailer of its own.
-    Container,
+/// Height of the cab under a lorry's whole height, metres.
+pub(crate) fn cab_top_m(load: Load, high_m: f32) -> f32 {
+    match load {
+        Load::Goods { .. } | Load::Curtain => 0.87 * high_m,
+        Load::Flatbed | Load::Tipper => high_m - 0.08,
+        Load::Dropside | Load::Sweeper | Load::Tow => high_m - 0.16,
+        Load::Mixer => 0.78 * high_m,
+        Load::Tank => 0.88 * high_m,
+        Load::Refuse => 0.85 * high_m,
+        Load::Fire => high_m - 0.25,
+        Load::Ladder => high_m - 0.62,
+        Load::Coupling => 0.80 * high_m,
+        // Nothing drives it.
+        Load::Container => high_m,
+    }
 }
 
-impl Load {
-    pub(crate) fn of(model: &Model) -> Self {
-        match model.name {
-            "truck.heavy" => Self::Goods(true),
-            "truck.curtain" => Self::Curtain,
-            "truck.flatbed" => Self::Flatbed,
-            "truck.dropside" => Self::Dropside,
-            "truck.tipper" => Self::Tipper,
-            "truck.mixer" => Self::Mixer,
-            "truck.tanker" => Self::Tank,
-            "truck.refuse" => Self::Refuse,
-            "truck.tow" => Self::Tow,
-            "truck.sweeper" => Self::Sweeper,
-            "truck.fire" => Self::Fire,
-            "truck.ladder" => Self::Ladder,
-            "truck.tractor" => Self::Coupling,
-            "trailer.curtain" => Self::Curtain,
-            "trailer.tanker" => Self::Tank,
-            "trailer.container" => Self::Container,
-            "trailer.box" => Self::Goods(true),
-            _ => Self::Goods(false),
-        }
-    }
-
-    /// Height of the cab under a lorry's whole height, metres.
-    pub(crate) fn cab_top(self, high_m: f32) -> f32 {
-        match self {
-            Self::Goods(_) | Self::Curtain => 0.87 * high_m,
-            Self::Flatbed | Self::Tipper => high_m - 0.08,
-            Self::Dropside | Self::Sweeper | Self::Tow => high_m - 0.16,
-            Self::Mixer => 0.78 * high_m,
-            Self::Tank => 0.88 * high_m,
-            Self::Refuse => 0.85 * high_m,
-            Self::Fire => high_m - 0.25,
-            Self::Ladder => high_m - 0.62,
-            Self::Coupling => 0.80 * high_m,
-            // Nothing drives it.
-            Self::Container => high_m,
-        }
-    }
-
-    /// Whether the fire brigade drives it.
-    pub(crate) fn is_fire(self) -> bool {
-        matches!(self, Self::Fire | Self::Ladder)
-    }
+/// Whether the fire brigade drives it.
+pub(crate) fn is_fire(load: Load) -> bool {
+    matches!(load, Load::Fire | Load::Ladder)
 }
 
 /// What is behind and under a cab.

@@ -48,10 +48,9 @@ mod works;
 use std::sync::Arc;
 
 use crate::people::Walker;
+use catalogue::{Body, BusBody, PersonBody, models, trains};
 use glam::Vec3;
 use schema::geometry::TriMesh;
-use schema::models::{self, BaseType};
-use schema::trains;
 
 pub use pieces::{ActorMesh, Cabin, Coarser, Joint, Piece};
 pub use posture::Posture;
@@ -59,7 +58,7 @@ pub use rig::{Pedals, Pusher, Rider, Rig};
 
 /// The mesh of an actor.
 ///
-/// `model` is a name of [`schema::models::MODELS`], of [`schema::trains`], of a parked two-wheeler, or of the scenery (`building.*`, `tree.*`, `light.signal`, ...);
+/// `model` is a name of [`catalogue::models::MODELS`], of [`catalogue::trains`], of a parked two-wheeler, or of the scenery (`building.*`, `tree.*`, `light.signal`, ...);
 /// `size_m` is length, width, height; `variant` tells apart objects of the same model. Walkers are as high as that says, and as
 /// long and wide as such people are ([`meshes::people::Walker::size_m`]). The mesh stands on z = 0 inside the
 /// box of that size, centred in x and y; poles of lights and signs reach below z = 0. `None`: no such model.
@@ -69,27 +68,25 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
     let fixed =
         |mesh: TriMesh| Some(ActorMesh::of(vec![Piece { mesh: Arc::new(mesh), joint: Joint::Fixed }]));
     if let Some((parked, ridden)) = models::find_parked(model) {
-        return Some(two_wheeler::parked(parked, ridden, size));
-    }
-    if let Some(train) = trains::of_towed(model) {
-        return Some(match train.towed.base {
-            BaseType::Bus => bus::rear_section(train, size),
-            _ => trailer::trailer(train, size),
-        });
+        let Body::TwoWheeler(built) = ridden.body else { return None };
+        return Some(two_wheeler::parked(parked, ridden, built, size));
     }
     if let Some(known) = models::find(model).or_else(|| trains::find(model)) {
-        return match known.base {
-            BaseType::Car | BaseType::Van => Some(car::vehicle(known, size)),
-            BaseType::Truck if known.name == "truck.pickup" => Some(car::vehicle(known, size)),
-            BaseType::Truck => Some(heavy::truck(known, size)),
-            BaseType::Bus => Some(bus::bus(known, size)),
-            BaseType::Motorcycle | BaseType::Bicycle => Some(two_wheeler::two_wheeler(known, size, variant)),
-            BaseType::Pedestrian if known.wheel_radius_m > 0.0 => {
-                Some(wheelchair::wheelchair(known, size, variant))
+        return match known.body {
+            Body::Car(body) => Some(car::vehicle(known, body, size)),
+            Body::Lorry(load) => Some(heavy::truck(known, load, size)),
+            Body::Trailer(load) => Some(trailer::trailer(trains::of_towed(model)?, load, size)),
+            Body::Bus(BusBody::ArticulatedRear) => Some(bus::rear_section(trains::of_towed(model)?, size)),
+            Body::Bus(body) => Some(bus::bus(known, body, size)),
+            Body::TwoWheeler(body) => Some(two_wheeler::two_wheeler(known, body, size, variant)),
+            Body::Person(PersonBody::Wheelchair) => Some(wheelchair::wheelchair(known, size, variant)),
+            Body::Person(PersonBody::OnFoot) => {
+                Some(bodies::walker(Walker::of_height(known, variant, size.z)))
             }
-            BaseType::Pedestrian => Some(bodies::walker(Walker::of_height(known, variant, size.z))),
-            BaseType::Cone => fixed(cones::cone(known.name, size)),
-            BaseType::Barrier => fixed(cones::barrier(known.name, size)),
+            Body::Cone(body) => fixed(cones::cone(body, size)),
+            Body::Barrier(body) => fixed(cones::barrier(body, size)),
+            // Packs bring their own.
+            Body::Pack => None,
         };
     }
     let (family, kind) = model.split_once('.')?;
@@ -107,12 +104,11 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
 /// Whether objects of a model and a size differ by their variants; if not, [`actor_mesh`] makes the same of each.
 #[must_use]
 pub fn has_variants(model: &str) -> bool {
-    let is_uniform = models::find_parked(model).is_some()
-        || trains::of_towed(model).is_some()
-        || models::find(model).or_else(|| trains::find(model)).is_some_and(|known| {
-            !matches!(known.base, BaseType::Motorcycle | BaseType::Bicycle | BaseType::Pedestrian)
-        });
-    !is_uniform
+    if models::find_parked(model).is_some() {
+        return false;
+    }
+    let known = models::find(model).or_else(|| trains::find(model));
+    known.is_none_or(|known| matches!(known.body, Body::TwoWheeler(_) | Body::Person(_)))
 }
 
 #[cfg(test)]

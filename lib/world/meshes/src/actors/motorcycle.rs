@@ -1,9 +1,9 @@
 //! What motorcycles and scooters are made of.
 
 use crate::solids::{Detail, MeshBuilder};
+use catalogue::Frame;
 use glam::Vec3;
 use schema::geometry::{Part, Surface};
-use schema::models::Model;
 use schema::{Tag, lights};
 
 use crate::actors::decal::disc;
@@ -36,7 +36,7 @@ struct Parts {
 }
 
 /// Adds everything but the wheels.
-pub(crate) fn body(b: &mut MeshBuilder, model: &Model, places: &Places, detail: Detail) {
+pub(crate) fn body(b: &mut MeshBuilder, frame: Frame, places: &Places, detail: Detail) {
     let tag = Tag::Motorcycle;
     let parts = Parts {
         paint: Part::new(tag, Surface::Paint, [0.5; 3]),
@@ -47,12 +47,14 @@ pub(crate) fn body(b: &mut MeshBuilder, model: &Model, places: &Places, detail: 
         glass: Part::new(tag, Surface::Glass, [0.04, 0.05, 0.06]),
     };
     let machine = Machine { b, p: places, parts, detail };
-    match model.name {
-        "motorcycle.scooter" => machine.scooter(false),
-        "motorcycle.moped" => machine.scooter(true),
-        "motorcycle.police" => machine.police(),
-        "motorcycle.sport" => machine.sport(),
-        _ => machine.cruiser(),
+    match frame {
+        Frame::Scooter => machine.scooter(false),
+        Frame::Moped => machine.scooter(true),
+        Frame::Police => machine.police(),
+        Frame::Sport => machine.sport(),
+        Frame::Cruiser => machine.cruiser(),
+        // `two_wheeler` builds those.
+        Frame::Bicycle | Frame::CargoBicycle | Frame::KickScooter => {}
     }
 }
 

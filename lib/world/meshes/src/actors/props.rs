@@ -1,8 +1,9 @@
 //! Benches, bins, racks, fences, walls and rocks.
 
+use catalogue::benches;
 use glam::Vec3;
+use schema::Tag;
 use schema::geometry::{Part, Surface, TriMesh};
-use schema::{Tag, benches};
 
 use crate::solids::MeshBuilder;
 

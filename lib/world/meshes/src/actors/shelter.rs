@@ -130,7 +130,7 @@ fn gather(mesh: &TriMesh, poses: &[Affine3A], places: &mut Vec<Place>) -> Vec<[u
 
 #[cfg(test)]
 mod tests {
-    use schema::models;
+    use catalogue::models;
 
     use super::*;
     use crate::actors::actor_mesh;

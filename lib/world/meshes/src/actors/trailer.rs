@@ -1,17 +1,17 @@
 //! Semi-trailers, and what they rest on.
 
 use crate::solids::{Detail, MeshBuilder};
+use catalogue::{Load, Rim, trains::Train};
 use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Part, Surface};
-use schema::trains::Train;
 
 use crate::actors::car::{Car, Looks};
 use crate::actors::hull::Hull;
-use crate::actors::lorry::{CAB, Load, Lorry, TYRE_M};
+use crate::actors::lorry::{CAB, Lorry, TYRE_M};
 use crate::actors::pieces::ActorMesh;
 use crate::actors::pod::rounded;
-use crate::actors::wheel::{Rim, Wheels};
+use crate::actors::wheel::Wheels;
 use crate::actors::{load, tanks};
 
 /// Lower edge of what is carried: over the coupling and the wheels of the tractor unit.
@@ -23,7 +23,7 @@ const LEGS_M: f32 = 2.65;
 const LOW_M: f32 = 0.42;
 
 /// A semi-trailer on three axles.
-pub(crate) fn trailer(train: &Train, size: Vec3) -> ActorMesh {
+pub(crate) fn trailer(train: &Train, load: Load, size: Vec3) -> ActorMesh {
     let (model, half) = (train.towed, 0.5 * size);
     let radius = model.wheel_radius_m as f32;
     let kingpin = train.coupling_m as f32;
@@ -42,7 +42,6 @@ pub(crate) fn trailer(train: &Train, size: Vec3) -> ActorMesh {
     };
     let cab = Car { model, hull: &hull, looks: Looks::new(Tag::Truck, model), wheels };
     let along = [kingpin - LEGS_M, axles[0], axles[1], axles[2]];
-    let load = Load::of(model);
     let cab_back = half.x + 0.12;
     let lorry = Lorry { size, cab: &cab, axles: &along, cab_back, cab_top: size.z, load, floor_m: FLOOR_M };
     ActorMesh::in_levels(|detail: Detail| {

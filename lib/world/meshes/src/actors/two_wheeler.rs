@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use crate::people::{Figure, Look, Seat};
 use crate::solids::{Detail, MeshBuilder};
+use catalogue::{BaseType, Frame, Model, Special, TwoWheelerBody};
 use glam::Vec3;
 use schema::geometry::{Part, Surface};
-use schema::models::{self, BaseType, Model};
 use schema::{Tag, lights};
 
 use crate::actors::bodies::{LEVELS, body, fitted};
@@ -18,14 +18,13 @@ use crate::actors::rig::{PEDAL_M, Pedals, Rider, Rig};
 use crate::actors::wheel;
 
 /// A two-wheeler with its rider: one object, two tags.
-pub(crate) fn two_wheeler(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
-    let name = format!("{}.parked", model.name);
-    let alone = models::find_parked(&name).map_or(0.65, |(parked, _)| parked.size_m[2] / model.size_m[2]);
-    let machine = |detail| machine(model, size, size.z * alone as f32, size.z, detail);
+pub(crate) fn two_wheeler(model: &Model, built: &TwoWheelerBody, size: Vec3, variant: u32) -> ActorMesh {
+    let alone = built.parked_height_m / model.size_m[2];
+    let machine = |detail| machine(model, built, size, size.z * alone as f32, size.z, detail);
     let (mut pieces, rides) = machine(Detail::Full);
     let bicycle = model.base == BaseType::Bicycle;
     let mut look = Look::new(model, variant).riding(!bicycle);
-    if model.special == "emergency" {
+    if model.special == Special::Emergency {
         look = Look { shoe_rgb: [0.02; 3], extra_rgb: [0.7; 3], ..look.in_uniform() };
     }
     let figure = Figure::new(look, 1.72);
@@ -49,9 +48,9 @@ pub(crate) fn two_wheeler(model: &Model, size: Vec3, variant: u32) -> ActorMesh 
 }
 
 /// One that nobody sits on. `ridden` is the same with its rider, by whose height its parts are where they are.
-pub(crate) fn parked(model: &Model, ridden: &Model, size: Vec3) -> ActorMesh {
+pub(crate) fn parked(model: &Model, ridden: &Model, built: &TwoWheelerBody, size: Vec3) -> ActorMesh {
     let ridden_m = size.z * (ridden.size_m[2] / model.size_m[2]) as f32;
-    ActorMesh::in_levels(|detail| machine(ridden, size, size.z, ridden_m, detail).0)
+    ActorMesh::in_levels(|detail| machine(ridden, built, size, size.z, ridden_m, detail).0)
 }
 
 /// How somebody sits on a machine.
@@ -82,7 +81,14 @@ const GUARD_M: f32 = 0.015;
 const GUARD_END: f32 = 0.42;
 
 /// A two-wheeler as high as it is alone; its parts are at shares of the height that it has with a rider.
-fn machine(model: &Model, size: Vec3, high_m: f32, ridden_m: f32, detail: Detail) -> (Vec<Piece>, Rides) {
+fn machine(
+    model: &Model,
+    built: &TwoWheelerBody,
+    size: Vec3,
+    high_m: f32,
+    ridden_m: f32,
+    detail: Detail,
+) -> (Vec<Piece>, Rides) {
     let bicycle = model.base == BaseType::Bicycle;
     let tag = if bicycle { Tag::Bicycle } else { Tag::Motorcycle };
     let (radius, wheelbase) = (model.wheel_radius_m as f32, model.wheelbase_m as f32);
@@ -91,27 +97,17 @@ fn machine(model: &Model, size: Vec3, high_m: f32, ridden_m: f32, detail: Detail
     let slack = (size.x - wheelbase - 2.0 * radius).max(0.0);
     let front = half_l - radius - if bicycle { 0.5 * slack } else { 0.0 };
     let rear = front - wheelbase;
-    if model.name == "bicycle.kick" {
+    if built.frame == Frame::KickScooter {
         return kick(size, [front, rear], radius, high_m, detail);
     }
-    // Whoever rides a cargo bicycle sits behind a steering head of its own.
-    let cargo = model.name == "bicycle.cargo";
+    // The rider of a cargo bicycle sits behind a steering head of its own.
+    let cargo = built.frame == Frame::CargoBicycle;
     let head = if cargo { rear + 1.00 } else { front };
     let mut b = MeshBuilder::new();
-    let seat = seat_m(model) * ridden_m / model.size_m[2] as f32;
+    let seat = built.saddle_m * ridden_m / model.size_m[2] as f32;
     // The highest part of a machine is its fairing or the grips.
-    let grip_z = high_m
-        - match model.name {
-            "motorcycle.sport" => 0.12,
-            "motorcycle.police" => 0.32,
-            _ => 0.02,
-        };
-    let back = match model.name {
-        "motorcycle.cruiser" => 0.40,
-        _ if bicycle => 0.14,
-        _ => 0.24,
-    };
-    let grip = Vec3::new(head - back, half_w - 0.02, grip_z);
+    let grip_z = high_m - built.grips_below_top_m;
+    let grip = Vec3::new(head - built.grips_behind_head_m, half_w - 0.02, grip_z);
     let hip = Vec3::new(rear + if bicycle { 0.28 } else { 0.30 } * (head - rear), 0.0, seat + 0.10);
     if bicycle {
         bicycle_frame(&mut b, tag, [head, rear], front, radius, seat, grip, detail);
@@ -121,7 +117,7 @@ fn machine(model: &Model, size: Vec3, high_m: f32, ridden_m: f32, detail: Detail
         bicycle_lamps(&mut b, tag, [front, rear], radius);
     } else {
         let places = Places { front, rear, radius, seat, grip, back: -half_l, top: high_m, wide: size.y };
-        motorcycle::body(&mut b, model, &places, detail);
+        motorcycle::body(&mut b, built.frame, &places, detail);
     }
     // Bicycles end with their wheels, motorcycles with lamps and guards; both fill the box in width and height.
     let (x0, x1) = if bicycle {
@@ -142,41 +138,24 @@ fn machine(model: &Model, size: Vec3, high_m: f32, ridden_m: f32, detail: Detail
     let pedals = bicycle.then_some(Pedals { crank, arm_m: CRANK_M, aside_m: PEDAL_ASIDE_M, gear: GEAR });
     pieces.extend(pedals.iter().flat_map(|pedals| cranks(tag, pedals)));
     let peg = fit.apply(Vec3::new(rear + 0.48 * wheelbase, 0.17, 0.52 * radius));
-    (pieces, Rides { seat: seat_on(model, fit.apply(hip), fit.apply(grip), peg), pedals, stands_z: None })
-}
-
-/// Height of the saddle, metres.
-fn seat_m(model: &Model) -> f32 {
-    match model.name {
-        "motorcycle.cruiser" => 0.71,
-        "motorcycle.sport" => 0.80,
-        "motorcycle.police" => 0.78,
-        "motorcycle.scooter" | "motorcycle.moped" => 0.76,
-        "bicycle.cargo" => 0.90,
-        _ => 0.93,
-    }
+    (
+        pieces,
+        Rides { seat: seat_on(bicycle, built, fit.apply(hip), fit.apply(grip), peg), pedals, stands_z: None },
+    )
 }
 
 /// How somebody sits there: hips on the saddle, hands at the grips, feet on the pegs.
-fn seat_on(model: &Model, hips: Vec3, grip: Vec3, peg: Vec3) -> Seat {
-    let lean_rad = match model.name {
-        "bicycle.road" => 0.72,
-        "bicycle.city" => 0.24,
-        "bicycle.cargo" => 0.20,
-        "motorcycle.sport" => 0.52,
-        "motorcycle.cruiser" | "motorcycle.police" => 0.10,
-        _ => 0.06,
-    };
+fn seat_on(bicycle: bool, built: &TwoWheelerBody, hips: Vec3, grip: Vec3, peg: Vec3) -> Seat {
     let mirror = Vec3::new(1.0, -1.0, 1.0);
     let hand = Vec3::new(grip.x - 0.05, grip.y - 0.05, grip.z + 0.025);
-    let scooter = matches!(model.name, "motorcycle.scooter" | "motorcycle.moped");
+    let scooter = built.frame.is_scooter();
     let ball = if scooter { peg + Vec3::new(0.16, -0.04, 0.10) } else { peg + Vec3::new(0.04, 0.0, 0.02) };
     Seat {
         hips,
-        lean_rad,
+        lean_rad: built.lean_rad,
         hands: [hand, hand * mirror],
         balls: [ball, ball * mirror],
-        heels_rad: if model.base == BaseType::Bicycle { 0.18 } else { 0.05 },
+        heels_rad: if bicycle { 0.18 } else { 0.05 },
         knees: Vec3::new(1.0, if scooter { 0.05 } else { 0.16 }, 0.6),
         elbows: Vec3::new(-0.7, 0.35, -0.8),
     }

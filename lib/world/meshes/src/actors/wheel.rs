@@ -2,25 +2,13 @@
 
 use std::sync::Arc;
 
+use catalogue::Rim;
 use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Part, Surface, TriMesh};
 
 use crate::actors::pieces::{Joint, Piece};
 use crate::solids::{Detail, MeshBuilder, circle};
-
-/// What a rim looks like.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Rim {
-    /// So many spokes of light metal.
-    Spokes(usize),
-    /// The same, dark.
-    Dark(usize),
-    /// A cover of plain steel with slots.
-    Steel,
-    /// A heavy vehicle's, bolted to a hub that stands out.
-    Heavy,
-}
 
 const TYRE: [f32; 3] = [0.022, 0.022, 0.023];
 

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use crate::people::{Figure, Look, Seat};
 use crate::solids::{Detail, MeshBuilder};
+use catalogue::Model;
 use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Part, Surface};
-use schema::models::Model;
 
 use crate::actors::bodies::{body, coarser, fitted};
 use crate::actors::pieces::{ActorMesh, Joint, Piece};

@@ -1,8 +1,9 @@
 //! How somebody is built: lengths of the limbs and where they are joined.
 
+use catalogue::Age;
 use glam::{Affine3A, Vec3};
 
-use crate::people::look::{Age, Build, Hair, Hat, Look};
+use crate::people::look::{Build, Hair, Hat, Look};
 
 /// The rigid parts of a body. Each has its frame at its upper joint, axes as the object's where somebody stands upright.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,12 +5,12 @@
 
 use std::f32::consts::TAU;
 
+use catalogue::Age;
 use frames::math::f32::sin_cos;
 use glam::{Affine3A, Vec3, Vec3A};
 
 use crate::people::figure::{Figure, Side};
 use crate::people::joints::{about_y, about_z, frame};
-use crate::people::look::Age;
 
 /// Walking speed of somebody of usual height, m/s, and that height, metres.
 pub(crate) const USUAL_MPS: f32 = 1.4;

@@ -1,20 +1,10 @@
 //! What somebody looks like: age, sex, build, clothes, hair, what they carry. It follows from model and variant alone.
 
+use catalogue::{Age, BaseType, Model, Special};
 use schema::geometry::Weave;
-use schema::models::{BaseType, Model};
 
 /// Looks that a model has; variants beyond begin again.
 pub const LOOKS: u32 = 16;
-
-/// How old somebody is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "the names are their own documentation")]
-pub enum Age {
-    Child,
-    Teen,
-    Adult,
-    Elder,
-}
 
 /// How broad somebody is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -234,12 +224,7 @@ impl Look {
             BaseType::Pedestrian => model.gender(variant) == "female",
             _ => ask(15) % 3 == 0,
         };
-        let age = match model.name {
-            "walker.child" => Age::Child,
-            "walker.teen" => Age::Teen,
-            "walker.elder" => Age::Elder,
-            _ => Age::Adult,
-        };
+        let age = model.person.map_or(Age::Adult, |person| person.age);
         let pick = |of: &[[f32; 3]], question: u64| of[ask(question) % of.len()];
         let build = match (age, (turn / 2 + ask(1)) % 5) {
             (Age::Child | Age::Teen, 0..=2) | (_, 0) => Build::Slim,
@@ -339,10 +324,10 @@ impl Look {
     }
 
     /// The same with what the model takes along: the hands are there for that.
-    fn with_them(self, special: &str, coat_rgb: [f32; 3]) -> Self {
+    fn with_them(self, special: Special, coat_rgb: [f32; 3]) -> Self {
         let (carried, extra_rgb) = match special {
-            "pram" => (Carried::Pram, self.extra_rgb),
-            "dog" => (Carried::Dog, coat_rgb),
+            Special::Pram => (Carried::Pram, self.extra_rgb),
+            Special::Dog => (Carried::Dog, coat_rgb),
             _ => return self,
         };
         Self { carried, extra_rgb, stance: Stance::ArmsHang, ..self }
@@ -375,16 +360,16 @@ impl Look {
     }
 
     /// The same in the clothes of their work.
-    fn at_work(self, special: &str, turn: usize) -> Self {
+    fn at_work(self, special: Special, turn: usize) -> Self {
         let (worn, hat, extra_rgb, carried) = match special {
-            "worker" => {
+            Special::Worker => {
                 let vest = VESTS[turn % 2];
                 let legs = if turn % 4 < 2 { vest } else { UNIFORM };
                 let worn = Self { top: Top::HiVis, top_rgb: vest, bottom_rgb: legs, ..self };
                 let carried = if turn % 5 < 2 { Carried::Shovel } else { Carried::Nothing };
                 (worn, Hat::Helmet, HELMETS[turn % 3], carried)
             }
-            "police" => (self.in_uniform(), Hat::PeakedCap, UNIFORM, Carried::Nothing),
+            Special::Police => (self.in_uniform(), Hat::PeakedCap, UNIFORM, Carried::Nothing),
             _ => return self,
         };
         let free = carried == Carried::Nothing && self.stance != Stance::Phones;

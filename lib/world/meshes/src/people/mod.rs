@@ -19,7 +19,7 @@ mod walker;
 
 pub use figure::{BONES, Bone, Bones, Figure, Measures, Side};
 pub use joints::{about_y, about_z};
-pub use look::{Age, Bottom, Build, Carried, Hair, Hat, LOOKS, Look, Stance, Top};
+pub use look::{Bottom, Build, Carried, Hair, Hat, LOOKS, Look, Stance, Top};
 pub use reach::Seat;
 pub use walker::Walker;
 

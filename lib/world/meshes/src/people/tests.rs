@@ -2,10 +2,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::TAU;
 
 use crate::solids::Detail;
+use catalogue::{BaseType, Model, Special, models::MODELS};
 use frames::Aabb;
 use glam::Vec3;
 use schema::geometry::TriMesh;
-use schema::models::{BaseType, MODELS, Model};
 
 use super::*;
 use crate::people::dog::LEGS;
@@ -125,7 +125,7 @@ fn footprints_are_a_stride_apart() {
             assert!((step - 0.5 * stride).abs() < 0.01, "{name} at {speed_mps} m/s: {step} of {stride}");
         }
     }
-    let stride = Walker::of_height(schema::models::find("walker.man").expect("a model"), 2, 1.75)
+    let stride = Walker::of_height(catalogue::models::find("walker.man").expect("a model"), 2, 1.75)
         .figure()
         .stride_m(1.4);
     assert!((1.2..1.5).contains(&stride), "{stride}");
@@ -274,7 +274,7 @@ fn looks_differ() {
 
 #[test]
 fn somebody_on_a_seat_reaches_what_they_hold() {
-    let model = schema::models::find("bicycle.city").expect("a model");
+    let model = catalogue::models::find("bicycle.city").expect("a model");
     let figure = Figure::new(Look::new(model, 3).riding(false), 1.75);
     let seat = Seat {
         hips: Vec3::new(-0.2, 0.0, 1.0),
@@ -410,7 +410,7 @@ fn boxes_of_those_who_walk_are_not_much_longer_than_they() {
 fn models_are_as_large_as_those_who_have_something_with_them() {
     // Walkers keep apart by what the catalogue says.
     for (name, who) in everybody() {
-        let Some(model) = name.split(' ').next().and_then(schema::models::find) else { continue };
+        let Some(model) = name.split(' ').next().and_then(catalogue::models::find) else { continue };
         if matches!(who.figure().look.carried, Carried::Pram | Carried::Dog) {
             let [length, width, _] = model.size_m.map(|v| v as f32);
             let size = who.size_m();
@@ -454,7 +454,7 @@ fn far_away_people_are_as_large_of_fewer_triangles() {
 
 /// Everybody who may sit, on a seat of a height at a phase: the points by bone.
 fn sitting() -> impl Iterator<Item = (String, Walker)> {
-    let plain = |model: &&Model| model.special.is_empty() && model.name != "walker.child";
+    let plain = |model: &&Model| model.special == Special::None && model.name != "walker.child";
     models().filter(plain).flat_map(|model| {
         let may = (0..LOOKS).map(|look| Walker::new(model, look)).filter(|who| who.figure().look.may_sit());
         let found: Vec<(String, Walker)> = may.map(|who| (model.name.to_owned(), who)).collect();
@@ -466,7 +466,7 @@ fn sitting() -> impl Iterator<Item = (String, Walker)> {
 #[test]
 fn who_sits_is_on_the_seat_with_both_feet_on_the_ground() {
     // Of a bench as `benches` has it: 0.55 deep, the back rest before its rear end.
-    let front_m = 0.195 - (-0.275 + schema::benches::BACK_M as f32);
+    let front_m = 0.195 - (-0.275 + catalogue::benches::BACK_M as f32);
     let mut sat = 0;
     for (name, who) in sitting() {
         let figure = who.figure();

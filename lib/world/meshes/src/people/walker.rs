@@ -4,11 +4,11 @@ use std::f32::consts::TAU;
 use std::sync::Arc;
 
 use crate::solids::Detail;
+use catalogue::Model;
 use frames::Aabb;
 use glam::{Vec3, Vec3A};
 use schema::Tag;
 use schema::geometry::TriMesh;
-use schema::models::Model;
 
 use crate::people::figure::{Bone, Bones, Figure};
 use crate::people::gait::USUAL_MPS;

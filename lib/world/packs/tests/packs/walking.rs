@@ -76,7 +76,7 @@ fn longer_legs_take_longer_strides() {
     let [short, usual, long] = LEGS.map(|legs| ada(legs).1);
     let strides = [&short, &usual, &long].map(|who| who.figure().stride_m(1.4));
     assert!(strides[0] < strides[1] && strides[1] < strides[2], "{strides:?}");
-    let built_in = Walker::new(schema::models::find("walker.woman").expect("a model"), 2);
+    let built_in = Walker::new(catalogue::models::find("walker.woman").expect("a model"), 2);
     let ratio = |who: &Walker| who.figure().stride_m(1.4) / who.figure().leg_m().sqrt();
     assert!((ratio(&usual) / ratio(&built_in) - 1.0).abs() < 0.03, "{} {}", ratio(&usual), ratio(&built_in));
 }

@@ -1,10 +1,10 @@
 //! Bodies lean on their springs and wheels stay on the road; two-wheelers lean with theirs. All in closed form.
 
+use catalogue::{BaseType, Model, models};
 use frames::math::{cos, sin, tan};
 use frames::{Object, Pose, World};
 use glam::Vec3;
 use schema::geometry::{Instance, Snapshot};
-use schema::models::{self, BaseType, Model};
 use schema::tables::{ActorRow, FrameRow, StateRow};
 use schema::{ActorKind, ActorRole};
 use world::{Moment, SceneWorld};

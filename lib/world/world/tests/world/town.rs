@@ -152,7 +152,7 @@ fn state(frame: i32, id: u16, x: f64, phase_rad: f32) -> StateRow {
 #[test]
 fn who_is_far_away_is_made_of_fewer_triangles() {
     let mut walker = car(7);
-    let model = schema::models::find("walker.man").unwrap();
+    let model = catalogue::models::find("walker.man").unwrap();
     (walker.model, walker.kind) = (model.name.to_owned(), ActorKind::Walker);
     [walker.length_m, walker.width_m, walker.height_m] = model.size_m;
     let world = SceneWorld::new(&[walker], Vec::new()).unwrap();
@@ -227,7 +227,7 @@ fn lamps_and_windows_have_the_light_of_the_log() {
         ids.into_iter().map(of).collect()
     };
     let lamps: Vec<u16> =
-        actors.iter().filter(|a| schema::street_lamps::is_street_lamp(a)).map(|a| a.id).collect();
+        actors.iter().filter(|a| catalogue::street_lamps::is_street_lamp(a)).map(|a| a.id).collect();
     let house = actors.iter().find(|a| a.kind == ActorKind::Building).unwrap().id;
     let row = |id, kind, works, flux_lm, color: [u8; 3]| LampRow {
         id,
@@ -295,7 +295,7 @@ fn blinkers_and_emergency_lights_flash_by_the_clock() {
 #[test]
 fn the_motion_of_a_walker_is_that_of_its_limbs() {
     use std::f64::consts::TAU;
-    let model = schema::models::find("walker.woman").unwrap();
+    let model = catalogue::models::find("walker.woman").unwrap();
     let body = meshes::people::Walker::new(model, 3);
     let [length_m, width_m, height_m] = body.size_m().to_array().map(f64::from);
     let (kind, name) = (ActorKind::Walker, model.name.to_owned());

@@ -437,7 +437,7 @@ pub(crate) fn run_beside(
     }
     let first_id = fixed.len() as u16 + 1;
     let input = SceneInput {
-        catalogue: schema::catalogue::Catalogue::built_in(),
+        catalogue: catalogue::Catalogue::built_in(),
         map,
         scene,
         agents,

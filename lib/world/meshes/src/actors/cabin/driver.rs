@@ -2,9 +2,9 @@
 
 use crate::people::{Bone, Figure, Hat, Look, Seat};
 use crate::solids::{Detail, Fit};
+use catalogue::Model;
 use glam::Vec3;
 use schema::geometry::TriMesh;
-use schema::models::Model;
 use schema::{Normal, Tag};
 
 use super::plan::Plan;

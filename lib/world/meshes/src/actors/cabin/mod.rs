@@ -9,10 +9,9 @@ mod seats;
 use std::sync::Arc;
 
 use crate::solids::{Fit, MeshBuilder};
+use catalogue::{Body, Model, trains};
 use schema::Tag;
 use schema::geometry::{Part, Surface};
-use schema::models::{BaseType, Model};
-use schema::trains;
 
 use crate::actors::hull::Hull;
 use crate::actors::pieces::Cabin;
@@ -36,9 +35,9 @@ pub(crate) fn cabin(
     let room = Room { hull, inner_y };
     let plan = Plan::new(model, &room);
     let stuff = |surface: Surface, rgb: [f32; 3]| Part::new(tag, surface, rgb);
-    let seats = match (model.base, model.name) {
-        (BaseType::Bus, _) => [0.05, 0.09, 0.22],
-        (_, "car.limousine" | "car.suv") => [0.24, 0.19, 0.13],
+    let seats = match model.body {
+        Body::Bus(_) => [0.05, 0.09, 0.22],
+        Body::Car(body) => body.seat_rgb,
         _ => [0.075, 0.073, 0.07],
     };
     let stuffs = Stuffs::new(stuff, seats);

@@ -1,6 +1,6 @@
 //! Where people sit in each vehicle.
 
-use schema::models::{BaseType, Model};
+use catalogue::{BaseType, Model, Seats};
 
 use super::room::Room;
 
@@ -13,20 +13,6 @@ pub(crate) struct Row {
     pub(crate) x: f32,
     pub(crate) z: f32,
     pub(crate) seats: Seats,
-}
-
-/// What is in a row.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Seats {
-    /// One on each side of the middle, so far from it.
-    Two(f32),
-    /// A bench for three, half as wide as that.
-    Bench(f32),
-    /// Two on each side of an aisle, as a bus has them; none on the right at doors.
-    Aisle {
-        /// Whether there are some on the right, too.
-        right: bool,
-    },
 }
 
 /// Where everything is, metres.
@@ -58,7 +44,7 @@ impl Plan {
     pub(crate) fn new(model: &Model, room: &Room<'_>) -> Self {
         match model.base {
             BaseType::Bus => Self::bus(room),
-            BaseType::Truck if model.name != "truck.pickup" => Self::lorry(room),
+            BaseType::Truck if model.car_body().is_none() => Self::lorry(room),
             _ => Self::car(model, room),
         }
     }
@@ -84,30 +70,15 @@ impl Plan {
         let front_x = front_x.clamp(cowl_x - 1.15, cowl_x - 0.78);
         let aside = 0.2 * 2.0 * hull.half_width;
         let mut rows = vec![Row { x: front_x, z: hips_z, seats: Seats::Two(aside) }];
-        let behind: &[Seats] = match model.name {
-            "van.delivery" | "van.compact" | "van.parcel" | "van.ambulance" | "car.micro" | "car.sports" => {
-                &[]
-            }
-            "van.minibus" => &[Seats::Bench(0.66); 4],
-            "car.coupe" | "car.mini" => &[Seats::Two(0.36)],
-            "van.passenger" => &[Seats::Bench(0.62), Seats::Bench(0.62)],
-            _ => &[Seats::Bench(0.62)],
-        };
+        let body = model.car_body();
+        let behind = body.map_or(&[][..], |body| body.rear_seats);
         for (k, seats) in behind.iter().enumerate() {
             let x = front_x - (k + 1) as f32 * if van { 0.88 } else { 0.80 };
             rows.push(Row { x, z: hips_z + 0.03, seats: *seats });
         }
         let last_x = rows[rows.len() - 1].x - BEHIND_M;
         // A wall behind the seats of those that carry goods.
-        let walled = matches!(
-            model.name,
-            "van.delivery"
-                | "van.compact"
-                | "van.parcel"
-                | "van.motorhome"
-                | "van.ambulance"
-                | "truck.pickup"
-        );
+        let walled = body.is_some_and(|body| body.has_bulkhead);
         let rear_x = if walled {
             last_x.min(hull.x_of(style.windows.1))
         } else {

@@ -1,11 +1,12 @@
 //! Seats, dashboard, steering wheel, poles: closed solids.
 
 use crate::solids::{MeshBuilder, circle};
+use catalogue::Seats;
 use frames::math::f32::sin_cos;
 use glam::Vec3;
 use schema::geometry::{Part, Surface};
 
-use super::plan::{Plan, Row, Seats};
+use super::plan::{Plan, Row};
 use crate::actors::hull::Hull;
 
 /// What things in a cabin are made of.

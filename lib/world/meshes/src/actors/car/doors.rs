@@ -26,7 +26,7 @@ impl Car<'_> {
             |at: f32| style.pillars.iter().copied().find(|p| *p > at + 0.05).unwrap_or(style.windows.1);
         let middle = behind(style.windows.0);
         let spans = [[style.windows.0, middle], [middle, behind(middle)]];
-        spans.into_iter().take(self.model.doors() / 2).collect()
+        spans.into_iter().take(usize::from(self.model.doors) / 2).collect()
     }
 
     pub(super) fn doors(&self, fit: &Fit) -> Vec<Piece> {
@@ -53,7 +53,7 @@ impl Car<'_> {
         self.door(fit, span, left, 0.0, looks.trim, |_, row, outside| match row {
             _ if row > 1.0 && row < 1.9 => looks.window,
             _ if !outside => looks.trim,
-            _ if row > 0.3 && row < 0.7 => looks.livery,
+            _ if row > 0.3 && row < 0.7 => looks.sill,
             _ => looks.paint,
         })
     }

@@ -1,10 +1,10 @@
 //! What is on the nose and the tail: lamps with their reflectors, grilles, plates.
 
 use crate::solids::{Detail, MeshBuilder};
+use catalogue::{BaseType, Model, Special};
 use glam::Vec3;
 use schema::geometry::{Part, Surface};
 use schema::lights;
-use schema::models::{BaseType, Model};
 
 use super::Car;
 use crate::actors::decal::{disc, patch};
@@ -39,7 +39,7 @@ impl Face {
             lamps: [0.66, 0.83],
             slant: 0.06,
             intake: [0.13, 0.40],
-            grille: (model.special != "electric").then_some([0.54, 0.82]),
+            grille: (model.special != Special::Electric).then_some([0.54, 0.82]),
             fog: 0.27,
             plate: 0.30,
         };
@@ -53,7 +53,7 @@ impl Face {
                 fog: 0.16,
                 plate: 0.24,
             },
-            BaseType::Truck if model.name != "truck.pickup" => Self {
+            BaseType::Truck if model.car_body().is_none() => Self {
                 lamps: [0.24, 0.42],
                 slant: 0.01,
                 intake: [0.05, 0.20],
@@ -277,7 +277,7 @@ impl Car<'_> {
                 0.008,
                 [2, 1],
             );
-            if self.model.special != "electric" {
+            if self.model.special != Special::Electric {
                 end.round(looks.chrome, (0.60, at(0.07)), 0.04, 0.015);
                 end.round(looks.gap, (0.60, at(0.07)), 0.032, 0.018);
             }

@@ -1,6 +1,7 @@
 //! What is on the sides and on the roof: mirrors, handles, wipers, rails, lights.
 
 use crate::solids::{Detail, MeshBuilder};
+use catalogue::Special;
 use frames::math::f32::sin_cos;
 use glam::Vec3;
 use schema::Tag;
@@ -64,10 +65,7 @@ impl Car<'_> {
             }
         }
         self.wipers(b);
-        if matches!(
-            self.model.name,
-            "van.delivery" | "van.compact" | "van.minibus" | "van.camper" | "van.passenger" | "car.offroad"
-        ) {
+        if self.model.car_body().is_some_and(|body| body.has_rub_strips) {
             self.rub_strips(b);
         }
     }
@@ -110,7 +108,7 @@ impl Car<'_> {
         let middle = hull.x_of(0.5 * (style.roof.0 + style.roof.1));
         let low = (style.roof_z - 0.03) * height;
         match self.model.special {
-            "emergency" => {
+            Special::Emergency => {
                 let x = if looks.tag == Tag::Truck { hull.x_of(style.roof.0 + 0.05) } else { middle };
                 for (y, bits, rgb) in [
                     ([0.02, 0.55], lights::EMERGENCY, [0.05, 0.1, 0.8]),
@@ -121,7 +119,7 @@ impl Car<'_> {
                     b.tapered(looks.lamp(bits, rgb), min, max, 0.7, 0.97);
                 }
             }
-            "taxi" => {
+            Special::Taxi => {
                 let sign = looks.lamp(lights::POSITION, [0.9, 0.75, 0.2]);
                 b.tapered(
                     sign,
@@ -134,16 +132,7 @@ impl Car<'_> {
             _ => {}
         }
         self.third_brake_lamp(b);
-        let has_rails = matches!(
-            self.model.name,
-            "car.wagon"
-                | "car.suv"
-                | "car.crossover"
-                | "car.offroad_large"
-                | "car.mpv"
-                | "car.offroad"
-                | "van.camper"
-        );
+        let has_rails = self.model.car_body().is_some_and(|body| body.has_roof_rails);
         if has_rails && detail != Detail::Coarse {
             self.rails(b, looks.trim);
         }

@@ -1,6 +1,7 @@
 //! Liveries: stripes, checkers and panels on the sides, and the windows of what people live in.
 
 use crate::solids::{Detail, MeshBuilder};
+use catalogue::Livery;
 use glam::Vec3;
 use schema::geometry::{Part, Surface};
 
@@ -32,8 +33,9 @@ impl Car<'_> {
             [hull.axles[0] - hull.arch - 0.06, hull.axles[1] + hull.arch + 0.06].map(|x| hull.f_of(x));
         let strip = |rgb, along, up, slant| Strip { rgb, along, up, slant };
         let fine = detail == Detail::Full;
-        match self.model.name {
-            "car.taxi" | "car.cab" if fine => {
+        let livery = self.model.car_body().map_or(Livery::None, |body| body.livery);
+        match livery {
+            Livery::Taxi if fine => {
                 // A checker of two rows.
                 let n = 22;
                 let at = |k: usize| front + (rear - front) * k as f32 / n as f32;
@@ -45,9 +47,9 @@ impl Car<'_> {
                     .collect()
             }
             // Farther off the checker is a band.
-            "car.taxi" | "car.cab" => vec![strip([0.12; 3], [front, rear], [0.76, 0.84], 0.0)],
-            "car.police" => vec![strip(YELLOW, [front, rear], [0.70, 0.77], 0.0)],
-            "van.ambulance" => {
+            Livery::Taxi => vec![strip([0.12; 3], [front, rear], [0.76, 0.84], 0.0)],
+            Livery::Police => vec![strip(YELLOW, [front, rear], [0.70, 0.77], 0.0)],
+            Livery::Ambulance => {
                 let mut strips = vec![strip(YELLOW, [0.36, 0.97], [1.16, 1.30], 0.0)];
                 // The cross of what brings help: two bars.
                 strips.push(strip(RED, [0.60, 0.70], [1.50, 1.60], 0.0));
@@ -57,30 +59,30 @@ impl Car<'_> {
                 }
                 strips
             }
-            "van.delivery" => vec![
+            Livery::Delivery => vec![
                 strip(BLUE, [0.46, 0.72], [1.20, 1.45], 0.06),
                 strip([0.70, 0.26, 0.02], [0.74, 0.84], [1.20, 1.45], 0.06),
             ],
-            "van.parcel" => vec![
+            Livery::Parcel => vec![
                 strip([0.60, 0.42, 0.05], [0.30, 0.97], [1.05, 1.13], 0.0),
                 strip([0.60, 0.42, 0.05], [0.48, 0.58], [1.35, 1.65], 0.05),
                 strip([0.60, 0.42, 0.05], [0.62, 0.66], [1.35, 1.65], 0.05),
             ],
             // What leisure is sold with, and a shuttle's swoosh.
-            "van.camper" => vec![
+            Livery::Camper => vec![
                 strip([0.60, 0.24, 0.04], [front, rear], [0.80, 0.86], 0.0),
                 strip([0.30, 0.10, 0.03], [front, rear], [0.88, 0.91], 0.0),
             ],
-            "van.passenger" => vec![
+            Livery::Shuttle => vec![
                 strip([0.04, 0.22, 0.30], [0.52, 0.60], [0.36, 0.94], 0.08),
                 strip([0.05, 0.36, 0.40], [0.62, 0.65], [0.36, 0.94], 0.08),
             ],
-            "van.compact" => vec![strip([0.10, 0.34, 0.12], [0.52, 0.74], [1.15, 1.55], 0.05)],
-            "van.motorhome" => vec![
+            Livery::Craftsman => vec![strip([0.10, 0.34, 0.12], [0.52, 0.74], [1.15, 1.55], 0.05)],
+            Livery::Motorhome => vec![
                 strip([0.10, 0.16, 0.26], [front, 0.97], [0.82, 0.90], 0.0),
                 strip([0.30, 0.33, 0.36], [0.34, 0.97], [0.94, 0.97], 0.0),
             ],
-            _ => Vec::new(),
+            Livery::None => Vec::new(),
         }
     }
 
@@ -109,7 +111,9 @@ impl Car<'_> {
             let part = Part::new(self.looks.tag, surface, strip.rgb);
             on_both(part, strip, 0.006);
         }
-        if self.model.name == "van.motorhome" && detail != Detail::Coarse {
+        if self.model.car_body().is_some_and(|body| body.livery == Livery::Motorhome)
+            && detail != Detail::Coarse
+        {
             let window = |along: [f32; 2], up: [f32; 2]| Strip { rgb: BLACK, along, up, slant: 0.0 };
             let dark = Part::new(self.looks.tag, Surface::Glass, [0.03, 0.035, 0.04]);
             on_both(self.looks.trim, window([0.40, 0.56], [1.22, 1.62]), 0.008);

@@ -4,31 +4,28 @@ mod doors;
 mod ends;
 mod flanks;
 mod livery;
-mod style;
 
 use crate::solids::{Detail, Fit, MeshBuilder};
+use catalogue::{BaseType, CarBody, Model};
 use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Part, Surface};
-use schema::models::{BaseType, Model};
 
 use crate::actors::cabin::cabin;
 use crate::actors::hull::Hull;
 use crate::actors::pieces::{ActorMesh, Cabin, Piece};
 use crate::actors::skin::{Grid, LINE_M, Place, skin, wheel_houses};
-use crate::actors::wheel::{Rim, Wheels};
-use style::style;
+use crate::actors::wheel::Wheels;
 
 /// A car, van or pickup with its wheels and doors.
-pub(crate) fn vehicle(model: &Model, size: Vec3) -> ActorMesh {
-    let style = style(model.name);
+pub(crate) fn vehicle(model: &Model, body: &CarBody, size: Vec3) -> ActorMesh {
     let tag = if model.base == BaseType::Car { Tag::Car } else { Tag::Truck };
     let (radius, wheelbase) = (model.wheel_radius_m as f32, model.wheelbase_m as f32);
     // Front overhang is a little shorter than the rear one.
     let ahead = if size.x < 3.0 { 0.5 } else { 0.46 };
     let front = 0.5 * size.x - ahead * (size.x - wheelbase);
     let axles = [front, front - wheelbase];
-    let hull = Hull::new(style, [-0.5 * size.x, 0.5 * size.x], [0.5 * size.y, size.z], &axles, radius);
+    let hull = Hull::new(body.shape, [-0.5 * size.x, 0.5 * size.x], [0.5 * size.y, size.z], &axles, radius);
     let width = 0.125 * size.y;
     let aside = |f: f32| hull.side_at(f, 0.8 * radius, true).y;
     let wheels = Wheels {
@@ -37,24 +34,10 @@ pub(crate) fn vehicle(model: &Model, size: Vec3) -> ActorMesh {
         radius,
         width,
         outer_y: aside(hull.f_of(axles[0])).min(aside(hull.f_of(axles[1]))) - 0.022,
-        rim: rim(model),
+        rim: body.rim,
     };
     let car = Car { model, hull: &hull, looks: Looks::new(tag, model), wheels };
     ActorMesh::with_cabin(|detail| car.pieces(detail), |fit| car.cabin(fit, &|_, _, _| false))
-}
-
-/// The rims of a model.
-fn rim(model: &Model) -> Rim {
-    match model.name {
-        "car.coupe" | "car.electric" | "car.liftback" => Rim::Dark(5),
-        "car.sports" => Rim::Dark(10),
-        "car.hatchback" | "car.limousine" | "car.taxi" | "car.crossover" => Rim::Spokes(10),
-        "car.wagon" | "car.mpv" | "car.cab" | "van.camper" | "van.motorhome" => Rim::Spokes(7),
-        "car.offroad" | "car.offroad_large" | "truck.pickup" => Rim::Dark(6),
-        "car.micro" | "car.city" | "car.police" | "van.delivery" | "van.ambulance" | "van.compact"
-        | "van.minibus" | "van.parcel" => Rim::Steel,
-        _ => Rim::Spokes(5),
-    }
 }
 
 /// What the skin of a car is made of.
@@ -69,7 +52,7 @@ pub(crate) struct Looks {
     pub(crate) trim: Part,
     pub(crate) chrome: Part,
     /// Lower band of the sides.
-    livery: Part,
+    sill: Part,
     pub(crate) gap: Part,
 }
 
@@ -85,11 +68,7 @@ impl Looks {
             under: plain([0.022, 0.022, 0.023]),
             trim: Part::new(tag, Surface::Rubber, [0.035, 0.035, 0.037]),
             chrome: Part::new(tag, Surface::Metal, [0.7, 0.71, 0.72]),
-            livery: match model.name {
-                "car.police" => plain([0.03, 0.10, 0.34]),
-                "van.ambulance" => plain([0.75, 0.08, 0.05]),
-                _ => paint,
-            },
+            sill: model.car_body().and_then(|body| body.sill_rgb).map_or(paint, plain),
             gap: plain([0.05, 0.05, 0.052]),
         }
     }
@@ -178,17 +157,14 @@ impl Car<'_> {
             self.hull.axles.iter().any(|axle| (x - axle).abs() < 1.003 * self.hull.arch)
         };
         let cut = cuts.iter().any(|c| (f - c).abs() < self.hull.share(LINE_M));
-        let clad = matches!(
-            self.model.name,
-            "car.offroad" | "car.offroad_large" | "car.suv" | "car.crossover" | "truck.pickup"
-        );
+        let clad = self.model.car_body().is_some_and(|body| body.has_cladding);
         match place {
             Place::Under => looks.under,
             Place::Side(row) if row < 0.0 => looks.under,
             Place::Side(row) if row < 0.1 && (clad || !in_arch()) => looks.trim,
             Place::Side(row) if row > 0.1 && row < 1.0 && cut => looks.gap,
             Place::Side(row) if row > 0.3 && row < 0.7 && f > style.windows.0 && f < 0.96 && !in_arch() => {
-                looks.livery
+                looks.sill
             }
             Place::Side(row) if row > 1.0 && row < 1.05 && glazed => looks.trim,
             Place::Side(row) if row > 1.05 && row < 1.91 && glazed => {

@@ -1,7 +1,7 @@
 //! What one sees through the panes of vehicles.
 
+use catalogue::models;
 use schema::geometry::DOOR_M;
-use schema::models;
 
 use super::vehicles::{roots, times_inside};
 use super::*;

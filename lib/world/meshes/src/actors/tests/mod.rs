@@ -1,13 +1,17 @@
 use std::collections::BTreeMap;
 
 use crate::people::{Bone, LOOKS, Walker};
+use catalogue::{
+    BaseType, Model,
+    models::{MODELS, PARKED_TWO_WHEELERS},
+    trains, works,
+};
 use frames::Aabb;
 use glam::Vec3;
 use land::scenery::{BUILDINGS, BuildingKind, PLATES, TREES};
 use schema::footprint::LightMount;
 use schema::geometry::{Surface, TriMesh};
-use schema::models::{BaseType, MODELS, Model, PARKED_TWO_WHEELERS};
-use schema::{Tag, lights, trains, works};
+use schema::{Tag, lights};
 
 use super::*;
 
@@ -244,7 +248,7 @@ fn wheels_roll_forward_and_steer_left() {
 #[test]
 fn feet_stay_on_the_pedals_and_hands_on_the_rims() {
     for name in ["bicycle.city", "bicycle.road", "walker.wheelchair"] {
-        let actor = made(name, schema::models::find(name).expect("a model").size_m, 3);
+        let actor = made(name, catalogue::models::find(name).expect("a model").size_m, 3);
         let rig = actor.rig.clone().expect("somebody rides");
         for step in 0..24 {
             let phase_rad = 0.5 * step as f32;
@@ -282,7 +286,7 @@ fn doors_swing_outward_about_their_front_edge() {
         let actor = made(model.name, model.size_m, 0);
         let leaves: Vec<&Piece> =
             actor.pieces.iter().filter(|p| matches!(p.joint, Joint::Door { .. })).collect();
-        assert_eq!(leaves.len(), model.doors(), "{}", model.name);
+        assert_eq!(leaves.len(), usize::from(model.doors), "{}", model.name);
         let half_width = 0.5 * model.size_m[1] as f32;
         for (number, leaf) in leaves.iter().enumerate() {
             let Joint::Door { at, door } = leaf.joint else { unreachable!("a door") };

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use schema::models::vehicles;
+use catalogue::models::vehicles;
 
 use super::*;
 use crate::actors::wheel::Wheels;
@@ -234,12 +234,4 @@ fn wheels_stay_in_their_arches_while_the_body_leans() {
         assert!(coarse[0].mesh.aabb().min.z > 0.05, "{}: the body stands on the ground", model.name);
     }
     assert!(leaned >= 50);
-}
-
-#[test]
-fn the_readme_names_every_vehicle() {
-    let readme = include_str!("../README.md");
-    for model in vehicles().chain(trains::sections()) {
-        assert!(readme.contains(&format!("`{}`", model.name)), "{} is not in README.md", model.name);
-    }
 }

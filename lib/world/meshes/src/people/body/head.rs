@@ -1,6 +1,7 @@
 //! Neck, head, hair and hats. Lengths of the head are shares of its own height, from the chin up.
 
 use crate::solids::MeshBuilder;
+use catalogue::Age;
 use frames::math::f32::sin_cos;
 use glam::Vec3;
 use schema::geometry::{Part, Surface};
@@ -8,7 +9,8 @@ use schema::geometry::{Part, Surface};
 use super::shape::{Slice, lofted, slice, solid};
 use super::stuffs::Stuffs;
 use crate::people::figure::Figure;
-use crate::people::look::{Age, Hair, Hat};
+
+use crate::people::look::{Hair, Hat};
 
 const SIDES: usize = 11;
 

@@ -25,9 +25,7 @@ pub(crate) fn rules() -> SceneryRules {
 
 /// What is within some 150 m of a place; ids from `first_id` on.
 pub(crate) fn place(map: &Map, rules: &SceneryRules, centre: [f64; 3], first_id: usize) -> Surroundings {
-    TileMaker::new(map, rules, schema::catalogue::Catalogue::built_in())
-        .around(&[centre], 100.0, first_id)
-        .unwrap()
+    TileMaker::new(map, rules, catalogue::Catalogue::built_in()).around(&[centre], 100.0, first_id).unwrap()
 }
 
 /// Some place on a driving lane.

@@ -1,6 +1,8 @@
 //! What lies about in road works, and the signs before hazards: names and dimensions. `world` makes the meshes, `traffic`
 //! puts them on the road.
 
+use crate::roadside::CONCRETE;
+
 /// Name of the mesh, and length, width, height in metres.
 pub type Item = (&'static str, [f64; 3]);
 
@@ -30,7 +32,7 @@ pub const SMALL: [Item; 19] = [
 /// Large things of road works; the barrier is one of [`crate::models::MODELS`].
 pub const LARGE: [Item; 6] = [
     ("prop.iron_plank", [2.60, 0.24, 0.22]),
-    ("barrier.concrete", [2.00, 0.58, 0.82]),
+    (CONCRETE.name, CONCRETE.size_m),
     ("prop.pipe", [2.00, 0.80, 0.80]),
     ("prop.construction_light", [1.00, 1.00, 2.10]),
     ("prop.pile", [1.70, 1.40, 0.70]),

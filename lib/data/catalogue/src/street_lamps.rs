@@ -1,7 +1,7 @@
 //! Which actors are street lamps, and which of them never burn.
 
-use crate::ActorKind;
-use crate::tables::ActorRow;
+use schema::ActorKind;
+use schema::tables::ActorRow;
 
 /// Bit of a street lamp's variant: it never burns.
 const FAILED: u32 = 1 << 8;

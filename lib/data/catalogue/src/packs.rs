@@ -2,9 +2,13 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use schema::tables::PlanModelRow;
+
+use crate::body::Body;
 use crate::fleet;
-use crate::models::{AGES, BaseType, GENDERS, MODELS, Model, OwnFacts};
-use crate::tables::PlanModelRow;
+use crate::model::{Age, BaseType, Gender, Model, Person, Special};
+use crate::models::{self, MODELS};
+use crate::paints::COMMON;
 
 /// The models that a dataset is planned and simulated with. Whoever draws models takes it as an argument.
 #[derive(Debug, Default, PartialEq)]
@@ -81,17 +85,17 @@ impl Catalogue {
     pub fn identity(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         for (model, weight) in &self.own {
-            // Whoever adds a field says here how it is written.
-            let Model { name, base, size_m, wheelbase_m, wheel_radius_m, special, own } = model;
+            // A new field must be named here: whether and how it is written. A pack says nothing of the last ones.
+            let Model { name, base, size_m, wheelbase_m, wheel_radius_m, special, .. } = model;
+            let Model { doors, wheels, has_lamps, person, .. } = model;
+            let Model { axles: _, commonness: _, paints: _, simbev2x: _, body: _, .. } = model;
             let mut text = |text: &str| {
                 bytes.extend((text.len() as u64).to_le_bytes());
                 bytes.extend(text.as_bytes());
             };
-            [name, base.name(), special].into_iter().for_each(&mut text);
-            if let Some(OwnFacts { doors, wheels, has_lights, age, gender }) = own {
-                [*age, *gender].into_iter().for_each(&mut text);
-                bytes.extend([*doors, *wheels, u8::from(*has_lights)]);
-            }
+            let age = person.map_or(Age::Adult, |person| person.age).name();
+            [name, base.name(), special.name(), age, model.gender(0)].into_iter().for_each(&mut text);
+            bytes.extend([*doors, *wheels, u8::from(*has_lamps)]);
             let numbers = size_m.iter().chain([wheelbase_m, wheel_radius_m, weight]);
             bytes.extend(numbers.flat_map(|number| number.to_le_bytes()));
         }
@@ -105,43 +109,35 @@ impl Catalogue {
     }
 }
 
-/// What a row says of some words, or the first of them.
-fn among(words: &[&'static str], said: &str) -> &'static str {
-    words.iter().find(|word| **word == said).or(words.first()).copied().unwrap_or_default()
-}
-
 /// A model that stays for as long as the process does: models are handed about as `&'static` all over traffic, and a pack has few.
 /// Equal ones are kept once, however many scenes ask for them; nothing but memory depends on what is kept.
 fn kept(row: &PlanModelRow) -> Option<&'static Model> {
     static KEPT: Mutex<Vec<&'static Model>> = Mutex::new(Vec::new());
-    let own = OwnFacts {
-        doors: row.doors.min(4) as u8,
-        wheels: row.wheels.min(u32::from(u8::MAX)) as u8,
-        has_lights: row.has_lights,
-        age: among(&AGES, &row.age),
-        gender: among(&GENDERS, &row.gender),
-    };
+    let gender = if row.gender == Gender::NAMES[1] { Gender::Female } else { Gender::Male };
     let base = BaseType::from_name(&row.base_type)?;
-    let [wheelbase_m, wheel_radius_m] = [row.wheelbase_m, row.wheel_radius_m];
-    let mut all = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
-    let wanted = |name, special| Model {
+    let wanted = |name| Model {
         name,
         base,
         size_m: row.size_m,
-        wheelbase_m,
-        wheel_radius_m,
-        special,
-        own: Some(own),
+        wheelbase_m: row.wheelbase_m,
+        wheel_radius_m: row.wheel_radius_m,
+        special: Special::from_name(&row.special).unwrap_or_default(),
+        axles: 2,
+        wheels: row.wheels.min(u32::from(u8::MAX)) as u8,
+        doors: row.doors.min(4) as u8,
+        has_lamps: row.has_lights,
+        commonness: row.weight,
+        paints: models::find(name).map_or(COMMON, |replaced| replaced.paints),
+        simbev2x: &[],
+        person: Some(Person { age: Age::from_name(&row.age), gender }),
+        body: Body::Pack,
     };
-    let is_it = |model: &&&'static Model| {
-        (model.name, model.special) == (&row.name, &row.special)
-            && ***model == wanted(model.name, model.special)
-    };
-    if let Some(model) = all.iter().find(is_it) {
+    let mut all = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(model) = all.iter().find(|model| model.name == row.name && ***model == wanted(model.name)) {
         return Some(model);
     }
-    let leaked = |text: &str| -> &'static str { Box::leak(text.to_owned().into_boxed_str()) };
-    let model: &'static Model = Box::leak(Box::new(wanted(leaked(&row.name), leaked(&row.special))));
+    let name: &'static str = Box::leak(row.name.clone().into_boxed_str());
+    let model: &'static Model = Box::leak(Box::new(wanted(name)));
     all.push(model);
     Some(model)
 }
@@ -171,13 +167,13 @@ mod tests {
         assert_eq!(names[..built_in.len()], built_in);
         assert_eq!(names[built_in.len()..], ["van.kiosk"]);
         let sedan = all.find("car.sedan").expect("a model");
-        assert_eq!((sedan.size_m[0], sedan.doors(), all.weight(sedan)), (4.0, 2, 0.5));
+        assert_eq!((sedan.size_m[0], sedan.doors, all.weight(sedan)), (4.0, 2, 0.5));
         let (van, coupe) = (all.find("van.kiosk").expect("a model"), all.find("car.coupe").expect("a model"));
         assert_eq!((all.weight(van), all.weight(coupe)), (3.0, fleet::weight(coupe)));
         assert_eq!(all.vehicles().filter(|m| m.name == "van.kiosk").count(), 1);
         assert_eq!(all.added_of(BaseType::Van), [(van, 3.0)]);
         assert_eq!(all.added_of(BaseType::Car), []);
-        let wheels = van.facts().get(&crate::Attribute::NumberOfWheels).map(str::to_owned);
+        let wheels = van.facts().get(&schema::Attribute::NumberOfWheels).map(str::to_owned);
         assert_eq!(wheels.as_deref(), Some("6"));
     }
 
@@ -227,7 +223,7 @@ mod tests {
         );
         assert_eq!(walkers.len(), crate::models::walkers().count() + 1);
         let ada = all.find("walker.ada").expect("a model");
-        let age = ada.facts().get(&crate::Attribute::Age).map(str::to_owned);
+        let age = ada.facts().get(&schema::Attribute::Age).map(str::to_owned);
         assert_eq!((ada.gender(0), age.as_deref()), ("female", Some("child")));
     }
 

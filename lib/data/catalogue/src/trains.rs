@@ -3,7 +3,9 @@
 //!
 //! Dimensions are of ordinary vehicles of each kind, taken from makers' public data sheets and rounded.
 
-use crate::models::{BaseType, Model, model};
+use crate::body::{Body, BusBody, Load};
+use crate::model::{BaseType, Model, Special};
+use crate::paints::COMMON;
 
 /// One that drives and one that it tows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,17 +24,75 @@ pub struct Train {
     pub commonness: f64,
 }
 
-const TRACTOR: &Model = &model("truck.tractor", BaseType::Truck, [6.00, 2.50, 3.80], 3.70, 0.50, "");
-const CURTAIN: &Model =
-    &model("trailer.curtain", BaseType::Truck, [13.60, 2.55, 4.00], 2.62, 0.50, "trailer");
-const BOX: &Model = &model("trailer.box", BaseType::Truck, [13.60, 2.55, 4.00], 2.62, 0.50, "trailer");
-const TANKER: &Model = &model("trailer.tanker", BaseType::Truck, [12.20, 2.55, 3.60], 2.62, 0.50, "trailer");
-const CONTAINER: &Model =
-    &model("trailer.container", BaseType::Truck, [12.60, 2.50, 3.95], 2.62, 0.50, "trailer");
-const BUS_FRONT: &Model =
-    &model("bus.articulated", BaseType::Bus, [10.60, 2.55, 3.10], 5.90, 0.48, "articulated");
-const BUS_REAR: &Model =
-    &model("bus.articulated_rear", BaseType::Bus, [8.55, 2.55, 3.10], 0.0, 0.48, "articulated");
+const TRACTOR: &Model = &Model {
+    name: "truck.tractor",
+    base: BaseType::Truck,
+    size_m: [6.00, 2.50, 3.80],
+    wheelbase_m: 3.70,
+    wheel_radius_m: 0.50,
+    special: Special::None,
+    axles: 2,
+    wheels: 4,
+    doors: 0,
+    has_lamps: true,
+    commonness: 1.0,
+    paints: COMMON,
+    simbev2x: &[],
+    person: None,
+    body: Body::Lorry(Load::Coupling),
+};
+
+const fn trailer(name: &'static str, size_m: [f64; 3], load: Load) -> Model {
+    Model {
+        name,
+        base: BaseType::Truck,
+        size_m,
+        wheelbase_m: 2.62,
+        wheel_radius_m: 0.50,
+        special: Special::Trailer,
+        axles: 3,
+        wheels: 6,
+        doors: 0,
+        has_lamps: true,
+        commonness: 1.0,
+        paints: COMMON,
+        simbev2x: &[],
+        person: None,
+        body: Body::Trailer(load),
+    }
+}
+
+const CURTAIN: &Model = &trailer("trailer.curtain", [13.60, 2.55, 4.00], Load::Curtain);
+const BOX: &Model = &trailer("trailer.box", [13.60, 2.55, 4.00], Load::Goods { ribbed: true });
+const TANKER: &Model = &trailer("trailer.tanker", [12.20, 2.55, 3.60], Load::Tank);
+const CONTAINER: &Model = &trailer("trailer.container", [12.60, 2.50, 3.95], Load::Container);
+
+const BUS_FRONT: &Model = &Model {
+    name: "bus.articulated",
+    base: BaseType::Bus,
+    size_m: [10.60, 2.55, 3.10],
+    wheelbase_m: 5.90,
+    wheel_radius_m: 0.48,
+    special: Special::Articulated,
+    axles: 2,
+    wheels: 4,
+    doors: 0,
+    has_lamps: true,
+    commonness: 1.0,
+    paints: COMMON,
+    simbev2x: &[],
+    person: None,
+    body: Body::Bus(BusBody::ArticulatedFront),
+};
+const BUS_REAR: &Model = &Model {
+    name: "bus.articulated_rear",
+    size_m: [8.55, 2.55, 3.10],
+    wheelbase_m: 0.0,
+    axles: 1,
+    wheels: 2,
+    body: Body::Bus(BusBody::ArticulatedRear),
+    ..*BUS_FRONT
+};
 
 /// A tractor unit with a semi-trailer whose front is so far ahead of its kingpin, metres.
 const fn semi(towed: &'static Model, before_m: f64, rod_m: f64, commonness: f64) -> Train {
