@@ -21,7 +21,7 @@ fn help(name: &str, args: &[&str]) -> String {
 
 #[test]
 fn stages_explain_themselves() {
-    for stage in &pipeline::Graph::get().stages {
+    for stage in &runner::Graph::get().stages {
         insta::assert_snapshot!(stage.name, help(stage.name, &[]));
     }
 }

@@ -5,12 +5,12 @@
 use std::collections::BTreeMap;
 
 use codecs::Scalar;
-use framewise::{FrameArray, FrameArrays, Labelled, Part, Writer, in_turn};
 use labels::voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
 use peak_alloc::PeakAlloc;
-use pipeline::{Progress, ProgressMode, StageError};
 use rayon::ThreadPoolBuilder;
 use render::VoxelRenderer;
+use runner::frames::{FrameArray, FrameArrays, Labelled, Part, Writer, in_turn};
+use runner::{Progress, ProgressMode, StageError};
 use schema::arrays::{ArrayKind, BEV_MASKS};
 use schema::measures::counts::PartialCounts;
 use schema::tables::LidarRow;
@@ -70,7 +70,7 @@ fn arrays(attempt: &Attempt, frames: u32) -> Result<(), StageError> {
     let unit = attempt.unit("vehicle_0")?.expect("is not there yet");
     let progress = Progress::start(ProgressMode::None, "test".into(), 0);
     let labelled = Labelled { unit, scene: 0, agent: AgentId::vehicle(0), counted: None, label: Grids };
-    framewise::write_labels([Ok(labelled)], frames, &progress)
+    runner::frames::write_labels([Ok(labelled)], frames, &progress)
 }
 
 /// The table of a lidar.

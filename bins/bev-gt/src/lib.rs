@@ -3,10 +3,10 @@
 mod masks;
 mod sources;
 
-use framewise::label_agents;
 use labels::bev_map::LaneCollector;
-use pipeline::{At, Job, Stage, StageError};
 use replay::Replay;
+use runner::frames::label_agents;
+use runner::{At, Job, Stage, StageError};
 use scene::SceneReader;
 use settings::BevRule;
 use settings::stages::MaskSettings;

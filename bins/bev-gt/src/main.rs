@@ -1,5 +1,5 @@
 //! Draws bird's-eye-view masks from the log.
 
 fn main() -> std::process::ExitCode {
-    pipeline::run_stage(bev_gt::STAGE, build_stamp::STAMP)
+    arguments::stage::run(bev_gt::STAGE, build_stamp::STAMP)
 }

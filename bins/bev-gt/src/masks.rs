@@ -3,10 +3,10 @@
 use std::borrow::Cow;
 
 use codecs::Scalar;
-use framewise::{FrameArray, FrameArrays};
 use labels::bev::{BevRasterizer, LaneRasterizer};
-use pipeline::{At, Place, StageError};
 use replay::Replay;
+use runner::frames::{FrameArray, FrameArrays};
+use runner::{At, Place, StageError};
 use schema::AgentId;
 use schema::arrays::{ArrayKind, BEV_HEIGHTS, BEV_IDS, BEV_MASKS, BEV_PAINT};
 use schema::measures::counts::PartialCounts;

@@ -3,9 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use indicatif::DecimalBytes;
-use pipeline::{
-    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, OutputFile, StageError, report, say,
-};
+use runner::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, OutputFile, StageError, report, say};
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]

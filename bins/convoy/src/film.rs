@@ -9,7 +9,7 @@ use frames::{Object, Pose, World};
 use mapview::{Film, Light, Look, StopBar, Thing, ViewOptions, Window, frame_png};
 use nalgebra::Point3;
 use opendrive::{LaneHit, Map};
-use pipeline::{At, Place, StageError};
+use runner::{At, Place, StageError};
 use scene::{SceneError, SceneLog, SceneReader};
 use schema::tables::{ActorRow, SignalRow};
 use schema::{ActorKind, ActorRole, AgentId, AgentKind, Attribute, SignalState, lights};

@@ -5,13 +5,14 @@ mod film;
 mod maps;
 mod programs;
 mod shell;
+mod stores;
 
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use driver::StoreCommand;
 use film::FilmCommand;
 use maps::MapCommand;
+use stores::StoreCommand;
 
 /// Makes V2X cooperative-perception datasets.
 #[derive(Debug, Parser)]
@@ -41,9 +42,9 @@ enum Command {
 
 fn main() -> ExitCode {
     let args = Args::parse();
-    pipeline::init_logging();
+    runner::init_logging();
     ExitCode::from(match args.command {
-        Command::Store(command) => driver::drive(command, build_stamp::STAMP),
+        Command::Store(command) => stores::drive(command, build_stamp::STAMP),
         Command::Check(args) => check::run(&args),
         Command::Program(command) => programs::run(command),
         Command::View(args) => view::run(&args),

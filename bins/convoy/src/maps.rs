@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use mapview::{ViewOptions, Window};
 use opendrive::{Map, Network};
-use pipeline::{At, Place};
+use runner::{At, Place};
 use town::TownParameters;
 
 use crate::files::{Fault, exit_code, write_file};

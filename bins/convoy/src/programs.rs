@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::process::Command;
 
 use clap::Subcommand;
-use pipeline::{EXIT_SOME_FAILED, EXIT_USAGE};
+use runner::{EXIT_SOME_FAILED, EXIT_USAGE};
 
 /// Programs beside this one.
 #[derive(Debug, Subcommand)]
@@ -58,7 +58,7 @@ pub(crate) fn run(command: ProgramCommand) -> u8 {
     let beside = std::env::current_exe().ok().and_then(|exe| Some(exe.parent()?.join(name)));
     let program = beside.unwrap_or_else(|| name.into());
     // A signal reaches the program, too, and it is the one to answer.
-    pipeline::listen_for_signals();
+    runner::listen_for_signals();
     match Command::new(&program).args(first).args(arguments).status() {
         Ok(status) => status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(EXIT_SOME_FAILED),
         Err(e) => {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 use clap_complete::Shell;
-use pipeline::say;
+use runner::say;
 
 use crate::files::{Fault, exit_code};
 

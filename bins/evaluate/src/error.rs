@@ -2,7 +2,7 @@
 
 use evaluation::EvaluationError;
 use export_core::ExportError;
-use pipeline::{EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE};
+use runner::{EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE};
 use store::StoreError;
 
 /// Predictions cannot be scored.

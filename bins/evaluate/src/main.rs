@@ -14,7 +14,7 @@ use evaluation::{
     Seen, evaluate, evaluate_masks, read_results, write_measures,
 };
 use export_core::{Selection, Source, matches};
-use pipeline::{EXIT_DONE, report, say};
+use runner::{EXIT_DONE, report, say};
 use scene::SceneReader;
 use schema::AgentId;
 use schema::arrays::BEV_MASKS;
@@ -32,7 +32,7 @@ const WORST_FRAMES: usize = 20;
 
 fn main() -> ExitCode {
     let args = Evaluate::parse();
-    pipeline::init_logging();
+    runner::init_logging();
     ExitCode::from(match run(&args) {
         Ok(()) => EXIT_DONE,
         Err(fault) => {

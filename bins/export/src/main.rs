@@ -9,18 +9,18 @@ use arguments::export::{CommonArgs, Export};
 use clap::Parser;
 use export_core::{Destination, ExportError, Layout, Omission, Plan, Selection, Source, Watch, export, plan};
 use indicatif::{DecimalBytes, HumanDuration};
-use pipeline::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Progress, say};
+use runner::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Progress, say};
 use store::Store;
 
 fn main() -> ExitCode {
     let command = Export::parse().layout;
-    pipeline::init_logging();
-    pipeline::listen_for_signals();
+    runner::init_logging();
+    runner::listen_for_signals();
     let done = layouts::split(command).and_then(|(layout, common)| run(layout.as_ref(), &common));
     ExitCode::from(match done {
         Ok(()) => EXIT_DONE,
         Err(error) => {
-            tracing::error!("{}", pipeline::report(&error));
+            tracing::error!("{}", runner::report(&error));
             exit_code(&error)
         }
     })
@@ -42,13 +42,13 @@ fn run(layout: &dyn Layout, common: &CommonArgs) -> Result<(), ExportError> {
     let store = Store::open(&common.store)?;
     let source = Source::open(&store, &selection(common, layout.every_n_frames()), &layout.needs())?;
     let place = Destination::new(&common.dest, layout.name());
-    let plan = plan(layout, &source, &place, pipeline::code_version("export"), common.force)?;
+    let plan = plan(layout, &source, &place, runner::code_version("export"), common.force)?;
     announce(&plan, &source, pool.current_num_threads());
     if common.dry_run {
         return Ok(());
     }
     let progress =
-        Progress::start(common.progress, format!("export {}", layout.name()), plan.cost.agent_frames);
+        Progress::start(common.progress.into(), format!("export {}", layout.name()), plan.cost.agent_frames);
     let outcome = pool.install(|| export(layout, &source, &place, &plan, &Watching(progress)))?;
     let (made, units, root) = (outcome.made, outcome.units, place.root().display());
     say(&format!("{root}: {made} of {units} parts made now"));

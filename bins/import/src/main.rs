@@ -5,17 +5,17 @@ use std::process::ExitCode;
 use arguments::import::{Import, ImportArgs, ImportCommand};
 use clap::Parser;
 use import_core::{ImportError, Prospect, Selection, Source, Watch, import, prospect};
-use pipeline::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Programs, Progress, say};
+use runner::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Programs, Progress, say};
 use store::Store;
 
 fn main() -> ExitCode {
     let ImportCommand::Simbev2x(args) = Import::parse().layout;
-    pipeline::init_logging();
-    pipeline::listen_for_signals();
+    runner::init_logging();
+    runner::listen_for_signals();
     ExitCode::from(match run(&args) {
         Ok(code) => code,
         Err(error) => {
-            tracing::error!("{}", pipeline::report(&error));
+            tracing::error!("{}", runner::report(&error));
             exit_code(&error)
         }
     })
@@ -47,10 +47,10 @@ fn run(args: &ImportArgs) -> Result<u8, ImportError> {
     }
     let are_processed = found.scenes.iter().all(|scene| scene.is_processed);
     let name = args.store.file_name().map_or_else(|| "import".into(), |name| name.to_string_lossy());
-    let progress = Progress::start(args.progress, "import simbev2x".to_owned(), found.agent_frames());
+    let progress = Progress::start(args.progress.into(), "import simbev2x".to_owned(), found.agent_frames());
     let outcome = pool.install(|| import(&source, &store, found, &selection, &name, &Watching(progress)))?;
     for (scene, error) in &outcome.failed {
-        tracing::error!("scene {scene} is not imported: {}", pipeline::report(error));
+        tracing::error!("scene {scene} is not imported: {}", runner::report(error));
     }
     let (made, kept, failed) = (outcome.made, outcome.kept, outcome.failed.len());
     let store = args.store.display();
@@ -76,7 +76,7 @@ fn announce(found: &Prospect) {
         found.done.len(),
     ));
     for (scene, error) in &found.failed {
-        tracing::warn!("scene {scene} cannot be imported: {}", pipeline::report(error));
+        tracing::warn!("scene {scene} cannot be imported: {}", runner::report(error));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use pipeline::{At, Job, Stage, StageError};
+use runner::{At, Job, Stage, StageError};
 use scene::SceneReader;
 use schema::tables::{ActorRow, BoxRow, ValidBoxRow};
 use schema::{ActorKind, ObjectId};

@@ -1,5 +1,5 @@
 //! Merges the boxes of all agents and makes tracks.
 
 fn main() -> std::process::ExitCode {
-    pipeline::run_stage(merge_tracks::STAGE, build_stamp::STAMP)
+    arguments::stage::run(merge_tracks::STAGE, build_stamp::STAMP)
 }

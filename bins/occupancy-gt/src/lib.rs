@@ -1,12 +1,12 @@
 //! The occupancy stage: a voxel grid around every agent at every frame.
 
 use codecs::Scalar;
-use framewise::{FrameArray, FrameArrays, label_agents};
 use labels::voxel_grid::{Filling, VoxelGrid, add_cells};
 use labels::voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
-use pipeline::{At, Job, Place, Stage, StageError};
 use render::VoxelRenderer;
 use replay::Replay;
+use runner::frames::{FrameArray, FrameArrays, label_agents};
+use runner::{At, Job, Place, Stage, StageError};
 use scene::SceneReader;
 use schema::arrays::{ArrayKind, VOXEL_CELLS, VOXEL_FLOW, VOXEL_GRIDS, VOXEL_IDS};
 use schema::measures::counts::PartialCounts;

@@ -1,5 +1,5 @@
 //! Makes voxel grids from the log.
 
 fn main() -> std::process::ExitCode {
-    pipeline::run_stage(occupancy_gt::STAGE, build_stamp::STAMP)
+    arguments::stage::run(occupancy_gt::STAGE, build_stamp::STAMP)
 }

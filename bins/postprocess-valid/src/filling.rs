@@ -1,10 +1,10 @@
 //! Filled voxel grids.
 
 use codecs::{Array, Scalar};
-use framewise::{FrameArray, FrameArrays, Labelled, write_labels};
 use labels::fill::Filler;
 use labels::voxel_grid::{Filling, VoxelGrid};
-use pipeline::{At, Job, Place, StageError};
+use runner::frames::{FrameArray, FrameArrays, Labelled, write_labels};
+use runner::{At, Job, Place, StageError};
 use scene::{ArrayReader, SceneReader};
 use schema::AgentId;
 use schema::arrays::{ArrayKind, FILLED_VOXEL_GRIDS, VOXEL_GRIDS};

@@ -8,8 +8,8 @@ mod sightings;
 
 use frames::{Agent, Pose, World};
 use labels::validity::{Evidence, PixelCounts};
-use pipeline::{At, Job, Stage, StageError};
 use rayon::prelude::*;
+use runner::{At, Job, Stage, StageError};
 use scene::{FrameRanges, SceneError, SceneLog, SceneReader};
 use schema::AgentId;
 use schema::table::Row;

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 use codecs::Scalar;
-use framewise::{FrameArray, FrameArrays, Labelled, write_labels};
 use labels::carve::{Lattice, Sweep, carve};
-use pipeline::{At, Job, Place, StageError};
+use runner::frames::{FrameArray, FrameArrays, Labelled, write_labels};
+use runner::{At, Job, Place, StageError};
 use scene::{SceneError, SceneReader};
 use schema::arrays::{ArrayKind, OBSERVED_VOXELS};
 use schema::measures::counts::PartialCounts;

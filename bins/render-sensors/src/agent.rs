@@ -1,9 +1,9 @@
 //! One agent and all that it carries.
 
-use pipeline::{At, Place, StageError};
 use rayon::prelude::*;
 use render::Renderer;
 use replay::Replay;
+use runner::{At, Place, StageError};
 use schema::ObjectId;
 use schema::geometry::Snapshot;
 use sensors::{AgentState, Cameras, FrameWeather, Motion, Observation, Painter, SharedBeams, StillWorld};

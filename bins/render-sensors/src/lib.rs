@@ -3,11 +3,11 @@
 mod agent;
 mod recorder;
 
-use framewise::{Part, in_turn};
-use pipeline::{At, Job, Place, Stage, StageError};
 use render::Renderer;
 use render::cpu::CpuRenderer;
 use replay::{Light, Replay};
+use runner::frames::{Part, in_turn};
+use runner::{At, Job, Place, Stage, StageError};
 use scene::SceneReader;
 use schema::ImageKind;
 use sensors::{Cameras, Carrier, CpuPainter, GeoOrigin, SharedBeams};

@@ -1,5 +1,5 @@
 //! Renders cameras, lidar, radar, GNSS and IMU from the log.
 
 fn main() -> std::process::ExitCode {
-    pipeline::run_stage(render_sensors::STAGE, build_stamp::STAMP)
+    arguments::stage::run(render_sensors::STAGE, build_stamp::STAMP)
 }

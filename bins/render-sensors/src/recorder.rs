@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use framewise::Writer;
-use pipeline::{Place, Stage, StageError};
+use runner::frames::Writer;
+use runner::{Place, Stage, StageError};
 use schema::calibration::METADATA_KEY;
 use schema::measures::counts::PartialCounts;
 use schema::measures::sensors::{IMAGES, SENSOR_BYTES, SWEEPS};

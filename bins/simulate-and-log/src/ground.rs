@@ -194,12 +194,12 @@ mod tests {
     use std::ops::ControlFlow;
 
     use opendrive::Map;
-    use pipeline::StageSettings;
     use plan::PlanMap;
+    use replay::tiles::{TileError, TileStore};
+    use runner::StageSettings;
     use schema::tables::FrameRow;
     use settings::stages::{PlanSettings, SimulationSettings};
     use store::Store;
-    use tilestore::{TileError, TileStore};
     use traffic::{SceneInput, SimulationLog};
     use world::{Moment, SceneWorld};
 
@@ -258,7 +258,7 @@ mod tests {
             first_id: 1,
         };
         let mut log = traffic::simulate(&input, &mut |_, _| ControlFlow::Continue(())).expect("a log");
-        let place = pipeline::Place::default();
+        let place = runner::Place::default();
         let of_scene = SceneTiles::of(&tiles, &log, settings.reach_m, &place).expect("tiles");
         let mut actors = log.actors.clone();
         actors.extend(of_scene.actors.iter().cloned());

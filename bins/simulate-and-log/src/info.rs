@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use opendrive::Map;
-use pipeline::{At, Place, StageError};
+use runner::{At, Place, StageError};
 use schema::scene_info::{AgentInfo, PackedModelInfo, SceneInfo};
 use schema::tables::{ActorRow, PlanAgentRow, PlanModelRow, PlanSceneRow, Weather};
 use schema::{ActorRole, HazardKind};

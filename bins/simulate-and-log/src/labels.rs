@@ -6,7 +6,7 @@ use frames::{Pose, World};
 use labels::annotation::boxes::{ObservedObject, Observer};
 use labels::annotation::hd_map::HdMap;
 use opendrive::Map;
-use pipeline::{At, Place, StageError};
+use runner::{At, Place, StageError};
 use schema::measures::counts::PartialCounts;
 use schema::scene_info::SceneInfo;
 use schema::tables::{ActorRow, AgentRow, BoxRow, HdMapRow, PartialRow, StateRow};

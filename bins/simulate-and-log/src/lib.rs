@@ -13,13 +13,13 @@ mod world;
 use std::ops::ControlFlow;
 
 use catalogue::Catalogue;
-use pipeline::{At, Job, Place, Progress, Stage, StageError};
 use random::Stream;
+use replay::tiles::TileStore;
+use runner::{At, Job, Place, Progress, Stage, StageError};
 use schema::tables::{PlanSceneRow, TILE_STAGE};
 use schema::{ActorKind, Attribute, ObjectId};
 use settings::stages::SimulationSettings;
 use store::keys;
-use tilestore::TileStore;
 use traffic::{SceneInput, SimulationLog};
 
 use crate::error::LogError;
@@ -43,7 +43,7 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
 
     let (progress, place) = (job.progress(), job.place());
     let Some(mut unit) = job.unit("scene")? else { return Ok(()) };
-    let code_version = pipeline::code_version(TILE_STAGE);
+    let code_version = runner::code_version(TILE_STAGE);
     let tiles = TileStore::new(&store, (&map, &plan.map_hash), (&settings.scenery, &catalogue), code_version);
     let tiles = tiles.map_err(|error| failed(error, &place))?.remarking(job.made_by().clone());
     let nearby = Nearby::new(&tiles, settings.reach_m);

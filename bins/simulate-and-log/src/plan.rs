@@ -1,6 +1,6 @@
 //! What the plan says of a scene.
 
-use pipeline::{At, Job, StageError};
+use runner::{At, Job, StageError};
 use schema::table::Row;
 use schema::tables::{PlanAgentRow, PlanHazardRow, PlanModelRow, PlanSceneRow};
 use settings::stages::SimulationSettings;

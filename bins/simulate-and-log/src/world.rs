@@ -6,12 +6,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use land::tiles::{Numbered, number, reached};
 use nalgebra::Point3;
-use pipeline::{At, Place, StageError};
+use replay::tiles::{KnownTile, TileError, TileStore};
+use runner::{At, Place, StageError};
 use schema::ObjectId;
 use schema::tables::{ActorRow, SceneTileRow, SignalRow};
 use schema::tile::TileIndex;
 use schema::{ActorKind, ActorRole};
-use tilestore::{KnownTile, TileError, TileStore};
 use traffic::{FixedWorld, SimulationLog};
 
 /// A store's failure is not the scene's.

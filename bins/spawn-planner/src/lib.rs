@@ -9,8 +9,8 @@ use std::path::Path;
 
 use catalogue::Catalogue;
 use packs::PackModel;
-use pipeline::{At, Job, Place, Stage, StageError, StageSettings};
 use plan::{Plan, PlanMap, Roster, SceneSlot};
+use runner::{At, Job, Place, Stage, StageError, StageSettings};
 use schema::table::Row;
 use schema::tables::{PlanAgentRow, PlanHazardRow, PlanModelRow, PlanSceneRow};
 use settings::stages::PlanSettings;

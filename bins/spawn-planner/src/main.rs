@@ -1,5 +1,5 @@
 //! Plans the dataset: scenes, agents, weather; keeps the maps.
 
 fn main() -> std::process::ExitCode {
-    pipeline::run_stage(spawn_planner::STAGE, build_stamp::STAMP)
+    arguments::stage::run(spawn_planner::STAGE, build_stamp::STAMP)
 }

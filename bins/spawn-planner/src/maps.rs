@@ -5,8 +5,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use opendrive::Map;
-use pipeline::{At, Place, StageError};
 use plan::SceneSlot;
+use runner::{At, Place, StageError};
 use settings::stages::PlanSettings;
 use store::{Store, keys};
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use packs::PackModel;
-use pipeline::StageError;
+use runner::StageError;
 use settings::stages::PlanSettings;
 use store::{Unit, keys};
 

@@ -8,7 +8,7 @@ use analysis::{
     DatasetFacts, GroupTotals, MadeBy, MeasureTotals, PUBLISHED_PAGE, SceneCard, compute_tables,
     dataset_card, draw_figures, published_html, report_html, to_csv,
 };
-use pipeline::{At, Graph, Job, Place, Stage, StageError, StageSpec, UnitKind};
+use runner::{At, Graph, Job, Place, Stage, StageError, StageSpec, UnitKind};
 use scene::SceneReader;
 use schema::scene_info::{self, SceneInfo};
 use schema::tables::PartialRow;

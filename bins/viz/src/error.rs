@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use export_core::ExportError;
 use pictures::PictureError;
-use pipeline::{EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE};
+use runner::{EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE};
 use scene::SceneError;
 use store::StoreError;
 

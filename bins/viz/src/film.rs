@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 use arguments::viz::{FilmArgs, ShownBoxes};
 use codecs::images::{AnimationWriter, ImageError};
 use pictures::{Canvas, Panel, Sheet, draw_sheet};
-use pipeline::{OutputFile, say};
+use runner::{OutputFile, say};
 use scene::SensorKind;
 use schema::table::Row;
 use schema::tables::CameraRow;

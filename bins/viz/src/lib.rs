@@ -15,7 +15,7 @@ mod session;
 mod stills;
 
 use arguments::viz::PictureCommand;
-use pipeline::{EXIT_DONE, EXIT_USAGE, report};
+use runner::{EXIT_DONE, EXIT_USAGE, report};
 
 use error::VizError;
 

@@ -32,6 +32,6 @@ fn main() -> ExitCode {
     } else {
         PictureCommand::Viz(Stills::parse().args)
     };
-    pipeline::init_logging();
+    runner::init_logging();
     ExitCode::from(viz::run(&command))
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use arguments::viz::{PreviewArgs, ShownBoxes};
 use export_core::SceneSource;
 use pictures::{Canvas, Panel, Reach, Sheet, draw_sheet};
-use pipeline::{OutputFile, say};
+use runner::{OutputFile, say};
 use scene::SensorKind;
 use schema::table::Row;
 use schema::tables::{FrameRow, ValidBoxRow};

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use arguments::viz::{ShownBoxes, VizArgs};
+use arguments::viz::{Colour, ShownBoxes, VizArgs};
 use pictures::{Canvas, ColourBy};
-use pipeline::{OutputFile, SceneList, say};
+use runner::{OutputFile, SceneList, say};
 use scene::SensorKind;
 use schema::AgentId;
 use schema::table::Row;
@@ -35,7 +35,7 @@ pub(crate) fn run(args: &VizArgs) -> Result<(), VizError> {
     let dest = args.dest.as_deref().unwrap_or(Path::new("."));
     let frames = frames(&session, args.frames.as_ref(), args.every)?;
     let mut feeds = session.feeds(&wants(&session, &wanted, args.common.boxes())?)?;
-    let colour = args.colour;
+    let colour = args.colour.map(colour_by);
     let mut written = 0_u64;
     let made = for_frames(
         &mut feeds,
@@ -69,6 +69,18 @@ pub(crate) fn run(args: &VizArgs) -> Result<(), VizError> {
     }
     say(&format!("{}: {written} pictures of {} frames", dest.display(), frames.len()));
     Ok(())
+}
+
+fn colour_by(colour: Colour) -> ColourBy {
+    match colour {
+        Colour::Distance => ColourBy::Distance,
+        Colour::Height => ColourBy::Height,
+        Colour::Tag => ColourBy::Tag,
+        Colour::Id => ColourBy::Id,
+        Colour::Intensity => ColourBy::Intensity,
+        Colour::Velocity => ColourBy::Velocity,
+        Colour::Agent => ColourBy::Agent,
+    }
 }
 
 /// The frames that are wanted.
@@ -113,13 +125,13 @@ fn wanted(session: &Session, args: &VizArgs) -> Result<Vec<Wanted>, VizError> {
             modes.retain(|mode| args.modes.iter().any(|p| export_core::matches(p, &mode.name())));
         }
         there.retain(|(_, modes)| !modes.is_empty());
-    } else if let Some(colour) = args.colour {
+    } else if let Some(colour) = args.colour.map(colour_by) {
         // Without a choice of pictures it is those that can be coloured so.
         for (_, modes) in &mut there {
             modes.retain(|mode| may_have(mode, colour));
         }
     }
-    if let Some(colour) = args.colour {
+    if let Some(colour) = args.colour.map(colour_by) {
         keep_known(session, &mut there, colour, !args.modes.is_empty())?;
         there.retain(|(_, modes)| !modes.is_empty());
     }

@@ -91,7 +91,7 @@ fn digest(store: &Store, manifest: &Manifest, output: &Output) -> String {
 fn is_of_versions(line: &str) -> bool {
     let is_of_stage = |stage: &str| line.starts_with(&format!("| {stage} | `"));
     line.contains("Made with Convoy")
-        || pipeline::Graph::get().stages.iter().any(|stage| is_of_stage(stage.name))
+        || runner::Graph::get().stages.iter().any(|stage| is_of_stage(stage.name))
 }
 
 /// Adds the files of an export, one digest a folder: there are hundreds.

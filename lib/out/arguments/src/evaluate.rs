@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Parser, ValueEnum};
-use pipeline::SceneList;
+use runner::SceneList;
 
 /// Scores predicted boxes and BEV masks against a finished store by SimBEV2X's, nuScenes' and OPV2V's metrics.
 #[derive(Debug, Parser)]

@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use pipeline::{ProgressMode, SceneList};
+use runner::SceneList;
+
+use crate::stage::Progress;
 
 /// Makes a store of a dataset in another layout.
 #[derive(Debug, Parser)]
@@ -49,5 +51,5 @@ pub struct ImportArgs {
     pub dry_run: bool,
     /// How to show progress.
     #[arg(long, value_enum, default_value = "auto")]
-    pub progress: ProgressMode,
+    pub progress: Progress,
 }

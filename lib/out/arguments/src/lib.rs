@@ -3,6 +3,7 @@
 pub mod evaluate;
 pub mod export;
 pub mod import;
+pub mod stage;
 pub mod viz;
 
 use clap::{Command, CommandFactory, Subcommand};

@@ -2,10 +2,8 @@
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand};
-use pictures::ColourBy;
-use pipeline::SceneList;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use runner::SceneList;
 use schema::AgentId;
 
 /// Commands that draw what a store holds.
@@ -108,8 +106,8 @@ pub struct VizArgs {
     pub modes: Vec<String>,
     /// What the colours of points tell (default: of lidars the distance, of semantic ones the tag, of radars the velocity, of
     /// several agents together whose they are).
-    #[arg(long, value_name = "WHAT", value_parser = colours())]
-    pub colour: Option<ColourBy>,
+    #[arg(long, value_name = "WHAT", value_enum)]
+    pub colour: Option<Colour>,
     /// The folder to write to.
     #[arg(long, value_name = "DIR", required_unless_present = "list")]
     pub dest: Option<PathBuf>,
@@ -164,8 +162,21 @@ pub struct FilmArgs {
     pub out: PathBuf,
 }
 
-fn colours() -> impl TypedValueParser<Value = ColourBy> {
-    let words = ColourBy::ALL.map(|by| PossibleValue::new(by.name()).help(by.meaning()));
-    PossibleValuesParser::new(words)
-        .try_map(|word| ColourBy::from_name(&word).ok_or_else(|| format!("no colour of points: {word}")))
+/// What the colours of points tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Colour {
+    /// Distance from the sensor
+    Distance,
+    /// Height over the agent's ground
+    Height,
+    /// Semantic tag
+    Tag,
+    /// Object
+    Id,
+    /// Strength of the return
+    Intensity,
+    /// Radial velocity
+    Velocity,
+    /// Whose point it is
+    Agent,
 }

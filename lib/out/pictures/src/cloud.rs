@@ -53,26 +53,6 @@ impl ColourBy {
             Self::Tag | Self::Id | Self::Intensity | Self::Velocity => Some(self.name()),
         }
     }
-
-    /// The one of a name.
-    #[must_use]
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|by| by.name() == name)
-    }
-
-    /// What the colours tell, in words.
-    #[must_use]
-    pub fn meaning(self) -> &'static str {
-        match self {
-            Self::Distance => "Distance from the sensor",
-            Self::Height => "Height over the agent's ground",
-            Self::Tag => "Semantic tag",
-            Self::Id => "Object",
-            Self::Intensity => "Strength of the return",
-            Self::Velocity => "Radial velocity",
-            Self::Agent => "Whose point it is",
-        }
-    }
 }
 
 /// Points of a sensor in its frame (FLU), metres. Columns are as long as `xyz_m`, or empty where the sensor has no such.

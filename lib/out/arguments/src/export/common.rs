@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use pipeline::{ProgressMode, SceneList};
+use runner::SceneList;
+
+use crate::stage::Progress;
 
 /// What all layouts take.
 #[derive(Clone, Debug, Args)]
@@ -40,5 +42,5 @@ pub struct CommonArgs {
     pub dry_run: bool,
     /// How to show progress.
     #[arg(long, value_enum, default_value = "auto")]
-    pub progress: ProgressMode,
+    pub progress: Progress,
 }

@@ -1,0 +1,276 @@
+//! Joining stores of one plan that were made in several places.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use runner::{
+    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, StageSpec, UnitKind, say, was_stopped,
+};
+use schema::scene_info::LOG_STAGE;
+use schema::tables::{SceneTileRow, TILE_STAGE};
+use schema::tile::TileIndex;
+use store::{Manifest, Scope, Store, StoreError, keys};
+
+/// Settings that may differ: they say how many scenes there are, and of which maps.
+const COUNTS: [&str; 2] = ["scenes", "redraw"];
+
+/// Why stores cannot be joined.
+enum Fault {
+    /// What the user can correct.
+    Refused(String),
+    Store(StoreError),
+    Stopped,
+}
+
+impl From<StoreError> for Fault {
+    fn from(e: StoreError) -> Self {
+        Self::Store(e)
+    }
+}
+
+/// A store that is joined, and its plan.
+struct Member {
+    store: Store,
+    name: String,
+    plan: Manifest,
+    settings: serde_json::Value,
+}
+
+impl Member {
+    /// None where there is no plan.
+    fn open(place: &Path) -> Result<Option<Self>, Fault> {
+        let store = Store::open(place)?;
+        let Some(plan) = store.manifest(Scope::Plan, Graph::get().planner().name)? else { return Ok(None) };
+        let dataset: serde_json::Value = store.read_output_json(&plan, keys::DATASET)?;
+        let mut settings = dataset.get("config").cloned().unwrap_or_default();
+        if let Some(settings) = settings.as_object_mut() {
+            COUNTS.iter().for_each(|name| drop(settings.remove(*name)));
+        }
+        Ok(Some(Self { store, name: place.display().to_string(), plan, settings }))
+    }
+
+    /// Scenes of which something is done.
+    fn scenes(&self) -> Result<BTreeSet<u32>, StoreError> {
+        let keys = self.store.backend().list("scenes")?;
+        let scene = |key: &String| key.strip_prefix("scenes/")?.split_once("/_manifests/")?.0.parse().ok();
+        Ok(keys.iter().filter_map(scene).collect())
+    }
+
+    fn planned(&self, scene: u32) -> Option<&String> {
+        self.plan.sections.get(&format!("scene/{scene:04}"))
+    }
+}
+
+/// What was taken over.
+#[derive(Default)]
+struct Taken {
+    scenes: BTreeSet<u32>,
+    stages: usize,
+    bytes: u64,
+    there: usize,
+}
+
+/// Takes into `place` all that other stores of the same plan have and it has not; the exit code.
+pub(crate) fn merge(place: &Path, others: &[PathBuf]) -> u8 {
+    runner::listen_for_signals();
+    match join(place, others) {
+        Ok(()) => EXIT_DONE,
+        Err(Fault::Refused(why)) => {
+            tracing::error!("{why}");
+            EXIT_USAGE
+        }
+        Err(Fault::Store(e)) => {
+            tracing::error!("{e}");
+            match () {
+                () if e.is_usage() => EXIT_USAGE,
+                () if e.is_transient() => EXIT_TRY_AGAIN,
+                () => EXIT_SOME_FAILED,
+            }
+        }
+        Err(Fault::Stopped) => {
+            tracing::warn!("stopped; run the same command again to go on");
+            EXIT_TRY_AGAIN
+        }
+    }
+}
+
+fn join(place: &Path, others: &[PathBuf]) -> Result<(), Fault> {
+    let open = |other: &PathBuf| {
+        let none = || Fault::Refused(format!("{}: holds no plan: is it a store?", other.display()));
+        Member::open(other)?.ok_or_else(none)
+    };
+    let others: Vec<Member> = others.iter().map(open).collect::<Result<_, _>>()?;
+    let here = match Member::open(place)? {
+        Some(here) => here,
+        None => {
+            // The largest plan has all scenes of the others, or one of them is refused below.
+            let largest = others.iter().max_by_key(|other| other.plan.sections.len());
+            let Some(largest) = largest else { return Ok(()) };
+            let into = Store::open(place)?;
+            if !into.backend().list("")?.is_empty() {
+                let why = "holds files, but no plan; give an empty folder, or a store of the same plan";
+                return Err(Fault::Refused(format!("{}: {why}", place.display())));
+            }
+            others.iter().try_for_each(|other| same_plan(largest, other))?;
+            into.adopt(&largest.store, Scope::Plan, &largest.plan)?;
+            Member { store: into, name: place.display().to_string(), ..copy_of(largest) }
+        }
+    };
+    // All that speaks against it is said before anything is copied.
+    for other in &others {
+        same_plan(&here, other)?;
+        for (scope, manifest) in stages(other)? {
+            if here
+                .store
+                .manifest(scope, &manifest.stage)?
+                .is_some_and(|here| here.digest() != manifest.digest())
+            {
+                return Err(Fault::Refused(format!(
+                    "{}: {} of {} is another than in {}: remove one of the two",
+                    other.name,
+                    manifest.stage,
+                    scope.folder(),
+                    here.name
+                )));
+            }
+        }
+    }
+    for other in &others {
+        let mut taken = Taken::default();
+        for (scope, manifest) in stages(other)? {
+            take(&here.store, &other.store, scope, &manifest, &mut taken)?;
+        }
+        say(&format!(
+            "{}: {} stages of {} scenes taken, {:.1} MB; {} were there",
+            other.name,
+            taken.stages,
+            taken.scenes.len(),
+            taken.bytes as f64 / 1e6,
+            taken.there
+        ));
+    }
+    say("statistics are of all scenes: make them anew (convoy run)");
+    Ok(())
+}
+
+fn copy_of(member: &Member) -> Member {
+    let Member { store, name, plan, settings } = member;
+    Member { store: store.clone(), name: name.clone(), plan: plan.clone(), settings: settings.clone() }
+}
+
+/// Refuses a store of other settings, or whose scenes are planned otherwise.
+fn same_plan(here: &Member, other: &Member) -> Result<(), Fault> {
+    if let Some(path) = first_difference(&here.settings, &other.settings) {
+        let (here, other) = (&here.name, &other.name);
+        return Err(Fault::Refused(format!("{other}: its setting {path} is another than in {here}")));
+    }
+    for scene in other.scenes()? {
+        let (there, ours) = (other.planned(scene), here.planned(scene));
+        if there.is_none() || there != ours {
+            let what = if ours.is_none() { "not planned" } else { "planned otherwise" };
+            let advice = "stores are joined whose scenes come from one plan; expand that plan first";
+            return Err(Fault::Refused(format!(
+                "{}: its scene {scene} is {what} in {} ({advice})",
+                other.name, here.name
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Where two settings differ first: keys with points between them.
+fn first_difference(a: &serde_json::Value, b: &serde_json::Value) -> Option<String> {
+    match (a.as_object(), b.as_object()) {
+        (Some(a), Some(b)) => {
+            let names: BTreeSet<&String> = a.keys().chain(b.keys()).collect();
+            names.into_iter().find_map(|name| {
+                let null = serde_json::Value::Null;
+                let path = first_difference(a.get(name).unwrap_or(&null), b.get(name).unwrap_or(&null))?;
+                Some(if path.is_empty() { name.clone() } else { format!("{name}.{path}") })
+            })
+        }
+        _ => (a != b).then(String::new),
+    }
+}
+
+/// All that is done for scenes, in running order: what others are made from first.
+fn stages(member: &Member) -> Result<Vec<(Scope, Manifest)>, StoreError> {
+    let mut found = Vec::new();
+    for scene in member.scenes()? {
+        let of_scenes = |stage: &&StageSpec| stage.unit == UnitKind::Scene;
+        for stage in Graph::get().stages.iter().filter(of_scenes) {
+            let scope = Scope::Scene(scene);
+            found.extend(member.store.manifest(scope, stage.name)?.map(|manifest| (scope, manifest)));
+        }
+    }
+    Ok(found)
+}
+
+fn take(
+    here: &Store,
+    other: &Store,
+    scope: Scope,
+    manifest: &Manifest,
+    taken: &mut Taken,
+) -> Result<(), Fault> {
+    if was_stopped() {
+        return Err(Fault::Stopped);
+    }
+    if here.manifest(scope, &manifest.stage)?.is_some() && here.outputs_present(manifest)? {
+        taken.there += 1;
+        return Ok(());
+    }
+    if manifest.stage == LOG_STAGE {
+        taken.bytes += take_tiles(here, other, scope, manifest)?;
+    }
+    taken.bytes += here.adopt(other, scope, manifest)?;
+    taken.stages += 1;
+    if let Scope::Scene(scene) = scope {
+        taken.scenes.insert(scene);
+    }
+    Ok(())
+}
+
+/// Takes the tiles of the static world that a scene's log names.
+fn take_tiles(here: &Store, other: &Store, scope: Scope, log: &Manifest) -> Result<u64, Fault> {
+    let Scope::Scene(scene) = scope else { return Ok(0) };
+    let table = keys::table::<SceneTileRow>(scene);
+    let mut bytes = 0;
+    for tile in other.read_rows::<SceneTileRow>(log, &table)? {
+        let index = TileIndex { x: tile.x, y: tile.y };
+        let path = || other.location(&table);
+        let corrupt = |problem: &str| StoreError::Corrupt { path: path(), problem: problem.into() };
+        let set = u64::from_str_radix(&tile.set, 16).map_err(|_| corrupt("names no set of tiles"))?;
+        let scope = Scope::Tile { set, index };
+        let of = |store: &Store| store.manifest(scope, TILE_STAGE);
+        let Some(manifest) = of(other)?.filter(|manifest| manifest.digest() == tile.digest) else {
+            return Err(corrupt("names a tile that is not there").into());
+        };
+        match of(here)? {
+            Some(stands) if stands.digest() == tile.digest && here.outputs_present(&stands)? => {}
+            Some(stands) if stands.digest() != tile.digest => {
+                let why = format!("{} is another tile than in {}", scope.folder(), other.location(""));
+                return Err(Fault::Refused(format!("{}: {why}", here.location(""))));
+            }
+            _ => bytes += here.adopt(other, scope, &manifest)?,
+        }
+    }
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn differing_settings_are_named() {
+        let one = json!({"seed": 1, "timing": {"warmup_s": 2.0, "max": null}});
+        let other = json!({"seed": 1, "timing": {"warmup_s": 3.0}});
+        assert_eq!(first_difference(&one, &one), None);
+        assert_eq!(first_difference(&one, &other).as_deref(), Some("timing.warmup_s"));
+        assert_eq!(first_difference(&one, &json!({"seed": 1})).as_deref(), Some("timing"));
+        assert_eq!(first_difference(&json!([1]), &json!([2])).as_deref(), Some(""));
+    }
+}

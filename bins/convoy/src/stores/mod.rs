@@ -1,0 +1,309 @@
+//! What the `convoy` program does with stores: all stages in order, the status table, verification.
+
+mod merge;
+mod tidy;
+
+use std::path::PathBuf;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use arguments::stage::Progress;
+use clap::Subcommand;
+use store::{Scope, Store};
+
+use runner::{
+    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, Programs, STAMP_LEN, SceneList,
+    StageError, StageSpec, State, StateError, Status, UnitKind, planned_scenes, say, settings_or_faults,
+};
+
+/// How often a running stage is looked at.
+const LOOK_EVERY: Duration = Duration::from_millis(20);
+
+/// Commands of the `convoy` program that concern a store.
+#[derive(Debug, Subcommand)]
+pub(crate) enum StoreCommand {
+    /// Runs everything that is missing or stale, in order.
+    Run {
+        /// Dataset configuration (TOML, or YAML of SimBEV2X).
+        #[arg(long, value_name = "FILE")]
+        config: PathBuf,
+        /// The store: a folder, by its path or as file:///FOLDER.
+        #[arg(long, value_name = "DIR")]
+        store: PathBuf,
+        /// Folder with OpenDRIVE files.
+        #[arg(long, value_name = "DIR")]
+        maps: Option<PathBuf>,
+        /// Only these scenes.
+        #[arg(long, value_name = "LIST")]
+        scenes: Option<String>,
+        /// Keep what older code made, where nothing else changed; the manifests say so. For upgrades in mid-dataset.
+        #[arg(long)]
+        accept_code: bool,
+        /// Worker threads.
+        #[arg(long, value_name = "N")]
+        threads: Option<usize>,
+        /// Only say what would be done.
+        #[arg(long)]
+        dry_run: bool,
+        /// How to show progress.
+        #[arg(long, value_enum, default_value = "auto")]
+        progress: Progress,
+    },
+    /// Prints a table of scenes and stages: done, stale, failed, missing.
+    Status {
+        /// Dataset configuration (TOML, or YAML of SimBEV2X).
+        #[arg(long, value_name = "FILE")]
+        config: PathBuf,
+        /// The store: a folder, by its path or as file:///FOLDER.
+        #[arg(long, value_name = "DIR")]
+        store: PathBuf,
+        /// Only these scenes.
+        #[arg(long, value_name = "LIST")]
+        scenes: Option<SceneList>,
+    },
+    /// Takes into a store all that other stores of the same plan have and it has not: scenes that were made on several
+    /// machines.
+    Merge {
+        /// The store that takes it: a folder, by its path or as file:///FOLDER; made where there is none.
+        #[arg(long, value_name = "DIR")]
+        store: PathBuf,
+        /// Stores that are joined; they stay as they are.
+        #[arg(required = true, value_name = "STORE")]
+        from: Vec<PathBuf>,
+    },
+    /// Removes tiles of the static world that no scene's log names: those of older code or other settings. Not while a
+    /// simulation runs.
+    Tidy {
+        /// The store: a folder, by its path or as file:///FOLDER.
+        #[arg(long, value_name = "DIR")]
+        store: PathBuf,
+    },
+    /// Re-hashes a store and names every missing, truncated or changed shard.
+    Verify {
+        /// The store: a folder, by its path or as file:///FOLDER.
+        #[arg(long, value_name = "DIR")]
+        store: PathBuf,
+    },
+}
+
+/// Runs a command; logging must have been started. `stamp` is the build's (`build_stamp::STAMP`). The exit code is one of
+/// `EXIT_*`.
+#[must_use]
+pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
+    match command {
+        StoreCommand::Run { config, store, maps, scenes, accept_code, threads, dry_run, progress } => {
+            let mut common: Vec<String> = vec!["--config".into(), config.display().to_string()];
+            common.extend(["--store".into(), store.display().to_string()]);
+            if let Some(maps) = maps {
+                common.extend(["--maps".into(), maps.display().to_string()]);
+            }
+            if let Some(threads) = threads {
+                common.extend(["--threads".into(), threads.to_string()]);
+            }
+            if accept_code {
+                common.push("--accept-code".into());
+            }
+            if dry_run {
+                common.push("--dry-run".into());
+            }
+            common.extend(["--progress".into(), progress.word().into()]);
+            run(&common, scenes.as_deref(), &store)
+        }
+        StoreCommand::Status { config, store, scenes } => {
+            let programs = Programs::of_build(stamp, None);
+            status(&config, &store, scenes.as_ref(), &programs)
+        }
+        StoreCommand::Merge { store, from } => merge::merge(&store, &from),
+        StoreCommand::Tidy { store } => tidy::tidy(&store),
+        StoreCommand::Verify { store } => verify(&store),
+    }
+}
+
+/// Runs every stage as a process of its own: a stage's memory ends with it, and a crash is the stage's alone.
+fn run(common: &[String], scenes: Option<&str>, store: &std::path::Path) -> u8 {
+    let folder = match std::env::current_exe() {
+        Ok(exe) => exe.parent().map(std::path::Path::to_owned).unwrap_or_default(),
+        Err(e) => {
+            tracing::error!("cannot find the stage programs: {e}");
+            return EXIT_SOME_FAILED;
+        }
+    };
+    runner::listen_for_signals();
+    let mut worst = EXIT_DONE;
+    let mut times = Vec::new();
+    for stage in &Graph::get().stages {
+        let program = folder.join(stage.name);
+        let mut command = Command::new(&program);
+        command.args(common);
+        if let (UnitKind::Scene, Some(scenes)) = (stage.unit, scenes) {
+            command.args(["--scenes", scenes]);
+        }
+        let start = Instant::now();
+        let code = match run_program(&mut command) {
+            Ok(code) => code,
+            Err(e) => {
+                tracing::error!("{}: cannot start: {e} (build the workspace first)", program.display());
+                return EXIT_USAGE;
+            }
+        };
+        times.push((stage.name, start.elapsed().as_secs_f64(), code));
+        worst = worst.max(code);
+        if code == EXIT_USAGE || code == EXIT_TRY_AGAIN || (code != EXIT_DONE && stage.unit == UnitKind::Plan)
+        {
+            break;
+        }
+    }
+    say(&format!("{:<20} {:>9}", "stage", "seconds"));
+    for (name, secs, code) in &times {
+        let outcome = match *code {
+            EXIT_DONE => "",
+            EXIT_SOME_FAILED => "  some scenes failed",
+            EXIT_USAGE => "  bad arguments or configuration",
+            EXIT_TRY_AGAIN => "  stopped, run again",
+            _ => "  crashed",
+        };
+        say(&format!("{name:<20} {secs:>9.1}{outcome}"));
+    }
+    let total: f64 = times.iter().map(|(_, secs, _)| secs).sum();
+    say(&format!("{:<20} {total:>9.1}", "total"));
+    if worst != EXIT_USAGE && worst != EXIT_TRY_AGAIN {
+        let root = store.display();
+        say(&format!("dataset: {root} (scenes in {root}/scenes, report in {root}/stats/report.html)"));
+    }
+    worst
+}
+
+/// Runs a stage program to its end and returns its exit code. A signal that ends this program ends the stage first.
+fn run_program(command: &mut Command) -> std::io::Result<u8> {
+    let mut child = command.spawn()?;
+    let mut told = false;
+    loop {
+        if let Some(status) = child.try_wait()? {
+            let code = status.code().map_or(EXIT_TRY_AGAIN, |c| u8::try_from(c).unwrap_or(EXIT_SOME_FAILED));
+            // A stage may end in time by itself; the next one is not started.
+            return Ok(if runner::was_stopped() { EXIT_TRY_AGAIN } else { code });
+        }
+        if runner::was_stopped() && !told {
+            told = true;
+            // If it is gone already, the next look sees it.
+            let _ = rustix::process::kill_process(
+                rustix::process::Pid::from_child(&child),
+                rustix::process::Signal::TERM,
+            );
+        }
+        std::thread::sleep(LOOK_EVERY);
+    }
+}
+
+fn status(
+    config: &std::path::Path,
+    store: &std::path::Path,
+    only: Option<&SceneList>,
+    programs: &Programs,
+) -> u8 {
+    let Some(settings) = settings_or_faults(config, false) else { return EXIT_USAGE };
+    let told = Store::open(store)
+        .map_err(StageError::from)
+        .and_then(|store| Ok(status_table(Status::new(&store, &settings, programs), &store, only)?));
+    match told {
+        Ok(all_done) => {
+            if all_done {
+                EXIT_DONE
+            } else {
+                EXIT_SOME_FAILED
+            }
+        }
+        Err(e) => {
+            tracing::error!("{}", e.report());
+            e.exit_code()
+        }
+    }
+}
+
+fn status_table(status: Status<'_>, store: &Store, only: Option<&SceneList>) -> Result<bool, StateError> {
+    let stages = &Graph::get().stages;
+    let mut reasons = Vec::new();
+    let mut all_done = true;
+    let mut cell = |name: &str, stage: &StageSpec, scope: Scope| -> Result<&'static str, StateError> {
+        let state = status.state(stage, scope)?;
+        all_done &= state == State::Done;
+        Ok(match state {
+            State::Done => "done",
+            State::Missing => "missing",
+            State::Stale(why) => {
+                reasons.push(format!("{name} {}: stale: {why}", stage.name));
+                "stale"
+            }
+            State::Failed(why) => {
+                reasons.push(format!("{name} {}: failed: {why}", stage.name));
+                "failed"
+            }
+        })
+    };
+    for stage in stages.iter().filter(|s| s.unit == UnitKind::Plan) {
+        say(&format!("{}: {}", stage.name, cell("plan", stage, Scope::Plan)?));
+    }
+    let per_scene: Vec<_> = stages.iter().filter(|s| s.unit == UnitKind::Scene).collect();
+    let header: Vec<String> = per_scene.iter().map(|s| format!("{:>17}", s.name)).collect();
+    say(&format!("scene {}", header.join(" ")));
+    for scene in planned_scenes(store)?.unwrap_or_default() {
+        if only.is_some_and(|list| !list.contains(scene)) {
+            continue;
+        }
+        let name = format!("{scene:04} ");
+        let mut line = name.clone();
+        for stage in &per_scene {
+            line.push_str(&format!(" {:>17}", cell(&name, stage, Scope::Scene(scene))?));
+        }
+        say(&line);
+    }
+    for stage in stages.iter().filter(|s| s.unit == UnitKind::Stats) {
+        say(&format!("{}: {}", stage.name, cell("stats", stage, Scope::Stats)?));
+    }
+    for reason in reasons {
+        say(&reason);
+    }
+    Ok(all_done)
+}
+
+/// Every stage of every scene of the plan.
+fn all_stages(store: &Store) -> Result<Vec<(Scope, &'static str)>, store::StoreError> {
+    let scenes = planned_scenes(store)?.unwrap_or_default();
+    let scopes = |unit| match unit {
+        UnitKind::Plan => vec![Scope::Plan],
+        UnitKind::Stats => vec![Scope::Stats],
+        UnitKind::Scene => scenes.iter().copied().map(Scope::Scene).collect(),
+    };
+    let of_stage =
+        |stage: &'static StageSpec| scopes(stage.unit).into_iter().map(|scope| (scope, stage.name));
+    Ok(Graph::get().stages.iter().flat_map(of_stage).collect())
+}
+
+fn verify(store: &std::path::Path) -> u8 {
+    let verified = Store::open(store).and_then(|store| {
+        let stages = all_stages(&store)?;
+        store::verify(&store, &stages, |_| {})
+    });
+    let result = match verified.map_err(StageError::from) {
+        Ok(result) => result,
+        Err(e) => {
+            tracing::error!("{}", e.report());
+            return e.exit_code();
+        }
+    };
+    for finding in &result.findings {
+        say(&finding.to_string());
+    }
+    let in_hand = result.in_hand.iter().map(|key| format!("{key}: of a run that is going on or was stopped"));
+    let unfinished = result.unfinished.iter().map(|file| {
+        let whose = if file.abandoned { "left by a run that was killed" } else { "being written" };
+        format!("{}: {whose} ({})", file.location, file.owner)
+    });
+    for note in in_hand.chain(unfinished) {
+        say(&format!("note: {note}"));
+    }
+    let megabytes = result.bytes as f64 / 1e6;
+    let (manifests, shards, faulty) = (result.manifests, result.shards, result.findings.len());
+    say(&format!("{manifests} manifests, {shards} shards, {megabytes:.1} MB: {faulty} faulty"));
+    if result.findings.is_empty() { EXIT_DONE } else { EXIT_SOME_FAILED }
+}

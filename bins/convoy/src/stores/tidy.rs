@@ -1,0 +1,51 @@
+//! Taking away what no scene needs any more.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use runner::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, say};
+use schema::scene_info::LOG_STAGE;
+use schema::tables::SceneTileRow;
+use store::{Scope, Store, StoreError, keys};
+
+/// Removes tiles that no scene's log names.
+pub(crate) fn tidy(store: &Path) -> u8 {
+    match Store::open(store).and_then(|store| remove_unused(&store)) {
+        Ok((tiles, bytes)) => {
+            say(&format!("{tiles} tiles removed, {:.1} MB", bytes as f64 / 1e6));
+            EXIT_DONE
+        }
+        Err(e) => {
+            tracing::error!("{e}");
+            if e.is_usage() { EXIT_USAGE } else { EXIT_SOME_FAILED }
+        }
+    }
+}
+
+/// How many tiles were removed, and their bytes.
+fn remove_unused(store: &Store) -> Result<(usize, u64), StoreError> {
+    let manifest_name = format!("/_manifests/{LOG_STAGE}.json");
+    let mut used = BTreeSet::new();
+    for key in store.backend().list("scenes")? {
+        let number = key.strip_prefix("scenes/").and_then(|rest| rest.strip_suffix(&manifest_name));
+        let Some(scene) = number.and_then(|number| number.parse().ok()) else { continue };
+        let Some(manifest) = store.manifest(Scope::Scene(scene), LOG_STAGE)? else { continue };
+        let table = keys::table::<SceneTileRow>(scene);
+        // Logs of older code know no tiles.
+        if manifest.output(&table).is_some() {
+            let rows: Vec<SceneTileRow> = store.read_rows(&manifest, &table)?;
+            used.extend(rows.into_iter().map(|tile| format!("tiles/{}/{}_{}", tile.set, tile.x, tile.y)));
+        }
+    }
+    let (mut tiles, mut bytes) = (BTreeSet::new(), 0);
+    for key in store.backend().list("tiles")? {
+        let folder: Vec<&str> = key.split('/').take(3).collect();
+        let folder = folder.join("/");
+        if !used.contains(&folder) {
+            bytes += store.backend().size(&key)?.unwrap_or(0);
+            store.backend().remove(&key)?;
+            tiles.insert(folder);
+        }
+    }
+    Ok((tiles.len(), bytes))
+}

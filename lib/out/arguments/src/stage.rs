@@ -1,0 +1,101 @@
+//! The command line that all stages share.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, ValueEnum};
+use runner::{ProgressMode, STAMP_LEN, SceneList, Shard, Stage, StageOptions, StageSettings};
+
+/// A stage of Convoy's pipeline: does what is missing or stale, for all scenes of the plan or for some.
+#[derive(Clone, Debug, Parser)]
+#[command(
+    version,
+    after_help = "Exit codes: 0 done, 1 some scenes failed (each listed), 2 bad arguments or configuration, \
+                  75 stopped by a signal or a full disk (run the same command again)."
+)]
+pub struct StageArgs {
+    /// Dataset configuration (TOML, or YAML of SimBEV2X).
+    #[arg(long, value_name = "FILE")]
+    config: PathBuf,
+    /// The store: a folder, by its path or as file:///FOLDER.
+    #[arg(long, value_name = "DIR")]
+    store: PathBuf,
+    /// Folder with OpenDRIVE files for maps that the configuration names.
+    #[arg(long, value_name = "DIR")]
+    maps: Option<PathBuf>,
+    /// Only these scenes, such as 0,3,5-9 (default: all).
+    #[arg(long, value_name = "LIST", conflicts_with = "shard")]
+    scenes: Option<SceneList>,
+    /// Every n-th scene from the i-th, i from 0. With only N, i comes from SLURM_ARRAY_TASK_ID or
+    /// JOB_COMPLETION_INDEX.
+    #[arg(long, value_name = "[I/]N")]
+    shard: Option<Shard>,
+    /// Redo scenes that are done; what was made from them becomes stale.
+    #[arg(long)]
+    force: bool,
+    /// Keep what older code made, where nothing else changed; the manifests say so. For upgrades in mid-dataset.
+    #[arg(long, conflicts_with = "force")]
+    accept_code: bool,
+    /// Worker threads (default: all cores). The output does not depend on it.
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Only say what would be done.
+    #[arg(long)]
+    dry_run: bool,
+    /// How to show progress.
+    #[arg(long, value_enum, default_value = "auto")]
+    progress: Progress,
+}
+
+/// How to show progress.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Progress {
+    /// A bar on a terminal, plain lines elsewhere.
+    Auto,
+    /// A bar.
+    #[value(hide = true)]
+    Bar,
+    /// A line every ten seconds.
+    Plain,
+    /// Nothing.
+    None,
+}
+
+impl Progress {
+    /// The word for it on a command line.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Bar => "bar",
+            Self::Plain => "plain",
+            Self::None => "none",
+        }
+    }
+}
+
+impl From<Progress> for ProgressMode {
+    fn from(progress: Progress) -> Self {
+        match progress {
+            Progress::Auto => Self::Auto,
+            Progress::Bar => Self::Bar,
+            Progress::Plain => Self::Plain,
+            Progress::None => Self::None,
+        }
+    }
+}
+
+impl From<StageArgs> for StageOptions {
+    fn from(args: StageArgs) -> Self {
+        let StageArgs { config, store, maps, scenes, shard, force, accept_code, threads, dry_run, progress } =
+            args;
+        let progress = progress.into();
+        Self { config, store, maps, scenes, shard, force, accept_code, threads, dry_run, progress }
+    }
+}
+
+/// Runs a stage program: its command line in, its exit code out. `stamp` is the build's (`build_stamp::STAMP`).
+#[must_use]
+pub fn run<S: StageSettings>(stage: Stage<S>, stamp: &[u8; STAMP_LEN]) -> ExitCode {
+    runner::run_stage(stage, &StageArgs::parse().into(), stamp)
+}

@@ -1,3 +1,0 @@
-//! Tests of what others see of the crate.
-
-mod digests;

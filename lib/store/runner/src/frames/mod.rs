@@ -1,0 +1,8 @@
+#![doc = include_str!("README.md")]
+
+mod arrays;
+mod order;
+mod pool;
+
+pub use arrays::{FrameArray, FrameArrays, Labelled, label_agents, write_labels};
+pub use order::{Part, Writer, in_turn};

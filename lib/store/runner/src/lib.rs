@@ -1,0 +1,40 @@
+//! The stage graph and the stage runner.
+//!
+//! A stage program is a few lines: it hands a [`Stage`] and what its arguments say ([`StageOptions`]) to [`run_stage`], which reads
+//! the configuration, decides which scenes need work, runs them with their failures kept apart, and turns the outcome
+//! into an exit code.
+
+mod code_version;
+mod error;
+pub mod frames;
+mod graph;
+mod imported;
+mod interrupt;
+mod options;
+mod output_file;
+mod programs;
+mod progress;
+mod runner;
+mod status;
+mod views;
+
+pub use code_version::code_version;
+pub use error::{At, Place, StageError, report};
+pub use graph::{Graph, StageSpec, UnitKind};
+pub use interrupt::{listen as listen_for_signals, stopped as was_stopped};
+pub use options::{ProgressMode, SceneList, Shard, StageOptions};
+pub use output_file::OutputFile;
+pub use programs::{Programs, STAMP_LEN};
+pub use progress::Progress;
+pub use runner::{Forecast, Job, Stage, init_logging, run_stage, say, settings_or_faults};
+pub use status::{NotReady, Staleness, State, StateError, Status, planned_scenes};
+pub use views::{StageSettings, ViewError, config_hash};
+
+/// Exit code: everything was done.
+pub const EXIT_DONE: u8 = 0;
+/// Exit code: some scenes failed; they are listed, the others are kept.
+pub const EXIT_SOME_FAILED: u8 = 1;
+/// Exit code: bad arguments or configuration.
+pub const EXIT_USAGE: u8 = 2;
+/// Exit code: stopped by a signal, or because the store cannot be written (a full disk); worth another try.
+pub const EXIT_TRY_AGAIN: u8 = 75;

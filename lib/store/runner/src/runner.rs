@@ -1,0 +1,543 @@
+//! What every stage binary does around its work.
+
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use serde::Serialize;
+use settings::DatasetSettings;
+use store::{Attempt, Failure, Identity, MadeBy, Manifest, Scope, Store, Unit, keys};
+
+use crate::error::{Place, StageError};
+use crate::graph::{Graph, StageSpec, UnitKind};
+use crate::imported::{self, is_imported};
+use crate::options::{ProgressMode, StageOptions};
+use crate::programs::{Programs, STAMP_LEN};
+use crate::progress::Progress;
+use crate::status::{CodeRule, SOURCE, Staleness, State, Status, plan_section, planned_scenes};
+use crate::views::{StageSettings, ViewError, config_hash};
+use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, interrupt};
+
+/// A stage: its work for one scope. Its name in `pipeline.toml` is that of the settings that it sees.
+#[derive(Clone, Copy)]
+pub struct Stage<S> {
+    /// Does the work of one scope: opens units of [`Job`], writes their shards.
+    pub run: fn(&mut Job<'_, S>) -> Result<(), StageError>,
+    /// Digests of what it reads outside the store, by name, as far as that can be found now: where one changed, the
+    /// stage is stale. Takes the settings and the folder with map files.
+    pub sources: fn(&S, Option<&Path>) -> BTreeMap<String, String>,
+    /// Lines that say what to expect, for `--dry-run`. Takes the settings, the folder with map files and the store.
+    pub forecast: Option<Forecast>,
+}
+
+impl<S: StageSettings> Stage<S> {
+    /// A stage that reads nothing outside the store.
+    #[must_use]
+    pub const fn new(run: fn(&mut Job<'_, S>) -> Result<(), StageError>) -> Self {
+        Self { run, sources: |_, _| BTreeMap::new(), forecast: None }
+    }
+
+    /// Name in `pipeline.toml`.
+    pub const NAME: &'static str = S::STAGE;
+}
+
+/// What to expect before anything runs, line by line.
+pub type Forecast = fn(&DatasetSettings, Option<&Path>, &Store) -> Result<Vec<String>, StageError>;
+
+/// One piece of work: a scope of a stage.
+pub struct Job<'a, S> {
+    store: &'a Store,
+    settings: &'a S,
+    status: Status<'a>,
+    made_by: MadeBy,
+    maps: Option<&'a Path>,
+    scope: Scope,
+    inputs: BTreeMap<String, Manifest>,
+    attempt: Attempt,
+    progress: Progress,
+}
+
+impl<S: StageSettings> Job<'_, S> {
+    /// The store, for reading.
+    #[must_use]
+    pub fn store(&self) -> &Store {
+        self.store
+    }
+
+    /// What the stage sees of the configuration.
+    #[must_use]
+    pub fn settings(&self) -> &S {
+        self.settings
+    }
+
+    /// The folder with map files, if one was given.
+    #[must_use]
+    pub fn maps_folder(&self) -> Option<&Path> {
+        self.maps
+    }
+
+    /// The scene (0 for stages that work on the whole dataset).
+    #[must_use]
+    pub fn scene(&self) -> u32 {
+        match self.scope {
+            Scope::Scene(scene) => scene,
+            Scope::Plan | Scope::Tile { .. } | Scope::Stats => 0,
+        }
+    }
+
+    /// The manifest of a stage that this one reads.
+    ///
+    /// # Errors
+    /// `pipeline.toml` does not say that this stage reads it.
+    pub fn input(&self, stage: &str) -> Result<&Manifest, StageError> {
+        self.inputs
+            .get(stage)
+            .ok_or_else(|| StageError::Undeclared { stage: S::STAGE, input: stage.to_owned() })
+    }
+
+    /// The manifests of all stages that this one reads of its scene: what a reader of scenes may open.
+    pub fn inputs(&self) -> impl Iterator<Item = Manifest> + '_ {
+        self.inputs.values().cloned()
+    }
+
+    /// Where the job is at work, for errors.
+    #[must_use]
+    pub fn place(&self) -> Place {
+        match self.scope {
+            Scope::Scene(scene) => Place::scene(scene),
+            Scope::Plan | Scope::Tile { .. } | Scope::Stats => Place::default(),
+        }
+    }
+
+    /// Opens a unit of work, or `None` when a killed run finished it already; several may be open at once. A signal stops here.
+    ///
+    /// # Errors
+    /// A signal came, or the store cannot be read.
+    pub fn unit(&self, name: &str) -> Result<Option<Unit<'_>>, StageError> {
+        if interrupt::stopped() {
+            return Err(StageError::Stopped);
+        }
+        Ok(self.attempt.unit(name)?)
+    }
+
+    /// Remembers the digest of a scene's plan, so that each scene depends on its own part of the plan alone.
+    pub fn plan_scene(&mut self, scene: u32, digest: String) {
+        self.attempt.section(&plan_section(scene), digest);
+    }
+
+    /// Scenes of the plan.
+    ///
+    /// # Errors
+    /// The store cannot be read.
+    pub fn planned_scenes(&self) -> Result<Vec<u32>, StageError> {
+        Ok(planned_scenes(self.store)?.unwrap_or_default())
+    }
+
+    /// The manifest of a stage for a scene, if the stage is done.
+    ///
+    /// # Errors
+    /// The store cannot be read.
+    pub fn manifest_if_done(
+        &self,
+        stage: &'static StageSpec,
+        scene: u32,
+    ) -> Result<Option<Manifest>, StageError> {
+        let scope = Scope::Scene(scene);
+        if self.status.state(stage, scope)? == State::Done {
+            return Ok(self.store.manifest(scope, stage.name)?);
+        }
+        Ok(None)
+    }
+
+    /// The build at work, for records of what is made beside the stage's own shards.
+    #[must_use]
+    pub fn made_by(&self) -> &MadeBy {
+        &self.made_by
+    }
+
+    /// The job's progress, for loops: it also tells them when to stop.
+    #[must_use]
+    pub fn progress(&self) -> Progress {
+        self.progress.clone()
+    }
+}
+
+/// Prints a line of the program's answer to standard output.
+#[expect(clippy::print_stdout, reason = "this is the program's answer, not a log")]
+pub fn say(line: &str) {
+    println!("{line}");
+}
+
+/// Runs a stage and returns its exit code. `stamp` is the build's (`build_stamp::STAMP`).
+#[must_use]
+pub fn run_stage<S: StageSettings>(
+    stage: Stage<S>,
+    options: &StageOptions,
+    stamp: &[u8; STAMP_LEN],
+) -> ExitCode {
+    init_logging();
+    interrupt::listen();
+    let programs = Programs::of_build(stamp, Some(S::STAGE));
+    ExitCode::from(run_with(stage, options, &programs))
+}
+
+/// Starts logging to standard error; `CONVOY_LOG` takes a filter such as `debug`.
+pub fn init_logging() {
+    let filter = tracing_subscriber::EnvFilter::try_from_env("CONVOY_LOG")
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info"));
+    let format = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
+    // A second start (in tests) keeps the first.
+    let _ = format.without_time().with_target(false).try_init();
+}
+
+fn run_with<S: StageSettings>(stage: Stage<S>, options: &StageOptions, programs: &Programs) -> u8 {
+    match try_run(stage, options, programs) {
+        Ok(code) => code,
+        Err(error) => {
+            tracing::error!("{}: {}", S::STAGE, error.report());
+            error.exit_code()
+        }
+    }
+}
+
+/// Reads the configuration, printing every fault and, where they are `wanted`, all warnings.
+pub fn settings_or_faults(path: &Path, wanted: bool) -> Option<DatasetSettings> {
+    match settings::load(path) {
+        Ok((settings, warnings)) => {
+            for warning in warnings.iter().filter(|_| wanted) {
+                tracing::warn!("{warning}");
+            }
+            Some(settings)
+        }
+        Err(faults) => {
+            for fault in faults {
+                tracing::error!("{fault}");
+            }
+            None
+        }
+    }
+}
+
+fn try_run<S: StageSettings>(
+    stage: Stage<S>,
+    options: &StageOptions,
+    programs: &Programs,
+) -> Result<u8, StageError> {
+    let StageOptions {
+        config,
+        store,
+        maps,
+        scenes: _,
+        shard: _,
+        force,
+        accept_code,
+        threads,
+        dry_run,
+        progress,
+    } = options;
+    let spec = Graph::get()
+        .stage(S::STAGE)
+        .ok_or_else(|| StageError::usage(format!("pipeline.toml knows no stage {}", S::STAGE)))?;
+    // One stage is enough to say what a configuration asks for in vain.
+    let Some(settings) = settings_or_faults(config, spec.unit == UnitKind::Plan) else {
+        return Ok(EXIT_USAGE);
+    };
+    if let Some(threads) = threads {
+        // Fails only when the pool exists already, which does no harm.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads((*threads).max(1)).build_global();
+    }
+    let run = Run {
+        stage,
+        spec,
+        view: S::of(&settings),
+        settings: &settings,
+        programs,
+        store: Store::open(store)?,
+        maps: maps.clone(),
+        force: *force,
+        accept_code: *accept_code,
+        progress: *progress,
+    };
+    if *dry_run && !run.is_planned()? {
+        say(&format!("would run {} once the plan is made", S::STAGE));
+        return Ok(EXIT_DONE);
+    }
+    let scopes = run.scopes(options)?;
+    run.refuse_imported(&scopes)?;
+    if *dry_run {
+        return run.tell(&scopes);
+    }
+    run.all(&scopes)
+}
+
+/// `dataset.json`.
+#[derive(Serialize)]
+struct DatasetRecord<'a> {
+    format_version: u32,
+    code_version: &'a str,
+    config: &'a DatasetSettings,
+}
+
+struct Run<'a, S> {
+    stage: Stage<S>,
+    spec: &'static StageSpec,
+    view: S,
+    settings: &'a DatasetSettings,
+    programs: &'a Programs,
+    store: Store,
+    maps: Option<PathBuf>,
+    force: bool,
+    accept_code: bool,
+    progress: ProgressMode,
+}
+
+impl<S: StageSettings> Run<'_, S> {
+    fn status(&self) -> Status<'_> {
+        Status::new(&self.store, self.settings, self.programs)
+    }
+
+    fn scopes(&self, options: &StageOptions) -> Result<Vec<Scope>, StageError> {
+        match self.spec.unit {
+            UnitKind::Plan => return Ok(vec![Scope::Plan]),
+            UnitKind::Stats => return Ok(vec![Scope::Stats]),
+            UnitKind::Scene => {}
+        }
+        let planner = Graph::get().planner();
+        let Some(scenes) = planned_scenes(&self.store)? else {
+            let place = self.store.location("");
+            return Err(StageError::usage(format!("{place} holds no plan: run {} first", planner.name)));
+        };
+        if let Some(manifest) = self.store.manifest(Scope::Plan, planner.name)?
+            && !is_imported(&manifest)
+            && manifest.config_hash != config_hash(planner, self.settings)?
+        {
+            let message = format!("the plan was made from another configuration: run {} first", planner.name);
+            return Err(StageError::usage(message));
+        }
+        if let Some(list) = &options.scenes {
+            let unknown = list.outside(&scenes);
+            if !unknown.is_empty() {
+                let last = scenes.last().copied().unwrap_or(0);
+                let message = format!("--scenes: no scene {unknown:?} in the plan (it has 0 to {last})");
+                return Err(StageError::usage(message));
+            }
+        }
+        let wanted = scenes.into_iter().enumerate().filter(|(position, scene)| {
+            options.scenes.as_ref().is_none_or(|list| list.contains(*scene))
+                && options.shard.is_none_or(|shard| shard.contains(*position))
+        });
+        Ok(wanted.map(|(_, scene)| Scope::Scene(scene)).collect())
+    }
+
+    /// Whether a plan of this configuration stands, where the stage needs one.
+    fn is_planned(&self) -> Result<bool, StageError> {
+        let planner = Graph::get().planner();
+        Ok(self.spec.unit != UnitKind::Scene || self.status().state(planner, Scope::Plan)? == State::Done)
+    }
+
+    fn label(&self, scope: Scope) -> String {
+        match scope {
+            Scope::Scene(scene) => format!("{} scene {scene:04}", S::STAGE),
+            Scope::Plan | Scope::Tile { .. } | Scope::Stats => S::STAGE.to_owned(),
+        }
+    }
+
+    /// Says what would be done.
+    fn tell(&self, scopes: &[Scope]) -> Result<u8, StageError> {
+        let sources = self.sources();
+        for &scope in scopes {
+            let state = self.state(scope, &sources)?;
+            let verb = if state == State::Done && !self.force { "would keep" } else { "would run" };
+            say(&format!("{verb} {} ({state})", self.label(scope)));
+        }
+        if let Some(forecast) = self.stage.forecast {
+            for line in forecast(self.settings, self.maps.as_deref(), &self.store)? {
+                say(&line);
+            }
+        }
+        Ok(EXIT_DONE)
+    }
+
+    fn all(&self, scopes: &[Scope]) -> Result<u8, StageError> {
+        let start = Instant::now();
+        let (mut done, mut kept, mut failed) = (0, 0, 0);
+        for &scope in scopes {
+            match self.one(scope) {
+                Ok(true) => done += 1,
+                Ok(false) => kept += 1,
+                Err(error) if error.exit_code() != EXIT_SOME_FAILED => return Err(error),
+                Err(error) => {
+                    let reason = error.report();
+                    tracing::error!("{}: {reason}", self.label(scope));
+                    if error.is_failure() {
+                        let failure = Failure { code_version: crate::code_version(S::STAGE).into(), reason };
+                        self.store.write_json(&scope.failure(S::STAGE), S::STAGE, &failure)?;
+                    }
+                    failed += 1;
+                }
+            }
+        }
+        let secs = start.elapsed().as_secs_f64();
+        let name = S::STAGE;
+        tracing::info!("{name}: {done} done, {kept} kept, {failed} failed in {secs:.1} s");
+        Ok(if failed == 0 { EXIT_DONE } else { EXIT_SOME_FAILED })
+    }
+
+    /// Refuses what would have to be made from a log that was never there.
+    fn refuse_imported(&self, scopes: &[Scope]) -> Result<(), StageError> {
+        let is_kept = |scope| -> Result<bool, StageError> {
+            Ok(!self.force && self.state(scope, &BTreeMap::new())? == State::Done)
+        };
+        match imported::refusal(&self.store, self.spec, scopes, is_kept)? {
+            Some(why) => Err(StageError::usage(why)),
+            None => Ok(()),
+        }
+    }
+
+    /// What the stage reads outside the store, by the names of its manifest.
+    fn sources(&self) -> BTreeMap<String, String> {
+        let found = (self.stage.sources)(&self.view, self.maps.as_deref());
+        found.into_iter().map(|(name, digest)| (format!("{SOURCE}{name}"), digest)).collect()
+    }
+
+    /// State of a scope, sources included: one that cannot be found now has not changed.
+    fn state(&self, scope: Scope, sources: &BTreeMap<String, String>) -> Result<State, StageError> {
+        let code = if self.accept_code { CodeRule::Any } else { CodeRule::Same };
+        let state = self.status().by_code(code).state(self.spec, scope)?;
+        if state == State::Done
+            && let Some(manifest) = self.store.manifest(scope, S::STAGE)?
+            && !is_imported(&manifest)
+            && let Some((name, _)) =
+                sources.iter().find(|(name, now)| manifest.inputs.get(*name) != Some(*now))
+        {
+            return Ok(State::Stale(Staleness::Source(name.clone())));
+        }
+        Ok(state)
+    }
+
+    /// Keeps what older code made, if it did: the manifest says so from here on.
+    fn accept(&self, scope: Scope) -> Result<(), StageError> {
+        let Some(read) = self.store.manifest(scope, S::STAGE)?.filter(|manifest| !is_imported(manifest))
+        else {
+            return Ok(());
+        };
+        let mut manifest = read.clone();
+        // A manifest may be of another version, and of another program as well.
+        while let Err(why) = self.status().is_of_code(S::STAGE, &manifest) {
+            manifest.accepted_by.push(match why {
+                Staleness::Program => self.programs.made_by(S::STAGE).program,
+                _ => crate::code_version(S::STAGE).to_owned(),
+            });
+        }
+        if manifest != read {
+            tracing::info!("{}: keeps what code {} made", self.label(scope), read.code_version);
+            self.store.replace_manifest(scope, &read, &manifest)?;
+        }
+        Ok(())
+    }
+
+    /// `dataset.json`: the whole configuration. It goes with the plan, but the plan sees only a part of it.
+    fn record(&self) -> Result<Vec<u8>, StageError> {
+        let record = DatasetRecord {
+            format_version: schema::FORMAT_VERSION,
+            code_version: crate::code_version(S::STAGE),
+            config: self.settings,
+        };
+        let stage = S::STAGE;
+        Ok(serde_json::to_vec_pretty(&record).map_err(|source| ViewError::Json { stage, source })?)
+    }
+
+    /// Brings `dataset.json` up to date where something changed that the plan does not see.
+    fn renew_record(&self, scope: Scope) -> Result<(), StageError> {
+        let record = self.record()?;
+        let written = self.store.manifest(scope, S::STAGE)?;
+        let hash = store::hash_bytes(&record);
+        let is_old =
+            |m: Manifest| !is_imported(&m) && m.output(keys::DATASET).is_none_or(|o| o.blake3 != hash);
+        if written.is_some_and(is_old) {
+            Attempt::amend(&self.store, scope, S::STAGE, keys::DATASET, &record)?;
+        }
+        Ok(())
+    }
+
+    /// A stage writes only where `pipeline.toml` says.
+    fn check_places(&self, scope: Scope, attempt: &Attempt) -> Result<(), StageError> {
+        let folder = match scope {
+            Scope::Scene(_) => format!("{}/", scope.folder()),
+            Scope::Plan | Scope::Tile { .. } | Scope::Stats => String::new(),
+        };
+        let is_stray =
+            |key: &String| !key.strip_prefix(&folder).is_some_and(|path| self.spec.may_write(path));
+        match attempt.keys().into_iter().find(is_stray) {
+            None => Ok(()),
+            Some(key) => Err(StageError::Unlisted { stage: S::STAGE, key }),
+        }
+    }
+
+    /// Runs one scope. `false`: there was nothing to do.
+    fn one(&self, scope: Scope) -> Result<bool, StageError> {
+        let sources = self.sources();
+        if !self.force && self.state(scope, &sources)? == State::Done {
+            Attempt::tidy(&self.store, scope, S::STAGE)?;
+            if self.accept_code {
+                self.accept(scope)?;
+            }
+            if self.spec.unit == UnitKind::Plan {
+                self.renew_record(scope)?;
+            }
+            return Ok(false);
+        }
+        let ready = self.status().inputs(self.spec, scope)?.map_err(StageError::NotReady)?;
+        let made_by = self.programs.made_by(S::STAGE);
+        let identity = Identity {
+            stage: S::STAGE.into(),
+            scope,
+            code_version: crate::code_version(S::STAGE).into(),
+            config_hash: config_hash(self.spec, self.settings)?,
+            inputs: ready.digests.into_iter().chain(sources).collect(),
+            made_by: Some(made_by.clone()),
+        };
+        let attempt = Attempt::start(&self.store, identity, self.force)?;
+        let mut job = Job {
+            store: &self.store,
+            settings: &self.view,
+            status: self.status(),
+            made_by,
+            maps: self.maps.as_deref(),
+            scope,
+            inputs: ready.manifests,
+            attempt,
+            progress: Progress::start(self.progress, self.label(scope), 0),
+        };
+        // A panic is a bug of ours; it must not take the other scenes with it.
+        let outcome = catch_unwind(AssertUnwindSafe(|| (self.stage.run)(&mut job)));
+        job.progress.finish();
+        match outcome {
+            Ok(Ok(())) => {
+                if self.spec.unit == UnitKind::Plan
+                    && let Some(mut unit) = job.attempt.unit("dataset")?
+                {
+                    unit.bytes(keys::DATASET, &self.record()?, 1)?;
+                    unit.finish()?;
+                }
+                self.check_places(scope, &job.attempt)?;
+                job.attempt.commit()?;
+                Ok(true)
+            }
+            Ok(Err(error)) => Err(error),
+            Err(panic) => {
+                let text = panic
+                    .downcast_ref::<String>()
+                    .map(String::as_str)
+                    .or_else(|| panic.downcast_ref::<&str>().copied())
+                    .unwrap_or("no message");
+                Err(StageError::Panic { message: text.to_owned() })
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

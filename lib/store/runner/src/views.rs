@@ -1,0 +1,265 @@
+//! What each stage sees of the configuration, and its digest.
+
+use schema::ImageKind;
+use serde::Serialize;
+use settings::stages::{
+    MaskSettings, PlanSettings, RangeRig, RangeSensor, SensorSettings, SimulationSettings,
+    StatisticsSettings, ValiditySettings,
+};
+use settings::{DatasetSettings, OccupancySettings, PerAgent, Rig, TrackSettings};
+
+use crate::graph::StageSpec;
+
+/// The part of a configuration that a stage sees.
+pub trait StageSettings: Serialize + Sized {
+    /// The stage, by its name in `pipeline.toml`.
+    const STAGE: &'static str;
+
+    /// Takes the part out of the whole.
+    fn of(all: &DatasetSettings) -> Self;
+}
+
+impl StageSettings for PlanSettings {
+    const STAGE: &'static str = "spawn-planner";
+
+    fn of(all: &DatasetSettings) -> Self {
+        Self {
+            seed: all.seed,
+            scenes: all.scenes.clone(),
+            redraw: all.redraw.clone(),
+            agents: all.agents.clone(),
+            models: all.models.clone(),
+            timing: all.timing.clone(),
+            traffic: all.traffic.clone(),
+            walkers: all.walkers.clone(),
+            weather: all.weather.clone(),
+            lights: all.lights.clone(),
+            hazards: all.hazards.clone(),
+        }
+    }
+}
+
+impl StageSettings for SimulationSettings {
+    const STAGE: &'static str = "simulate-and-log";
+
+    fn of(all: &DatasetSettings) -> Self {
+        Self {
+            traffic: all.traffic.clone(),
+            walkers: all.walkers.clone(),
+            lights: all.lights.clone(),
+            hazards: all.hazards.clone(),
+            scenery: all.world.scenery.clone(),
+            reach_m: reach_m(all),
+            box_radius_m: all.annotation.box_radius_m,
+            label_every_n_frames: all.annotation.every_n_frames,
+        }
+    }
+}
+
+/// How far from agents the static world must be there, metres: what boxes and grids reach, whatever is asked for.
+fn reach_m(all: &DatasetSettings) -> f64 {
+    let diagonal = std::f64::consts::SQRT_2;
+    let grids = all.occupancy();
+    let occupancy = [&grids.vehicle, &grids.rsu].into_iter().chain(grids.own.iter().map(|(_, grid)| grid));
+    let half = occupancy.map(|grid| grid.range_m).fold(0.0, f64::max);
+    // Voxels reach up and down as well.
+    (diagonal * half + 20.0).max(all.bev.reach_m()).max(all.annotation.box_radius_m).max(all.world.radius_m)
+}
+
+impl StageSettings for SensorSettings {
+    const STAGE: &'static str = "render-sensors";
+
+    fn of(all: &DatasetSettings) -> Self {
+        Self { seed: all.seed, rigs: all.rigs() }
+    }
+}
+
+impl StageSettings for MaskSettings {
+    const STAGE: &'static str = "bev-gt";
+
+    fn of(all: &DatasetSettings) -> Self {
+        Self { bev: all.bev.clone(), warmup_s: all.timing.warmup_s }
+    }
+}
+
+impl StageSettings for PerAgent<OccupancySettings> {
+    const STAGE: &'static str = "occupancy-gt";
+
+    fn of(all: &DatasetSettings) -> Self {
+        all.occupancy().map(|grid| OccupancySettings { observed: false, ..grid.clone() })
+    }
+}
+
+impl StageSettings for ValiditySettings {
+    const STAGE: &'static str = "postprocess-valid";
+
+    fn of(all: &DatasetSettings) -> Self {
+        Self {
+            valid_by_image: all.annotation.valid_by_image,
+            rigs: all.rigs().map(range_rig),
+            occupancy: all.occupancy(),
+        }
+    }
+}
+
+fn range_rig(rig: &Rig) -> RangeRig {
+    let plain = rig.lidars.iter().filter(|lidar| !lidar.semantic);
+    let sensor = |name: &str, mount, every_n_frames, tells_returns| RangeSensor {
+        name: name.to_owned(),
+        mount,
+        every_n_frames,
+        tells_returns,
+    };
+    RangeRig {
+        lidars: plain.map(|s| sensor(&s.name, s.mount, s.every_n_frames, s.tells_returns())).collect(),
+        radars: rig.radars.iter().map(|s| sensor(&s.name, s.mount, s.every_n_frames, false)).collect(),
+        instance: rig.camera.images.has(ImageKind::Instance),
+    }
+}
+
+impl StageSettings for TrackSettings {
+    const STAGE: &'static str = "merge-tracks";
+
+    fn of(all: &DatasetSettings) -> Self {
+        all.tracks.clone()
+    }
+}
+
+impl StageSettings for StatisticsSettings {
+    const STAGE: &'static str = "stats";
+
+    fn of(all: &DatasetSettings) -> Self {
+        Self {
+            name: all.name.clone(),
+            card: all.card.clone(),
+            seed: all.seed,
+            rigs: all.rigs(),
+            annotation: all.annotation.clone(),
+            bev: all.bev.clone(),
+            occupancy: all.occupancy(),
+        }
+    }
+}
+
+/// A stage and the bytes of what it sees.
+type View = (&'static str, fn(&DatasetSettings) -> serde_json::Result<Vec<u8>>);
+
+const fn view<S: StageSettings>() -> View {
+    (S::STAGE, |all| serde_json::to_vec(&S::of(all)))
+}
+
+/// What each stage sees. A stage that is missing here cannot be run: [`config_hash`] says so.
+const VIEWS: &[View] = &[
+    view::<PlanSettings>(),
+    view::<SimulationSettings>(),
+    view::<SensorSettings>(),
+    view::<MaskSettings>(),
+    view::<PerAgent<OccupancySettings>>(),
+    view::<ValiditySettings>(),
+    view::<TrackSettings>(),
+    view::<StatisticsSettings>(),
+];
+
+/// What a stage sees of the configuration cannot be told.
+#[derive(Debug, thiserror::Error)]
+pub enum ViewError {
+    /// Nothing is said of it.
+    #[error("stage {stage} has no view of the configuration (lib/store/runner/src/views.rs)")]
+    Unknown {
+        /// The stage.
+        stage: &'static str,
+    },
+    /// It cannot be written down.
+    #[error("the configuration's view of {stage} cannot be written down")]
+    Json {
+        /// The stage.
+        stage: &'static str,
+        /// Why.
+        #[source]
+        source: serde_json::Error,
+    },
+}
+
+/// Digest of what a stage sees of a configuration.
+///
+/// # Errors
+/// Nothing is said of the stage, or its view cannot be written down: both are bugs.
+pub fn config_hash(spec: &StageSpec, settings: &DatasetSettings) -> Result<String, ViewError> {
+    let stage = spec.name;
+    let (_, bytes) = VIEWS.iter().find(|(name, _)| *name == stage).ok_or(ViewError::Unknown { stage })?;
+    Ok(store::hash_bytes(&bytes(settings).map_err(|source| ViewError::Json { stage, source })?))
+}
+
+/// Default settings with one scene, for tests.
+#[cfg(test)]
+pub(crate) fn example_settings() -> DatasetSettings {
+    settings::parse("[scenes.train]\n\"convoy/demo\" = 1\n", "example.toml")
+        .expect("the smallest configuration is valid")
+}
+
+#[cfg(test)]
+mod tests {
+    use schema::ImageSet;
+    use settings::{BevRule, OwnRig, RollingScan, WeatherSpec};
+
+    use super::*;
+    use crate::graph::Graph;
+
+    fn base() -> DatasetSettings {
+        let mut base = example_settings();
+        base.own_rigs.push(OwnRig {
+            agents: vec!["vehicle_1".into()],
+            rig: base.vehicle_rig.clone(),
+            occupancy: base.vehicle_occupancy.clone(),
+        });
+        base
+    }
+
+    /// Stages whose digest a change of the configuration alters.
+    fn stale(change: fn(&mut DatasetSettings)) -> Vec<&'static str> {
+        let (before, mut after) = (base(), base());
+        change(&mut after);
+        let hash = |spec: &StageSpec, settings| config_hash(spec, settings).expect("every stage has a view");
+        let stages = Graph::get().stages.iter();
+        stages.filter(|s| hash(s, &before) != hash(s, &after)).map(|s| s.name).collect()
+    }
+
+    #[test]
+    fn just_the_stages_that_see_a_key_become_stale() {
+        let rendered = ["render-sensors", "stats"];
+        assert_eq!(stale(|s| s.vehicle_rig.lidars[0].noise_m = 0.5), rendered);
+        assert_eq!(stale(|s| s.own_rigs[0].rig.lidars[0].noise_m = 0.5), rendered);
+        assert_eq!(stale(|s| s.rsu_rig.camera.jpeg_quality = 17), rendered);
+        let rolls = |s: &mut DatasetSettings| {
+            s.vehicle_rig.lidars[0].rolling = Some(RollingScan { slices: 8, compensated: true });
+        };
+        assert_eq!(stale(rolls), rendered);
+        let judged = ["render-sensors", "postprocess-valid", "stats"];
+        assert_eq!(stale(|s| s.rsu_rig.lidars[0].weather = Some(WeatherSpec { detected: 0.1 })), judged);
+        assert_eq!(stale(|s| s.rsu_rig.camera.images = ImageSet::NONE), judged);
+        assert_eq!(stale(|s| s.rsu_rig.camera.images.set(ImageKind::Flow, true)), rendered);
+        assert_eq!(stale(|s| s.rsu_rig.camera.flow_half = true), rendered);
+        let voxels = ["occupancy-gt", "postprocess-valid", "stats"];
+        assert_eq!(stale(|s| s.own_rigs[0].occupancy.voxel_m = 0.5), voxels);
+        assert_eq!(stale(|s| s.vehicle_occupancy.range_m = 32.0), voxels);
+        assert_eq!(stale(|s| s.rsu_occupancy.observed = true), ["postprocess-valid", "stats"]);
+        assert_eq!(stale(|s| s.bev.cells = 200), ["bev-gt", "stats"]);
+        assert_eq!(stale(|s| s.bev.cell_m = 0.2), ["bev-gt", "stats"]);
+        assert_eq!(stale(|s| s.tracks.future_s = 3.0), ["merge-tracks"]);
+        assert_eq!(stale(|s| s.bev.rule = BevRule::Simbev2x), ["bev-gt", "stats"]);
+        assert_eq!(stale(|s| s.timing.warmup_s = 3.0), ["spawn-planner", "bev-gt"]);
+        assert_eq!(stale(|s| s.name = "other".into()), ["stats"]);
+        assert_eq!(stale(|s| s.card.licence = "CC-BY-4.0".into()), ["stats"]);
+        assert_eq!(stale(|s| s.annotation.valid_by_image ^= true), ["postprocess-valid", "stats"]);
+        assert_eq!(stale(|s| s.annotation.box_radius_m = 90.0), ["simulate-and-log", "stats"]);
+        assert_eq!(stale(|s| s.annotation.every_n_frames = 10), ["simulate-and-log", "stats"]);
+        assert_eq!(stale(|s| s.rsu_rig.camera.every_n_frames = 10), rendered);
+        assert_eq!(stale(|s| s.rsu_rig.lidars[0].every_n_frames = 2), judged);
+        assert_eq!(stale(|s| s.rsu_occupancy.every_n_frames = 10), voxels);
+        assert_eq!(stale(|s| s.bev.every_n_frames = 10), ["bev-gt", "stats"]);
+        assert_eq!(stale(|s| s.world.radius_m = 90.0), ["simulate-and-log"]);
+        assert_eq!(stale(|s| s.timing.max_duration_s = 9.0), ["spawn-planner"]);
+        assert_eq!(stale(|s| s.seed = 3), ["spawn-planner", "render-sensors", "stats"]);
+        assert_eq!(stale(|s| s.traffic.door_open = 0.5), ["spawn-planner", "simulate-and-log"]);
+    }
+}

@@ -1,0 +1,5 @@
+//! Tests of what others see of the crate.
+
+mod archive;
+mod digests;
+mod order;
