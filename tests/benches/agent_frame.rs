@@ -26,6 +26,7 @@ use opendrive::Map;
 use plan::PlanMap;
 use random::Stream;
 use rayon::prelude::*;
+use render::CameraView;
 use render::cpu::CpuRenderer;
 use render::{CameraQuery, Renderer, Scene, VoxelRenderer};
 use runner::StageSettings;
@@ -33,12 +34,10 @@ use schema::geometry::Snapshot;
 use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
 use schema::tables::{ActorRow, BoxRow};
 use schema::{ActorRole, AgentId, BevClass, DetectionClass, ObjectId};
-use sensors::{
-    Camera, CameraView, CpuPainter, FrameWeather, Image, Lidar, LidarMoment, Painter, RadarMotion, Shot,
-    Sight, StillWorld,
-};
+use sensors::{Camera, Image, Lidar, LidarMoment, RadarMotion, Sight};
 use settings::stages::{PlanSettings, SimulationSettings};
 use settings::{DatasetSettings, LidarSpec};
+use shading::{CpuPainter, FrameWeather, Painter, Shot, StillWorld};
 use traffic::{SceneInput, SimulationLog};
 use world::{Light, Moment, OwnModels, SceneWorld};
 

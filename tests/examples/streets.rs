@@ -10,8 +10,9 @@ use opendrive::Map;
 use render::cpu::CpuRenderer;
 use render::{CameraQuery, Renderer};
 use schema::tables::{FrameRow, Weather};
-use sensors::{Camera, CpuPainter, FrameWeather, Painter, Shot};
+use sensors::Camera;
 use settings::{CameraSettings, CameraSpec, Mount, Optics, SceneryRules};
+use shading::{CpuPainter, FrameWeather, Painter, Shot};
 use world::{Light, Moment, OwnModels, SceneWorld};
 
 /// Name, height over the road, sideways from the middle of the lane, pitch downwards, yaw to the left, field of view, in degrees

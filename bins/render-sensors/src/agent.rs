@@ -6,7 +6,8 @@ use replay::Replay;
 use runner::{At, Place, StageError};
 use schema::ObjectId;
 use schema::geometry::Snapshot;
-use sensors::{AgentState, Cameras, FrameWeather, Motion, Observation, Painter, SharedBeams, StillWorld};
+use sensors::{AgentState, Cameras, Motion, Observation, SharedBeams};
+use shading::{FrameWeather, Painter, StillWorld};
 
 use crate::recorder::{Channel, Channels};
 

@@ -10,9 +10,10 @@ use runner::frames::{Part, in_turn};
 use runner::{At, Job, Place, Stage, StageError};
 use scene::SceneReader;
 use schema::ImageKind;
-use sensors::{Cameras, Carrier, CpuPainter, GeoOrigin, SharedBeams};
+use sensors::{Cameras, Carrier, GeoOrigin, SharedBeams};
 use settings::Rig;
 use settings::stages::SensorSettings;
+use shading::CpuPainter;
 
 use crate::agent::{AgentRig, Eyes, Standing};
 

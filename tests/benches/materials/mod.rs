@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use render::CameraView;
 use render::{SKY, Surfaces, VisibilityBuffer};
 use schema::geometry::{Snapshot, Surface};
-use sensors::CameraView;
 
 use crate::{Taken, best};
 

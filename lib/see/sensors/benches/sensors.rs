@@ -11,8 +11,9 @@ use random::Stream;
 use render::{CameraQuery, Scene};
 use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
 use schema::tables::Weather;
-use sensors::{Image, Lidar, LidarMoment, Lighting, Picture, RadarMotion, Sight, Sky, pixel_counts, radar};
+use sensors::{Image, Lidar, LidarMoment, RadarMotion, Sight, pixel_counts, radar};
 use settings::{BeamSpec, LidarSpec, Rig, RollingScan, WeatherSpec};
+use shading::{Lighting, Picture, Sky};
 
 fn main() {
     divan::main();

@@ -15,11 +15,9 @@ use render::Renderer;
 use schema::geometry::{Instance, Snapshot};
 use schema::tables::Weather;
 use schema::{AgentId, FRAME_PERIOD_S, ImageKind, ImageSet, lights};
-use sensors::{
-    AgentState, Cameras, Carrier, CpuPainter, FrameWeather, GeoOrigin, Motion, Observation, Sensor,
-    SensorVisitor,
-};
+use sensors::{AgentState, Cameras, Carrier, GeoOrigin, Motion, Observation, Sensor, SensorVisitor};
 use settings::{CameraSettings, CameraSpec, Mount, Rig};
+use shading::{CpuPainter, FrameWeather};
 
 /// Model, place along and across the street, speed (metres a second), and whether it comes towards the camera.
 const TRAFFIC: [(&str, f32, f32, f32, bool); 4] = [

@@ -20,7 +20,8 @@
 //! use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
 //! use settings::{CameraSettings, CameraSpec, LidarSpec, Mount, Optics};
 //! use schema::{Tag, images};
-//! use sensors::{Camera, CpuPainter, FrameWeather, Image, Lidar, LidarMoment};
+//! use sensors::{Camera, Image, Lidar, LidarMoment};
+//! use shading::{CpuPainter, FrameWeather};
 //! use render::Renderer;
 //! use render::cpu::CpuRenderer;
 //!
@@ -82,33 +83,24 @@ mod geo;
 mod gnss;
 mod imu;
 mod lidar;
-mod light;
-mod look;
 mod metadata;
 mod motion;
 mod noise;
 mod observation;
-mod painter;
-mod panes;
 mod radar;
 mod registry;
-mod retro;
 mod sensor;
 mod struck;
 
-pub use camera::{
-    Camera, CameraModel, CameraView, Cameras, Image, Picture, Sight, decode_depth_m, pixel_counts,
-};
+pub use camera::{Camera, Cameras, Image, Sight, decode_depth_m, pixel_counts};
 pub use error::SensorError;
 pub use geo::GeoOrigin;
 pub use gnss::gnss;
 pub use imu::imu;
 pub use lidar::{Lidar, LidarMoment, LidarSweep, OfBeam, Scan, SensorPath, SharedBeams};
-pub use light::{FrameWeather, Lighting, Sky, StillWorld};
 pub use metadata::{camera_metadata, sensor_metadata};
 pub use motion::Motion;
 pub use observation::{AgentState, Observation, see};
-pub use painter::{CpuPainter, Painter, Shot};
 pub use radar::{RadarMotion, RadarReturns, radar};
 pub use registry::visit_sensors;
 pub use sensor::{Amount, Carrier, Layout, Sensor, SensorTable, SensorVisitor};

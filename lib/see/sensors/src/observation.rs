@@ -7,15 +7,15 @@ use schema::tables::Weather;
 use schema::{ObjectId, rate};
 use settings::Mount;
 
-use crate::camera::picture::Picture;
 use crate::camera::sight::Sight;
-use crate::camera::view::CameraView;
 use crate::camera::{Cameras, look};
 use crate::error::SensorError;
 use crate::lidar::{LidarMoment, SensorPath, SharedBeams, SharedScan};
-use crate::light::FrameWeather;
 use crate::motion::Motion;
-use crate::painter::{Painter, Shot};
+use render::CameraView;
+use shading::FrameWeather;
+use shading::Picture;
+use shading::{Painter, Shot};
 
 /// An agent at one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

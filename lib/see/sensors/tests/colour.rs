@@ -9,8 +9,8 @@ use common::{film, grey_sight, optics, picture, set_view, snapshot, standing_vie
 use schema::geometry::{Snapshot, Surface, Wall};
 use schema::tables::Weather;
 use schema::{Tag, lights};
-use sensors::Picture;
 use settings::{CameraSettings, Optics};
+use shading::Picture;
 
 /// The street from the middle of its right lane.
 fn of_street(snapshot: &Snapshot, weather: &Weather, optics: Optics) -> Picture {

@@ -9,18 +9,20 @@ use frames::{Agent, Pose, World};
 use glam::{Affine3A, Vec3};
 use nalgebra::Vector3;
 use random::Stream;
+use render::CameraError;
 use render::{CameraQuery, Hits, RayQuery, RenderError, Renderer, Scene, VisibilityBuffer};
 use schema::geometry::{Snapshot, TriMesh};
 use schema::tables::Weather;
 use schema::{AgentId, ImageKind, ImageSet};
 use sensors::{
-    AgentState, Camera, Cameras, Carrier, CpuPainter, GeoOrigin, Lidar, LidarMoment, Motion, Observation,
-    RadarMotion, Sensor, SensorError, SensorVisitor, radar,
+    AgentState, Camera, Cameras, Carrier, GeoOrigin, Lidar, LidarMoment, Motion, Observation, RadarMotion,
+    Sensor, SensorError, SensorVisitor, radar,
 };
 use settings::{
     BeamSpec, CameraSettings, CameraSpec, GnssSpec, ImuSpec, LidarSpec, Mount, Optics, Rig, RollingScan,
     ScanPattern, WeatherSpec,
 };
+use shading::CpuPainter;
 
 const ODD: [f64; 7] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 0.0, 1e300, 1e-300];
 
@@ -36,10 +38,16 @@ fn cameras_that_cannot_be_are_refused() {
     };
     let view = |width, height, horizontal_fov_rad| of(Optics::pinhole(width, height, horizontal_fov_rad));
     for (width, height) in [(0, 10), (10, 0), (1 << 20, 10), (10, u32::MAX)] {
-        assert!(matches!(view(width, height, 1.0), Err(SensorError::PictureSize { .. })));
+        assert!(matches!(
+            view(width, height, 1.0),
+            Err(SensorError::Camera(CameraError::PictureSize { .. }))
+        ));
     }
     for fov in ODD.into_iter().chain([3.2, std::f64::consts::PI]).filter(|fov| *fov != 1e-300) {
-        assert!(matches!(view(10, 10, fov), Err(SensorError::Intrinsics { .. })), "{fov}");
+        assert!(
+            matches!(view(10, 10, fov), Err(SensorError::Camera(CameraError::Intrinsics { .. }))),
+            "{fov}"
+        );
     }
     for odd in ODD.into_iter().filter(|odd| !(*odd > 0.0 && *odd < 1e300)) {
         let good = Optics::pinhole(10, 10, 1.0);

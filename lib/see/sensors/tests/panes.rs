@@ -7,8 +7,9 @@ use schema::Tag;
 use schema::geometry::{Instance, Snapshot, Surface};
 use schema::lights;
 use schema::tables::Weather;
-use sensors::{Picture, Sight};
+use sensors::Sight;
 use settings::CameraSettings;
+use shading::Picture;
 
 const SHELL: u16 = 7;
 

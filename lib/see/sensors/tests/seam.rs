@@ -12,10 +12,10 @@ use schema::table::{Column, Row};
 use schema::tables::Weather;
 use schema::{AgentId, ImageKind, ImageSet, Tag};
 use sensors::{
-    AgentState, Cameras, Carrier, CpuPainter, GeoOrigin, Motion, Observation, Sensor, SensorError,
-    SensorVisitor,
+    AgentState, Cameras, Carrier, GeoOrigin, Motion, Observation, Sensor, SensorError, SensorVisitor,
 };
 use settings::Rig;
+use shading::CpuPainter;
 use testkit::BruteRenderer;
 
 /// A road, a house and cars, one of which drives.

@@ -10,7 +10,7 @@ use render::{CameraQuery, Renderer};
 use schema::ObjectId;
 use schema::geometry::Snapshot;
 use schema::tables::Weather;
-use sensors::{CpuPainter, FrameWeather, Painter, Shot, StillWorld};
+use shading::{CpuPainter, FrameWeather, Painter, Shot, StillWorld};
 
 /// A street of which every third object moves.
 struct Street {
@@ -59,7 +59,7 @@ fn painted(street: &Street, painter: &dyn Painter, when: &FrameWeather, x_m: f64
     let snapshot = street.seen_from(place_m);
     let pose = Pose::<World, frames::Agent>::from_xyz_rpy(place_m, [0.0; 3]);
     let view = standing_view(place_m, [0.0; 3], optics(320, 180));
-    let camera = sensors::CameraView {
+    let camera = render::CameraView {
         local_from_optical: {
             // The common view is in the frame of the world's origin.
             let mut moved = view.local_from_optical;

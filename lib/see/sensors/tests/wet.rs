@@ -11,8 +11,8 @@ use schema::Tag;
 use schema::geometry::{Snapshot, Surface};
 use schema::images::{Depth, Instance, Semantic};
 use schema::tables::Weather;
-use sensors::Picture;
 use settings::CameraSettings;
+use shading::Picture;
 
 /// Rain has just stopped: all is wet, and there are puddles.
 fn soaked() -> Weather {
@@ -226,8 +226,8 @@ fn drops_on_the_lens_change_colour_alone_and_only_when_it_rains() {
                 angular_velocity_radps: nalgebra::Vector3::zeros(),
             };
             let agent = sensors::AgentState { own: 1, motion: still, previous: None };
-            let painter = sensors::CpuPainter::default();
-            let when = sensors::FrameWeather { frame, ..common::first_frame(weather) };
+            let painter = shading::CpuPainter::default();
+            let when = shading::FrameWeather { frame, ..common::first_frame(weather) };
             let cameras = sensors::Cameras::of(&rig).expect("is a camera");
             let at =
                 sensors::Observation::new(scene, Some(&painter), &cameras, &when, agent).expect("no device");

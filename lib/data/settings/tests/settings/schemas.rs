@@ -75,8 +75,7 @@ fn shipped_files_name_their_schema_and_keep_to_it() {
 #[test]
 fn schemas_and_reader_agree() {
     let schema = settings::json_schema();
-    let every =
-        fs::read_to_string(folder("lib/store/runner/tests/runner/every_key.toml")).expect("reads");
+    let every = fs::read_to_string(folder("lib/store/runner/tests/runner/every_key.toml")).expect("reads");
     assert_eq!(faults_of(&schema, &every), [""; 0]);
     let scenes = "[scenes.train]\n\"convoy/demo\" = 1\n";
     for (text, path) in [

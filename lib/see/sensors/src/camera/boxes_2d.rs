@@ -11,10 +11,10 @@ use settings::Rig;
 
 use super::looking::{Window, look_bent_at};
 use super::sight::Sight;
-use super::view::CameraView;
 use crate::error::SensorError;
 use crate::observation::Observation;
 use crate::sensor::{Layout, Sensor, SensorTable};
+use render::CameraView;
 
 /// Measures every object with a class in every camera of an agent.
 pub(crate) struct Boxes2d {

@@ -6,15 +6,15 @@ use schema::images::{OfKind, Rgb};
 use schema::tables::CameraRow;
 use settings::Rig;
 
-use super::drops::Drops;
 use super::encode;
 use super::image::{Image, Images};
-use super::noise::Noise;
-use super::picture::Picture;
 use super::sight::Sight;
 use crate::error::SensorError;
 use crate::observation::Observation;
 use crate::sensor::{Amount, Carrier, Sensor, SensorTable};
+use shading::Drops;
+use shading::Noise;
+use shading::Picture;
 
 impl Image for Rgb {
     type Row = CameraRow;

@@ -1,12 +1,12 @@
 //! Encoders with settings chosen by measurement (`benches/sensors.rs`).
 
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
-use render::VisibilityBuffer;
+use render::{CameraError, VisibilityBuffer};
 use schema::table::Blob;
 use schema::tables::CameraRow;
 
-use super::picture::Picture;
 use crate::error::SensorError;
+use shading::Picture;
 
 /// An encoded image as a row of its table.
 pub(super) fn camera_row(frame: u32, image: Vec<u8>) -> CameraRow {
@@ -15,9 +15,9 @@ pub(super) fn camera_row(frame: u32, image: Vec<u8>) -> CameraRow {
 
 /// Colour as JPEG, chroma at half resolution both ways.
 pub(super) fn jpeg(picture: &Picture, quality: u8) -> Result<Vec<u8>, SensorError> {
-    let size = SensorError::PictureSize { width: picture.width, height: picture.height };
+    let size = CameraError::PictureSize { width: picture.width, height: picture.height };
     let (Ok(width), Ok(height)) = (u16::try_from(picture.width), u16::try_from(picture.height)) else {
-        return Err(size);
+        return Err(size.into());
     };
     let mut bytes = Vec::with_capacity(picture.rgb.len() / 8);
     let mut encoder = Encoder::new(&mut bytes, quality.clamp(1, 100));

@@ -4,8 +4,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 use render::{CameraQuery, PinholeCamera, RayBatch, RayQuery, Scene, VisibilityBuffer};
 
-use super::view::CameraView;
 use crate::error::SensorError;
+use render::CameraView;
 
 /// Rows and columns of the blocks in which rays are followed: 16 neighbours make a packet.
 const BLOCK: u32 = 4;

@@ -1,31 +1,15 @@
 //! Cameras: one look at the scene, and the images that are made of it.
 
-mod antialias;
-mod bloom;
 mod boxes_2d;
 mod colour;
-mod defocus;
 mod depth;
-mod drops;
 mod encode;
-mod film;
 mod flow;
 mod image;
 mod labels;
 mod looking;
-mod mirror;
-mod model;
 mod mounted;
-mod noise;
-pub(crate) mod picture;
-mod rain;
-mod shade;
-mod shutter;
 pub(crate) mod sight;
-mod soften;
-mod spray;
-pub(crate) mod view;
-mod vignette;
 mod visible;
 
 use schema::ImageKind;
@@ -41,11 +25,8 @@ pub use image::Image;
 use image::Images;
 pub use labels::pixel_counts;
 pub(crate) use looking::look;
-pub use model::CameraModel;
 pub use mounted::{Camera, Cameras};
-pub use picture::Picture;
 pub use sight::Sight;
-pub use view::CameraView;
 pub(crate) use visible::VisibleObjects;
 
 /// Shows a visitor the images of every camera of a rig. A kind and the type that makes it have one name, and a kind

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use frames::{Agent, LocalOrigin, Pose, World};
 use settings::{CameraSettings, CameraSpec, Mount, Rig};
 
-use super::model::CameraModel;
-use super::view::CameraView;
 use crate::error::SensorError;
+use render::CameraModel;
+use render::CameraView;
 
 /// A camera of a rig with what is worked out of it once, for all frames.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,8 +2,8 @@
 
 use render::VisibilityBuffer;
 
-use super::picture::Picture;
-use super::view::CameraView;
+use render::CameraView;
+use shading::Picture;
 
 /// What one camera saw at one frame: all its images are read from this.
 #[derive(Clone, Debug, PartialEq)]

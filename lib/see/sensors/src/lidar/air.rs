@@ -15,7 +15,7 @@ use random::unit_f32;
 use schema::tables::Weather;
 use settings::LidarSpec;
 
-use crate::light::fog_extinction_per_m;
+use shading::fog_extinction_per_m;
 
 /// Rain at 100 percent, mm/h.
 const FULL_RAIN_MMPH: f64 = 50.0;

@@ -16,7 +16,7 @@ use super::reflectance::wetness;
 use super::scan::{Followed, Scan};
 use super::sweep::{LidarSweep, joined};
 use crate::error::SensorError;
-use crate::panes::{Behind, Panes, Passing};
+use render::panes::{Behind, Panes, Passing};
 
 /// A lidar with its beams worked out, for all sweeps of all agents that carry it.
 #[derive(Clone, Debug)]

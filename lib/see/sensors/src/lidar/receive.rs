@@ -16,8 +16,8 @@ use super::patch::Patch;
 use super::reflectance::{Reflectance, reflectance};
 use super::scan::Followed;
 use super::sweep::{LidarSweep, Part, Return};
-use crate::panes::PASSES;
 use crate::struck::Struck;
+use render::panes::PASSES;
 
 /// Returns within this distance ahead or behind and [`CROP_LEFT_M`] to the sides are of the agent's own body.
 const CROP_AHEAD_M: f32 = 2.44;

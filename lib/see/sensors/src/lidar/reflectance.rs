@@ -4,7 +4,7 @@ use frames::math::f32::exp;
 use schema::geometry::{Part, Paving, Surface};
 use schema::tables::Weather;
 
-use crate::retro;
+use shading::retro;
 
 /// Lights a surface sends back: the shares of near-infrared light (905 nm), 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use render::Hits;
 
-use crate::panes::Behind;
+use render::panes::Behind;
 
 /// What the rays of all beams of a lidar met at a frame.
 pub struct Scan {

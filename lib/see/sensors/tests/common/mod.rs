@@ -5,13 +5,15 @@ use std::sync::Arc;
 
 use frames::{Agent, LocalOrigin, Pose, World};
 use glam::{Affine3A, Vec3};
+use render::CameraView;
 use render::cpu::CpuRenderer;
 use render::{Renderer, Scene};
 use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh, Wall};
 use schema::tables::{CameraRow, Weather};
 use schema::{ImageSet, Tag, lights};
-use sensors::{Camera, CameraView, CpuPainter, FrameWeather, Image, Lighting, Painter, Picture, Sight, Sky};
+use sensors::{Camera, Image, Sight};
 use settings::{CameraSettings, CameraSpec, Mount, Optics};
+use shading::{CpuPainter, FrameWeather, Lighting, Painter, Picture, Sky};
 pub(crate) use testkit::{block, instance, plane, snapshot};
 
 /// A renderer with a snapshot's meshes.

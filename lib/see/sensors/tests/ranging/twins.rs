@@ -10,10 +10,11 @@ use schema::table::{Column, Row};
 use schema::tables::Weather;
 use schema::{AgentId, ImageSet, Tag};
 use sensors::{
-    AgentState, Cameras, Carrier, FrameWeather, GeoOrigin, Lidar, LidarMoment, Motion, Observation, Sensor,
-    SensorError, SensorPath, SensorVisitor, SharedBeams,
+    AgentState, Cameras, Carrier, GeoOrigin, Lidar, LidarMoment, Motion, Observation, Sensor, SensorError,
+    SensorPath, SensorVisitor, SharedBeams,
 };
 use settings::{BeamSpec, LidarSpec, Mount, Returned, Rig, RollingScan, ScanPattern, WeatherSpec};
+use shading::FrameWeather;
 
 use super::common::{at, block, first_frame, instance, prepared, street};
 use super::{small, stream};

@@ -1,0 +1,12 @@
+#![doc = include_str!("../README.md")]
+
+mod light;
+mod materials;
+mod painter;
+mod picture;
+pub mod retro;
+pub mod textures;
+
+pub use light::{FrameWeather, Lighting, Sky, StillWorld, fog_extinction_per_m};
+pub use painter::{CpuPainter, Painter, Shot};
+pub use picture::{Drops, Noise, Picture};

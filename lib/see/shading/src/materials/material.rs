@@ -1,0 +1,190 @@
+//! Procedural looks of the kinds of surface, eight points of one triangle at a time.
+//!
+//! Patterns are anchored to the world (ground) or to the object (everything else), never to the camera.
+
+use crate::textures::{Noise, Texture, Textures};
+use glam::Vec3;
+use lanes::{Lanes, Vec3s};
+use schema::geometry::{Paving, Surface};
+use schema::skin::Finish;
+use schema::{Tag, lights};
+
+use super::cloth::clothes;
+use super::dirt;
+use super::facade::facade;
+use super::facet::{Facet, Gloss, Look, Points, Surroundings, shades};
+use super::ground;
+use super::pattern::{Width, bars};
+use super::paving;
+use super::skin::Draped;
+
+/// What patterns are made of.
+#[derive(Clone, Copy)]
+pub(crate) struct Stuff {
+    noise: &'static Noise,
+    textures: &'static Textures,
+}
+
+impl Stuff {
+    pub(crate) fn get() -> Self {
+        Self { noise: Noise::get(), textures: Textures::get() }
+    }
+}
+
+/// The look of eight points.
+#[inline]
+pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &Points) -> Look {
+    let rgb = Vec3::from_array(facet.part.rgb);
+    let Stuff { noise, textures } = stuff;
+    let both = (noise, textures);
+    match facet.part.surface {
+        Surface::Plain => Look::dull(shades(rgb, speckle(noise, p, 0.08))),
+        Surface::Cloth => Look::dull(shades(rgb, speckle(noise, p, 0.2))),
+        Surface::Clothes(weave) => clothes(noise, weave, facet, rgb, p),
+        // By day it is smooth plastic; what it sends back to a lamp is light of lamps.
+        Surface::Reflector => {
+            let painted = facet.draped.as_ref().and_then(|draped| draped.colour(p));
+            Look::glossy(painted.unwrap_or(Vec3s::splat(rgb)), 0.04, 0.3)
+        }
+        Surface::Rubber => Look::glossy(Vec3s::splat(rgb), 0.03, 0.7),
+        Surface::Paint => dirt::painted(noise, facet, p),
+        Surface::Glass | Surface::Window => {
+            Look::glossy(Vec3s::splat(rgb.min(Vec3::splat(0.06))), 0.06, 0.02)
+        }
+        Surface::Opening => Look::dull(Vec3s::splat(rgb)),
+        Surface::Metal if facet.part.tag == Tag::Building => sheeting(noise, facet, rgb, p),
+        Surface::Metal => Look::glossy(shades(rgb * 0.75, speckle(noise, p, 0.1)), 0.15, 0.45),
+        Surface::Skin(finish) => finished(finish, rgb, facet.draped.as_ref(), p),
+        Surface::Asphalt | Surface::KerbedAsphalt(_) => ground::asphalt(both, around, facet, p),
+        Surface::RoadMarking => ground::marking(both, around, rgb, p),
+        Surface::Paving(paving) => paving::paving(both, around, facet, paving, p),
+        Surface::Concrete if facet.is_ground() && facet.part.tag != Tag::Building => {
+            paving::paving(both, around, facet, Paving::Slabs, p)
+        }
+        Surface::Concrete => cast(both, facet, rgb, p),
+        Surface::Grass => ground::grass(both, rgb, p),
+        Surface::Gravel => upright(&textures.gravel, facet, rgb, p),
+        Surface::RoofTiles => upright(&textures.roof, facet, rgb, p),
+        Surface::Foliage => foliage(both, facet, rgb, p),
+        Surface::Wood if facet.part.tag == Tag::Vegetation => upright(&textures.bark, facet, rgb, p),
+        Surface::Wood => {
+            let o = &p.object_m;
+            let grain = noise.at_all((o.x + o.y) * 120.0, o.z * 18.0, p.footprint_m * 120.0);
+            Look::dull(shades(rgb, grain * 0.7 + 0.65))
+        }
+        Surface::Facade(_) => match &facet.front {
+            Some(front) => facade(both, facet, front, p),
+            // Its flat top.
+            None => upright(&textures.gravel, facet, rgb * 0.4, p),
+        },
+        Surface::Lamp(bits) => {
+            if facet.lights & bits != 0 {
+                let has_glow = bits == lights::STREET_LAMP || bits == lights::WORK_LAMP;
+                let emission = if has_glow { rgb * facet.glow * 1.6 } else { rgb * 1.6 };
+                Look { emission: Some(Vec3s::splat(emission)), ..Look::dull(Vec3s::splat(rgb * 0.3)) }
+            } else {
+                // A lens that does not burn: its colour, deep and glossy.
+                Look::glossy(Vec3s::splat(rgb * 0.35), 0.05, 0.1)
+            }
+        }
+    }
+}
+
+/// How a finish sends light back, as pictures say where it has some: plastic mirrors a twenty-fifth, metal more and scatters less (as
+/// `Surface::Metal` does).
+fn finished(finish: Finish, rgb: Vec3, draped: Option<&Draped<'_>>, p: &Points) -> Look {
+    let rgb = draped.and_then(|draped| draped.colour(p)).unwrap_or(Vec3s::splat(rgb));
+    let even = [finish.roughness, finish.metallic].map(Lanes::splat);
+    let [roughness, metallic] = draped.and_then(|draped| draped.gloss(p)).unwrap_or(even);
+    // What is as rough as can be mirrors nothing that would be seen.
+    let shows = roughness.simd_lt(0.95) | metallic.simd_gt(0.0);
+    let mirror = shows.select(metallic * 0.16 + 0.04, Lanes::ZERO);
+    let gloss = Gloss { mirror, roughness: roughness.fast_max(Lanes::splat(0.02)) };
+    Look {
+        albedo: rgb * (1.0 - metallic * 0.25),
+        lean: draped.and_then(|draped| draped.lean(p)),
+        emission: draped.and_then(|draped| draped.glow(p)),
+        gloss: shows.any().then_some(gloss),
+    }
+}
+
+/// Slight unevenness: 1 on average, `strength` from end to end.
+#[inline]
+fn speckle(noise: &Noise, p: &Points, strength: f32) -> Lanes {
+    let o = &p.object_m;
+    let value = noise.at_all((o.x + o.z * 0.37) * 40.0, (o.y + o.z * 0.61) * 40.0, p.footprint_m * 40.0);
+    (value - 0.5) * strength + 1.0
+}
+
+/// Places on an upright or sloping surface: to the right and up along it, metres.
+#[inline]
+fn unrolled(facet: &Facet<'_>, p: &Points) -> [Lanes; 2] {
+    let o = &p.object_m;
+    facet.tangents_object.map(|axis| o.x * axis.x + o.y * axis.y + o.z * axis.z)
+}
+
+/// Sheets with upright ribs, four a metre, stained by rain.
+#[inline]
+fn sheeting(noise: &Noise, facet: &Facet<'_>, rgb: Vec3, p: &Points) -> Look {
+    let [x, y] = unrolled(facet, p);
+    let stains = noise.at_all(x * 8.0, y * 1.6, p.footprint_m * 8.0);
+    // Up one flank of a rib and down the other, even between them.
+    let turn = x * 4.0 - (x * 4.0).floor() - 0.5;
+    let flank = turn.abs().simd_gt(0.1) & turn.abs().simd_lt(0.25);
+    let slope = turn.simd_gt(0.0).select(Lanes::splat(0.6), Lanes::splat(-0.6));
+    let w = p.footprint_m * 12.0;
+    let lean = flank.select(slope, Lanes::ZERO) / (w * w + 1.0);
+    let even = Look::glossy(shades(rgb * 0.75, stains * 0.3 + 0.85), 0.1, 0.5);
+    Look { lean: Some([lean, Lanes::ZERO]), ..even }
+}
+
+/// A texture that lies on an object's faces.
+#[inline]
+fn upright(texture: &Texture, facet: &Facet<'_>, rgb: Vec3, p: &Points) -> Look {
+    let [x, y] = unrolled(facet, p);
+    let seen = texture.at(x, y, p.footprint_m);
+    Look::leaning(shades(rgb, seen.shade), seen.lean)
+}
+
+/// Cast concrete: walls, kerbs, decks.
+#[inline]
+fn cast((noise, textures): (&Noise, &Textures), facet: &Facet<'_>, rgb: Vec3, p: &Points) -> Look {
+    // Pieces of the ground go on from block to block of the world.
+    let is_kerb = matches!(facet.part.tag, Tag::Sidewalk | Tag::Ground);
+    let [x, y] = if let Some(laid) = &facet.laid {
+        // Kerbs go on from piece to piece of a bend.
+        [laid.places(&p.object_m)[0], p.world_m.z]
+    } else if is_kerb {
+        // Along the axis that it runs along most: so no piece of a bend begins anew, and what repeats meets itself.
+        let right = facet.tangents_local()[0].abs();
+        [if right.x > right.y { p.world_m.x } else { p.world_m.y }, p.world_m.z]
+    } else {
+        unrolled(facet, p)
+    };
+    let seen = textures.concrete.at(x, y, p.footprint_m);
+    let stains = noise.at_all(x * 6.0, y * 2.0, p.footprint_m * 6.0);
+    let mut shade = seen.shade * (stains * 0.3 + 0.85);
+    if is_kerb {
+        // Stones of a metre.
+        shade *= 1.0 - bars(x, 0.012, Width::new(p.footprint_m)) * 0.5;
+    }
+    Look::leaning(shades(rgb, shade), seen.lean)
+}
+
+#[inline]
+fn foliage((noise, textures): (&Noise, &Textures), facet: &Facet<'_>, rgb: Vec3, p: &Points) -> Look {
+    let (o, w) = (&p.object_m, p.footprint_m);
+    // Seen along the axis that the facet faces most: leaves hide where that changes.
+    let n = facet.normal_object.abs();
+    let (x, y) = if n.z >= n.x.max(n.y) {
+        (o.x, o.y)
+    } else if n.x > n.y {
+        (o.y, o.z)
+    } else {
+        (o.x, o.z)
+    };
+    let leaves = textures.leaves.at(x, y, w);
+    let clump = noise.at_all((o.x - o.z * 0.47) * 9.0, (o.y - o.z * 0.71) * 9.0, w * 9.0);
+    let yellow = Vec3s::new(leaves.tint * 0.7 + 1.0, leaves.tint * 0.25 + 1.0, Lanes::ONE);
+    Look::leaning(shades(rgb, leaves.shade * (clump * 0.7 + 0.35)) * yellow, leaves.lean)
+}

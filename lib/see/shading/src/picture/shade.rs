@@ -1,0 +1,676 @@
+//! The colour picture: light times surface, span by span.
+
+use glam::Vec3;
+use lanes::{LANES, Lanes, STEPS, Vec3s, exp_neg, smoothstep};
+use rayon::prelude::*;
+use render::{Bend, Facet as Triangle, RenderError, SKY, Scene, SurfacePoints, Surfaces, VisibilityBuffer};
+
+use super::antialias::smooth_edges;
+use super::bloom::{blocks, bloom, gather};
+use super::film::Film;
+use super::mirror::{Dry, Mirror, WetSpan};
+use super::picture::Picture;
+use super::rain::{Rain, draw_rain};
+use super::soften::soften;
+use super::spray::Spray;
+use super::vignette::Vignette;
+use crate::light::{Facing, Lighting, Lit, Ramp};
+use crate::materials::{Facet, Gloss, Points, Stuff, gets_wet, look};
+use render::CameraView;
+use render::panes::{Behind, PASSES, Panes, Passing};
+
+impl Picture {
+    /// Lights and colours what was seen, and what is behind panes.
+    ///
+    /// # Errors
+    /// The renderer failed.
+    pub fn new(
+        scene: &dyn Scene,
+        view: &CameraView,
+        buffer: &VisibilityBuffer,
+        lighting: &Lighting,
+    ) -> Result<Self, RenderError> {
+        let snapshot = scene.snapshot();
+        let width = buffer.width as usize;
+        let mut rgb = vec![0u8; 3 * buffer.instance.len()];
+        let blocks = blocks(width);
+        let mut bright = vec![Vec3::ZERO; blocks * buffer.height as usize];
+        let exposure = lighting.exposure.per_radiance(view.settings.f_stop);
+        let mut shader = Shader {
+            buffer,
+            lighting,
+            stuff: Stuff::get(),
+            exposure,
+            per_focal: 1.0 / buffer.camera.fx,
+            camera: Vec3::from(buffer.camera.local_from_optical.translation),
+            film: Film::new(),
+            vignette: Vignette::new(buffer.width, buffer.height, view.settings.vignetting as f32),
+            balance: lighting.exposure.balance(view.settings.white_balance),
+            hazy: !lighting.fog.is_clear(),
+            veil: lighting.fog.rgb * exposure,
+            ambient: lighting.sky.ambient.map(|a| a * (exposure / std::f32::consts::PI)),
+            bounced: lighting.sky.bounced_klx() * (exposure / std::f32::consts::PI),
+            key: lighting.sky.key_klx * (exposure / std::f32::consts::PI),
+            mirror: None,
+        };
+        let surfaces = Surfaces::new(buffer, snapshot);
+        let panes = Panes::of(scene);
+        let rows = rgb.par_chunks_mut(3 * width).zip(bright.par_chunks_mut(blocks));
+        let is_wet = lighting.around.are_wet();
+        let dry_row = |(y, (row, bright)): (usize, (&mut [u8], &mut [Vec3]))| {
+            let row = row.as_chunks_mut::<3>().0;
+            let mut wet = Vec::new();
+            let behind =
+                panes.as_ref().map_or(Ok(Vec::new()), |panes| behind_row(panes, buffer, y as u32))?;
+            let mut behind = behind.as_slice();
+            surfaces.for_each_span(y as u32, |columns, triangle| {
+                let pixels = &mut row[columns.start as usize..columns.end as usize];
+                let span = Span { first: columns.start, y: y as u32, pixels, bright };
+                let is_pane =
+                    |t: &Triangle<'_, '_>| panes.as_ref().is_some_and(|p| p.is_pane(t.instance, t.triangle));
+                match triangle {
+                    Some(triangle) if is_pane(triangle) => {
+                        let (here, others) = behind.split_at(columns.len());
+                        behind = others;
+                        shader.paint_pane(span, triangle, &surfaces, here);
+                    }
+                    Some(triangle) if is_wet && gets_wet(triangle.part, triangle.normal_local) => {
+                        let (instance, triangle) = (triangle.instance, triangle.triangle);
+                        wet.push(WetSpan { first: columns.start, end: columns.end, instance, triangle });
+                    }
+                    Some(triangle) => shader.paint(span, triangle),
+                    None => shader.paint_sky(span),
+                }
+            });
+            Ok(wet)
+        };
+        let wet: Result<Vec<Vec<WetSpan>>, RenderError> = rows.enumerate().map(dry_row).collect();
+        let wet = wet?;
+        if wet.iter().any(|row| !row.is_empty()) {
+            let dry = rgb.clone();
+            let dry = Dry {
+                view,
+                buffer,
+                rgb: dry.as_chunks::<3>().0,
+                wet: &wet,
+                film: &shader.film,
+                vignette: shader.vignette,
+                balance: shader.balance,
+                sky: &lighting.sky,
+                skyline: &lighting.skyline,
+                exposure,
+            };
+            let mirror = Mirror::new(&dry, &surfaces);
+            shader.mirror = Some(mirror);
+            let rows = rgb.par_chunks_mut(3 * width).zip(bright.par_chunks_mut(blocks)).zip(&wet);
+            rows.enumerate().for_each(|(y, ((row, bright), wet))| {
+                let row = row.as_chunks_mut::<3>().0;
+                for span in wet {
+                    let Some(triangle) = surfaces.facet(span.instance, span.triangle) else { continue };
+                    let pixels = &mut row[span.first as usize..span.end as usize];
+                    let (first, y, bright) = (span.first, y as u32, &mut *bright);
+                    shader.paint(Span { first, y, pixels, bright }, &triangle);
+                }
+            });
+        }
+        let electrons = lighting.exposure.electrons();
+        let mut picture = Self { width: buffer.width, height: buffer.height, rgb, electrons };
+        if is_wet {
+            let spray = Spray {
+                snapshot,
+                lighting,
+                film: &shader.film,
+                vignette: shader.vignette,
+                balance: shader.balance,
+                exposure,
+            };
+            spray.draw(&mut picture, view, buffer);
+        }
+        bloom(&mut picture, &shader.film, &bright, view.settings.bloom as f32);
+        smooth_edges(&mut picture);
+        soften(&mut picture, &shader.film, snapshot, view, buffer);
+        if lighting.rain > 0.0 {
+            let world_from_local_m = lighting.around.world_from_local_m;
+            let rain = Rain { strength: lighting.rain, frame: lighting.frame, world_from_local_m };
+            draw_rain(&mut picture, view, buffer, rain);
+        }
+        Ok(picture)
+    }
+}
+
+/// What wet ground mirrors at eight pixels, and whether that is known.
+#[inline]
+fn mirrored(
+    mirror: &Mirror,
+    pixels: (&[u32; LANES], u32),
+    gloss: &Gloss,
+    lean: Option<[Lanes; 2]>,
+    toward: &Vec3s,
+) -> (Vec3s, Lanes) {
+    // The axes of the texture of all ground are those of the world.
+    let [east, north] = lean.unwrap_or_default();
+    let level = (toward.x * toward.x + toward.y * toward.y).sqrt().fast_max(Lanes::splat(1e-3));
+    let away = (east * toward.x + north * toward.y) * -1.0 / level;
+    let right = (north * toward.x - east * toward.y) / level;
+    let rough = smoothstep(0.08, 0.24, gloss.roughness);
+    mirror.at(pixels, [away, right], toward.z, rough)
+}
+
+/// What is behind the pixels of a row that show panes, from left to right.
+fn behind_row(panes: &Panes<'_>, buffer: &VisibilityBuffer, y: u32) -> Result<Vec<Behind>, RenderError> {
+    let camera = &buffer.camera;
+    let turn = glam::Mat3::from(camera.local_from_optical.matrix3);
+    let mut rays = Passing::default();
+    for x in 0..buffer.width {
+        let at = buffer.index(x, y);
+        if panes.is_pane(buffer.instance[at], buffer.triangle[at]) {
+            let direction = turn * buffer.direction_optical(x, y);
+            let length = direction.length();
+            let distance_m = buffer.depth_m[at] * length;
+            rays.push(direction / length, buffer.instance[at], buffer.triangle[at], distance_m);
+        }
+    }
+    panes.behind(0.0, camera.local_from_optical.translation.into(), f32::INFINITY, rays)
+}
+
+/// Neighbours in a row that show one triangle, or the sky.
+struct Span<'p> {
+    first: u32,
+    y: u32,
+    pixels: &'p mut [[u8; 3]],
+    /// What is brighter than white in the blocks of the row.
+    bright: &'p mut [Vec3],
+}
+
+impl Span<'_> {
+    /// Columns of eight of its pixels, `apart` from one another; none beyond the last.
+    #[inline]
+    fn columns(&self, from: usize, apart: usize) -> [u32; LANES] {
+        let last = self.first + self.pixels.len() as u32 - 1;
+        std::array::from_fn(|i| (self.first + (from + i * apart) as u32).min(last))
+    }
+}
+
+/// What is the same for a triangle.
+struct Run<'a> {
+    facet: Facet<'a>,
+    /// Normal for lamps: that of the triangle, bent upwards for leaves, which stand every way.
+    normal: Vec3,
+    /// How the normal runs where the triangle stands for a curved surface.
+    bend: Option<Bend>,
+    /// From which side shadows are looked up, times the distance in texels.
+    outward: Vec3,
+    /// Whether any of it is turned to the sun.
+    is_lit: bool,
+    /// The light on its plane.
+    turned: Turned,
+    relief: Relief,
+    /// What of sky and ground is seen past its own body; all of it without one.
+    shelter: Option<Ramp>,
+    /// How it is turned to what houses leave of the sky.
+    facing: Facing,
+    /// Whether it mirrors what is around it.
+    gets_wet: bool,
+}
+
+/// How much more light falls on a surface whose normal leans.
+struct Relief {
+    /// Axes of its texture.
+    tangents: [Vec3; 2],
+    /// More of the cosine between normal and sun for each.
+    facing: [f32; 2],
+    /// More light of the whole sky for each.
+    ambient: [Vec3; 2],
+}
+
+/// Light on surfaces by the way they are turned, as film value of a white surface.
+#[derive(Clone, Copy)]
+struct Turned {
+    /// Cosine between normal and sun, 0 when turned away.
+    facing: Lanes,
+    /// Light of the whole sky.
+    ambient: Vec3s,
+}
+
+/// What decides the light at eight places, before the surface's colour; all but the sun's share is smooth enough to be
+/// interpolated.
+#[derive(Clone, Copy)]
+struct Light {
+    /// Share of the sun that is seen.
+    sunlit: Lanes,
+    /// Share of the sky that is seen past what is above.
+    open: Lanes,
+    /// Share of what is left that houses around leave.
+    between_houses: Lanes,
+    /// Film value of a white surface by lamps.
+    lamps: Vec3s,
+    /// Share of light that passes the fog.
+    passes: Lanes,
+    /// Width of a pixel a metre away on surfaces as slanted as here, metres.
+    footprint_at_1_m: Lanes,
+}
+
+/// Light at places of one span that stand [`LANES`] pixels apart.
+struct Knots {
+    light: Light,
+    sun: Lit,
+}
+
+/// How far apart places are whose light is asked for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Spread {
+    /// Neighbours: houses leave all of them the same of the sky.
+    Near,
+    Far,
+}
+
+/// What a wall that hides the sky sends in its place, of what the sky gives: walls reflect some four tenths, and half of what the
+/// ground has reaches them.
+const WALLS: Vec3 = Vec3::new(0.27, 0.24, 0.20);
+
+/// Shade from above may differ by this at the ends of an even stretch.
+const ALIKE: f32 = 0.06;
+
+/// Share of the light of the sky that reaches what is in a cabin, at least: its roof is close above, but panes are all around.
+const OPEN_IN_CABINS: f32 = 0.55;
+
+/// How far leaves' normals are bent upwards.
+const LEAF_LEAN: f32 = 0.6;
+
+/// A leaf's normal for the light.
+fn leaning(normal: Vec3) -> Vec3 {
+    (normal + Vec3::Z * LEAF_LEAN).normalize_or(normal)
+}
+
+struct Shader<'a> {
+    buffer: &'a VisibilityBuffer,
+    lighting: &'a Lighting,
+    stuff: Stuff,
+    /// Film value per radiance.
+    exposure: f32,
+    /// Width of a pixel at a depth of a metre.
+    per_focal: f32,
+    camera: Vec3,
+    film: Film,
+    vignette: Vignette,
+    /// What makes white things white.
+    balance: Vec3,
+    hazy: bool,
+    /// Film value of fog.
+    veil: Vec3,
+    /// Film value of a white surface, by the sky's ambient terms.
+    ambient: [Vec3; 4],
+    /// Film value of a white surface by sunlight that comes back from what it falls on.
+    bounced: Vec3,
+    /// Film value of a white surface that faces the sun.
+    key: Vec3,
+    /// What wet ground mirrors, when the rest is painted.
+    mirror: Option<Mirror>,
+}
+
+impl Shader<'_> {
+    /// Paints what shows the sky.
+    fn paint_sky(&self, mut span: Span<'_>) {
+        for from in (0..span.pixels.len()).step_by(LANES) {
+            let seen = self.sky(&span.columns(from, 1), span.y, Lanes::ONE);
+            self.develop(seen, &mut span, from);
+        }
+    }
+
+    /// Film values of pixels that show the sky, from behind fog that so much light passes.
+    fn sky(&self, columns: &[u32; LANES], y: u32, before: Lanes) -> Vec3s {
+        let turn = glam::Mat3::from(self.buffer.camera.local_from_optical.matrix3);
+        let optical = Vec3s::from_fn(|i| self.buffer.direction_optical(columns[i], y));
+        let direction = optical.turned(&turn);
+        let direction = direction * (1.0 / direction.length_squared().sqrt());
+        let seen = self.lighting.sky.seen(&direction) * Lanes::splat(self.exposure);
+        if !self.hazy {
+            return seen;
+        }
+        let passes = self.lighting.fog.passes_sky(self.camera.z, direction.z) / before;
+        Vec3s::splat(self.veil).lerp(seen, passes.fast_min(Lanes::ONE))
+    }
+
+    /// Paints a pane and what is behind each of its pixels.
+    fn paint_pane(
+        &self,
+        mut span: Span<'_>,
+        triangle: &Triangle<'_, '_>,
+        surfaces: &Surfaces<'_>,
+        behind: &[Behind],
+    ) {
+        let run = self.begin(triangle);
+        for (group, behind) in behind.chunks(LANES).enumerate() {
+            let from = group * LANES;
+            let columns = span.columns(from, 1);
+            let here = triangle.points(self.buffer, &columns, span.y);
+            let light = self.light(&run, &here, Spread::Near).light;
+            let seen = self.behind(surfaces, &columns, span.y, behind, light.passes);
+            self.develop(self.surface(&run, (&columns, span.y), &here, &light, Some(seen)), &mut span, from);
+        }
+    }
+
+    /// Film values of what is behind up to eight pixels of a pane, as bright as it shows through it; so much light passes the fog
+    /// before the pane.
+    fn behind(
+        &self,
+        surfaces: &Surfaces<'_>,
+        columns: &[u32; LANES],
+        y: u32,
+        behind: &[Behind],
+        passes: Lanes,
+    ) -> Vec3s {
+        let passes = passes.fast_max(Lanes::splat(1e-6));
+        let mut seen = Vec3s::default();
+        let mut shares = [0.0; LANES];
+        for (share, behind) in shares.iter_mut().zip(behind) {
+            *share = (0..behind.panes).fold(1.0, |share, _| share * PASSES);
+        }
+        for (lane, first) in behind.iter().enumerate() {
+            let seen_of = |behind: &Behind| behind.hit.map_or((SKY, SKY), |hit| (hit.instance, hit.triangle));
+            let (instance, triangle) = seen_of(first);
+            let same = |other: &Behind| seen_of(other) == (instance, triangle);
+            if behind[..lane].iter().any(same) {
+                continue;
+            }
+            let value = match surfaces.facet(instance, triangle) {
+                None => self.sky(columns, y, passes),
+                Some(facet) => {
+                    let run = self.begin(&facet);
+                    let there = facet.points(self.buffer, columns, y);
+                    let mut light = self.light(&run, &there, Spread::Near).light;
+                    light.passes = (light.passes / passes).fast_min(Lanes::ONE);
+                    if surfaces.is_behind_panes(instance) {
+                        light.open = light.open.fast_max(Lanes::splat(OPEN_IN_CABINS));
+                    }
+                    self.surface(&run, (columns, y), &there, &light, None)
+                }
+            };
+            let mask = std::array::from_fn(|i| if behind.get(i).is_some_and(same) { 1.0 } else { 0.0 });
+            seen = value.or(Lanes::new(mask).simd_gt(0.5), seen);
+        }
+        seen * Lanes::new(shares)
+    }
+
+    /// Paints what shows a triangle. Of long spans the light is worked out at every eighth pixel, and between these only what
+    /// is not even.
+    fn paint(&self, mut span: Span<'_>, triangle: &Triangle<'_, '_>) {
+        let run = self.begin(triangle);
+        let points = |columns: &[u32; LANES], y| triangle.points(self.buffer, columns, y);
+        let length = span.pixels.len();
+        if length <= LANES {
+            let columns = span.columns(0, 1);
+            let here = points(&columns, span.y);
+            let light = self.light(&run, &here, Spread::Near).light;
+            self.develop(self.surface(&run, (&columns, span.y), &here, &light, None), &mut span, 0);
+            return;
+        }
+        for stretch in (0..length).step_by(LANES * (LANES - 1)) {
+            let places = points(&span.columns(stretch, LANES), span.y);
+            let knots = self.light(&run, &places, Spread::Far);
+            for knot in 0..LANES - 1 {
+                let from = stretch + knot * LANES;
+                if from >= length {
+                    break;
+                }
+                let columns = span.columns(from, 1);
+                let here = points(&columns, span.y);
+                let light = self.between(&run, &knots, knot, (length - 1 - from).min(LANES), &here);
+                self.develop(self.surface(&run, (&columns, span.y), &here, &light, None), &mut span, from);
+            }
+        }
+    }
+
+    /// Puts eight pixels of a span on film, behind the lens.
+    #[inline]
+    fn develop(&self, value: Vec3s, span: &mut Span<'_>, from: usize) {
+        let passes = self.vignette.passes(&span.columns(from, 1), span.y);
+        let seen = value * Vec3s::splat(self.balance) * passes;
+        gather(&seen, span.first as usize + from, span.pixels.len() - from, span.bright);
+        self.film.develop(&seen, &mut span.pixels[from..]);
+    }
+
+    /// The light at some places.
+    #[inline]
+    fn light(&self, run: &Run<'_>, points: &SurfacePoints, spread: Spread) -> Knots {
+        let light = self.lighting;
+        let positions = &points.position_local;
+        let normal = run.facet.normal_local;
+        let to_camera = Vec3s::splat(self.camera) - *positions;
+        let distance_m = to_camera.length_squared().sqrt().fast_max(Lanes::splat(1e-6));
+        let slant =
+            (to_camera.dot(Vec3s::splat(normal)) / distance_m).fast_clamp(Lanes::splat(0.04), Lanes::ONE);
+        let sun = self.sun(run, positions);
+        let lamps = if light.lamps.is_empty() {
+            Vec3s::default()
+        } else {
+            let normals = match &run.bend {
+                Some(bend) if !run.facet.is_leaf() => bend.normals(points.position_object),
+                _ => Vec3s::splat(run.normal),
+            };
+            let klx = if run.facet.is_sheeting() {
+                light.lamps.returned(positions, &normals, self.camera)
+            } else {
+                light.lamps.illuminance(positions, &normals)
+            };
+            klx * Lanes::splat(self.exposure / std::f32::consts::PI)
+        };
+        let light = Light {
+            sunlit: sun.share,
+            open: light.overhead.open(positions, normal),
+            between_houses: match spread {
+                Spread::Near => Lanes::splat(light.walls.open(positions.lane(0), &run.facing)),
+                Spread::Far => light.walls.open_all(positions, &run.facing),
+            },
+            lamps,
+            passes: light.fog.passes(self.camera.z, positions.z, distance_m),
+            // A pixel on a slanted surface is longer than wide; the geometric mean blurs neither way too much.
+            footprint_at_1_m: self.per_focal / slant.sqrt(),
+        };
+        Knots { light, sun }
+    }
+
+    #[inline]
+    fn sun(&self, run: &Run<'_>, positions: &Vec3s) -> Lit {
+        if run.is_lit { self.lighting.shadows.lit(positions, run.outward) } else { Lit::none() }
+    }
+
+    /// The light at eight pixels between two neighbouring knots that are so many pixels apart.
+    #[inline]
+    fn between(
+        &self,
+        run: &Run<'_>,
+        knots: &Knots,
+        knot: usize,
+        pixels: usize,
+        here: &SurfacePoints,
+    ) -> Light {
+        let Knots { light, sun } = knots;
+        let ends = |v: Lanes| (v.as_array()[knot], v.as_array()[knot + 1]);
+        let share = STEPS * (1.0 / pixels.max(1) as f32);
+        let mix = |v: Lanes| {
+            let (a, b) = ends(v);
+            share * (b - a) + a
+        };
+        let both = 0b11 << knot;
+        let (first, last) = ends(sun.share);
+        let even = sun.all_around & both == both
+            && first == last
+            && self.lighting.shadows.adjoin(sun.block[knot], sun.block[knot + 1]);
+        let open = ends(light.open);
+        let lamps = if self.lighting.lamps.is_empty() {
+            light.lamps
+        } else {
+            Vec3s::new(mix(light.lamps.x), mix(light.lamps.y), mix(light.lamps.z))
+        };
+        Light {
+            sunlit: if even { Lanes::splat(first) } else { self.sun(run, &here.position_local).share },
+            open: if (open.0 - open.1).abs() < ALIKE {
+                mix(light.open)
+            } else {
+                self.lighting.overhead.open(&here.position_local, run.facet.normal_local)
+            },
+            between_houses: mix(light.between_houses),
+            lamps,
+            passes: mix(light.passes),
+            footprint_at_1_m: mix(light.footprint_at_1_m),
+        }
+    }
+
+    /// Film values of pixels that show a surface; of a pane, with what is to be seen through it.
+    #[inline]
+    fn surface(
+        &self,
+        run: &Run<'_>,
+        pixels: (&[u32; LANES], u32),
+        here: &SurfacePoints,
+        light: &Light,
+        behind: Option<Vec3s>,
+    ) -> Vec3s {
+        let around = &self.lighting.around;
+        let points = Points {
+            object_m: here.position_object,
+            world_m: here.position_local + Vec3s::splat(around.world_from_local_m),
+            footprint_m: here.depth_m * light.footprint_at_1_m,
+        };
+        let look = look(self.stuff, around, &run.facet, &points);
+        let bent = run.bend.as_ref().map(|bend| bend.normals(here.position_object));
+        let Turned { mut facing, mut ambient } = match &bent {
+            Some(normals) => self.turned(run.facet.is_leaf(), normals),
+            None => run.turned,
+        };
+        if let Some([a, b]) = look.lean {
+            let Relief { facing: [fa, fb], ambient: [sa, sb], .. } = run.relief;
+            facing = (facing + a * fa + b * fb).fast_max(Lanes::ZERO);
+            ambient += Vec3s::splat(sa) * a + Vec3s::splat(sb) * b;
+        }
+        let mut light = *light;
+        if let Some(shelter) = &run.shelter {
+            light.open *= shelter.at(&here.position_object);
+        }
+        let walls = 1.0 - light.between_houses;
+        let left = |wall: f32| walls * (wall - 1.0) + 1.0;
+        ambient =
+            ambient * Vec3s::new(left(WALLS.x), left(WALLS.y), left(WALLS.z)) + Vec3s::splat(self.bounced);
+        let received = Vec3s::splat(self.key) * (facing * light.sunlit) + ambient * light.open + light.lamps;
+        let mut out = behind.unwrap_or(look.albedo * received);
+        if let Some(emission) = look.emission {
+            out += emission;
+        }
+        if let Some(gloss) = &look.gloss {
+            let toward = Vec3s::splat(self.camera) - here.position_local;
+            let toward = toward * (1.0 / toward.length_squared().sqrt().fast_max(Lanes::splat(1e-6)));
+            let mut normals = bent.unwrap_or(Vec3s::splat(run.facet.normal_local));
+            if let Some([a, b]) = look.lean {
+                let [ta, tb] = run.relief.tangents.map(Vec3s::splat);
+                normals += ta * a + tb * b;
+                normals = normals * (1.0 / normals.length_squared().sqrt());
+            }
+            let mirrored = match &self.mirror {
+                Some(mirror) if run.gets_wet => Some(mirrored(mirror, pixels, gloss, look.lean, &toward)),
+                _ => None,
+            };
+            out = self.gloss(out, gloss, normals, toward, &light, mirrored);
+        }
+        Vec3s::splat(self.veil).lerp(out, light.passes)
+    }
+
+    fn begin<'p>(&self, triangle: &Triangle<'_, 'p>) -> Run<'p> {
+        let n = triangle.normal_local;
+        let to_key = self.lighting.sky.key_direction;
+        let facet = Facet::new(triangle.placed(), triangle);
+        let gets_wet = self.mirror.is_some() && gets_wet(triangle.part, n);
+        let relief = self.relief(&facet);
+        let shelter = triangle.open().map(|open| Ramp::new(triangle.corners_object_m(), open));
+        let towards = Facing::new(n);
+        let bend = triangle.bend();
+        let turned = self.turned(facet.is_leaf(), &Vec3s::splat(n));
+        if facet.is_leaf() {
+            return Run {
+                facet,
+                normal: leaning(n),
+                bend,
+                outward: to_key * 4.0,
+                is_lit: true,
+                turned,
+                relief,
+                shelter,
+                facing: towards,
+                gets_wet,
+            };
+        }
+        let corners = bend.as_ref().map_or([n; 3], Bend::corner_normals);
+        let is_lit = corners.iter().any(|normal| normal.dot(to_key) > 0.0);
+        Run { facet, normal: n, bend, outward: n, is_lit, turned, relief, shelter, facing: towards, gets_wet }
+    }
+
+    fn relief(&self, facet: &Facet<'_>) -> Relief {
+        let tangents = facet.tangents_local();
+        let [_, x, y, z] = self.ambient;
+        Relief {
+            tangents,
+            facing: tangents.map(|t| t.dot(self.lighting.sky.key_direction)),
+            ambient: tangents.map(|t| x * t.x + y * t.y + z * t.z),
+        }
+    }
+
+    /// The light on surfaces that are turned as their normals say. Leaves let light through, and those turned away are looked at on
+    /// their lit side.
+    #[inline]
+    fn turned(&self, is_leaf: bool, normals: &Vec3s) -> Turned {
+        let [a, x, y, z] = self.ambient;
+        let ambient =
+            |i: usize| (normals.x * x[i] + normals.y * y[i] + normals.z * z[i] + a[i]).fast_max(Lanes::ZERO);
+        let ambient = Vec3s::new(ambient(0), ambient(1), ambient(2));
+        let to_key = Vec3s::splat(self.lighting.sky.key_direction);
+        if !is_leaf {
+            return Turned { facing: normals.dot(to_key).fast_max(Lanes::ZERO), ambient };
+        }
+        let upward = *normals + Vec3s::splat(Vec3::Z * LEAF_LEAN);
+        let side = (upward * (1.0 / upward.length_squared().sqrt())).dot(to_key);
+        let facing = side.fast_max(Lanes::ZERO) * 0.55 + (side * 0.5 + 0.5) * 0.15 + 0.2;
+        Turned { facing, ambient: ambient * Lanes::splat(0.8) }
+    }
+
+    /// Adds what a glossy surface mirrors: the sky, or what else is known to be `around` it, and a highlight of the sun.
+    #[inline]
+    fn gloss(
+        &self,
+        out: Vec3s,
+        gloss: &Gloss,
+        n: Vec3s,
+        toward: Vec3s,
+        light: &Light,
+        around: Option<(Vec3s, Lanes)>,
+    ) -> Vec3s {
+        let cos = toward.dot(n);
+        // Schlick's form of Fresnel's reflectance; rough surfaces gain less at grazing angles.
+        let grazing = 1.0 - cos.fast_clamp(Lanes::ZERO, Lanes::ONE);
+        let g2 = grazing * grazing;
+        let gain = (1.0 - gloss.roughness - gloss.mirror).fast_max(Lanes::ZERO);
+        let fresnel = gloss.mirror + gain * (g2 * g2 * grazing);
+        // Dull neighbours in a group of eight stay dull at any angle.
+        let fresnel = gloss.mirror.simd_gt(0.0).select(fresnel, Lanes::ZERO);
+        let mirrored = n * (cos * 2.0) - toward;
+        // Rough surfaces see a wide piece of sky: the mean light stands for it.
+        let sky = self.lighting.sky.radiance(&mirrored);
+        let sharp = self.lighting.skyline.before(&sky, &mirrored) * Lanes::splat(self.exposure);
+        let [level, .., rise] = self.ambient;
+        let level = level + self.bounced;
+        let wide = |level: f32, rise: f32| (mirrored.z * rise + level).fast_max(Lanes::ZERO);
+        let wide = Vec3s::new(wide(level.x, rise.x), wide(level.y, rise.y), wide(level.z, rise.z));
+        let blur = (gloss.roughness * 2.0).fast_min(Lanes::ONE);
+        let mut reflected = sharp.lerp(wide, blur) * light.open;
+        if let Some((seen, known)) = around {
+            reflected = reflected.lerp(seen, known);
+        }
+        if light.sunlit.simd_gt(0.0).any() && self.lighting.sky.key_klx != Vec3::ZERO {
+            let key = self.lighting.sky.key_direction;
+            let off = (1.0 - mirrored.dot(Vec3s::splat(key))).fast_max(Lanes::ZERO);
+            let spread = gloss.roughness * gloss.roughness * 0.5 + 0.0012;
+            let highlight = exp_neg(off / spread) * (0.08 / spread).fast_min(Lanes::splat(14.0));
+            reflected += Vec3s::splat(self.key) * (highlight * light.sunlit);
+        }
+        out.lerp(reflected, fresnel.fast_clamp(Lanes::ZERO, Lanes::ONE))
+    }
+}

@@ -1,0 +1,28 @@
+//! Textures for the shading of pictures: tiles that repeat without a seam, with coarser copies, made from fixed seeds.
+//!
+//! [`Textures::get`] makes all of them at the first call. A [`Texture`] is read eight places at a time; [`Noise`] is the same for one
+//! value without a meaning.
+//!
+//! ```
+//! use lanes::{Lanes, STEPS};
+//! use shading::textures::Textures;
+//!
+//! let brick = &Textures::get().brick;
+//! // Eight places a decimetre apart, seen from far away: all are as bright as the wall on average.
+//! let seen = brick.at(STEPS * 0.1, Lanes::ZERO, Lanes::splat(4.0));
+//! assert!(seen.shade.to_array().iter().all(|shade| (shade - 1.0).abs() < 0.01));
+//! ```
+
+mod canvas;
+mod cells;
+mod laid;
+mod noise;
+mod plants;
+mod stone;
+mod texture;
+mod textures;
+mod wear;
+
+pub use noise::{Noise, hash2, unit};
+pub use texture::{Texels, Texture};
+pub use textures::Textures;
