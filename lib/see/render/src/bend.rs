@@ -1,7 +1,7 @@
 //! Normals that run over a triangle of a curved surface.
 
 use glam::{Mat3, Vec3};
-use lanes::{Lanes, Vec3s};
+use simd::{F32x8, Vec3x8};
 
 /// The normal along a triangle: linear in the triangle's plane between the normals of its corners, on the camera's side.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,13 +31,13 @@ impl Bend {
     /// Unit normals at points of the triangle (object frame, metres), local frame.
     #[inline]
     #[must_use]
-    pub fn normals(&self, position_object: Vec3s) -> Vec3s {
-        let from_corner = position_object - Vec3s::splat(self.corner);
-        let [u, v] = self.shares.map(|share| from_corner.dot(Vec3s::splat(share)));
+    pub fn normals(&self, position_object: Vec3x8) -> Vec3x8 {
+        let from_corner = position_object - Vec3x8::splat(self.corner);
+        let [u, v] = self.shares.map(|share| from_corner.dot(Vec3x8::splat(share)));
         let [a, b, c] = self.normals_local;
         let along = |a: f32, b: f32, c: f32| u * (b - a) + v * (c - a) + a;
-        let n = Vec3s::new(along(a.x, b.x, c.x), along(a.y, b.y, c.y), along(a.z, b.z, c.z));
-        n * (1.0 / n.length_squared().fast_max(Lanes::splat(1e-12)).sqrt())
+        let n = Vec3x8::new(along(a.x, b.x, c.x), along(a.y, b.y, c.y), along(a.z, b.z, c.z));
+        n * (1.0 / n.length_squared().fast_max(F32x8::splat(1e-12)).sqrt())
     }
 
     /// The normals of the corners, local frame.
@@ -62,7 +62,7 @@ mod tests {
             3 => 0.5 * (corners[1] + corners[2]),
             _ => (corners[0] + corners[1] + corners[2]) / 3.0,
         };
-        let points = Vec3s::from_fn(place);
+        let points = Vec3x8::from_fn(place);
         let got = bend.normals(points);
         for (i, normal) in normals.into_iter().enumerate() {
             assert!((got.lane(i) - turn * normal).length() < 1e-5, "corner {i}: {}", got.lane(i));

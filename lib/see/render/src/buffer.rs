@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use lanes::{LANES, Lanes, Vec3s};
+use simd::{F32x8, LANES, Vec3x8};
 
 use crate::camera::PinholeCamera;
 
@@ -67,14 +67,14 @@ impl VisibilityBuffer {
     /// The same of eight pixels of a row, whose columns are given.
     #[must_use]
     #[inline]
-    pub fn directions_optical(&self, x: &[u32; LANES], y: u32) -> Vec3s {
+    pub fn directions_optical(&self, x: &[u32; LANES], y: u32) -> Vec3x8 {
         match &self.rays {
-            Some(rays) => Vec3s::from_fn(|i| rays[self.index(x[i], y)]),
+            Some(rays) => Vec3x8::from_fn(|i| rays[self.index(x[i], y)]),
             None => {
                 let camera = &self.camera;
-                let column = Lanes::from(x.map(|x| x as f32 + 0.5));
+                let column = F32x8::from(x.map(|x| x as f32 + 0.5));
                 let down = (y as f32 + 0.5 - camera.cy) / camera.fy;
-                Vec3s::new((column - camera.cx) / camera.fx, Lanes::splat(down), Lanes::ONE)
+                Vec3x8::new((column - camera.cx) / camera.fx, F32x8::splat(down), F32x8::ONE)
             }
         }
     }

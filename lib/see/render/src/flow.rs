@@ -1,9 +1,9 @@
 //! Where each pixel's surface was one frame ago.
 
 use glam::{Affine3A, Mat3};
-use lanes::{LANES, Lanes, Vec3s};
 use rayon::prelude::*;
 use schema::geometry::Snapshot;
+use simd::{F32x8, LANES, Vec3x8};
 
 use crate::{CameraView, Surfaces, VisibilityBuffer};
 
@@ -46,12 +46,12 @@ pub fn flow(snapshot: &Snapshot, view: &CameraView, buffer: &VisibilityBuffer) -
                     Some(triangle) => {
                         let before = &before[triangle.instance as usize];
                         let there = triangle.points(buffer, &columns, y).position_object;
-                        there.turned(&Mat3::from(before.matrix3)) + Vec3s::splat(before.translation.into())
+                        there.turned(&Mat3::from(before.matrix3)) + Vec3x8::splat(before.translation.into())
                     }
                     None => buffer.directions_optical(&columns, y).turned(&turned).turned(&turned_before),
                 };
                 let [column, row] = view.model.project_all(&was);
-                let now = Lanes::from(columns.map(|x| x as f32 + 0.5));
+                let now = F32x8::from(columns.map(|x| x as f32 + 0.5));
                 let right = rounded((now - column) * 2.0 / camera.width as f32);
                 let up = rounded((y as f32 + 0.5 - row) * -2.0 / camera.height as f32);
                 let pixels = first as usize..(first as usize + LANES).min(span.end as usize);
@@ -66,7 +66,7 @@ pub fn flow(snapshot: &Snapshot, view: &CameraView, buffer: &VisibilityBuffer) -
 
 /// Limited and rounded, ties to even; without negative zeros, which would only cost bytes.
 #[inline]
-fn rounded(flow: Lanes) -> Lanes {
+fn rounded(flow: F32x8) -> F32x8 {
     // A product with a power of 2 is exact. Adding 0 turns -0 into 0.
-    (flow.fast_clamp(Lanes::splat(-LIMIT), Lanes::splat(LIMIT)) / STEP).round() * STEP + 0.0
+    (flow.fast_clamp(F32x8::splat(-LIMIT), F32x8::splat(LIMIT)) / STEP).round() * STEP + 0.0
 }

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec2, Vec3};
-use lanes::{LANES, Lanes, Vec3s};
 use rayon::prelude::*;
 use settings::{LensModel, Optics};
+use simd::{F32x8, LANES, Vec3x8};
 
 use crate::PinholeCamera;
 use crate::error::{CameraError, MAX_SIDE_PX};
@@ -96,13 +96,13 @@ impl CameraModel {
     /// Columns and rows of eight points, as [`project`](Self::project) has them.
     #[must_use]
     #[inline]
-    pub fn project_all(&self, points: &Vec3s) -> [Lanes; 2] {
+    pub fn project_all(&self, points: &Vec3x8) -> [F32x8; 2] {
         if self.bent.is_some() {
             let places: [Vec2; LANES] = std::array::from_fn(|i| self.project(points.lane(i)).0);
             return [places.map(|p| p.x).into(), places.map(|p| p.y).into()];
         }
         let PinholeCamera { fx, fy, cx, cy, near_m, .. } = self.straight;
-        let z = points.z.simd_gt(near_m).select(points.z, Lanes::splat(near_m));
+        let z = points.z.simd_gt(near_m).select(points.z, F32x8::splat(near_m));
         [points.x * fx / z + cx, points.y * fy / z + cy]
     }
 

@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use glam::{DVec3, Mat3, Vec2, Vec3};
-use lanes::{LANES, Lanes, Vec3s};
 use schema::geometry::{Instance, Part, Snapshot, TriMesh};
 use schema::skin::Skin;
+use simd::{F32x8, LANES, Vec3x8};
 
 use crate::bend::Bend;
 use crate::buffer::VisibilityBuffer;
@@ -67,11 +67,11 @@ impl<'a> View<'a> {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SurfacePoints {
     /// Snapshot's local frame, metres.
-    pub position_local: Vec3s,
+    pub position_local: Vec3x8,
     /// Object frame, metres.
-    pub position_object: Vec3s,
+    pub position_object: Vec3x8,
     /// As in [`VisibilityBuffer::depth_m`].
-    pub depth_m: Lanes,
+    pub depth_m: F32x8,
 }
 
 /// A triangle as the camera sees it: what is the same for all its pixels.
@@ -161,19 +161,19 @@ impl<'v, 'a> Facet<'v, 'a> {
     #[inline]
     pub fn points(&self, buffer: &VisibilityBuffer, x: &[u32; LANES], y: u32) -> SurfacePoints {
         let direction = buffer.directions_optical(x, y).turned(&self.view.rotation);
-        let slope = direction.dot(Vec3s::splat(self.normal));
+        let slope = direction.dot(Vec3x8::splat(self.normal));
         let exact = self.offset / slope;
         // Not a number, endless and behind fail this.
         let usable = exact.simd_gt(0.0) & exact.simd_lt(f32::INFINITY);
         let depth_m = if usable.all() {
             exact
         } else {
-            usable.select(exact, Lanes::from(x.map(|x| buffer.depth_m[buffer.index(x, y)])))
+            usable.select(exact, F32x8::from(x.map(|x| buffer.depth_m[buffer.index(x, y)])))
         };
-        let from_corner = direction * depth_m - Vec3s::splat(self.a);
-        let position_object = Vec3s::splat(self.corner) + from_corner;
+        let from_corner = direction * depth_m - Vec3x8::splat(self.a);
+        let position_object = Vec3x8::splat(self.corner) + from_corner;
         let position_local =
-            position_object.turned(&self.view.to_local) + Vec3s::splat(self.view.translation);
+            position_object.turned(&self.view.to_local) + Vec3x8::splat(self.view.translation);
         SurfacePoints { position_local, position_object, depth_m }
     }
 

@@ -1,6 +1,6 @@
 //! Retro-reflecting sheeting: how much light it sends back to where it came from.
 
-use lanes::{Lanes, Vec3s};
+use simd::{F32x8, Vec3x8};
 
 /// Light that comes in within this angle of straight on is sent back in full (cosine of 30 degrees), and none beyond the other (of 75).
 ///
@@ -24,13 +24,13 @@ const HALF_RAD: f32 = 0.4 * std::f32::consts::PI / 180.0;
 /// How much brighter than white paint sheeting shows a lamp's light to an eye: by unit vectors from it to both, and the cosine of the
 /// angle between its normal and the lamp.
 #[inline]
-pub fn gain(to_lamp: &Vec3s, to_eye: &Vec3s, cos_angle: Lanes) -> Lanes {
+pub fn gain(to_lamp: &Vec3x8, to_eye: &Vec3x8, cos_angle: F32x8) -> F32x8 {
     let apart = *to_lamp - *to_eye;
     let apart = (apart.length_squared() * (1.0 / (HALF_RAD * HALF_RAD))).sqrt();
     // Luminance per illuminance; that of white paint is 1 / pi.
     let returned = AT_THE_LAMP * std::f32::consts::PI / (apart * apart * apart.sqrt() + 1.0);
     let share = (cos_angle - NONE_COS) * (1.0 / (FULL_COS - NONE_COS));
-    returned * share.fast_clamp(Lanes::ZERO, Lanes::ONE) + 1.0
+    returned * share.fast_clamp(F32x8::ZERO, F32x8::ONE) + 1.0
 }
 
 #[cfg(test)]
@@ -49,13 +49,13 @@ mod tests {
         // 0.2, 0.33 and 2 degrees between lamp and eye: 250, 180 and 5 cd/(lx m2), within a tenth.
         for (apart_deg, want) in [(0.2, 250.0), (0.33, 180.0), (2.0, 5.0)] {
             let (sin, cos) = frames::math::sin_cos(frames::deg(apart_deg));
-            let eye = Vec3s::splat(Vec3::new(cos as f32, sin as f32, 0.0));
-            let got = gain(&Vec3s::splat(Vec3::X), &eye, Lanes::ONE).to_array()[0];
+            let eye = Vec3x8::splat(Vec3::new(cos as f32, sin as f32, 0.0));
+            let got = gain(&Vec3x8::splat(Vec3::X), &eye, F32x8::ONE).to_array()[0];
             let got = (got - 1.0) / std::f32::consts::PI;
             assert!((got / want - 1.0).abs() < 0.1, "{apart_deg}: {got}, not {want}");
         }
         // From the side it is white paint.
-        let aside = gain(&Vec3s::splat(Vec3::X), &Vec3s::splat(Vec3::X), Lanes::splat(0.1));
+        let aside = gain(&Vec3x8::splat(Vec3::X), &Vec3x8::splat(Vec3::X), F32x8::splat(0.1));
         assert_eq!(aside.to_array()[0], 1.0);
     }
 }

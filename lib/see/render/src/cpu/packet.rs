@@ -25,12 +25,12 @@ const NARROW: f32 = 0.03;
 
 /// Directions, by axis and lane.
 #[derive(Clone, Copy)]
-pub(crate) struct Lanes<const N: usize>([[f32; N]; 3]);
+pub(crate) struct PacketVec3<const N: usize>([[f32; N]; 3]);
 
 /// How a packet meets boxes. No way misses a box that a lane of it meets.
 pub(crate) trait Boxes<const N: usize> {
     /// For boxes around an origin, of which `reach` is the largest coordinate.
-    fn new(lanes: &Lanes<N>, origin: Vec3, reach: f32) -> Self;
+    fn new(lanes: &PacketVec3<N>, origin: Vec3, reach: f32) -> Self;
 
     /// A distance before which no lane that may find something enters a box; infinite when none does.
     fn entry(&self, packet: &Packet<N>, node: &Node) -> f32;
@@ -63,7 +63,7 @@ pub(crate) struct Slabs<const N: usize> {
 }
 
 impl<const N: usize> Boxes<N> for Slabs<N> {
-    fn new(lanes: &Lanes<N>, origin: Vec3, reach: f32) -> Self {
+    fn new(lanes: &PacketVec3<N>, origin: Vec3, reach: f32) -> Self {
         let mut inverse = [[0.0; N]; 3];
         for axis in 0..3 {
             for i in 0..N {
@@ -105,7 +105,7 @@ pub(crate) struct Fan {
 }
 
 impl<const N: usize> Boxes<N> for Fan {
-    fn new(lanes: &Lanes<N>, origin: Vec3, reach: f32) -> Self {
+    fn new(lanes: &PacketVec3<N>, origin: Vec3, reach: f32) -> Self {
         let [mut up, mut down] = [[Vec3::ZERO; 2]; 2];
         for (axis, lanes) in lanes.0.iter().enumerate() {
             let [lowest, highest] = range(lanes);
@@ -133,7 +133,7 @@ impl<const N: usize> Boxes<N> for Fan {
 /// Rays in flight (`N` a power of two) and the closest hits so far.
 pub(crate) struct Packet<const N: usize> {
     origin: Vec3,
-    directions: Lanes<N>,
+    directions: PacketVec3<N>,
     /// Nearest distance asked for.
     t_min: [f32; N],
     /// The least of `t_min`.
@@ -220,7 +220,7 @@ impl<const N: usize> Packet<N> {
     pub(crate) fn new(batch: &RayBatch<'_>, first: usize) -> Self {
         let directions = &batch.directions[first..];
         let (origin, t_max) = (batch.origin, batch.range_m[1]);
-        let mut lanes = Lanes([[0.0; N]; 3]);
+        let mut lanes = PacketVec3([[0.0; N]; 3]);
         let mut t = [-1.0; N];
         let mut t_min = [f32::MAX; N];
         // Lanes without a ray go where the first one goes: no box is tested for their sake.
@@ -270,7 +270,7 @@ impl<const N: usize> Packet<N> {
     }
 
     /// Origin and directions in the local frame.
-    pub(crate) fn lanes_local(&self) -> (Vec3, Lanes<N>) {
+    pub(crate) fn lanes_local(&self) -> (Vec3, PacketVec3<N>) {
         (self.origin, self.directions)
     }
 
@@ -317,7 +317,7 @@ impl<const N: usize> Packet<N> {
                     lanes[axis][i] = dot(column, dx[i], dy[i], dz[i]);
                 }
             }
-            Lanes(lanes)
+            PacketVec3(lanes)
         };
         let reach = mesh.aabb.min.abs().max(mesh.aabb.max.abs()).max_element();
         let boxes = B::new(&lanes, origin.as_vec3(), reach);
@@ -348,7 +348,14 @@ impl<const N: usize> Packet<N> {
 
     /// Keeps the triangle in the lanes that hit it closest.
     #[inline(always)]
-    fn meet(&mut self, lanes: &Lanes<N>, seen: &SeenTriangles, which: usize, instance: u32, triangle: u32) {
+    fn meet(
+        &mut self,
+        lanes: &PacketVec3<N>,
+        seen: &SeenTriangles,
+        which: usize,
+        instance: u32,
+        triangle: u32,
+    ) {
         let offset = seen.offset[which];
         if offset == 0.0 {
             return; // Seen edge-on.

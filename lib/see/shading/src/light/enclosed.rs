@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use lanes::{Lanes, Vec3s};
 use render::{RenderError, Scene};
+use simd::{F32x8, Vec3x8};
 
 use super::lens::{HOUSES, Lens};
 use super::still::StillMaps;
@@ -48,10 +48,10 @@ impl Enclosed {
 
     /// The same at eight places.
     #[inline]
-    pub(crate) fn open_all(&self, positions: &Vec3s, facing: &Facing) -> Lanes {
+    pub(crate) fn open_all(&self, positions: &Vec3x8, facing: &Facing) -> F32x8 {
         if self.walls.side == 0 {
-            return Lanes::ONE;
+            return F32x8::ONE;
         }
-        Lanes::from(std::array::from_fn(|i| self.open(positions.lane(i), facing)))
+        F32x8::from(std::array::from_fn(|i| self.open(positions.lane(i), facing)))
     }
 }

@@ -1,8 +1,8 @@
 //! Fog and haze between a surface and the camera.
 
 use glam::Vec3;
-use lanes::{Lanes, exp_neg};
 use schema::tables::Weather;
+use simd::{F32x8, exp_neg};
 
 /// Haze of clear air per metre: visibility of about 60 km.
 const AIR_PER_M: f32 = 6e-5;
@@ -68,28 +68,28 @@ impl Fog {
 
     /// Share of light that passes from points at height `z` to a camera at `camera_z`, `distance_m` away.
     #[inline]
-    pub(crate) fn passes(&self, camera_z: f32, z: Lanes, distance_m: Lanes) -> Lanes {
+    pub(crate) fn passes(&self, camera_z: f32, z: F32x8, distance_m: F32x8) -> F32x8 {
         if self.is_clear() {
             // At most 0.06 within a camera's reach: the series' first terms are exact to 4e-5.
             let depth = distance_m * self.even_per_m;
-            return (1.0 - depth * (1.0 - depth * 0.5)).fast_max(Lanes::ZERO);
+            return (1.0 - depth * (1.0 - depth * 0.5)).fast_max(F32x8::ZERO);
         }
         // The mean of exp(-k h) along a straight line; a level line has one height.
-        let camera = Lanes::splat(camera_z);
+        let camera = F32x8::splat(camera_z);
         let (low, rise) = (camera.fast_min(z) - self.ground_z, (camera - z).abs());
         let k = self.per_height;
         let x = rise * k;
         let slanted = (1.0 - exp_neg(x)) / x;
         let mean = x.simd_gt(1e-3).select(slanted, 1.0 - x * 0.5);
-        let dense = exp_neg((low * k).fast_max(Lanes::ZERO)) * mean * self.ground_per_m;
-        let beyond = (distance_m - self.start_m).fast_max(Lanes::ZERO);
+        let dense = exp_neg((low * k).fast_max(F32x8::ZERO)) * mean * self.ground_per_m;
+        let beyond = (distance_m - self.start_m).fast_max(F32x8::ZERO);
         exp_neg(distance_m * self.even_per_m + dense * beyond)
     }
 
     /// The same for the sky in directions whose altitudes have these sines.
     #[inline]
-    pub(crate) fn passes_sky(&self, camera_z: f32, up: Lanes) -> Lanes {
-        let up = up.fast_max(Lanes::ZERO);
+    pub(crate) fn passes_sky(&self, camera_z: f32, up: F32x8) -> F32x8 {
+        let up = up.fast_max(F32x8::ZERO);
         // Looking up leaves a layer of haze a kilometre thick.
         let length = SKY_M / (up * (SKY_M / 700.0) + 1.0);
         let fog = self.passes(camera_z, up * length + camera_z, length);
@@ -119,7 +119,7 @@ mod tests {
     }
 
     fn passes(fog: &Fog, camera_z: f32, z: f32, distance_m: f32) -> f32 {
-        fog.passes(camera_z, Lanes::splat(z), Lanes::splat(distance_m)).to_array()[3]
+        fog.passes(camera_z, F32x8::splat(z), F32x8::splat(distance_m)).to_array()[3]
     }
 
     #[test]
@@ -164,7 +164,7 @@ mod tests {
         assert!(passes(100.0, 90.0) < 0.03);
         assert!(passes(10.0, 90.0) > 0.8);
         assert!(passes(50.0, 200.0) < passes(50.0, 100.0));
-        let sky = |up| fog(80.0, 1.0).passes_sky(1.6, Lanes::splat(up)).to_array()[0];
+        let sky = |up| fog(80.0, 1.0).passes_sky(1.6, F32x8::splat(up)).to_array()[0];
         assert!(sky(1.0) > sky(0.05));
     }
 }

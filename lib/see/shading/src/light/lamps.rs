@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::Vec3;
-use lanes::{LANES, Lanes, Vec3s, Words, floor_words};
 use rayon::prelude::*;
 use render::{RenderError, Scene};
 use schema::geometry::{Snapshot, Surface, TriMesh};
 use schema::{ObjectId, lights};
+use simd::{F32x8, LANES, U32x8, Vec3x8, floor_words};
 
 use super::math::luminance;
 use super::seen::{Outlook, Seen};
@@ -131,8 +131,8 @@ impl Lamps {
         let along = |i: usize| (i as f32 - 0.5 * (SIDE - 1) as f32) * APART_M;
         let mut sum = Vec3::ZERO;
         for row in 0..SIDE {
-            let places = Vec3s::from_fn(|i| centre + Vec3::new(along(i), along(row), 0.0));
-            let klx = self.illuminance(&places, &Vec3s::splat(Vec3::Z));
+            let places = Vec3x8::from_fn(|i| centre + Vec3::new(along(i), along(row), 0.0));
+            let klx = self.illuminance(&places, &Vec3x8::splat(Vec3::Z));
             for i in 0..SIDE {
                 let here = klx.lane(i);
                 sum += here * (SPOT_KLX / luminance(here).max(SPOT_KLX));
@@ -147,27 +147,27 @@ impl Lamps {
     }
 
     /// Illuminance of places of surfaces that look along the normals by the lamps around, kilolux.
-    pub(crate) fn illuminance(&self, positions: &Vec3s, normals: &Vec3s) -> Vec3s {
+    pub(crate) fn illuminance(&self, positions: &Vec3x8, normals: &Vec3x8) -> Vec3x8 {
         self.sum(positions, normals, None)
     }
 
     /// The same of retro-reflecting sheeting: what a white surface would have to get to be as bright for an eye.
-    pub(crate) fn returned(&self, positions: &Vec3s, normals: &Vec3s, eye: Vec3) -> Vec3s {
+    pub(crate) fn returned(&self, positions: &Vec3x8, normals: &Vec3x8, eye: Vec3) -> Vec3x8 {
         self.sum(positions, normals, Some(eye))
     }
 
-    fn sum(&self, positions: &Vec3s, normals: &Vec3s, eye: Option<Vec3>) -> Vec3s {
-        let mut left = Lanes::ZERO.simd_eq(0.0).to_bitmask();
-        let mut sum = Vec3s::default();
+    fn sum(&self, positions: &Vec3x8, normals: &Vec3x8, eye: Option<Vec3>) -> Vec3x8 {
+        let mut left = F32x8::ZERO.simd_eq(0.0).to_bitmask();
+        let mut sum = Vec3x8::default();
         for area in &self.areas {
             if left == 0 {
                 break;
             }
-            let cell = |v: Lanes, corner: f32| (v - corner) * (1.0 / area.cell_m);
+            let cell = |v: F32x8, corner: f32| (v - corner) * (1.0 / area.cell_m);
             let (x, y) = (cell(positions.x, area.corner.x), cell(positions.y, area.corner.y));
             let limit = CELLS as f32;
             let inside = x.simd_ge(0.0) & y.simd_ge(0.0) & x.simd_lt(limit) & y.simd_lt(limit);
-            let none = Lanes::ZERO;
+            let none = F32x8::ZERO;
             let cells =
                 floor_words(inside.select(y, none)) * CELLS as u32 + floor_words(inside.select(x, none));
             let mut here = inside.to_bitmask() & left;
@@ -175,15 +175,15 @@ impl Lamps {
             // Mostly all places are in one cell.
             while here != 0 {
                 let cell = cells.as_array()[here.trailing_zeros() as usize];
-                let alike = cells.simd_eq(Words::splat(cell));
+                let alike = cells.simd_eq(U32x8::splat(cell));
                 let bits = here & alike.to_bitmask();
                 here &= !bits;
-                let mut of_cell = Vec3s::default();
+                let mut of_cell = Vec3x8::default();
                 for &index in area.of(cell) {
                     self.lamps[usize::from(index)].add_to(&mut of_cell, positions, normals, eye);
                 }
-                let chosen = Lanes::from(std::array::from_fn(|i| if bits >> i & 1 != 0 { 1.0 } else { 0.0 }));
-                sum += of_cell.or(chosen.simd_gt(0.0), Vec3s::default());
+                let chosen = F32x8::from(std::array::from_fn(|i| if bits >> i & 1 != 0 { 1.0 } else { 0.0 }));
+                sum += of_cell.or(chosen.simd_gt(0.0), Vec3x8::default());
             }
         }
         sum
@@ -252,8 +252,8 @@ impl Lamp {
 
     /// Adds its light on places of surfaces; on sheeting that sends it back, as it looks to an eye.
     #[inline]
-    fn add_to(&self, sum: &mut Vec3s, positions: &Vec3s, normals: &Vec3s, eye: Option<Vec3>) {
-        let to = Vec3s::splat(self.position) - *positions;
+    fn add_to(&self, sum: &mut Vec3x8, positions: &Vec3x8, normals: &Vec3x8, eye: Option<Vec3>) {
+        let to = Vec3x8::splat(self.position) - *positions;
         let r2 = to.length_squared();
         let facing = to.dot(*normals);
         let reach2 = self.radius_m * self.radius_m;
@@ -261,20 +261,20 @@ impl Lamp {
         if reached.none() {
             return;
         }
-        let r2 = r2.fast_max(Lanes::splat(0.04));
+        let r2 = r2.fast_max(F32x8::splat(0.04));
         let r = r2.sqrt();
-        let along = |axis: Vec3| to.dot(Vec3s::splat(-axis)) / r;
+        let along = |axis: Vec3| to.dot(Vec3x8::splat(-axis)) / r;
         let spread = match self.beam {
             Beam::Street => street::intensity(along(self.direction)),
             Beam::Flood => {
-                let ahead = along(self.direction).fast_max(Lanes::ZERO);
+                let ahead = along(self.direction).fast_max(F32x8::ZERO);
                 ahead * ahead
             }
             Beam::Low | Beam::High => {
                 let left = self.up.cross(self.direction);
                 headlight::intensity(self.beam == Beam::High, [self.direction, left, self.up].map(along))
             }
-            Beam::Glow => Lanes::ONE,
+            Beam::Glow => F32x8::ONE,
         };
         let spread = match &self.seen {
             Some(seen) => spread * seen.reaches(positions, normals),
@@ -284,11 +284,11 @@ impl Lamp {
         let window = 1.0 - r2 * (1.0 / reach2);
         let mut strength = spread * facing / (r * r2) * (window * window);
         if let Some(eye) = eye {
-            let to_eye = Vec3s::splat(eye) - *positions;
-            let to_eye = to_eye * (1.0 / to_eye.length_squared().sqrt().fast_max(Lanes::splat(1e-3)));
+            let to_eye = Vec3x8::splat(eye) - *positions;
+            let to_eye = to_eye * (1.0 / to_eye.length_squared().sqrt().fast_max(F32x8::splat(1e-3)));
             strength *= retro::gain(&(to * (1.0 / r)), &to_eye, facing / r);
         }
-        *sum += Vec3s::splat(self.rgb) * reached.select(strength, Lanes::ZERO);
+        *sum += Vec3x8::splat(self.rgb) * reached.select(strength, F32x8::ZERO);
     }
 }
 
@@ -430,8 +430,8 @@ mod tests {
 
     /// The light on one place, asked for among others.
     fn at(lamps: &Lamps, position: Vec3, normal: Vec3) -> Vec3 {
-        let places = Vec3s::from_fn(|i| position + Vec3::X * (i as f32 - 3.0) * 20.0);
-        lamps.illuminance(&places, &Vec3s::splat(normal)).lane(3)
+        let places = Vec3x8::from_fn(|i| position + Vec3::X * (i as f32 - 3.0) * 20.0);
+        lamps.illuminance(&places, &Vec3x8::splat(normal)).lane(3)
     }
 
     #[test]
@@ -473,17 +473,17 @@ mod tests {
             let mut lit = 0;
             for k in 0..500 {
                 let half_m = if k % 2 == 0 { 96.0 } else { 150.0 };
-                let places = Vec3s::from_fn(|_| {
+                let places = Vec3x8::from_fn(|_| {
                     centre
                         + Vec3::new(uniform(-half_m, half_m), uniform(-half_m, half_m), uniform(-1.0, 12.0))
                 });
                 let normal =
                     Vec3::new(uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0)).normalize();
-                let normals = Vec3s::splat(normal);
-                let mut every = Vec3s::default();
+                let normals = Vec3x8::splat(normal);
+                let mut every = Vec3x8::default();
                 lamps.iter().for_each(|lamp| lamp.add_to(&mut every, &places, &normals, None));
                 let ours = by_cells.illuminance(&places, &normals);
-                for lane in 0..lanes::LANES {
+                for lane in 0..simd::LANES {
                     let (a, b) = (ours.lane(lane), every.lane(lane));
                     // Other orders of adding round otherwise.
                     assert!((a - b).abs().max_element() <= 1e-5 * b.max_element(), "{a} {b}");
@@ -538,7 +538,7 @@ mod tests {
         let (place, lamp) = (Vec3::new(2.0, 0.0, 0.0), street.lamps[0].position);
         let normal = (lamp - place).normalize();
         let returned = |eye: Vec3| {
-            street.returned(&Vec3s::splat(place), &Vec3s::splat(normal), eye).lane(0).x
+            street.returned(&Vec3x8::splat(place), &Vec3x8::splat(normal), eye).lane(0).x
                 / at(&street, place, normal).x
         };
         // 280 cd/(lx m2) where white paint has 1 / pi; 90 degrees off the lamp nothing is left.
@@ -573,8 +573,13 @@ mod tests {
             seen: None,
         };
         let wall = |beam, y: f32, z: f32| {
-            let mut sum = Vec3s::default();
-            lamp(beam).add_to(&mut sum, &Vec3s::splat(Vec3::new(10.0, y, z)), &Vec3s::splat(-Vec3::X), None);
+            let mut sum = Vec3x8::default();
+            lamp(beam).add_to(
+                &mut sum,
+                &Vec3x8::splat(Vec3::new(10.0, y, z)),
+                &Vec3x8::splat(-Vec3::X),
+                None,
+            );
             sum.lane(0).x
         };
         let low = |y, z| wall(Beam::Low, y, z);
@@ -589,11 +594,11 @@ mod tests {
         assert!((0.05..0.20).contains(&brightest), "{brightest}");
         // Driving beams light what is straight ahead, and nothing lights what is behind.
         assert!(wall(Beam::High, 0.0, 0.65) > 10.0 * low(0.0, 0.66));
-        let mut behind = Vec3s::default();
+        let mut behind = Vec3x8::default();
         lamp(Beam::Low).add_to(
             &mut behind,
-            &Vec3s::splat(Vec3::new(-5.0, 0.0, 0.3)),
-            &Vec3s::splat(Vec3::X),
+            &Vec3x8::splat(Vec3::new(-5.0, 0.0, 0.3)),
+            &Vec3x8::splat(Vec3::X),
             None,
         );
         assert_eq!(behind.lane(0), Vec3::ZERO);

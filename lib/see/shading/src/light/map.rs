@@ -1,9 +1,9 @@
 //! What a light sees, as depths by texel.
 
 use glam::Vec3;
-use lanes::{LANES, Lanes, Vec3s, floor_words};
 use rayon::prelude::*;
 use render::PinholeCamera;
+use simd::{F32x8, LANES, Vec3x8, floor_words};
 
 use super::lens::{BLOCK, Lens, Window};
 
@@ -170,27 +170,27 @@ impl Map {
 
     /// Columns, rows (texel centres at whole numbers) and depths of places.
     #[inline]
-    pub(super) fn project(&self, p: Vec3s) -> Vec3s {
-        let d = p - Vec3s::splat(self.origin);
-        let z = d.dot(Vec3s::splat(self.forward));
+    pub(super) fn project(&self, p: Vec3x8) -> Vec3x8 {
+        let d = p - Vec3x8::splat(self.origin);
+        let z = d.dot(Vec3x8::splat(self.forward));
         let scale = self.focal / z;
-        let (x, y) = (d.dot(Vec3s::splat(self.right)), d.dot(Vec3s::splat(self.down)));
-        Vec3s::new(x * scale + (self.centre[0] - 0.5), y * scale + (self.centre[1] - 0.5), z)
+        let (x, y) = (d.dot(Vec3x8::splat(self.right)), d.dot(Vec3x8::splat(self.down)));
+        Vec3x8::new(x * scale + (self.centre[0] - 0.5), y * scale + (self.centre[1] - 0.5), z)
     }
 
     /// Where texels all around a place, as many as `margin`, are on the map.
     #[inline]
-    pub(super) fn holds(&self, q: &Vec3s, margin: f32) -> Lanes {
+    pub(super) fn holds(&self, q: &Vec3x8, margin: f32) -> F32x8 {
         let (least, limit) = (2.0 + margin, (self.side - 2) as f32 - margin);
         q.x.simd_ge(least) & q.y.simd_ge(least) & q.x.simd_lt(limit) & q.y.simd_lt(limit)
     }
 
     /// 1 for places well within the map, 0 at its edge.
     #[inline]
-    pub(super) fn within(&self, q: &Vec3s) -> Lanes {
-        let limit = Lanes::splat(self.side as f32);
+    pub(super) fn within(&self, q: &Vec3x8) -> F32x8 {
+        let limit = F32x8::splat(self.side as f32);
         let inward = q.x.fast_min(q.y).fast_min((limit - q.x).fast_min(limit - q.y));
-        (inward * (1.0 / (FADING * self.side as f32))).fast_clamp(Lanes::ZERO, Lanes::ONE)
+        (inward * (1.0 / (FADING * self.side as f32))).fast_clamp(F32x8::ZERO, F32x8::ONE)
     }
 
     #[inline]
@@ -200,7 +200,7 @@ impl Map {
 
     /// Least and greatest heights around texels, and in which block each is.
     #[inline]
-    pub(super) fn block(&self, q: &Vec3s) -> ([Lanes; 2], [u32; LANES]) {
+    pub(super) fn block(&self, q: &Vec3x8) -> ([F32x8; 2], [u32; LANES]) {
         let per_side = self.side.div_ceil(BLOCK) as u32;
         let shift = BLOCK.ilog2();
         let index = ((floor_words(q.y) >> shift) * per_side + (floor_words(q.x) >> shift)).to_array();
@@ -212,13 +212,13 @@ impl Map {
     /// Shares of the texels around that see the places, each weighted by its overlap with a square two texels wide:
     /// edges of shadows are soft, as wide as three texels. `height` is that of the places; those not `wanted` get anything.
     #[inline]
-    pub(super) fn lit(&self, wanted: Lanes, q: &Vec3s, height: Lanes, bias_m: f32) -> Lit {
+    pub(super) fn lit(&self, wanted: F32x8, q: &Vec3x8, height: F32x8, bias_m: f32) -> Lit {
         // Somewhere on the map, where it does not matter.
-        let q = q.or(wanted, Vec3s::splat(Vec3::splat(2.0)));
+        let q = q.or(wanted, Vec3x8::splat(Vec3::splat(2.0)));
         let ([least, greatest], block) = self.block(&q);
         let above = greatest.simd_le(height + LEVEL_M);
         let all_around = above | least.simd_gt(height + COVER_M);
-        let mut share = above.select(Lanes::ONE, Lanes::ZERO);
+        let mut share = above.select(F32x8::ONE, F32x8::ZERO);
         let mixed = wanted & !all_around;
         if mixed.any() {
             share = mixed.select(self.soft(mixed.to_bitmask(), &q, bias_m), share);
@@ -227,7 +227,7 @@ impl Map {
     }
 
     /// As [`lit`](Self::lit), from the texels; of the lanes whose bits are set.
-    fn soft(&self, mut wanted: u32, q: &Vec3s, bias_m: f32) -> Lanes {
+    fn soft(&self, mut wanted: u32, q: &Vec3x8, bias_m: f32) -> F32x8 {
         let mut share = [0.0; LANES];
         while wanted != 0 {
             let i = wanted.trailing_zeros() as usize;
@@ -258,7 +258,7 @@ impl Map {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lit {
     /// Share of the light's disc that is seen, 0 to 1.
-    pub(crate) share: Lanes,
+    pub(crate) share: F32x8,
     /// Where it is the same in the whole neighbourhood: bits by lane.
     pub(crate) all_around: u32,
     /// Which neighbourhood: number of a block of texels.
@@ -268,6 +268,6 @@ pub(crate) struct Lit {
 impl Lit {
     /// No light, wherever.
     pub(crate) fn none() -> Self {
-        Self { share: Lanes::ZERO, all_around: u32::from(u8::MAX), block: [u32::MAX; LANES] }
+        Self { share: F32x8::ZERO, all_around: u32::from(u8::MAX), block: [u32::MAX; LANES] }
     }
 }

@@ -1,7 +1,7 @@
 //! A share that runs evenly over a triangle.
 
 use glam::Vec3;
-use lanes::{Lanes, Vec3s};
+use simd::{F32x8, Vec3x8};
 
 /// A number along a triangle, linear in its plane between those of its corners.
 #[derive(Clone, Copy, Debug)]
@@ -27,9 +27,9 @@ impl Ramp {
 
     /// The shares at points of the triangle (object frame, metres), 0 to 1.
     #[inline]
-    pub(crate) fn at(&self, position_object: &Vec3s) -> Lanes {
-        let along = (*position_object - Vec3s::splat(self.corner)).dot(Vec3s::splat(self.slope));
-        (along + self.first).fast_clamp(Lanes::ZERO, Lanes::ONE)
+    pub(crate) fn at(&self, position_object: &Vec3x8) -> F32x8 {
+        let along = (*position_object - Vec3x8::splat(self.corner)).dot(Vec3x8::splat(self.slope));
+        (along + self.first).fast_clamp(F32x8::ZERO, F32x8::ONE)
     }
 }
 
@@ -45,11 +45,11 @@ mod tests {
         let at = |i: usize| {
             corners.get(i).copied().unwrap_or(if i == 3 { middle } else { corners[1] * 2.0 - corners[0] })
         };
-        let got = ramp.at(&Vec3s::from_fn(at)).to_array();
+        let got = ramp.at(&Vec3x8::from_fn(at)).to_array();
         for (got, want) in got.into_iter().zip([0.2, 0.9, 0.5, 1.6 / 3.0, 1.0]) {
             assert!((got - want).abs() < 1e-5, "{got} {want}");
         }
         let none = Ramp::new([corners[0]; 3], [0.2, 0.9, 0.4]);
-        assert!((none.at(&Vec3s::splat(middle)).to_array()[0] - 0.5).abs() < 1e-6);
+        assert!((none.at(&Vec3x8::splat(middle)).to_array()[0] - 0.5).abs() < 1e-6);
     }
 }

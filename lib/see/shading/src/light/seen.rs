@@ -1,10 +1,10 @@
 //! What stands in the way of a lamp's light: a map of what it sees.
 
 use glam::{Affine3A, Mat3A, Vec3};
-use lanes::{Lanes, Vec3s};
 use render::{PinholeCamera, RenderError, Scene, Stipple};
 use schema::ObjectId;
 use schema::geometry::Instance;
+use simd::{F32x8, Vec3x8};
 
 use super::lens::depths;
 use super::walls::is_ground;
@@ -78,22 +78,22 @@ impl Seen {
     /// Share of the light that reaches places of surfaces that look along the normals: 1, or 0 behind what is in the way; of the four
     /// texels around each.
     #[inline]
-    pub(super) fn reaches(&self, positions: &Vec3s, normals: &Vec3s) -> Lanes {
+    pub(super) fn reaches(&self, positions: &Vec3x8, normals: &Vec3x8) -> F32x8 {
         let turn = glam::Mat3::from(self.optical_from_local.matrix3);
-        let q = positions.turned(&turn) + Vec3s::splat(self.optical_from_local.translation.into());
+        let q = positions.turned(&turn) + Vec3x8::splat(self.optical_from_local.translation.into());
         // From before the surface, the more the beam runs along it: its depth changes much from texel to texel, and it would shade itself.
         let n = normals.turned(&turn);
         let facing = q.dot(n);
         let along =
-            (1.0 - facing * facing / q.length_squared().fast_max(Lanes::splat(1e-6))).fast_max(Lanes::ZERO);
+            (1.0 - facing * facing / q.length_squared().fast_max(F32x8::splat(1e-6))).fast_max(F32x8::ZERO);
         let q = q + n * (along * q.z.abs() * (OFF / self.camera.fx));
         let is_ahead = q.z.simd_gt(NEAR_M);
-        let z = is_ahead.select(q.z, Lanes::ONE);
+        let z = is_ahead.select(q.z, F32x8::ONE);
         let column = (q.x / z * self.camera.fx + (self.camera.cx - 0.5)).to_array();
         let row = (q.y / z * self.camera.fy + (self.camera.cy - 0.5)).to_array();
         let (near, nearest) = (is_ahead.to_bitmask(), (z * (1.0 - THICK_SHARE) - THICK_M).to_array());
         let (columns, rows) = (self.camera.width as usize, self.camera.height as usize);
-        Lanes::from(std::array::from_fn(|i| {
+        F32x8::from(std::array::from_fn(|i| {
             let (x, y) = (column[i], row[i]);
             let inside = x >= 0.0 && y >= 0.0 && x < (columns - 1) as f32 && y < (rows - 1) as f32;
             if !inside || near >> i & 1 == 0 {
@@ -134,7 +134,7 @@ mod tests {
         let lamps = Vec3::new(0.4, 0.0, 0.65);
         let seen =
             Seen::new(&*scene, 1, lamps, [Vec3::X, Vec3::Z], &Outlook::HEADLIGHT).expect("has no device");
-        let share = |place: Vec3| seen.reaches(&Vec3s::splat(place), &Vec3s::splat(-Vec3::X)).to_array()[3];
+        let share = |place: Vec3| seen.reaches(&Vec3x8::splat(place), &Vec3x8::splat(-Vec3::X)).to_array()[3];
         let lit = |x: f32, y: f32, z: f32| share(Vec3::new(x, y, z)) > 0.5;
         // Its face itself, and what is before it and beside it.
         assert!(lit(10.0, 0.3, 0.7) && lit(6.0, 0.0, 0.0) && lit(20.0, 6.0, 0.0));
@@ -162,10 +162,10 @@ mod tests {
             renderer.prepare(&snapshot.meshes).expect("has no device");
             let scene = renderer.place(&snapshot).expect("all meshes are prepared");
             let seen = Seen::new(&*scene, 1, Vec3::Z, [Vec3::X, Vec3::Z], &outlook).expect("has no device");
-            let normal = Vec3s::splat(-Vec3::Y);
+            let normal = Vec3x8::splat(-Vec3::Y);
             for k in 0..400 {
                 let place = Vec3::new(3.0 + 0.11 * k as f32, off_m, 0.5 + 0.003 * k as f32);
-                let share = seen.reaches(&Vec3s::splat(place), &normal).to_array()[3];
+                let share = seen.reaches(&Vec3x8::splat(place), &normal).to_array()[3];
                 assert!(share > 0.99, "{place}: {share}");
             }
         }
@@ -183,8 +183,8 @@ mod tests {
         let scene = renderer.place(&snapshot).expect("all meshes are prepared");
         let axes = [-Vec3::Z, Vec3::X];
         let seen = Seen::new(&*scene, 1, 8.0 * Vec3::Z, axes, &Outlook::WIDE).expect("has no device");
-        let up = Vec3s::splat(Vec3::Z);
-        let share = |x: f32, y: f32| seen.reaches(&Vec3s::splat(Vec3::new(x, y, 0.0)), &up).to_array()[3];
+        let up = Vec3x8::splat(Vec3::Z);
+        let share = |x: f32, y: f32| seen.reaches(&Vec3x8::splat(Vec3::new(x, y, 0.0)), &up).to_array()[3];
         // Its far upper edge lies at 7 m, so its shadow ends at 7 * 8 / 6.4.
         let end = 7.0 * 8.0 / 6.4;
         for (x, want) in [(2.8, 1.0), (3.3, 0.0), (end - 0.3, 0.0), (end + 0.2, 1.0), (15.0, 1.0)] {

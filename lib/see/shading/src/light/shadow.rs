@@ -6,9 +6,9 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use lanes::{LANES, Lanes, Vec3s, floor_words, lerp};
 use rayon::prelude::*;
 use render::{RenderError, Scene};
+use simd::{F32x8, LANES, Vec3x8, floor_words, lerp};
 
 use super::lens::{ABOVE, BLOCK, Lens, MAPS, Window};
 use super::map::{AROUND, Lit, Map};
@@ -92,14 +92,14 @@ pub(crate) struct Shadows {
 impl Shadows {
     /// How much of the light reaches places of one surface; all of it beyond the maps.
     #[inline]
-    pub(crate) fn lit(&self, positions: &Vec3s, normal: Vec3) -> Lit {
+    pub(crate) fn lit(&self, positions: &Vec3x8, normal: Vec3) -> Lit {
         // Off the surface by a texel, so that it does not shade itself; more where light grazes it.
         let facing = normal.dot(self.to_light).clamp(0.05, 1.0);
         let lift = 1.0 + 1.5 * (1.0 - facing);
-        let mut lit = Lit { share: Lanes::ONE, all_around: u32::from(u8::MAX), block: [u32::MAX; LANES] };
-        let mut left = Lanes::ZERO.simd_eq(0.0);
+        let mut lit = Lit { share: F32x8::ONE, all_around: u32::from(u8::MAX), block: [u32::MAX; LANES] };
+        let mut left = F32x8::ZERO.simd_eq(0.0);
         for (level, map) in self.maps.iter().enumerate() {
-            let q = map.project(*positions + Vec3s::splat(normal * (map.texel_m * lift)));
+            let q = map.project(*positions + Vec3x8::splat(normal * (map.texel_m * lift)));
             let here = left & map.holds(&q, 0.0);
             if here.none() {
                 continue;
@@ -152,37 +152,37 @@ pub(crate) struct Overhead {
 impl Overhead {
     /// Share of the light of the sky that reaches places of one surface, 0 to 1; 1 beyond the map.
     #[inline]
-    pub(crate) fn open(&self, positions: &Vec3s, normal: Vec3) -> Lanes {
+    pub(crate) fn open(&self, positions: &Vec3x8, normal: Vec3) -> F32x8 {
         let map = &self.map;
         // Looked at from a little off the surface: a wall is not under its own roof.
-        let q = map.project(*positions + Vec3s::splat(normal * (1.5 * SPREAD_M)));
+        let q = map.project(*positions + Vec3x8::splat(normal * (1.5 * SPREAD_M)));
         let spread = SPREAD_M / map.texel_m;
         let here = map.holds(&q, spread);
         if here.none() {
-            return Lanes::ONE;
+            return F32x8::ONE;
         }
-        let q = q.or(here, Vec3s::splat(Vec3::splat(2.0 + spread)));
+        let q = q.or(here, Vec3x8::splat(Vec3::splat(2.0 + spread)));
         let ([_, highest], _) = map.block(&q);
         let covered = here & highest.simd_gt(positions.z + LEAST_ABOVE_M);
         if covered.none() {
-            return Lanes::ONE;
+            return F32x8::ONE;
         }
-        let mut hidden = Lanes::ZERO;
+        let mut hidden = F32x8::ZERO;
         for (dx, dy) in [(-1.0, -0.4), (0.4, -1.0), (1.0, 0.4), (-0.4, 1.0)] {
             let (x, y) = (q.x + spread * dx, q.y + spread * dy);
             let (x0, y0) = (x.floor(), y.floor());
             let (columns, rows) = (floor_words(x0).to_array(), floor_words(y0).to_array());
-            let texel = |right: usize, down: usize| -> Lanes {
+            let texel = |right: usize, down: usize| -> F32x8 {
                 let depth: [f32; LANES] =
                     std::array::from_fn(|i| map.at(columns[i] as usize + right, rows[i] as usize + down));
-                hides(q.z - Lanes::from(depth))
+                hides(q.z - F32x8::from(depth))
             };
             let (fx, fy) = (x - x0, y - y0);
             let upper = lerp(texel(0, 0), texel(1, 0), fx);
             let lower = lerp(texel(0, 1), texel(1, 1), fx);
             hidden += lerp(upper, lower, fy);
         }
-        covered.select(1.0 - hidden * 0.2, Lanes::ONE)
+        covered.select(1.0 - hidden * 0.2, F32x8::ONE)
     }
 }
 
@@ -194,8 +194,8 @@ const LEAST_ABOVE_M: f32 = 0.25;
 /// How much of the sky something so far above hides: a roof close above nearly everything; a bridge lets light in from the
 /// sides.
 #[inline]
-fn hides(above_m: Lanes) -> Lanes {
-    above_m.simd_gt(LEAST_ABOVE_M).select(1.0 / (above_m * 0.12 + 1.0), Lanes::ZERO)
+fn hides(above_m: F32x8) -> F32x8 {
+    above_m.simd_gt(LEAST_ABOVE_M).select(1.0 / (above_m * 0.12 + 1.0), F32x8::ZERO)
 }
 
 #[cfg(test)]
@@ -284,7 +284,7 @@ mod tests {
             let (mut wrong, mut shaded) = (0, 0);
             for (p, hit) in places.iter().zip(hits) {
                 let want = if hit.get(0).is_some() { 0.0 } else { 1.0 };
-                let got = shadows.lit(&Vec3s::splat(*p), Vec3::Z).share.to_array()[2];
+                let got = shadows.lit(&Vec3x8::splat(*p), Vec3::Z).share.to_array()[2];
                 shaded += i32::from(want == 0.0);
                 wrong += i32::from((got - want).abs() > 0.5);
             }
@@ -302,7 +302,8 @@ mod tests {
         snapshot.instances.truncate(2);
         snapshot.instances[1].local_from_object = Affine3A::IDENTITY;
         with_shadows(&snapshot, Vec3::new(0.3, 0.0, 1.0).normalize(), |_, shadows, _| {
-            let at = |x: f32| shadows.lit(&Vec3s::splat(Vec3::new(x, 3.0, 0.0)), Vec3::Z).share.to_array()[1];
+            let at =
+                |x: f32| shadows.lit(&Vec3x8::splat(Vec3::new(x, 3.0, 0.0)), Vec3::Z).share.to_array()[1];
             for x in [0.0, 30.0, 80.0, -110.0] {
                 assert!(at(x) < 1e-3, "{x}: {}", at(x));
             }
@@ -371,7 +372,7 @@ mod tests {
             for i in 0..40_000u16 {
                 let place = Vec3::new(f32::from(i % 200) - 100.0, f32::from(i / 200) - 100.0, 0.0);
                 let [some, all] =
-                    [&some, &all].map(|maps| maps.lit(&Vec3s::splat(place), Vec3::Z).share.to_array()[0]);
+                    [&some, &all].map(|maps| maps.lit(&Vec3x8::splat(place), Vec3::Z).share.to_array()[0]);
                 assert_eq!(some, all, "{place} {to_light}");
                 shaded += i32::from(all < 0.5);
             }
@@ -382,7 +383,7 @@ mod tests {
     #[test]
     fn it_is_dark_under_a_low_roof_only() {
         with_shadows(&scene_of([0.0; 3]), Vec3::Z, |_, _, overhead| {
-            let open = |p: Vec3| overhead.open(&Vec3s::splat(p), Vec3::Z).to_array()[6];
+            let open = |p: Vec3| overhead.open(&Vec3x8::splat(p), Vec3::Z).to_array()[6];
             assert!(open(Vec3::new(3.0, 2.0, 0.0)) < 0.4);
             assert_eq!(open(Vec3::new(-8.0, 0.0, 0.0)), 1.0);
             assert_eq!(open(Vec3::new(3.0, 2.0, 1.5)), 1.0);

@@ -2,9 +2,9 @@
 
 use crate::textures::Noise;
 use glam::{Vec2, Vec3};
-use lanes::{Lanes, Vec3s, exp_neg, floor_words};
 use rayon::prelude::*;
 use schema::tables::Weather;
+use simd::{F32x8, Vec3x8, exp_neg, floor_words};
 
 use super::atmosphere::Atmosphere;
 use super::fog;
@@ -196,19 +196,19 @@ impl Sky {
 
     /// Radiance from directions (world axes), without the sun's disc.
     #[inline]
-    pub(crate) fn radiance(&self, directions: &Vec3s) -> Vec3s {
+    pub(crate) fn radiance(&self, directions: &Vec3x8) -> Vec3x8 {
         let z = directions.z;
         let up = z.simd_gt(0.0);
-        let mut above = Vec3s::default();
+        let mut above = Vec3x8::default();
         if up.any() {
-            let scale = 0.5 * SIDE as f32 / (z.fast_max(Lanes::ZERO) + 1.0);
-            let limit = Lanes::splat((SIDE - 1) as f32 - 1e-2);
-            let place = |v: Lanes| (v * scale + (0.5 * SIDE as f32 - 0.5)).fast_clamp(Lanes::ZERO, limit);
+            let scale = 0.5 * SIDE as f32 / (z.fast_max(F32x8::ZERO) + 1.0);
+            let limit = F32x8::splat((SIDE - 1) as f32 - 1e-2);
+            let place = |v: F32x8| (v * scale + (0.5 * SIDE as f32 - 0.5)).fast_clamp(F32x8::ZERO, limit);
             let (x, y) = (place(directions.x), place(directions.y));
             let (x0, y0) = (x.floor(), y.floor());
             let index = (floor_words(y0) * SIDE as u32 + floor_words(x0)).to_array();
             let (fx, fy) = ((x - x0).to_array(), (y - y0).to_array());
-            above = Vec3s::from_fn(|i| {
+            above = Vec3x8::from_fn(|i| {
                 let first = index[i] as usize;
                 let at = |i: usize| self.texels.get(i).copied().unwrap_or(Texel::ZERO);
                 let mix = |a: Texel, b: Texel, share: f32| a + (b - a) * share;
@@ -222,25 +222,25 @@ impl Sky {
             }
         }
         // The far ground goes over into haze at the horizon.
-        let haze = exp_neg((z * -12.0).fast_max(Lanes::ZERO));
-        let below = Vec3s::splat(self.ground).lerp(Vec3s::splat(self.horizon), haze);
+        let haze = exp_neg((z * -12.0).fast_max(F32x8::ZERO));
+        let below = Vec3x8::splat(self.ground).lerp(Vec3x8::splat(self.horizon), haze);
         above.or(up, below)
     }
 
     /// Radiance of what a camera sees in directions: sky with the sun's or moon's disc.
     #[inline]
-    pub(crate) fn seen(&self, directions: &Vec3s) -> Vec3s {
+    pub(crate) fn seen(&self, directions: &Vec3x8) -> Vec3x8 {
         let sky = self.radiance(directions);
         // 1 - cos is half the angle squared.
-        let off2 = (1.0 - directions.dot(Vec3s::splat(self.key_direction))).fast_max(Lanes::ZERO) * 2.0;
+        let off2 = (1.0 - directions.dot(Vec3x8::splat(self.key_direction))).fast_max(F32x8::ZERO) * 2.0;
         let edge = off2 * (1.0 / (SUN_RADIUS * SUN_RADIUS));
         let near = edge.simd_lt(4000.0);
         if near.none() {
             return sky;
         }
         let glare = (1.0 - edge * (1.0 / 4000.0)) * 0.015 / (edge * 0.02 + 1.0);
-        let disc = (1.5 - edge).fast_clamp(Lanes::ZERO, Lanes::ONE);
-        sky + Vec3s::splat(self.disc) * near.select(disc + glare, Lanes::ZERO)
+        let disc = (1.5 - edge).fast_clamp(F32x8::ZERO, F32x8::ONE);
+        sky + Vec3x8::splat(self.disc) * near.select(disc + glare, F32x8::ZERO)
     }
 }
 
@@ -390,7 +390,7 @@ mod tests {
     use super::*;
 
     fn radiance(sky: &Sky, direction: Vec3) -> Vec3 {
-        sky.radiance(&Vec3s::splat(direction)).lane(5)
+        sky.radiance(&Vec3x8::splat(direction)).lane(5)
     }
 
     #[test]

@@ -4,9 +4,9 @@
 //! sees in that direction: distances are left out of account.
 
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
-use lanes::{LANES, Lanes, Vec3s, floor_words};
 use render::{Facet, PinholeCamera, RayBatch, RayQuery, RenderError, Scene, Surfaces, VisibilityBuffer};
 use schema::geometry::Surface;
+use simd::{F32x8, LANES, Vec3x8, floor_words};
 
 use super::fog::Fog;
 use super::lamps::Lamps;
@@ -93,12 +93,12 @@ impl Skyline {
 
     /// Radiance from directions (world axes) in which the sky would have such a one.
     #[inline]
-    pub(crate) fn before(&self, sky: &Vec3s, directions: &Vec3s) -> Vec3s {
-        let Vec3s { x, y, z } = *directions;
+    pub(crate) fn before(&self, sky: &Vec3x8, directions: &Vec3x8) -> Vec3x8 {
+        let Vec3x8 { x, y, z } = *directions;
         let along_x = x.abs().simd_ge(y.abs());
         let ahead = along_x.select(x, y);
         let forward = ahead.simd_ge(0.0);
-        let depth = ahead.abs().fast_max(Lanes::splat(1e-6));
+        let depth = ahead.abs().fast_max(F32x8::splat(1e-6));
         let slope = z / depth;
         let is_seen = slope.simd_lt(HIGHEST) & slope.simd_gt(LOWEST);
         if is_seen.none() {
@@ -108,18 +108,18 @@ impl Skyline {
         let aside = along_x.select(y * -1.0, x);
         let right = forward.select(aside, aside * -1.0) / depth;
         let scale = 0.5 * SIDE as f32;
-        let place = |v: Lanes| (v * scale - 0.5).fast_clamp(Lanes::ZERO, Lanes::splat(SIDE as f32 - 1.001));
+        let place = |v: F32x8| (v * scale - 0.5).fast_clamp(F32x8::ZERO, F32x8::splat(SIDE as f32 - 1.001));
         let (column, row) = (place(right + 1.0), place(HIGHEST - slope));
         let (column0, row0) = (column.floor(), row.floor());
         let picture =
-            along_x.select(Lanes::ZERO, Lanes::ONE) + forward.select(Lanes::ZERO, Lanes::splat(2.0));
+            along_x.select(F32x8::ZERO, F32x8::ONE) + forward.select(F32x8::ZERO, F32x8::splat(2.0));
         let index = (floor_words(picture) * (SIDE * SIDE) as u32
             + floor_words(row0) * SIDE as u32
             + floor_words(column0))
         .to_array();
         let (fx, fy) = ((column - column0).to_array(), (row - row0).to_array());
         let seen = is_seen.to_bitmask();
-        Vec3s::from_fn(|i| {
+        Vec3x8::from_fn(|i| {
             if seen >> i & 1 == 0 {
                 return sky.lane(i);
             }
@@ -140,24 +140,24 @@ impl Seen<'_> {
         facet: &Facet<'_, '_>,
         columns: &[u32; LANES],
         y: u32,
-    ) -> Vec3s {
+    ) -> Vec3x8 {
         let (sky, normal) = (self.sky, facet.normal_local);
         let places = facet.points(buffer, columns, y).position_local;
         let [level, along_x, along_y, along_z] = sky.ambient;
         let ambient =
             level + along_x * normal.x + along_y * normal.y + along_z * normal.z + sky.bounced_klx();
         let facing = normal.dot(sky.key_direction).max(0.0);
-        let mut klx = Vec3s::splat(ambient.max(Vec3::ZERO));
+        let mut klx = Vec3x8::splat(ambient.max(Vec3::ZERO));
         if facing > 0.0 {
-            klx += Vec3s::splat(sky.key_klx * facing) * self.shadows.lit(&places, normal).share;
+            klx += Vec3x8::splat(sky.key_klx * facing) * self.shadows.lit(&places, normal).share;
         }
         if !self.lamps.is_empty() {
-            klx += self.lamps.illuminance(&places, &Vec3s::splat(normal));
+            klx += self.lamps.illuminance(&places, &Vec3x8::splat(normal));
         }
-        let out = klx * Vec3s::splat(albedo(facet) / std::f32::consts::PI);
+        let out = klx * Vec3x8::splat(albedo(facet) / std::f32::consts::PI);
         let eye = Vec3::from(buffer.camera.local_from_optical.translation);
-        let away_m = (places - Vec3s::splat(eye)).length_squared().sqrt();
-        Vec3s::splat(self.fog.rgb).lerp(out, self.fog.passes(eye.z, places.z, away_m))
+        let away_m = (places - Vec3x8::splat(eye)).length_squared().sqrt();
+        Vec3x8::splat(self.fog.rgb).lerp(out, self.fog.passes(eye.z, places.z, away_m))
     }
 }
 
@@ -270,7 +270,7 @@ mod tests {
         let want = (klx.x + facing) * 0.5 / std::f32::consts::PI;
         let sky = Vec3::new(0.0, 0.0, 7.0);
         let seen =
-            |way: Vec3| light.skyline.before(&Vec3s::splat(sky), &Vec3s::splat(way.normalize())).lane(3);
+            |way: Vec3| light.skyline.before(&Vec3x8::splat(sky), &Vec3x8::splat(way.normalize())).lane(3);
         // The wall's upper edge is 10 m over the place that looks: a slope of 0.5, and it ends at 45 degrees to both sides.
         for way in [Vec3::X, Vec3::new(1.0, 0.6, 0.3), Vec3::new(1.0, -0.9, 0.4), Vec3::new(1.0, 0.9, -0.2)] {
             let got = seen(way);

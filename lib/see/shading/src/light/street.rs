@@ -1,6 +1,6 @@
 //! What street lamps give in each direction.
 
-use lanes::{Lanes, smoothstep};
+use simd::{F32x8, smoothstep};
 
 /// Their light is followed so far, metres.
 pub(super) const REACH_M: f32 = 40.0;
@@ -16,9 +16,9 @@ pub(super) const CD_PER_LM: f32 = OUTPUT / SHAPE_SR;
 /// Intensity by cosines of the angles from straight down, in [`CD_PER_LM`]: more to the sides than below, so that the road between
 /// two lamps is lit.
 #[inline]
-pub(super) fn intensity(down: Lanes) -> Lanes {
+pub(super) fn intensity(down: F32x8) -> F32x8 {
     let [dark, full] = CUT_OFF;
-    down.fast_max(Lanes::ZERO) * (1.4 - down * 0.8) * smoothstep(dark, full, down)
+    down.fast_max(F32x8::ZERO) * (1.4 - down * 0.8) * smoothstep(dark, full, down)
 }
 
 #[cfg(test)]
@@ -31,12 +31,12 @@ mod tests {
         const RINGS: usize = 20_000;
         let ring = |k: usize| 1.0 - 2.0 * (k as f32 + 0.5) / RINGS as f32;
         let sum: f64 =
-            (0..RINGS).map(|k| f64::from(intensity(Lanes::splat(ring(k))).to_array()[0])).sum::<f64>();
+            (0..RINGS).map(|k| f64::from(intensity(F32x8::splat(ring(k))).to_array()[0])).sum::<f64>();
         let shape_sr = sum * 4.0 * std::f64::consts::PI / RINGS as f64;
         assert!((shape_sr - f64::from(SHAPE_SR)).abs() < 1e-3, "{shape_sr}");
         // Nothing goes up, or nearly level.
         for down in [-1.0f32, -0.3, 0.0, 0.16] {
-            assert_eq!(intensity(Lanes::splat(down)).to_array()[0], 0.0, "{down}");
+            assert_eq!(intensity(F32x8::splat(down)).to_array()[0], 0.0, "{down}");
         }
     }
 }

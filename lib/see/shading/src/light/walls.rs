@@ -6,11 +6,11 @@
 //! added up from it in closed form and kept. Places between cells and heights are interpolated.
 
 use glam::{DVec3, Vec3};
-use lanes::Lanes;
 use rayon::prelude::*;
 use render::{RenderError, Scene, Stipple};
 use schema::Tag;
 use schema::geometry::TriMesh;
+use simd::F32x8;
 
 use super::lens::{Lens, depths};
 
@@ -157,7 +157,7 @@ impl Walls {
             .map(|cell| {
                 let middle = |at: usize| (at * CELL) as f32 + 0.5 * CELL as f32;
                 let place = [middle(cell % side), middle(cell / side)];
-                let levels = Lanes::from(std::array::from_fn(|l| (l * l) as f32 + LOWEST_M + ground[cell]));
+                let levels = F32x8::from(std::array::from_fn(|l| (l * l) as f32 + LOWEST_M + ground[cell]));
                 around.left(
                     place,
                     levels,
@@ -234,19 +234,19 @@ impl Around {
     fn left(
         &self,
         [x, y]: [f32; 2],
-        levels: Lanes,
+        levels: F32x8,
         column_m: impl Fn(f32, f32) -> f32,
         texel_m: f32,
     ) -> ([Left; LEVELS], u32) {
         let within = (levels + 0.5).simd_lt(column_m(x, y)).to_bitmask();
-        let [mut east, mut north, mut west, mut south, mut up] = [Lanes::ZERO; 5];
+        let [mut east, mut north, mut west, mut south, mut up] = [F32x8::ZERO; 5];
         for [cos, sin] in self.ways {
-            let mut slope = Lanes::ZERO;
+            let mut slope = F32x8::ZERO;
             for away_m in STEPS_M {
                 let away = away_m / texel_m;
                 let height = column_m(x + cos * away, y + sin * away);
                 if height > f32::NEG_INFINITY {
-                    slope = slope.fast_max((Lanes::splat(height) - levels) * (1.0 / away_m));
+                    slope = slope.fast_max((F32x8::splat(height) - levels) * (1.0 / away_m));
                 }
             }
             let horizon = slope / (slope * slope + 1.0).sqrt();
@@ -260,20 +260,20 @@ impl Around {
         let mean = (east + north + west + south) * 0.25;
         let (more_east, more_north) = ((east - west) * 0.5, (north - south) * 0.5);
         let up = up * (1.0 / AZIMUTHS as f32);
-        let [a, b, c, d] = [mean, more_east, more_north, up].map(Lanes::to_array);
+        let [a, b, c, d] = [mean, more_east, more_north, up].map(F32x8::to_array);
         (std::array::from_fn(|l| Left::new([a[l], b[l], c[l], d[l]])), within)
     }
 }
 
 /// What a surface that faces a direction gets of the sky over a horizon there, by the horizon's sine: half of `pi / 2 - h - sin h cos h`.
 #[inline]
-fn side(horizon: Lanes) -> Lanes {
+fn side(horizon: F32x8) -> F32x8 {
     // Arc cosine: Abramowitz and Stegun, 4.4.45, within 7e-5.
     let x = horizon;
     let series = ((x * -0.018_729_3 + 0.074_261) * x - 0.212_114_4) * x + 1.570_728_8;
-    let acos = (1.0 - x).fast_max(Lanes::ZERO).sqrt() * series;
-    let cos = (1.0 - x * x).fast_max(Lanes::ZERO).sqrt();
-    ((acos - x * cos) * 0.5).fast_max(Lanes::ZERO)
+    let acos = (1.0 - x).fast_max(F32x8::ZERO).sqrt() * series;
+    let cos = (1.0 - x * x).fast_max(F32x8::ZERO).sqrt();
+    ((acos - x * cos) * 0.5).fast_max(F32x8::ZERO)
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use crate::textures::Noise;
 use glam::Vec3;
-use lanes::{Lanes, Vec3s};
 use schema::geometry::Weave;
+use simd::{F32x8, Vec3x8};
 
 use super::facet::{Facet, Look, Points};
 use super::pattern::{Width, bars};
@@ -26,7 +26,7 @@ const DARK: Vec3 = Vec3::new(0.03, 0.035, 0.05);
 pub(super) fn clothes(noise: &Noise, weave: Weave, facet: &Facet<'_>, rgb: Vec3, p: &Points) -> Look {
     let (o, w) = (&p.object_m, p.footprint_m);
     let grain = noise.at_all((o.x + o.z * 0.37) * 90.0, (o.y + o.z * 0.61) * 90.0, w * 90.0) - 0.5;
-    let even = Vec3s::splat(rgb);
+    let even = Vec3x8::splat(rgb);
     let albedo = match weave {
         Weave::Plain => even * (grain * 0.2 + 1.0),
         // Worn lighter where it is rubbed.
@@ -40,14 +40,14 @@ pub(super) fn clothes(noise: &Noise, weave: Weave, facet: &Facet<'_>, rgb: Vec3,
         }
         Weave::Stripes => {
             let light = bars(o.z * 14.0, 0.42, Width::new(w * 14.0));
-            even.lerp(Vec3s::splat(second(rgb)), light) * (grain * 0.2 + 1.0)
+            even.lerp(Vec3x8::splat(second(rgb)), light) * (grain * 0.2 + 1.0)
         }
         // Darker where bands cross. Upright ones go along what the cloth runs along most.
         Weave::Checks => {
             let n = facet.normal_object.abs();
             let across = if n.x > n.y { o.y } else { o.x };
             let [upright, around] = [across, o.z].map(|v| bars(v * 11.0, 0.38, Width::new(w * 11.0)));
-            even.lerp(Vec3s::splat(second(rgb)), (upright + around) * 0.5) * (grain * 0.2 + 1.0)
+            even.lerp(Vec3x8::splat(second(rgb)), (upright + around) * 0.5) * (grain * 0.2 + 1.0)
         }
     };
     let widths = w.as_array();
@@ -67,7 +67,7 @@ fn second(rgb: Vec3) -> Vec3 {
 /// How much clothes lean along [`ALONG_OBJECT`]: folds that run around limbs, askew, and come and go;
 /// they fade to nothing where a pixel is wide.
 #[inline]
-fn folds(noise: &Noise, p: &Points) -> Lanes {
+fn folds(noise: &Noise, p: &Points) -> F32x8 {
     let (o, w) = (&p.object_m, p.footprint_m);
     let bend = noise.at_all((o.x - o.y) * 17.0, o.z * 13.0, w * 17.0);
     let depth = noise.at_all((o.x + o.y) * 34.0 + 91.0, o.z * 30.0, w * 34.0);
@@ -76,22 +76,22 @@ fn folds(noise: &Noise, p: &Points) -> Lanes {
     // The slope of a wave of parabolas: up to 1 on one flank, down to -1 on the other.
     let within = turn - turn.floor();
     let slope = (within - 0.5).abs() * 4.0 - 1.0;
-    let deep = (depth - 0.42).fast_clamp(Lanes::ZERO, Lanes::splat(0.35)) * (STEEPNESS / 0.35);
+    let deep = (depth - 0.42).fast_clamp(F32x8::ZERO, F32x8::splat(0.35)) * (STEEPNESS / 0.35);
     let blur = w * (1.0 / GONE_M);
-    slope * deep * (1.0 - blur * blur).fast_max(Lanes::ZERO)
+    slope * deep * (1.0 - blur * blur).fast_max(F32x8::ZERO)
 }
 
 #[cfg(test)]
 mod tests {
-    use lanes::STEPS;
+    use simd::STEPS;
 
     use super::*;
 
     fn along_limb(footprint_m: f32) -> impl Iterator<Item = Points> {
         (0..200).map(move |i| {
             let z = (STEPS + (8 * i) as f32) * 0.002;
-            let object_m = Vec3s::new(Lanes::splat(0.07), Lanes::splat(0.02), z);
-            Points { object_m, world_m: object_m, footprint_m: Lanes::splat(footprint_m) }
+            let object_m = Vec3x8::new(F32x8::splat(0.07), F32x8::splat(0.02), z);
+            Points { object_m, world_m: object_m, footprint_m: F32x8::splat(footprint_m) }
         })
     }
 

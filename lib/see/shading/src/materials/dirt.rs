@@ -2,8 +2,8 @@
 
 use crate::textures::{Noise, hash2, unit};
 use glam::Vec3;
-use lanes::{Lanes, Vec3s, smoothstep};
 use schema::{ObjectId, Tag};
+use simd::{F32x8, Vec3x8, smoothstep};
 
 use super::facet::{Facet, Gloss, Look, Points};
 
@@ -25,7 +25,7 @@ pub(super) fn amount(object: ObjectId) -> f32 {
 /// The look of paint on which dirt may lie.
 #[inline]
 pub(super) fn painted(noise: &Noise, facet: &Facet<'_>, p: &Points) -> Look {
-    let clean = Look::glossy(Vec3s::splat(facet.paint), MIRROR, SMOOTH);
+    let clean = Look::glossy(Vec3x8::splat(facet.paint), MIRROR, SMOOTH);
     let amount = match facet.part.tag {
         Tag::Car | Tag::Truck | Tag::Bus => amount(facet.object),
         _ => 0.0,
@@ -43,8 +43,8 @@ pub(super) fn painted(noise: &Noise, facet: &Facet<'_>, p: &Points) -> Look {
     let low = 1.0 - smoothstep(SPLASHED_M[0], top_m, o.z + (clouds - 0.5) * 0.35);
     let splashed = low * (clouds * 0.5 + specks * 0.5 + 0.35);
     let film = 0.22 * n.z.max(0.0) + 0.06;
-    let cover = ((splashed + film * (clouds + 0.5)) * amount).fast_clamp(Lanes::ZERO, Lanes::splat(0.85));
-    let albedo = Vec3s::splat(facet.paint).lerp(Vec3s::splat(DUST), cover);
+    let cover = ((splashed + film * (clouds + 0.5)) * amount).fast_clamp(F32x8::ZERO, F32x8::splat(0.85));
+    let albedo = Vec3x8::splat(facet.paint).lerp(Vec3x8::splat(DUST), cover);
     let gloss = Gloss { mirror: (1.0 - cover) * MIRROR, roughness: cover * 0.5 + SMOOTH };
     Look { albedo, gloss: Some(gloss), ..Look::default() }
 }

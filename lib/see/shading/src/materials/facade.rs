@@ -2,9 +2,9 @@
 
 use crate::textures::{Noise, Textures};
 use glam::Vec3;
-use lanes::{Lanes, Vec3s, Words, floor_words, hash2, lerp, smoothstep, unit};
 use schema::geometry::Wall;
 use schema::lights;
+use simd::{F32x8, U32x8, Vec3x8, floor_words, hash2, lerp, smoothstep, unit};
 
 use super::facet::{Facet, Gloss, Look, Points, shades};
 use super::front::{Front, own};
@@ -36,7 +36,7 @@ pub(super) fn facade(
         // Splashed by rain: browner and darker near the ground.
         let edge = noise.at_all(along * 6.0, o.z * 6.0, w * 6.0);
         let dirt = (1.0 - smoothstep(-0.1, 1.3, o.z - edge * 0.9)) * 0.55;
-        look.albedo = look.albedo * Vec3s::new(1.0 - dirt * 0.75, 1.0 - dirt * 0.85, 1.0 - dirt);
+        look.albedo = look.albedo * Vec3x8::new(1.0 - dirt * 0.75, 1.0 - dirt * 0.85, 1.0 - dirt);
     }
     let Some(windows) = &front.windows else { return look };
     let [bay_m, storey_m] = *cell_m;
@@ -45,34 +45,34 @@ pub(super) fn facade(
     let opening = windows.opening(u, v, wu, wv);
     let ledge = windows.ledge(u, v, wu, wv) * style.sill;
     let band = bars(v + 0.03, 0.06, wv) * style.band;
-    look.albedo = look.albedo.lerp(Vec3s::splat(rgb * 0.35 + Vec3::splat(0.38)), ledge.fast_max(band) * 0.8);
+    look.albedo = look.albedo.lerp(Vec3x8::splat(rgb * 0.35 + Vec3::splat(0.38)), ledge.fast_max(band) * 0.8);
     if opening.simd_gt(0.0).none() {
         return look;
     }
     // Glass and frame stand back in the wall: what is seen of them is farther along the way one looks.
-    let way = *o - Vec3s::splat(facet.eye_object_m);
+    let way = *o - Vec3x8::splat(facet.eye_object_m);
     let gaze = Gaze {
         along: way.x * right.x + way.y * right.y,
         up: way.z,
-        inward: (way.x * -n.x + way.y * -n.y).fast_max(Lanes::splat(1e-3)),
+        inward: (way.x * -n.x + way.y * -n.y).fast_max(F32x8::splat(1e-3)),
     };
-    let back = Lanes::splat(style.reveal_m) / gaze.inward;
+    let back = F32x8::splat(style.reveal_m) / gaze.inward;
     let (du, dv) = (gaze.along * back * (1.0 / bay_m), gaze.up * back * (1.0 / storey_m));
     let cell = [floor_words(u), floor_words(v)];
     let (deep_u, deep_v) = (u + du, v + dv);
     let glass = windows.panes(deep_u, deep_v, wu, wv) * opening;
     let framed = windows.opening(deep_u, deep_v, wu, wv) * opening;
     let frame_rgb = if own(facet.object, 4) > 0.5 { Vec3::splat(0.5) } else { Vec3::new(0.06, 0.055, 0.05) };
-    look.albedo = look.albedo.lerp(Vec3s::splat(rgb * 0.55 + Vec3::splat(0.05)), opening);
-    look.albedo = look.albedo.lerp(Vec3s::splat(frame_rgb), framed);
+    look.albedo = look.albedo.lerp(Vec3x8::splat(rgb * 0.55 + Vec3::splat(0.05)), opening);
+    look.albedo = look.albedo.lerp(Vec3x8::splat(frame_rgb), framed);
     look.lean = look.lean.map(|lean| lean.map(|v| v * (1.0 - opening)));
     if glass.simd_gt(0.0).none() {
         return look;
     }
     // A word for each window of each side of each house.
     let side = (8.0 * n.x + 3.0 * n.y).round() as i32;
-    let row = cell[1] + Words::splat((1000 * side) as u32);
-    let word = hash2(cell[0], row, Words::splat(u32::from(facet.object).wrapping_mul(0x9e37_79b9)));
+    let row = cell[1] + U32x8::splat((1000 * side) as u32);
+    let word = hash2(cell[0], row, U32x8::splat(u32::from(facet.object).wrapping_mul(0x9e37_79b9)));
     let far = smoothstep(0.12, 0.4, wu.w.fast_max(wv.w));
     let [left, sill] = windows.start();
     let pane = Pane {
@@ -85,28 +85,28 @@ pub(super) fn facade(
         word,
     };
     // From far away the mean of all rooms is seen.
-    let (mut by_day, mut by_night) = (Vec3s::splat(MEAN_BY_DAY), Vec3s::splat(Vec3::ONE));
+    let (mut by_day, mut by_night) = (Vec3x8::splat(MEAN_BY_DAY), Vec3x8::splat(Vec3::ONE));
     if far.simd_lt(1.0).any() {
         let seen = inside(&gaze, &pane);
         by_day = seen.by_day.lerp(by_day, far);
         by_night = seen.by_night.lerp(by_night, far);
     }
-    look.albedo = look.albedo.lerp(by_day * Lanes::splat(style.clear), glass);
-    look.gloss = Some(Gloss { mirror: glass * style.mirror, roughness: Lanes::splat(0.03) });
+    look.albedo = look.albedo.lerp(by_day * F32x8::splat(style.clear), glass);
+    look.gloss = Some(Gloss { mirror: glass * style.mirror, roughness: F32x8::splat(0.03) });
     if *wall == Wall::Curtain {
         // No two panes stand quite alike.
-        let tilt = |bits: Words| (unit(bits) - 0.5) * 0.012 * glass;
+        let tilt = |bits: U32x8| (unit(bits) - 0.5) * 0.012 * glass;
         look.lean = Some([tilt(word * 0x27d4_eb2fu32), tilt(word * 0x1656_67b1u32)]);
     }
     if facet.lights & lights::BUILDING != 0 {
         // Which windows are lit, and how warm; far away all fade to their mean.
         let bright = unit(word * 0x85eb_ca6bu32) * 0.7 + 0.3;
         let warm = unit(word * 0xc2b2_ae35u32);
-        let on = unit(word).simd_lt(LIT_SHARE).select(bright, Lanes::ZERO);
-        let lit = lerp(on, Lanes::splat(LIT_SHARE * 0.65), far);
+        let on = unit(word).simd_lt(LIT_SHARE).select(bright, F32x8::ZERO);
+        let lit = lerp(on, F32x8::splat(LIT_SHARE * 0.65), far);
         let glow = window_light(facet.glow, word);
         // Rooms of one building differ a little.
-        let glow = glow * Vec3s::new(Lanes::ONE, warm * 0.3 + 1.0, warm * 1.2 + 0.8);
+        let glow = glow * Vec3x8::new(F32x8::ONE, warm * 0.3 + 1.0, warm * 1.2 + 0.8);
         look.emission = Some(glow * by_night * (glass * lit * 0.55));
     }
     look
@@ -115,20 +115,20 @@ pub(super) fn facade(
 /// Light of windows by their words. Where colours were drawn each window has one of its own, near to its house's and as bright; lamp
 /// shades and curtains take it more than half way back to the hue of windows without.
 #[inline]
-fn window_light(house: Vec3, word: Words) -> Vec3s {
+fn window_light(house: Vec3, word: U32x8) -> Vec3x8 {
     // `lights::WINDOW_RGB`, linear.
     const USUAL: Vec3 = Vec3::new(1.0, 0.672, 0.402);
     const DRAWN: f32 = 0.45;
     if (house - USUAL).abs().max_element() < 0.01 {
-        return Vec3s::splat(house);
+        return Vec3x8::splat(house);
     }
     let share = |salt: u32| unit(word * salt);
     let shares = [share(0x9e37_79b1) + 1.0, share(0x632b_e5ab), share(0x2545_f491)];
     let all = shares[0] + shares[1] + shares[2];
     let mixed = |a: f32, b: f32, c: f32| (shares[0] * a + shares[1] * b + shares[2] * c) / all;
     let Vec3 { x, y, z } = house;
-    let drawn = Vec3s::new(mixed(x, y, z), mixed(y, z, x), mixed(z, x, y));
-    Vec3s::splat(USUAL * house.max_element().min(1.0)).lerp(drawn, Lanes::splat(DRAWN))
+    let drawn = Vec3x8::new(mixed(x, y, z), mixed(y, z, x), mixed(z, x, y));
+    Vec3x8::splat(USUAL * house.max_element().min(1.0)).lerp(drawn, F32x8::splat(DRAWN))
 }
 
 /// Share of daylight that comes back out of rooms on average.
@@ -136,8 +136,8 @@ const MEAN_BY_DAY: Vec3 = Vec3::new(0.062, 0.06, 0.056);
 
 /// The wall between the windows.
 struct Face {
-    albedo: Vec3s,
-    lean: [Lanes; 2],
+    albedo: Vec3x8,
+    lean: [F32x8; 2],
 }
 
 #[inline]
@@ -145,8 +145,8 @@ fn wall_face(
     (noise, textures): (&Noise, &Textures),
     wall: Wall,
     rgb: Vec3,
-    [along, z]: [Lanes; 2],
-    w: Lanes,
+    [along, z]: [F32x8; 2],
+    w: F32x8,
 ) -> Face {
     // Rain runs down: stains are long and narrow.
     let stains = noise.at_all(along * 8.0, z * 1.6, w * 8.0);
@@ -158,7 +158,7 @@ fn wall_face(
         Wall::Plaster => &textures.plaster,
         Wall::Curtain => {
             let spandrel = shades(rgb * 0.3 + Vec3::splat(0.02), stained);
-            return Face { albedo: spandrel, lean: [Lanes::ZERO; 2] };
+            return Face { albedo: spandrel, lean: [F32x8::ZERO; 2] };
         }
     };
     let seen = texture.at(along, z, w);
@@ -167,8 +167,8 @@ fn wall_face(
         // Mortar is grey whatever the bricks are.
         let grey = Vec3::splat(0.34) / rgb.max(Vec3::splat(0.05)) - Vec3::ONE;
         let grey = grey.clamp(Vec3::splat(-0.5), Vec3::splat(2.2));
-        albedo =
-            albedo * Vec3s::new(seen.tint * grey.x + 1.0, seen.tint * grey.y + 1.0, seen.tint * grey.z + 1.0);
+        albedo = albedo
+            * Vec3x8::new(seen.tint * grey.x + 1.0, seen.tint * grey.y + 1.0, seen.tint * grey.z + 1.0);
     }
     Face { albedo, lean: seen.lean }
 }

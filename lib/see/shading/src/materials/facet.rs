@@ -1,10 +1,10 @@
 //! What looks are made from and of: a triangle, points on it, and how these send light back.
 
 use glam::Vec3;
-use lanes::{Lanes, Vec3s};
 use render::Facet as Triangle;
 use schema::geometry::{Instance, Part, Surface};
 use schema::{ObjectId, Tag};
+use simd::{F32x8, Vec3x8};
 
 use super::front::Front;
 use super::laid::Laid;
@@ -41,11 +41,11 @@ pub(crate) struct Facet<'a> {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Look {
     /// Share of light scattered evenly, linear RGB.
-    pub(crate) albedo: Vec3s,
+    pub(crate) albedo: Vec3x8,
     /// How much normals lean along [`Facet::tangents_local`]; none where the surface is even.
-    pub(crate) lean: Option<[Lanes; 2]>,
+    pub(crate) lean: Option<[F32x8; 2]>,
     /// Light of its own, in units of what the film shows as white; none for most.
-    pub(crate) emission: Option<Vec3s>,
+    pub(crate) emission: Option<Vec3x8>,
     /// What it mirrors; nothing for dull surfaces.
     pub(crate) gloss: Option<Gloss>,
 }
@@ -54,9 +54,9 @@ pub(crate) struct Look {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Gloss {
     /// Share of light mirrored at normal incidence; 0 without gloss.
-    pub(crate) mirror: Lanes,
+    pub(crate) mirror: F32x8,
     /// Width of the highlight: 0 mirror, 1 dull.
-    pub(crate) roughness: Lanes,
+    pub(crate) roughness: F32x8,
 }
 
 /// What is the same for all surfaces of a frame.
@@ -166,25 +166,25 @@ fn upright(normal: Vec3) -> [Vec3; 2] {
 impl Look {
     /// A surface that mirrors nothing.
     #[inline]
-    pub(super) fn dull(albedo: Vec3s) -> Self {
+    pub(super) fn dull(albedo: Vec3x8) -> Self {
         Self { albedo, ..Self::default() }
     }
 
     /// One that leans as its texture says.
     #[inline]
-    pub(super) fn leaning(albedo: Vec3s, lean: [Lanes; 2]) -> Self {
+    pub(super) fn leaning(albedo: Vec3x8, lean: [F32x8; 2]) -> Self {
         Self { albedo, lean: Some(lean), ..Self::default() }
     }
 
     #[inline]
-    pub(super) fn glossy(albedo: Vec3s, mirror: f32, roughness: f32) -> Self {
-        let gloss = Gloss { mirror: Lanes::splat(mirror), roughness: Lanes::splat(roughness) };
+    pub(super) fn glossy(albedo: Vec3x8, mirror: f32, roughness: f32) -> Self {
+        let gloss = Gloss { mirror: F32x8::splat(mirror), roughness: F32x8::splat(roughness) };
         Self { albedo, gloss: Some(gloss), ..Self::default() }
     }
 }
 
 /// A colour in so many shades.
 #[inline]
-pub(super) fn shades(rgb: Vec3, shade: Lanes) -> Vec3s {
-    Vec3s::new(shade * rgb.x, shade * rgb.y, shade * rgb.z)
+pub(super) fn shades(rgb: Vec3, shade: F32x8) -> Vec3x8 {
+    Vec3x8::new(shade * rgb.x, shade * rgb.y, shade * rgb.z)
 }

@@ -1,9 +1,9 @@
 //! How a house front is divided: bays, storeys, and a window in each.
 
 use glam::Vec3;
-use lanes::Lanes;
 use schema::ObjectId;
 use schema::geometry::Wall;
+use simd::F32x8;
 
 use super::pattern::{Width, bars};
 use super::room::REVEAL_M;
@@ -136,14 +136,14 @@ impl Windows {
 
     /// Share of openings in the wall.
     #[inline]
-    pub(super) fn opening(&self, u: Lanes, v: Lanes, wu: Width, wv: Width) -> Lanes {
+    pub(super) fn opening(&self, u: F32x8, v: F32x8, wu: Width, wv: Width) -> F32x8 {
         let [left, sill] = self.start();
         bars(u - left, self.wide, wu) * bars(v - sill, self.high, wv)
     }
 
     /// Share of panes: the frame is a band of 6 cm inside the opening, and a bar in its middle.
     #[inline]
-    pub(super) fn panes(&self, u: Lanes, v: Lanes, wu: Width, wv: Width) -> Lanes {
+    pub(super) fn panes(&self, u: F32x8, v: F32x8, wu: Width, wv: Width) -> F32x8 {
         let [left, sill] = self.start();
         let (fu, fv) = (0.06 / self.cell_m[0], 0.06 / self.cell_m[1]);
         let pane =
@@ -153,7 +153,7 @@ impl Windows {
 
     /// Share of the sills below openings.
     #[inline]
-    pub(super) fn ledge(&self, u: Lanes, v: Lanes, wu: Width, wv: Width) -> Lanes {
+    pub(super) fn ledge(&self, u: F32x8, v: F32x8, wu: Width, wv: Width) -> F32x8 {
         let [left, sill] = self.start();
         bars(v - sill + 0.03, 0.03, wv) * bars(u - left + 0.025, self.wide + 0.05, wu)
     }

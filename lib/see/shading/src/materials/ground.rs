@@ -2,9 +2,9 @@
 
 use crate::textures::{Noise, Texels, Textures};
 use glam::Vec3;
-use lanes::{Lanes, Vec3s, Words, floor_words, hash2, smoothstep, unit};
 use schema::Tag;
 use schema::geometry::{Part, Surface};
+use simd::{F32x8, U32x8, Vec3x8, floor_words, hash2, smoothstep, unit};
 
 use super::cells::in_cell;
 use super::facet::{Facet, Gloss, Look, Points, Surroundings, is_level, shades};
@@ -23,7 +23,7 @@ const FRAME_M: f32 = 0.36;
 
 /// Noise over the ground: `per_m` texels a metre (a power of two, so that the wrapped world has no seam).
 #[inline]
-pub(super) fn ground_noise(noise: &Noise, p: &Points, per_m: f32) -> Lanes {
+pub(super) fn ground_noise(noise: &Noise, p: &Points, per_m: f32) -> F32x8 {
     noise.at_all(p.world_m.x * per_m, p.world_m.y * per_m, p.footprint_m * per_m)
 }
 
@@ -51,7 +51,7 @@ pub(super) fn wet(noise: &Noise, around: &Surroundings, mut look: Look, p: &Poin
     let hollow = ground_noise(noise, p, 16.0);
     let threshold = 1.0 - 0.75 * around.puddles;
     let puddle = smoothstep(threshold, threshold + 0.12, hollow) * (flat * around.puddles.min(1.0));
-    let wetness = puddle.fast_max(Lanes::splat(around.wetness));
+    let wetness = puddle.fast_max(F32x8::splat(around.wetness));
     look.albedo *= 1.0 - wetness * 0.5;
     // Water lies level, but where drops fall.
     look.lean = look.lean.map(|lean| lean.map(|v| v * (1.0 - puddle)));
@@ -70,23 +70,23 @@ pub(super) fn wet(noise: &Noise, around: &Surroundings, mut look: Look, p: &Poin
 
 /// Slopes of the rings that drops of rain make on water, along x and y of the world.
 #[inline]
-fn rings(around: &Surroundings, p: &Points) -> [Lanes; 2] {
+fn rings(around: &Surroundings, p: &Points) -> [F32x8; 2] {
     const WRAPPED: u32 = (Surroundings::WRAP_M / RING_CELL_M as f64) as u32 - 1;
     let (x, y) = (p.world_m.x * (1.0 / RING_CELL_M), p.world_m.y * (1.0 / RING_CELL_M));
-    let frame = Words::splat(around.frame.wrapping_mul(0x9e37_79b9));
+    let frame = U32x8::splat(around.frame.wrapping_mul(0x9e37_79b9));
     let word = hash2(floor_words(x) & WRAPPED, floor_words(y) & WRAPPED, frame);
     // One in a cell, which it does not leave.
     let radius_m = unit(word) * 0.04 + 0.012;
-    let place = |v: Lanes, bits: Words| {
+    let place = |v: F32x8, bits: U32x8| {
         let free = 1.0 - radius_m * (2.0 / RING_CELL_M) - 0.2;
-        (v - v.floor() - 0.5 - (unit(bits) - 0.5) * free.fast_max(Lanes::ZERO)) * RING_CELL_M
+        (v - v.floor() - 0.5 - (unit(bits) - 0.5) * free.fast_max(F32x8::ZERO)) * RING_CELL_M
     };
     let (dx, dy) = (place(x, word * 0x85eb_ca6bu32), place(y, word * 0xc2b2_ae35u32));
-    let away = (dx * dx + dy * dy).sqrt().fast_max(Lanes::splat(1e-4));
+    let away = (dx * dx + dy * dy).sqrt().fast_max(F32x8::splat(1e-4));
     let off = (away - radius_m) * (1.0 / 0.006);
     let falls = unit(word * 0x27d4_eb2fu32).simd_lt(around.rain);
     let damped = 1.0 / (off * off + 1.0);
-    let slope = falls.select(off * damped * damped * 0.4, Lanes::ZERO) / away;
+    let slope = falls.select(off * damped * damped * 0.4, F32x8::ZERO) / away;
     [slope * dx, slope * dy]
 }
 
@@ -107,7 +107,7 @@ pub(super) fn asphalt(
         // Tyres polish two tracks; oil drips between them.
         let off_m = lane.off_middle_m(&p.object_m);
         let bump = |middle: f32, half: f32| {
-            let t = ((off_m - middle) * (1.0 / half)).abs().fast_min(Lanes::ONE);
+            let t = ((off_m - middle) * (1.0 / half)).abs().fast_min(F32x8::ONE);
             1.0 - t * t * (3.0 - 2.0 * t)
         };
         shade *= bump(0.82, 0.45) * 0.13 - bump(0.0, 0.5) * (age * 0.3 + 0.02) + 0.99;
@@ -128,7 +128,7 @@ pub(super) fn asphalt(
 
 /// Shares that are iron and its brightness; none where there is no manhole near.
 #[inline]
-fn manhole(p: &Points) -> Option<(Lanes, Lanes)> {
+fn manhole(p: &Points) -> Option<(F32x8, F32x8)> {
     // Not at the edges of its square.
     let (word, [dx, dy]) = in_cell(p, MANHOLE_CELL_M, 77, 0.1 * MANHOLE_CELL_M);
     let away = (dx * dx + dy * dy).sqrt();
@@ -138,9 +138,9 @@ fn manhole(p: &Points) -> Option<(Lanes, Lanes)> {
         return None;
     }
     let disc = |radius: f32| {
-        ((radius - away) / w.fast_max(Lanes::splat(0.004)) + 0.5).fast_clamp(Lanes::ZERO, Lanes::ONE)
+        ((radius - away) / w.fast_max(F32x8::splat(0.004)) + 0.5).fast_clamp(F32x8::ZERO, F32x8::ONE)
     };
-    let iron = near.select(disc(FRAME_M), Lanes::ZERO);
+    let iron = near.select(disc(FRAME_M), F32x8::ZERO);
     let gap = disc(LID_M + 0.012) - disc(LID_M - 0.006);
     let width = Width::new(w * 12.0);
     let studs = bars(dx * 12.0, 0.5, width) + bars(dy * 12.0, 0.5, width);
@@ -160,7 +160,7 @@ pub(super) fn marking(
     // Some stretches were painted lately, others long ago.
     let old = smoothstep(0.45, 0.8, ground_noise(noise, p, 0.5)) * 0.28;
     let kept = smoothstep(0.1, 0.45, rubbed - (stones.shade - 1.0) * 0.15 - old) * 0.7 + 0.3;
-    let kept = kept * (1.0 - wear.tint.fast_max(Lanes::ZERO) * 0.8);
+    let kept = kept * (1.0 - wear.tint.fast_max(F32x8::ZERO) * 0.8);
     let dirt = wear.shade * 0.5 + 0.5;
     let albedo = shades(rgb, kept * dirt) + shades(Vec3::splat(0.07), (1.0 - kept) * stones.shade);
     wet(noise, around, Look::leaning(albedo, stones.lean.map(|v| v * 0.6)), p, 0.6)
@@ -172,7 +172,7 @@ pub(super) fn grass((noise, textures): (&Noise, &Textures), rgb: Vec3, p: &Point
     let (tufts, meadow) = (ground_noise(noise, p, 4.0), ground_noise(noise, p, 2.0));
     // Dry patches are yellower; where it is driest, soil shows.
     let dry = meadow * 0.7 + tufts * 0.3;
-    let tint = Vec3s::new(
+    let tint = Vec3x8::new(
         dry * 0.5 + 0.82 + blades.tint * 0.5,
         dry * 0.12 + 0.94 + blades.tint * 0.12,
         dry * 0.2 + 0.9,

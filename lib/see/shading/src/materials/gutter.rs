@@ -2,7 +2,7 @@
 
 use crate::textures::Noise;
 use glam::Vec3;
-use lanes::{Lanes, Vec3s, smoothstep, unit};
+use simd::{F32x8, Vec3x8, smoothstep, unit};
 
 use super::cells::in_cell;
 use super::facet::{Points, shades};
@@ -29,7 +29,13 @@ const IRON: Vec3 = Vec3::new(0.045, 0.042, 0.040);
 
 /// A road's albedo with what lies on it along its kerbs; `stones` is the brightness of its grain.
 #[inline]
-pub(super) fn soiled(kerbed: &Kerbed, noise: &Noise, p: &Points, mut albedo: Vec3s, stones: &Lanes) -> Vec3s {
+pub(super) fn soiled(
+    kerbed: &Kerbed,
+    noise: &Noise,
+    p: &Points,
+    mut albedo: Vec3x8,
+    stones: &F32x8,
+) -> Vec3x8 {
     let away_m = kerbed.away_m(&p.object_m);
     if away_m.simd_lt(REACH_M).none() {
         return albedo;
@@ -43,8 +49,8 @@ pub(super) fn soiled(kerbed: &Kerbed, noise: &Noise, p: &Points, mut albedo: Vec
     albedo = albedo.lerp(shades(GRIME, *stones), grime * 0.85);
     // The joint at the kerb's foot.
     let edge = |from_m: f32| {
-        ((from_m - away_m) / p.footprint_m.fast_max(Lanes::splat(0.004)) + 0.5)
-            .fast_clamp(Lanes::ZERO, Lanes::ONE)
+        ((from_m - away_m) / p.footprint_m.fast_max(F32x8::splat(0.004)) + 0.5)
+            .fast_clamp(F32x8::ZERO, F32x8::ONE)
     };
     albedo *= 1.0 - edge(0.012) * 0.55;
     let littered = smoothstep(0.45, 0.8, noised(0.25)) * grime * 0.7;
@@ -60,9 +66,9 @@ pub(super) fn soiled(kerbed: &Kerbed, noise: &Noise, p: &Points, mut albedo: Vec
 
 /// Shares that are a grate, and its brightness; none where there is none near.
 #[inline]
-fn grate(kerbed: &Kerbed, p: &Points, away_m: &Lanes) -> Option<(Lanes, Lanes)> {
+fn grate(kerbed: &Kerbed, p: &Points, away_m: &F32x8) -> Option<(F32x8, F32x8)> {
     let [half_m, from_m, to_m] = GRATE_M;
-    let w = p.footprint_m.fast_max(Lanes::splat(0.004));
+    let w = p.footprint_m.fast_max(F32x8::splat(0.004));
     let (word, [dx, dy]) = in_cell(p, GRATE_CELL_M, 131, 0.0);
     // As far along the road as a place somewhere in the square. Ground lies in its object's frame as in the world.
     let along = kerbed.along();
@@ -72,29 +78,29 @@ fn grate(kerbed: &Kerbed, p: &Points, away_m: &Lanes) -> Option<(Lanes, Lanes)> 
     if near.none() {
         return None;
     }
-    let within = |inside_m: Lanes| (inside_m / w + 0.5).fast_clamp(Lanes::ZERO, Lanes::ONE);
+    let within = |inside_m: F32x8| (inside_m / w + 0.5).fast_clamp(F32x8::ZERO, F32x8::ONE);
     let iron = within(half_m - off_m.abs()) * within(to_m - *away_m) * within(*away_m - from_m);
     let slots = bars(off_m * (1.0 / 0.06), 0.5, Width::new(w * (1.0 / 0.06)));
     let frame = within(off_m.abs() - (half_m - 0.03)).fast_max(within(*away_m - (to_m - 0.03)));
-    Some((near.select(iron, Lanes::ZERO), (slots.fast_max(frame)) * 0.9 + 0.12))
+    Some((near.select(iron, F32x8::ZERO), (slots.fast_max(frame)) * 0.9 + 0.12))
 }
 
 /// Shares that are leaves, and their colour, where such a share of squares has one.
 #[inline]
-fn leaves(p: &Points, littered: Lanes) -> (Lanes, Vec3s) {
+fn leaves(p: &Points, littered: F32x8) -> (F32x8, Vec3x8) {
     let (word, [dx, dy]) = in_cell(p, LEAF_CELL_M, 57, LEAF_M * 1.6);
     // Longer than broad, any way.
     let turn = unit(word * 0x9e37_79b9u32) * 2.0 - 1.0;
-    let lean = (1.0 - turn * turn).fast_max(Lanes::ZERO).sqrt();
+    let lean = (1.0 - turn * turn).fast_max(F32x8::ZERO).sqrt();
     let (length, breadth) = ((dx * turn + dy * lean) * 0.65, (dy * turn - dx * lean) * 1.5);
     let radius = (length * length + breadth * breadth).sqrt();
-    let w = p.footprint_m.fast_max(Lanes::splat(0.002));
-    let disc = ((LEAF_M - radius) / w + 0.5).fast_clamp(Lanes::ZERO, Lanes::ONE);
+    let w = p.footprint_m.fast_max(F32x8::splat(0.002));
+    let disc = ((LEAF_M - radius) / w + 0.5).fast_clamp(F32x8::ZERO, F32x8::ONE);
     let is_there = unit(word * 0x27d4_eb2fu32).simd_lt(littered);
     // From afar so much of each square is covered.
     const MEAN: f32 = std::f32::consts::PI * LEAF_M * LEAF_M / (0.65 * 1.5) / (LEAF_CELL_M * LEAF_CELL_M);
     let near = 1.0 - smoothstep(0.25 * LEAF_CELL_M, LEAF_CELL_M, p.footprint_m);
-    let leaf = is_there.select(disc, Lanes::ZERO) * near + littered * MEAN * (1.0 - near);
+    let leaf = is_there.select(disc, F32x8::ZERO) * near + littered * MEAN * (1.0 - near);
     let kind = unit(word * 0x85eb_ca6bu32) * near + (1.0 - near) * 0.5;
-    (leaf, Vec3s::splat(LEAVES[0]).lerp(Vec3s::splat(LEAVES[1]), kind))
+    (leaf, Vec3x8::splat(LEAVES[0]).lerp(Vec3x8::splat(LEAVES[1]), kind))
 }

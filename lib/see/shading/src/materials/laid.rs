@@ -1,9 +1,9 @@
 //! How a piece of a sidewalk lies along it.
 
 use glam::{Vec2, Vec3};
-use lanes::{Lanes, Vec3s};
 use schema::Tag;
 use schema::skin::Skin;
+use simd::{F32x8, Vec3x8};
 
 /// The places of a triangle: metres along the sidewalk and away from its kerb follow evenly from those on its plan.
 #[derive(Clone, Copy, Debug)]
@@ -37,14 +37,14 @@ impl Laid {
 
     /// Metres along the sidewalk, and away from its kerb.
     #[inline]
-    pub(super) fn places(&self, object_m: &Vec3s) -> [Lanes; 2] {
-        let off = *object_m - Vec3s::splat(self.corner);
-        [off.dot(Vec3s::splat(self.along)) + self.at.x, off.dot(Vec3s::splat(self.away)) + self.at.y]
+    pub(super) fn places(&self, object_m: &Vec3x8) -> [F32x8; 2] {
+        let off = *object_m - Vec3x8::splat(self.corner);
+        [off.dot(Vec3x8::splat(self.along)) + self.at.x, off.dot(Vec3x8::splat(self.away)) + self.at.y]
     }
 
     /// A lean along and away, as one along the axes of the world.
     #[inline]
-    pub(super) fn lean(&self, [along, away]: [Lanes; 2]) -> [Lanes; 2] {
+    pub(super) fn lean(&self, [along, away]: [F32x8; 2]) -> [F32x8; 2] {
         let (a, b) = (self.along.truncate().normalize_or_zero(), self.away.truncate().normalize_or_zero());
         [along * a.x + away * b.x, along * a.y + away * b.y]
     }
@@ -70,7 +70,7 @@ mod tests {
             Laid::new(Tag::Sidewalk, Some((&skin, corners.map(|c| c.1))), corners.map(|c| c.0))
                 .expect("has an area")
         };
-        let at = |piece: &Laid, p: Vec3| piece.places(&Vec3s::splat(p)).map(|v| v.to_array()[3]);
+        let at = |piece: &Laid, p: Vec3| piece.places(&Vec3x8::splat(p)).map(|v| v.to_array()[3]);
         let angles = [0.0, 0.3, 0.6];
         let mut pieces = Vec::new();
         for pair in angles.windows(2) {
@@ -101,7 +101,7 @@ mod tests {
             }
         }
         // Along is along: a lean of the one axis runs with the first piece, to the east.
-        let [east, north] = pieces[0].0.lean([Lanes::ONE, Lanes::ZERO]).map(|v| v.to_array()[0]);
+        let [east, north] = pieces[0].0.lean([F32x8::ONE, F32x8::ZERO]).map(|v| v.to_array()[0]);
         assert!(east > 0.95 && north.abs() < 0.3, "{east} {north}");
         let road = Laid::new(Tag::Road, Some((&skin, [Vec2::ZERO; 3])), [Vec3::ZERO, Vec3::X, Vec3::Y]);
         assert!(road.is_none());

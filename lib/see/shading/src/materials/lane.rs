@@ -1,8 +1,8 @@
 //! Where on its lane a piece of road lies.
 
 use glam::{Vec2, Vec3};
-use lanes::{Lanes, Vec3s};
 use schema::geometry::{Kerbs, Surface};
+use simd::{F32x8, Vec3x8};
 
 /// Widths of lanes that traffic keeps to, metres.
 const USED_M: std::ops::Range<f32> = 2.5..4.6;
@@ -48,20 +48,20 @@ impl Across {
 
     /// Metres from its right and its left border to places.
     #[inline]
-    fn off_borders_m(&self, object_m: &Vec3s) -> [Lanes; 2] {
+    fn off_borders_m(&self, object_m: &Vec3x8) -> [F32x8; 2] {
         let from_right_m = self.share(object_m) * self.width_m;
         [from_right_m, self.width_m - from_right_m]
     }
 
     /// Share of its width that lies to the right of places.
     #[inline]
-    fn share(&self, object_m: &Vec3s) -> Lanes {
+    fn share(&self, object_m: &Vec3x8) -> F32x8 {
         object_m.x * self.slope.x + object_m.y * self.slope.y + self.start
     }
 
     /// Metres from the middle of the lane to places, left and right alike.
     #[inline]
-    pub(super) fn off_middle_m(&self, object_m: &Vec3s) -> Lanes {
+    pub(super) fn off_middle_m(&self, object_m: &Vec3x8) -> F32x8 {
         ((self.share(object_m) - 0.5) * self.width_m).abs()
     }
 }
@@ -82,8 +82,8 @@ impl Kerbed {
 
     /// Metres to the nearest kerb.
     #[inline]
-    pub(super) fn away_m(&self, object_m: &Vec3s) -> Lanes {
-        let far = Lanes::splat(f32::INFINITY);
+    pub(super) fn away_m(&self, object_m: &Vec3x8) -> F32x8 {
+        let far = F32x8::splat(f32::INFINITY);
         let [right, left] = self.lane.off_borders_m(object_m);
         let [on_right, on_left] = self.kerbs.sides();
         (if on_right { right } else { far }).fast_min(if on_left { left } else { far })
@@ -111,7 +111,7 @@ mod tests {
         let left = [Vec3::new(-0.2, 3.5, 0.0), Vec3::new(5.6, 3.9, 0.1)];
         let one = Across::new([right[0], right[1], left[1]]).expect("is a lane");
         let two = Across::new([right[0], left[1], left[0]]).expect("is a lane");
-        let at = |piece: &Across, p: Vec3| piece.off_middle_m(&Vec3s::splat(p)).to_array()[0];
+        let at = |piece: &Across, p: Vec3| piece.off_middle_m(&Vec3x8::splat(p)).to_array()[0];
         for share in [0.0, 0.2, 0.5, 0.9, 1.0] {
             let on_diagonal = right[0].lerp(left[1], share);
             let want = (share - 0.5).abs() * 3.5;
@@ -121,7 +121,7 @@ mod tests {
         assert!((at(&one, right[1]) - at(&one, right[0])).abs() < 1e-5);
         assert!((at(&two, left[1]) - at(&two, left[0])).abs() < 1e-5);
         let borders =
-            |piece: &Across, p: Vec3| piece.off_borders_m(&Vec3s::splat(p)).map(|from| from.to_array()[0]);
+            |piece: &Across, p: Vec3| piece.off_borders_m(&Vec3x8::splat(p)).map(|from| from.to_array()[0]);
         for piece in [&one, &two] {
             let [on_right, on_left] = [borders(piece, right[1]), borders(piece, left[1])];
             assert!(on_right[0].abs() < 0.1 && (on_right[1] - 3.5).abs() < 0.1, "{on_right:?}");

@@ -4,10 +4,10 @@
 
 use crate::textures::{Noise, Texture, Textures};
 use glam::Vec3;
-use lanes::{Lanes, Vec3s};
 use schema::geometry::{Paving, Surface};
 use schema::skin::Finish;
 use schema::{Tag, lights};
+use simd::{F32x8, Vec3x8};
 
 use super::cloth::clothes;
 use super::dirt;
@@ -44,14 +44,14 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
         // By day it is smooth plastic; what it sends back to a lamp is light of lamps.
         Surface::Reflector => {
             let painted = facet.draped.as_ref().and_then(|draped| draped.colour(p));
-            Look::glossy(painted.unwrap_or(Vec3s::splat(rgb)), 0.04, 0.3)
+            Look::glossy(painted.unwrap_or(Vec3x8::splat(rgb)), 0.04, 0.3)
         }
-        Surface::Rubber => Look::glossy(Vec3s::splat(rgb), 0.03, 0.7),
+        Surface::Rubber => Look::glossy(Vec3x8::splat(rgb), 0.03, 0.7),
         Surface::Paint => dirt::painted(noise, facet, p),
         Surface::Glass | Surface::Window => {
-            Look::glossy(Vec3s::splat(rgb.min(Vec3::splat(0.06))), 0.06, 0.02)
+            Look::glossy(Vec3x8::splat(rgb.min(Vec3::splat(0.06))), 0.06, 0.02)
         }
-        Surface::Opening => Look::dull(Vec3s::splat(rgb)),
+        Surface::Opening => Look::dull(Vec3x8::splat(rgb)),
         Surface::Metal if facet.part.tag == Tag::Building => sheeting(noise, facet, rgb, p),
         Surface::Metal => Look::glossy(shades(rgb * 0.75, speckle(noise, p, 0.1)), 0.15, 0.45),
         Surface::Skin(finish) => finished(finish, rgb, facet.draped.as_ref(), p),
@@ -81,10 +81,10 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
             if facet.lights & bits != 0 {
                 let has_glow = bits == lights::STREET_LAMP || bits == lights::WORK_LAMP;
                 let emission = if has_glow { rgb * facet.glow * 1.6 } else { rgb * 1.6 };
-                Look { emission: Some(Vec3s::splat(emission)), ..Look::dull(Vec3s::splat(rgb * 0.3)) }
+                Look { emission: Some(Vec3x8::splat(emission)), ..Look::dull(Vec3x8::splat(rgb * 0.3)) }
             } else {
                 // A lens that does not burn: its colour, deep and glossy.
-                Look::glossy(Vec3s::splat(rgb * 0.35), 0.05, 0.1)
+                Look::glossy(Vec3x8::splat(rgb * 0.35), 0.05, 0.1)
             }
         }
     }
@@ -93,13 +93,13 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
 /// How a finish sends light back, as pictures say where it has some: plastic mirrors a twenty-fifth, metal more and scatters less (as
 /// `Surface::Metal` does).
 fn finished(finish: Finish, rgb: Vec3, draped: Option<&Draped<'_>>, p: &Points) -> Look {
-    let rgb = draped.and_then(|draped| draped.colour(p)).unwrap_or(Vec3s::splat(rgb));
-    let even = [finish.roughness, finish.metallic].map(Lanes::splat);
+    let rgb = draped.and_then(|draped| draped.colour(p)).unwrap_or(Vec3x8::splat(rgb));
+    let even = [finish.roughness, finish.metallic].map(F32x8::splat);
     let [roughness, metallic] = draped.and_then(|draped| draped.gloss(p)).unwrap_or(even);
     // What is as rough as can be mirrors nothing that would be seen.
     let shows = roughness.simd_lt(0.95) | metallic.simd_gt(0.0);
-    let mirror = shows.select(metallic * 0.16 + 0.04, Lanes::ZERO);
-    let gloss = Gloss { mirror, roughness: roughness.fast_max(Lanes::splat(0.02)) };
+    let mirror = shows.select(metallic * 0.16 + 0.04, F32x8::ZERO);
+    let gloss = Gloss { mirror, roughness: roughness.fast_max(F32x8::splat(0.02)) };
     Look {
         albedo: rgb * (1.0 - metallic * 0.25),
         lean: draped.and_then(|draped| draped.lean(p)),
@@ -110,7 +110,7 @@ fn finished(finish: Finish, rgb: Vec3, draped: Option<&Draped<'_>>, p: &Points) 
 
 /// Slight unevenness: 1 on average, `strength` from end to end.
 #[inline]
-fn speckle(noise: &Noise, p: &Points, strength: f32) -> Lanes {
+fn speckle(noise: &Noise, p: &Points, strength: f32) -> F32x8 {
     let o = &p.object_m;
     let value = noise.at_all((o.x + o.z * 0.37) * 40.0, (o.y + o.z * 0.61) * 40.0, p.footprint_m * 40.0);
     (value - 0.5) * strength + 1.0
@@ -118,7 +118,7 @@ fn speckle(noise: &Noise, p: &Points, strength: f32) -> Lanes {
 
 /// Places on an upright or sloping surface: to the right and up along it, metres.
 #[inline]
-fn unrolled(facet: &Facet<'_>, p: &Points) -> [Lanes; 2] {
+fn unrolled(facet: &Facet<'_>, p: &Points) -> [F32x8; 2] {
     let o = &p.object_m;
     facet.tangents_object.map(|axis| o.x * axis.x + o.y * axis.y + o.z * axis.z)
 }
@@ -131,11 +131,11 @@ fn sheeting(noise: &Noise, facet: &Facet<'_>, rgb: Vec3, p: &Points) -> Look {
     // Up one flank of a rib and down the other, even between them.
     let turn = x * 4.0 - (x * 4.0).floor() - 0.5;
     let flank = turn.abs().simd_gt(0.1) & turn.abs().simd_lt(0.25);
-    let slope = turn.simd_gt(0.0).select(Lanes::splat(0.6), Lanes::splat(-0.6));
+    let slope = turn.simd_gt(0.0).select(F32x8::splat(0.6), F32x8::splat(-0.6));
     let w = p.footprint_m * 12.0;
-    let lean = flank.select(slope, Lanes::ZERO) / (w * w + 1.0);
+    let lean = flank.select(slope, F32x8::ZERO) / (w * w + 1.0);
     let even = Look::glossy(shades(rgb * 0.75, stains * 0.3 + 0.85), 0.1, 0.5);
-    Look { lean: Some([lean, Lanes::ZERO]), ..even }
+    Look { lean: Some([lean, F32x8::ZERO]), ..even }
 }
 
 /// A texture that lies on an object's faces.
@@ -185,6 +185,6 @@ fn foliage((noise, textures): (&Noise, &Textures), facet: &Facet<'_>, rgb: Vec3,
     };
     let leaves = textures.leaves.at(x, y, w);
     let clump = noise.at_all((o.x - o.z * 0.47) * 9.0, (o.y - o.z * 0.71) * 9.0, w * 9.0);
-    let yellow = Vec3s::new(leaves.tint * 0.7 + 1.0, leaves.tint * 0.25 + 1.0, Lanes::ONE);
+    let yellow = Vec3x8::new(leaves.tint * 0.7 + 1.0, leaves.tint * 0.25 + 1.0, F32x8::ONE);
     Look::leaning(shades(rgb, leaves.shade * (clump * 0.7 + 0.35)) * yellow, leaves.lean)
 }

@@ -1,30 +1,30 @@
 //! Regular patterns, averaged over a pixel so that they fade instead of flickering.
 
-use lanes::Lanes;
+use simd::F32x8;
 
 /// Share of the interval `[x - w / 2, x + w / 2]` that lies in the bars `[k, k + bar)` of a pattern of period 1.
 #[inline]
-pub(super) fn bars(x: Lanes, bar: f32, width: Width) -> Lanes {
+pub(super) fn bars(x: F32x8, bar: f32, width: Width) -> F32x8 {
     // Length of bar from 0 to t.
-    let length = |t: Lanes| {
+    let length = |t: F32x8| {
         let whole = t.floor();
-        whole * bar + (t - whole).fast_min(Lanes::splat(bar))
+        whole * bar + (t - whole).fast_min(F32x8::splat(bar))
     };
     let half = width.w * 0.5;
-    ((length(x + half) - length(x - half)) * width.inverse).fast_clamp(Lanes::ZERO, Lanes::ONE)
+    ((length(x + half) - length(x - half)) * width.inverse).fast_clamp(F32x8::ZERO, F32x8::ONE)
 }
 
 /// The width of a pixel in periods of a pattern.
 #[derive(Clone, Copy)]
 pub(super) struct Width {
-    pub(super) w: Lanes,
-    inverse: Lanes,
+    pub(super) w: F32x8,
+    inverse: F32x8,
 }
 
 impl Width {
     #[inline]
-    pub(super) fn new(w: Lanes) -> Self {
-        let w = w.fast_max(Lanes::splat(1e-4));
+    pub(super) fn new(w: F32x8) -> Self {
+        let w = w.fast_max(F32x8::splat(1e-4));
         Self { w, inverse: 1.0 / w }
     }
 }
@@ -45,7 +45,7 @@ mod tests {
                     t - t.floor() < bar
                 })
                 .count();
-            prop_assert!((bars(Lanes::splat(x), bar, Width::new(Lanes::splat(w))).to_array()[5] - inside as f32 / n as f32).abs() < 4e-3);
+            prop_assert!((bars(F32x8::splat(x), bar, Width::new(F32x8::splat(w))).to_array()[5] - inside as f32 / n as f32).abs() < 4e-3);
         }
     }
 }

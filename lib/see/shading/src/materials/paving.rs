@@ -2,8 +2,8 @@
 
 use crate::textures::{Noise, Texels, Textures};
 use glam::Vec3;
-use lanes::{Lanes, Vec3s};
 use schema::geometry::Paving;
+use simd::{F32x8, Vec3x8};
 
 use super::facet::{Facet, Look, Points, Surroundings, shades};
 use super::ground::{ground_noise, wet};
@@ -42,7 +42,7 @@ pub(super) fn paving(
     }
     let stains = ground_noise(noise, p, 4.0);
     // Dirt in the joints is browner than the stone.
-    let dirt = Vec3s::new(1.0 - seen.tint * 0.05, 1.0 - seen.tint * 0.12, 1.0 - seen.tint * 0.25);
+    let dirt = Vec3x8::new(1.0 - seen.tint * 0.05, 1.0 - seen.tint * 0.12, 1.0 - seen.tint * 0.25);
     let mut albedo = shades(rgb, seen.shade * (stains * 0.3 + 0.85)) * dirt;
     if places.is_some() && away.simd_lt(w + BORDER_M).any() {
         let stones = border(textures, [along, away], w);
@@ -58,19 +58,19 @@ pub(super) fn paving(
 
 /// Border stones: which share of points they are, and what is seen of them.
 struct Border {
-    share: Lanes,
+    share: F32x8,
     seen: Texels,
 }
 
 #[inline]
-fn border(textures: &Textures, [along, away]: [Lanes; 2], w: Lanes) -> Border {
-    let wide = w.fast_max(Lanes::splat(0.004));
-    let within = |inside_m: Lanes| (inside_m / wide + 0.5).fast_clamp(Lanes::ZERO, Lanes::ONE);
+fn border(textures: &Textures, [along, away]: [F32x8; 2], w: F32x8) -> Border {
+    let wide = w.fast_max(F32x8::splat(0.004));
+    let within = |inside_m: F32x8| (inside_m / wide + 0.5).fast_clamp(F32x8::ZERO, F32x8::ONE);
     let share = within(BORDER_M - away);
     let mut seen = textures.concrete.at(along, away, w);
     let across = bars(along + JOINT_M, 2.0 * JOINT_M, Width::new(w));
     let behind =
-        within(JOINT_M - (away - BORDER_M + JOINT_M).abs()) * (2.0 * JOINT_M / wide).fast_min(Lanes::ONE);
+        within(JOINT_M - (away - BORDER_M + JOINT_M).abs()) * (2.0 * JOINT_M / wide).fast_min(F32x8::ONE);
     seen.shade *= 1.0 - across.fast_max(behind) * 0.5;
     Border { share, seen }
 }

@@ -4,9 +4,9 @@ use std::sync::OnceLock;
 
 use frames::math;
 use glam::{Vec2, Vec3};
-use lanes::{LANES, Lanes, Vec3s};
 use schema::geometry::Surface;
 use schema::skin::{Coat, Finish, Glow, Image, Level, Relief, Skin, Wrap};
+use simd::{F32x8, LANES, Vec3x8};
 
 use super::points::Points;
 
@@ -71,43 +71,43 @@ impl<'a> Draped<'a> {
     }
 
     /// The colours of eight points, linear RGB; none where the part's own is all over.
-    pub(super) fn colour(&self, p: &Points) -> Option<Vec3s> {
+    pub(super) fn colour(&self, p: &Points) -> Option<Vec3x8> {
         Some(self.light(self.coat.colour.as_deref()?, p))
     }
 
     /// Their own light; none where they have none.
-    pub(super) fn glow(&self, p: &Points) -> Option<Vec3s> {
+    pub(super) fn glow(&self, p: &Points) -> Option<Vec3x8> {
         Some(match self.coat.glow.as_ref()? {
-            Glow::Even(rgb) => Vec3s::splat(Vec3::from_array(*rgb)),
+            Glow::Even(rgb) => Vec3x8::splat(Vec3::from_array(*rgb)),
             Glow::Picture(image) => self.light(image, p),
         })
     }
 
     /// Their roughness and metalness; none where these are even.
-    pub(super) fn gloss(&self, p: &Points) -> Option<[Lanes; 2]> {
+    pub(super) fn gloss(&self, p: &Points) -> Option<[F32x8; 2]> {
         let seen = self.between(self.coat.gloss.as_deref()?, p, share);
         Some([seen.y, seen.z])
     }
 
     /// How they lean; none where they are even.
-    pub(super) fn lean(&self, p: &Points) -> Option<[Lanes; 2]> {
+    pub(super) fn lean(&self, p: &Points) -> Option<[F32x8; 2]> {
         let Relief { image, strength } = self.coat.relief.as_ref()?;
-        let normals = self.between(image, p, share) * Lanes::splat(2.0) - Vec3s::splat(Vec3::ONE);
-        let steepness = Lanes::splat(*strength) / normals.z.fast_max(Lanes::splat(LEAST_OUTWARD));
+        let normals = self.between(image, p, share) * F32x8::splat(2.0) - Vec3x8::splat(Vec3::ONE);
+        let steepness = F32x8::splat(*strength) / normals.z.fast_max(F32x8::splat(LEAST_OUTWARD));
         // The middle of the bytes is 127.5: less than half a byte is even.
-        let tilt = |v: Lanes| (v.abs().simd_gt(0.004)).select(v, Lanes::ZERO) * steepness;
+        let tilt = |v: F32x8| (v.abs().simd_gt(0.004)).select(v, F32x8::ZERO) * steepness;
         let (sideways, upwards) = (tilt(normals.x), tilt(normals.y));
         let [r, u] = self.axes;
         Some([sideways * r.x + upwards * u.x, sideways * r.y + upwards * u.y])
     }
 
-    fn light(&self, image: &Image, p: &Points) -> Vec3s {
+    fn light(&self, image: &Image, p: &Points) -> Vec3x8 {
         self.between(image, p, |bytes| Vec3::from_array(bytes.map(|byte| linear()[usize::from(byte)])))
     }
 
     /// What a picture shows at eight points: between the middles of four texels of the copy that is about as coarse as the nearest of them
     /// wants.
-    fn between(&self, image: &Image, p: &Points, value: impl Fn([u8; 3]) -> Vec3) -> Vec3s {
+    fn between(&self, image: &Image, p: &Points, value: impl Fn([u8; 3]) -> Vec3) -> Vec3x8 {
         let finest = &image.levels[0];
         let widths = p.footprint_m.as_array();
         let nearest_m = widths[0].min(widths[LANES - 1]);
@@ -118,7 +118,7 @@ impl<'a> Draped<'a> {
         let wanted = if texels < 1.0 { 0 } else { (texels.to_bits() >> 23) as usize - 127 };
         let copy = &image.levels[wanted.min(top)];
         let size = Vec2::new(copy.width as f32, copy.height as f32);
-        Vec3s::from_fn(|i| {
+        Vec3x8::from_fn(|i| {
             let from_corner = p.object_m.lane(i) - self.corner;
             let place = self.at + Vec2::new(self.right.dot(from_corner), self.down.dot(from_corner));
             between(image.wrap, copy, place * size - Vec2::splat(0.5), &value)
@@ -161,7 +161,7 @@ fn linear() -> &'static [f32; 256] {
 mod tests {
     use std::sync::Arc;
 
-    use lanes::STEPS;
+    use simd::STEPS;
 
     use super::*;
 
@@ -178,9 +178,9 @@ mod tests {
     /// Two metres wide and high, in the plane x = 3: to the right is y, downwards is -z; it looks along +x from behind.
     const CORNERS: [Vec3; 3] = [Vec3::new(3.0, 0.0, 2.0), Vec3::new(3.0, 2.0, 2.0), Vec3::new(3.0, 0.0, 0.0)];
 
-    fn points(y: Lanes, z: f32, footprint: f32) -> Points {
-        let object_m = Vec3s::new(Lanes::splat(3.0), y, Lanes::splat(z));
-        Points { object_m, world_m: object_m, footprint_m: Lanes::splat(footprint) }
+    fn points(y: F32x8, z: f32, footprint: f32) -> Points {
+        let object_m = Vec3x8::new(F32x8::splat(3.0), y, F32x8::splat(z));
+        Points { object_m, world_m: object_m, footprint_m: F32x8::splat(footprint) }
     }
 
     #[test]
@@ -193,20 +193,20 @@ mod tests {
             .expect("a picture");
         assert!((draped.right.length() - 0.5).abs() < 1e-6 && (draped.down.length() - 0.5).abs() < 1e-6);
         let at =
-            |y: Lanes, z: f32, footprint: f32| draped.colour(&points(y, z, footprint)).expect("a colour");
+            |y: F32x8, z: f32, footprint: f32| draped.colour(&points(y, z, footprint)).expect("a colour");
         // From the middle of the left texel to that of the right one, beside the upper edge.
         let seen = at(STEPS * (1.0 / 7.0) + 0.5, 1.5, 0.01);
         assert_eq!([seen.lane(0), seen.lane(7)], [Vec3::X, Vec3::Y]);
         assert!((seen.lane(4) - Vec3::new(3.0 / 7.0, 4.0 / 7.0, 0.0)).length() < 1e-5);
-        assert_eq!(at(Lanes::splat(0.5), 0.5, 0.01).lane(0), Vec3::Z);
+        assert_eq!(at(F32x8::splat(0.5), 0.5, 0.01).lane(0), Vec3::Z);
         // From far away the mean is seen.
-        let far = at(Lanes::splat(0.5), 0.5, 5.0).lane(3);
+        let far = at(F32x8::splat(0.5), 0.5, 5.0).lane(3);
         assert!((far - Vec3::splat(0.2158)).length() < 1e-3, "{far}");
         let none = || [Vec3::ZERO; 2];
         assert!(Draped::new(Surface::Plain, Some((&skin, skin.corners[0])), CORNERS, none).is_none());
         // What sends light back has the first coat, if there is one.
         let sheet = Draped::new(Surface::Reflector, Some((&skin, skin.corners[0])), CORNERS, none);
-        let sheet = sheet.and_then(|sheet| sheet.colour(&points(Lanes::splat(0.5), 0.5, 0.01)));
+        let sheet = sheet.and_then(|sheet| sheet.colour(&points(F32x8::splat(0.5), 0.5, 0.01)));
         assert_eq!(sheet.expect("a colour").lane(0), Vec3::Z);
         assert!(Draped::new(Surface::Reflector, None, CORNERS, none).is_none());
         let here = points(STEPS, 0.5, 0.01);
@@ -247,7 +247,7 @@ mod tests {
         let skin = skin(Coat { relief: Some(even), ..Coat::default() });
         let draped = Draped::new(SURFACE, Some((&skin, skin.corners[0])), CORNERS, || [Vec3::Y, Vec3::Z]);
         let lean = draped.and_then(|draped| draped.lean(&points(STEPS, 0.5, 0.01))).expect("is even");
-        assert_eq!(lean, [Lanes::ZERO; 2]);
+        assert_eq!(lean, [F32x8::ZERO; 2]);
     }
 
     #[test]

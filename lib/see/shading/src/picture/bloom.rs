@@ -1,8 +1,8 @@
 //! Glare: a lens scatters some of the light over the picture; of what is brighter than white, that is seen.
 
 use glam::Vec3;
-use lanes::{LANES, Vec3s};
 use rayon::prelude::*;
+use simd::{LANES, Vec3x8};
 
 use super::film::Film;
 use super::picture::Picture;
@@ -24,8 +24,8 @@ pub(super) fn blocks(width: usize) -> usize {
 
 /// Adds what is brighter than white in the first of eight pixels from a column on to the blocks of their row.
 #[inline]
-pub(super) fn gather(value: &Vec3s, column: usize, pixels: usize, row: &mut [Vec3]) {
-    let over = |v: lanes::Lanes| v.simd_gt(WHITE).any();
+pub(super) fn gather(value: &Vec3x8, column: usize, pixels: usize, row: &mut [Vec3]) {
+    let over = |v: simd::F32x8| v.simd_gt(WHITE).any();
     if !(over(value.x) || over(value.y) || over(value.z)) {
         return;
     }
@@ -143,7 +143,7 @@ mod tests {
         let mut gathered = vec![Vec3::ZERO; blocks(width) * height];
         for y in at.1..at.1 + 4 {
             let row = &mut gathered[y * blocks(width)..][..blocks(width)];
-            gather(&Vec3s::splat(Vec3::new(50.0, 0.5, 0.5)), at.0, 4, row);
+            gather(&Vec3x8::splat(Vec3::new(50.0, 0.5, 0.5)), at.0, 4, row);
         }
         gathered
     }
@@ -177,7 +177,7 @@ mod tests {
         for y in 560..640 {
             for x in (760..840).step_by(8) {
                 gather(
-                    &Vec3s::splat(Vec3::splat(3.0)),
+                    &Vec3x8::splat(Vec3::splat(3.0)),
                     x,
                     8,
                     &mut gathered[y * blocks(width)..][..blocks(width)],
@@ -196,7 +196,7 @@ mod tests {
         let (mut picture, film) = (dark(100, 60), Film::new());
         let before = picture.clone();
         let mut gathered = vec![Vec3::ZERO; blocks(100) * 60];
-        gather(&Vec3s::splat(Vec3::splat(0.99)), 0, 8, &mut gathered[..blocks(100)]);
+        gather(&Vec3x8::splat(Vec3::splat(0.99)), 0, 8, &mut gathered[..blocks(100)]);
         bloom(&mut picture, &film, &gathered, 0.5);
         assert_eq!(picture, before);
     }

@@ -1,6 +1,6 @@
 //! From light to 8-bit sRGB.
 
-use lanes::{LANES, Lanes, Vec3s, Words};
+use simd::{F32x8, LANES, U32x8, Vec3x8};
 
 /// Range of the table: powers of two, with 256 steps to each doubling.
 const LEAST: f32 = 1.0 / 8192.0;
@@ -75,7 +75,7 @@ impl Film {
 
     /// Develops the first of eight pixels, as many as there is room for.
     #[inline]
-    pub(super) fn develop(&self, light: &Vec3s, pixels: &mut [[u8; 3]]) {
+    pub(super) fn develop(&self, light: &Vec3x8, pixels: &mut [[u8; 3]]) {
         let (r, g, b) = (Self::indices(light.x), Self::indices(light.y), Self::indices(light.z));
         let code = |i: u32| self.0.get(i as usize).copied().unwrap_or(255);
         for (i, pixel) in pixels.iter_mut().take(LANES).enumerate() {
@@ -84,10 +84,10 @@ impl Film {
     }
 
     #[inline]
-    fn indices(value: Lanes) -> [u32; LANES] {
+    fn indices(value: F32x8) -> [u32; LANES] {
         // What is not a number goes to the start.
-        let v = value.simd_gt(LEAST).select(value, Lanes::splat(LEAST));
-        let bits = v.to_bits().min(Words::splat(MOST.to_bits() - 1));
+        let v = value.simd_gt(LEAST).select(value, F32x8::splat(LEAST));
+        let bits = v.to_bits().min(U32x8::splat(MOST.to_bits() - 1));
         ((bits - LEAST.to_bits()) >> SHIFT).to_array()
     }
 }

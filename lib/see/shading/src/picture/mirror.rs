@@ -6,10 +6,10 @@
 //! what the agent sees around it in that direction.
 
 use glam::{Affine3A, Mat3, Vec3};
-use lanes::{LANES, Lanes, Vec3s, floor_words};
 use rayon::prelude::*;
 use render::{Surfaces, VisibilityBuffer};
 use schema::geometry::Surface;
+use simd::{F32x8, LANES, Vec3x8, floor_words};
 
 use super::film::Film;
 use super::vignette::Vignette;
@@ -116,23 +116,23 @@ impl Mirror {
     pub(super) fn at(
         &self,
         (columns, y): (&[u32; LANES], u32),
-        [away, right]: [Lanes; 2],
-        sine: Lanes,
-        rough: Lanes,
-    ) -> (Vec3s, Lanes) {
+        [away, right]: [F32x8; 2],
+        sine: F32x8,
+        rough: F32x8,
+    ) -> (Vec3x8, F32x8) {
         let still = (1.0 - rough) * 2.0;
-        let moved = |pixels: Lanes| pixels.fast_clamp(Lanes::splat(-MOST_MOVED), Lanes::splat(MOST_MOVED));
-        let x = Lanes::from(columns.map(|c| c as f32)) + moved(still * right * sine * self.focal[0]);
-        let y = Lanes::splat(y as f32) - moved(still * away * self.focal[1]);
-        let place = |v: Lanes, apart: usize, count: usize| {
-            (v * (1.0 / apart as f32)).fast_clamp(Lanes::ZERO, Lanes::splat((count - 1) as f32 - 1e-3))
+        let moved = |pixels: F32x8| pixels.fast_clamp(F32x8::splat(-MOST_MOVED), F32x8::splat(MOST_MOVED));
+        let x = F32x8::from(columns.map(|c| c as f32)) + moved(still * right * sine * self.focal[0]);
+        let y = F32x8::splat(y as f32) - moved(still * away * self.focal[1]);
+        let place = |v: F32x8, apart: usize, count: usize| {
+            (v * (1.0 / apart as f32)).fast_clamp(F32x8::ZERO, F32x8::splat((count - 1) as f32 - 1e-3))
         };
         let (x, y) = (place(x, COLUMNS_APART, self.columns), place(y, self.rows_apart, self.rows));
         let (x0, y0) = (x.floor(), y.floor());
         let first = (floor_words(y0) * self.columns as u32 + floor_words(x0)).to_array();
         let (fx, fy, rough) = ((x - x0).to_array(), (y - y0).to_array(), rough.to_array());
         let mut known = [0.0; LANES];
-        let seen = Vec3s::from_fn(|i| {
+        let seen = Vec3x8::from_fn(|i| {
             let first = first[i] as usize;
             let texel = |of: &[Texel]| {
                 let at = |k: usize| of.get(k).copied().unwrap_or(Texel::ZERO);
@@ -196,20 +196,20 @@ impl<'a> Tracer<'a> {
     }
 
     /// Film values of what eight places of a level surface mirror.
-    fn seen(&self, surfaces: &Surfaces<'_>, places: &Vec3s, normal: Vec3) -> Vec3s {
-        let from_eye = *places - Vec3s::splat(self.eye);
-        let way = from_eye * (1.0 / from_eye.length_squared().sqrt().fast_max(Lanes::splat(1e-6)));
-        let way = way - Vec3s::splat(normal) * (way.dot(Vec3s::splat(normal)) * 2.0);
+    fn seen(&self, surfaces: &Surfaces<'_>, places: &Vec3x8, normal: Vec3) -> Vec3x8 {
+        let from_eye = *places - Vec3x8::splat(self.eye);
+        let way = from_eye * (1.0 / from_eye.length_squared().sqrt().fast_max(F32x8::splat(1e-6)));
+        let way = way - Vec3x8::splat(normal) * (way.dot(Vec3x8::splat(normal)) * 2.0);
         let (pixels, is_shown) = self.end(&from_eye, &way);
         let sky = if is_shown.all() {
-            Vec3s::default()
+            Vec3x8::default()
         } else {
             let sky = self.dry.sky.radiance(&way);
-            self.dry.skyline.before(&sky, &way) * Lanes::splat(self.dry.exposure)
+            self.dry.skyline.before(&sky, &way) * F32x8::splat(self.dry.exposure)
         };
         let shown = is_shown.to_bitmask();
         let width = self.dry.buffer.width;
-        Vec3s::from_fn(|i| {
+        Vec3x8::from_fn(|i| {
             let [column, row] = [pixels[i] % width, pixels[i] / width];
             if shown >> i & 1 == 0 || is_wet(&self.dry.wet[row as usize], column) {
                 return sky.lane(i);
@@ -230,21 +230,21 @@ impl<'a> Tracer<'a> {
     }
 
     /// The pixels in which eight rays end, and whether the picture shows them; places and ways are from the camera.
-    fn end(&self, places: &Vec3s, ways: &Vec3s) -> ([u32; LANES], Lanes) {
+    fn end(&self, places: &Vec3x8, ways: &Vec3x8) -> ([u32; LANES], F32x8) {
         let Dry { view, buffer, .. } = self.dry;
-        let level = (ways.x * ways.x + ways.y * ways.y).sqrt().fast_max(Lanes::splat(1e-3));
-        let ahead = Vec3s::new(ways.x / level, ways.y / level, Lanes::ZERO);
+        let level = (ways.x * ways.x + ways.y * ways.y).sqrt().fast_max(F32x8::splat(1e-3));
+        let ahead = Vec3x8::new(ways.x / level, ways.y / level, F32x8::ZERO);
         let away_m = places.dot(ahead);
         let [places, ways, ahead] = [places, ways, &ahead].map(|v| v.turned(&self.optical_from_local));
         let (width, height) = (buffer.width as f32, buffer.height as f32);
         // How far ahead what pixels show is, in the rays' planes.
         let seen_m = |pixels: &[u32; LANES]| {
-            let depth_m = Lanes::from(pixels.map(|p| buffer.depth_m[p as usize]));
-            (self.directions(pixels) * depth_m.fast_min(Lanes::splat(FAR_M))).dot(ahead)
+            let depth_m = F32x8::from(pixels.map(|p| buffer.depth_m[p as usize]));
+            (self.directions(pixels) * depth_m.fast_min(F32x8::splat(FAR_M))).dot(ahead)
         };
         let least_m = away_m.abs() * 1e-3 + 1e-3;
         let mut along_m = away_m.abs() * FIRST / level;
-        let look = |along_m: Lanes| {
+        let look = |along_m: F32x8| {
             let at = places + ways * along_m;
             let [column, row] = view.model.project_all(&at);
             let is_shown = at.z.simd_gt(buffer.camera.near_m)
@@ -252,8 +252,8 @@ impl<'a> Tracer<'a> {
                 & row.simd_ge(0.0)
                 & column.simd_lt(width)
                 & row.simd_lt(height);
-            let within = |v: Lanes, end: f32| {
-                floor_words(v.fast_clamp(Lanes::ZERO, Lanes::splat(end - 1.0))).to_array()
+            let within = |v: F32x8, end: f32| {
+                floor_words(v.fast_clamp(F32x8::ZERO, F32x8::splat(end - 1.0))).to_array()
             };
             let (columns, rows) = (within(column, width), within(row, height));
             let pixels: [u32; LANES] = std::array::from_fn(|i| rows[i] * buffer.width + columns[i]);
@@ -264,7 +264,7 @@ impl<'a> Tracer<'a> {
             if is_shown.none() {
                 return (pixels, is_shown);
             }
-            let next_m = ((seen_m(&pixels) - away_m) / level).fast_clamp(least_m, Lanes::splat(FAR_M));
+            let next_m = ((seen_m(&pixels) - away_m) / level).fast_clamp(least_m, F32x8::splat(FAR_M));
             let is_found = !is_shown | (next_m - along_m).abs().simd_lt(along_m * FOUND);
             along_m = is_shown.select(next_m, along_m);
             if is_found.all() {
@@ -273,21 +273,21 @@ impl<'a> Tracer<'a> {
         }
         let (pixels, is_shown) = look(along_m);
         // What is nearer than the end of the ray hides it.
-        let end_m = (away_m + along_m * level).fast_min(Lanes::splat(0.5 * FAR_M));
+        let end_m = (away_m + along_m * level).fast_min(F32x8::splat(0.5 * FAR_M));
         let is_hidden = seen_m(&pixels).simd_lt(end_m * (1.0 - HIDDEN) - HIDDEN);
         (pixels, is_shown & !is_hidden)
     }
 
     /// Optical directions of eight pixels.
-    fn directions(&self, pixels: &[u32; LANES]) -> Vec3s {
+    fn directions(&self, pixels: &[u32; LANES]) -> Vec3x8 {
         let buffer = self.dry.buffer;
         if let Some(rays) = &buffer.rays {
-            return Vec3s::from_fn(|i| rays[pixels[i] as usize]);
+            return Vec3x8::from_fn(|i| rays[pixels[i] as usize]);
         }
         let camera = &buffer.camera;
-        let column = Lanes::from(pixels.map(|p| (p % buffer.width) as f32 + 0.5));
-        let row = Lanes::from(pixels.map(|p| (p / buffer.width) as f32 + 0.5));
-        Vec3s::new((column - camera.cx) / camera.fx, (row - camera.cy) / camera.fy, Lanes::ONE)
+        let column = F32x8::from(pixels.map(|p| (p % buffer.width) as f32 + 0.5));
+        let row = F32x8::from(pixels.map(|p| (p / buffer.width) as f32 + 0.5));
+        Vec3x8::new((column - camera.cx) / camera.fx, (row - camera.cy) / camera.fy, F32x8::ONE)
     }
 }
 

@@ -1,9 +1,9 @@
 //! The colour picture: light times surface, span by span.
 
 use glam::Vec3;
-use lanes::{LANES, Lanes, STEPS, Vec3s, exp_neg, smoothstep};
 use rayon::prelude::*;
 use render::{Bend, Facet as Triangle, RenderError, SKY, Scene, SurfacePoints, Surfaces, VisibilityBuffer};
+use simd::{F32x8, LANES, STEPS, Vec3x8, exp_neg, smoothstep};
 
 use super::antialias::smooth_edges;
 use super::bloom::{blocks, bloom, gather};
@@ -144,12 +144,12 @@ fn mirrored(
     mirror: &Mirror,
     pixels: (&[u32; LANES], u32),
     gloss: &Gloss,
-    lean: Option<[Lanes; 2]>,
-    toward: &Vec3s,
-) -> (Vec3s, Lanes) {
+    lean: Option<[F32x8; 2]>,
+    toward: &Vec3x8,
+) -> (Vec3x8, F32x8) {
     // The axes of the texture of all ground are those of the world.
     let [east, north] = lean.unwrap_or_default();
-    let level = (toward.x * toward.x + toward.y * toward.y).sqrt().fast_max(Lanes::splat(1e-3));
+    let level = (toward.x * toward.x + toward.y * toward.y).sqrt().fast_max(F32x8::splat(1e-3));
     let away = (east * toward.x + north * toward.y) * -1.0 / level;
     let right = (north * toward.x - east * toward.y) / level;
     let rough = smoothstep(0.08, 0.24, gloss.roughness);
@@ -227,9 +227,9 @@ struct Relief {
 #[derive(Clone, Copy)]
 struct Turned {
     /// Cosine between normal and sun, 0 when turned away.
-    facing: Lanes,
+    facing: F32x8,
     /// Light of the whole sky.
-    ambient: Vec3s,
+    ambient: Vec3x8,
 }
 
 /// What decides the light at eight places, before the surface's colour; all but the sun's share is smooth enough to be
@@ -237,17 +237,17 @@ struct Turned {
 #[derive(Clone, Copy)]
 struct Light {
     /// Share of the sun that is seen.
-    sunlit: Lanes,
+    sunlit: F32x8,
     /// Share of the sky that is seen past what is above.
-    open: Lanes,
+    open: F32x8,
     /// Share of what is left that houses around leave.
-    between_houses: Lanes,
+    between_houses: F32x8,
     /// Film value of a white surface by lamps.
-    lamps: Vec3s,
+    lamps: Vec3x8,
     /// Share of light that passes the fog.
-    passes: Lanes,
+    passes: F32x8,
     /// Width of a pixel a metre away on surfaces as slanted as here, metres.
-    footprint_at_1_m: Lanes,
+    footprint_at_1_m: F32x8,
 }
 
 /// Light at places of one span that stand [`LANES`] pixels apart.
@@ -312,23 +312,23 @@ impl Shader<'_> {
     /// Paints what shows the sky.
     fn paint_sky(&self, mut span: Span<'_>) {
         for from in (0..span.pixels.len()).step_by(LANES) {
-            let seen = self.sky(&span.columns(from, 1), span.y, Lanes::ONE);
+            let seen = self.sky(&span.columns(from, 1), span.y, F32x8::ONE);
             self.develop(seen, &mut span, from);
         }
     }
 
     /// Film values of pixels that show the sky, from behind fog that so much light passes.
-    fn sky(&self, columns: &[u32; LANES], y: u32, before: Lanes) -> Vec3s {
+    fn sky(&self, columns: &[u32; LANES], y: u32, before: F32x8) -> Vec3x8 {
         let turn = glam::Mat3::from(self.buffer.camera.local_from_optical.matrix3);
-        let optical = Vec3s::from_fn(|i| self.buffer.direction_optical(columns[i], y));
+        let optical = Vec3x8::from_fn(|i| self.buffer.direction_optical(columns[i], y));
         let direction = optical.turned(&turn);
         let direction = direction * (1.0 / direction.length_squared().sqrt());
-        let seen = self.lighting.sky.seen(&direction) * Lanes::splat(self.exposure);
+        let seen = self.lighting.sky.seen(&direction) * F32x8::splat(self.exposure);
         if !self.hazy {
             return seen;
         }
         let passes = self.lighting.fog.passes_sky(self.camera.z, direction.z) / before;
-        Vec3s::splat(self.veil).lerp(seen, passes.fast_min(Lanes::ONE))
+        Vec3x8::splat(self.veil).lerp(seen, passes.fast_min(F32x8::ONE))
     }
 
     /// Paints a pane and what is behind each of its pixels.
@@ -358,10 +358,10 @@ impl Shader<'_> {
         columns: &[u32; LANES],
         y: u32,
         behind: &[Behind],
-        passes: Lanes,
-    ) -> Vec3s {
-        let passes = passes.fast_max(Lanes::splat(1e-6));
-        let mut seen = Vec3s::default();
+        passes: F32x8,
+    ) -> Vec3x8 {
+        let passes = passes.fast_max(F32x8::splat(1e-6));
+        let mut seen = Vec3x8::default();
         let mut shares = [0.0; LANES];
         for (share, behind) in shares.iter_mut().zip(behind) {
             *share = (0..behind.panes).fold(1.0, |share, _| share * PASSES);
@@ -379,17 +379,17 @@ impl Shader<'_> {
                     let run = self.begin(&facet);
                     let there = facet.points(self.buffer, columns, y);
                     let mut light = self.light(&run, &there, Spread::Near).light;
-                    light.passes = (light.passes / passes).fast_min(Lanes::ONE);
+                    light.passes = (light.passes / passes).fast_min(F32x8::ONE);
                     if surfaces.is_behind_panes(instance) {
-                        light.open = light.open.fast_max(Lanes::splat(OPEN_IN_CABINS));
+                        light.open = light.open.fast_max(F32x8::splat(OPEN_IN_CABINS));
                     }
                     self.surface(&run, (columns, y), &there, &light, None)
                 }
             };
             let mask = std::array::from_fn(|i| if behind.get(i).is_some_and(same) { 1.0 } else { 0.0 });
-            seen = value.or(Lanes::new(mask).simd_gt(0.5), seen);
+            seen = value.or(F32x8::new(mask).simd_gt(0.5), seen);
         }
-        seen * Lanes::new(shares)
+        seen * F32x8::new(shares)
     }
 
     /// Paints what shows a triangle. Of long spans the light is worked out at every eighth pixel, and between these only what
@@ -423,9 +423,9 @@ impl Shader<'_> {
 
     /// Puts eight pixels of a span on film, behind the lens.
     #[inline]
-    fn develop(&self, value: Vec3s, span: &mut Span<'_>, from: usize) {
+    fn develop(&self, value: Vec3x8, span: &mut Span<'_>, from: usize) {
         let passes = self.vignette.passes(&span.columns(from, 1), span.y);
-        let seen = value * Vec3s::splat(self.balance) * passes;
+        let seen = value * Vec3x8::splat(self.balance) * passes;
         gather(&seen, span.first as usize + from, span.pixels.len() - from, span.bright);
         self.film.develop(&seen, &mut span.pixels[from..]);
     }
@@ -436,30 +436,30 @@ impl Shader<'_> {
         let light = self.lighting;
         let positions = &points.position_local;
         let normal = run.facet.normal_local;
-        let to_camera = Vec3s::splat(self.camera) - *positions;
-        let distance_m = to_camera.length_squared().sqrt().fast_max(Lanes::splat(1e-6));
+        let to_camera = Vec3x8::splat(self.camera) - *positions;
+        let distance_m = to_camera.length_squared().sqrt().fast_max(F32x8::splat(1e-6));
         let slant =
-            (to_camera.dot(Vec3s::splat(normal)) / distance_m).fast_clamp(Lanes::splat(0.04), Lanes::ONE);
+            (to_camera.dot(Vec3x8::splat(normal)) / distance_m).fast_clamp(F32x8::splat(0.04), F32x8::ONE);
         let sun = self.sun(run, positions);
         let lamps = if light.lamps.is_empty() {
-            Vec3s::default()
+            Vec3x8::default()
         } else {
             let normals = match &run.bend {
                 Some(bend) if !run.facet.is_leaf() => bend.normals(points.position_object),
-                _ => Vec3s::splat(run.normal),
+                _ => Vec3x8::splat(run.normal),
             };
             let klx = if run.facet.is_sheeting() {
                 light.lamps.returned(positions, &normals, self.camera)
             } else {
                 light.lamps.illuminance(positions, &normals)
             };
-            klx * Lanes::splat(self.exposure / std::f32::consts::PI)
+            klx * F32x8::splat(self.exposure / std::f32::consts::PI)
         };
         let light = Light {
             sunlit: sun.share,
             open: light.overhead.open(positions, normal),
             between_houses: match spread {
-                Spread::Near => Lanes::splat(light.walls.open(positions.lane(0), &run.facing)),
+                Spread::Near => F32x8::splat(light.walls.open(positions.lane(0), &run.facing)),
                 Spread::Far => light.walls.open_all(positions, &run.facing),
             },
             lamps,
@@ -471,7 +471,7 @@ impl Shader<'_> {
     }
 
     #[inline]
-    fn sun(&self, run: &Run<'_>, positions: &Vec3s) -> Lit {
+    fn sun(&self, run: &Run<'_>, positions: &Vec3x8) -> Lit {
         if run.is_lit { self.lighting.shadows.lit(positions, run.outward) } else { Lit::none() }
     }
 
@@ -486,9 +486,9 @@ impl Shader<'_> {
         here: &SurfacePoints,
     ) -> Light {
         let Knots { light, sun } = knots;
-        let ends = |v: Lanes| (v.as_array()[knot], v.as_array()[knot + 1]);
+        let ends = |v: F32x8| (v.as_array()[knot], v.as_array()[knot + 1]);
         let share = STEPS * (1.0 / pixels.max(1) as f32);
-        let mix = |v: Lanes| {
+        let mix = |v: F32x8| {
             let (a, b) = ends(v);
             share * (b - a) + a
         };
@@ -501,10 +501,10 @@ impl Shader<'_> {
         let lamps = if self.lighting.lamps.is_empty() {
             light.lamps
         } else {
-            Vec3s::new(mix(light.lamps.x), mix(light.lamps.y), mix(light.lamps.z))
+            Vec3x8::new(mix(light.lamps.x), mix(light.lamps.y), mix(light.lamps.z))
         };
         Light {
-            sunlit: if even { Lanes::splat(first) } else { self.sun(run, &here.position_local).share },
+            sunlit: if even { F32x8::splat(first) } else { self.sun(run, &here.position_local).share },
             open: if (open.0 - open.1).abs() < ALIKE {
                 mix(light.open)
             } else {
@@ -525,12 +525,12 @@ impl Shader<'_> {
         pixels: (&[u32; LANES], u32),
         here: &SurfacePoints,
         light: &Light,
-        behind: Option<Vec3s>,
-    ) -> Vec3s {
+        behind: Option<Vec3x8>,
+    ) -> Vec3x8 {
         let around = &self.lighting.around;
         let points = Points {
             object_m: here.position_object,
-            world_m: here.position_local + Vec3s::splat(around.world_from_local_m),
+            world_m: here.position_local + Vec3x8::splat(around.world_from_local_m),
             footprint_m: here.depth_m * light.footprint_at_1_m,
         };
         let look = look(self.stuff, around, &run.facet, &points);
@@ -541,8 +541,8 @@ impl Shader<'_> {
         };
         if let Some([a, b]) = look.lean {
             let Relief { facing: [fa, fb], ambient: [sa, sb], .. } = run.relief;
-            facing = (facing + a * fa + b * fb).fast_max(Lanes::ZERO);
-            ambient += Vec3s::splat(sa) * a + Vec3s::splat(sb) * b;
+            facing = (facing + a * fa + b * fb).fast_max(F32x8::ZERO);
+            ambient += Vec3x8::splat(sa) * a + Vec3x8::splat(sb) * b;
         }
         let mut light = *light;
         if let Some(shelter) = &run.shelter {
@@ -551,18 +551,18 @@ impl Shader<'_> {
         let walls = 1.0 - light.between_houses;
         let left = |wall: f32| walls * (wall - 1.0) + 1.0;
         ambient =
-            ambient * Vec3s::new(left(WALLS.x), left(WALLS.y), left(WALLS.z)) + Vec3s::splat(self.bounced);
-        let received = Vec3s::splat(self.key) * (facing * light.sunlit) + ambient * light.open + light.lamps;
+            ambient * Vec3x8::new(left(WALLS.x), left(WALLS.y), left(WALLS.z)) + Vec3x8::splat(self.bounced);
+        let received = Vec3x8::splat(self.key) * (facing * light.sunlit) + ambient * light.open + light.lamps;
         let mut out = behind.unwrap_or(look.albedo * received);
         if let Some(emission) = look.emission {
             out += emission;
         }
         if let Some(gloss) = &look.gloss {
-            let toward = Vec3s::splat(self.camera) - here.position_local;
-            let toward = toward * (1.0 / toward.length_squared().sqrt().fast_max(Lanes::splat(1e-6)));
-            let mut normals = bent.unwrap_or(Vec3s::splat(run.facet.normal_local));
+            let toward = Vec3x8::splat(self.camera) - here.position_local;
+            let toward = toward * (1.0 / toward.length_squared().sqrt().fast_max(F32x8::splat(1e-6)));
+            let mut normals = bent.unwrap_or(Vec3x8::splat(run.facet.normal_local));
             if let Some([a, b]) = look.lean {
-                let [ta, tb] = run.relief.tangents.map(Vec3s::splat);
+                let [ta, tb] = run.relief.tangents.map(Vec3x8::splat);
                 normals += ta * a + tb * b;
                 normals = normals * (1.0 / normals.length_squared().sqrt());
             }
@@ -572,7 +572,7 @@ impl Shader<'_> {
             };
             out = self.gloss(out, gloss, normals, toward, &light, mirrored);
         }
-        Vec3s::splat(self.veil).lerp(out, light.passes)
+        Vec3x8::splat(self.veil).lerp(out, light.passes)
     }
 
     fn begin<'p>(&self, triangle: &Triangle<'_, 'p>) -> Run<'p> {
@@ -584,7 +584,7 @@ impl Shader<'_> {
         let shelter = triangle.open().map(|open| Ramp::new(triangle.corners_object_m(), open));
         let towards = Facing::new(n);
         let bend = triangle.bend();
-        let turned = self.turned(facet.is_leaf(), &Vec3s::splat(n));
+        let turned = self.turned(facet.is_leaf(), &Vec3x8::splat(n));
         if facet.is_leaf() {
             return Run {
                 facet,
@@ -617,60 +617,60 @@ impl Shader<'_> {
     /// The light on surfaces that are turned as their normals say. Leaves let light through, and those turned away are looked at on
     /// their lit side.
     #[inline]
-    fn turned(&self, is_leaf: bool, normals: &Vec3s) -> Turned {
+    fn turned(&self, is_leaf: bool, normals: &Vec3x8) -> Turned {
         let [a, x, y, z] = self.ambient;
         let ambient =
-            |i: usize| (normals.x * x[i] + normals.y * y[i] + normals.z * z[i] + a[i]).fast_max(Lanes::ZERO);
-        let ambient = Vec3s::new(ambient(0), ambient(1), ambient(2));
-        let to_key = Vec3s::splat(self.lighting.sky.key_direction);
+            |i: usize| (normals.x * x[i] + normals.y * y[i] + normals.z * z[i] + a[i]).fast_max(F32x8::ZERO);
+        let ambient = Vec3x8::new(ambient(0), ambient(1), ambient(2));
+        let to_key = Vec3x8::splat(self.lighting.sky.key_direction);
         if !is_leaf {
-            return Turned { facing: normals.dot(to_key).fast_max(Lanes::ZERO), ambient };
+            return Turned { facing: normals.dot(to_key).fast_max(F32x8::ZERO), ambient };
         }
-        let upward = *normals + Vec3s::splat(Vec3::Z * LEAF_LEAN);
+        let upward = *normals + Vec3x8::splat(Vec3::Z * LEAF_LEAN);
         let side = (upward * (1.0 / upward.length_squared().sqrt())).dot(to_key);
-        let facing = side.fast_max(Lanes::ZERO) * 0.55 + (side * 0.5 + 0.5) * 0.15 + 0.2;
-        Turned { facing, ambient: ambient * Lanes::splat(0.8) }
+        let facing = side.fast_max(F32x8::ZERO) * 0.55 + (side * 0.5 + 0.5) * 0.15 + 0.2;
+        Turned { facing, ambient: ambient * F32x8::splat(0.8) }
     }
 
     /// Adds what a glossy surface mirrors: the sky, or what else is known to be `around` it, and a highlight of the sun.
     #[inline]
     fn gloss(
         &self,
-        out: Vec3s,
+        out: Vec3x8,
         gloss: &Gloss,
-        n: Vec3s,
-        toward: Vec3s,
+        n: Vec3x8,
+        toward: Vec3x8,
         light: &Light,
-        around: Option<(Vec3s, Lanes)>,
-    ) -> Vec3s {
+        around: Option<(Vec3x8, F32x8)>,
+    ) -> Vec3x8 {
         let cos = toward.dot(n);
         // Schlick's form of Fresnel's reflectance; rough surfaces gain less at grazing angles.
-        let grazing = 1.0 - cos.fast_clamp(Lanes::ZERO, Lanes::ONE);
+        let grazing = 1.0 - cos.fast_clamp(F32x8::ZERO, F32x8::ONE);
         let g2 = grazing * grazing;
-        let gain = (1.0 - gloss.roughness - gloss.mirror).fast_max(Lanes::ZERO);
+        let gain = (1.0 - gloss.roughness - gloss.mirror).fast_max(F32x8::ZERO);
         let fresnel = gloss.mirror + gain * (g2 * g2 * grazing);
         // Dull neighbours in a group of eight stay dull at any angle.
-        let fresnel = gloss.mirror.simd_gt(0.0).select(fresnel, Lanes::ZERO);
+        let fresnel = gloss.mirror.simd_gt(0.0).select(fresnel, F32x8::ZERO);
         let mirrored = n * (cos * 2.0) - toward;
         // Rough surfaces see a wide piece of sky: the mean light stands for it.
         let sky = self.lighting.sky.radiance(&mirrored);
-        let sharp = self.lighting.skyline.before(&sky, &mirrored) * Lanes::splat(self.exposure);
+        let sharp = self.lighting.skyline.before(&sky, &mirrored) * F32x8::splat(self.exposure);
         let [level, .., rise] = self.ambient;
         let level = level + self.bounced;
-        let wide = |level: f32, rise: f32| (mirrored.z * rise + level).fast_max(Lanes::ZERO);
-        let wide = Vec3s::new(wide(level.x, rise.x), wide(level.y, rise.y), wide(level.z, rise.z));
-        let blur = (gloss.roughness * 2.0).fast_min(Lanes::ONE);
+        let wide = |level: f32, rise: f32| (mirrored.z * rise + level).fast_max(F32x8::ZERO);
+        let wide = Vec3x8::new(wide(level.x, rise.x), wide(level.y, rise.y), wide(level.z, rise.z));
+        let blur = (gloss.roughness * 2.0).fast_min(F32x8::ONE);
         let mut reflected = sharp.lerp(wide, blur) * light.open;
         if let Some((seen, known)) = around {
             reflected = reflected.lerp(seen, known);
         }
         if light.sunlit.simd_gt(0.0).any() && self.lighting.sky.key_klx != Vec3::ZERO {
             let key = self.lighting.sky.key_direction;
-            let off = (1.0 - mirrored.dot(Vec3s::splat(key))).fast_max(Lanes::ZERO);
+            let off = (1.0 - mirrored.dot(Vec3x8::splat(key))).fast_max(F32x8::ZERO);
             let spread = gloss.roughness * gloss.roughness * 0.5 + 0.0012;
-            let highlight = exp_neg(off / spread) * (0.08 / spread).fast_min(Lanes::splat(14.0));
-            reflected += Vec3s::splat(self.key) * (highlight * light.sunlit);
+            let highlight = exp_neg(off / spread) * (0.08 / spread).fast_min(F32x8::splat(14.0));
+            reflected += Vec3x8::splat(self.key) * (highlight * light.sunlit);
         }
-        out.lerp(reflected, fresnel.fast_clamp(Lanes::ZERO, Lanes::ONE))
+        out.lerp(reflected, fresnel.fast_clamp(F32x8::ZERO, F32x8::ONE))
     }
 }

@@ -7,11 +7,11 @@
 use crate::textures::{hash2, unit};
 use frames::Aabb;
 use glam::{Mat3, Vec2, Vec3};
-use lanes::{LANES, Lanes, Vec3s, exp_neg};
 use rayon::prelude::*;
 use render::VisibilityBuffer;
 use schema::geometry::{Instance, Snapshot};
 use schema::{FRAME_PERIOD_S, Tag};
+use simd::{F32x8, LANES, Vec3x8, exp_neg};
 
 use super::film::Film;
 use super::picture::Picture;
@@ -97,18 +97,18 @@ impl Spray<'_> {
         let even = sky.ambient[0] / pi + sky.key_klx / (4.0 * pi);
         for chunk in puffs.chunks_mut(LANES) {
             let place = |i: usize| chunk.get(i).map_or(camera, |puff| puff.middle);
-            let places = Vec3s::from_fn(place);
-            let to_camera = Vec3s::from_fn(|i| (camera - place(i)).normalize_or(Vec3::Z));
+            let places = Vec3x8::from_fn(place);
+            let to_camera = Vec3x8::from_fn(|i| (camera - place(i)).normalize_or(Vec3::Z));
             let by_lamps = if lamps.is_empty() {
-                Vec3s::default()
+                Vec3x8::default()
             } else {
                 // From before and behind: drops send light on to all sides.
                 let both = lamps.illuminance(&places, &to_camera)
-                    + lamps.illuminance(&places, &(to_camera * Lanes::splat(-1.0)))
-                    + lamps.illuminance(&places, &Vec3s::splat(Vec3::Z));
-                both * Lanes::splat(0.25 / pi)
+                    + lamps.illuminance(&places, &(to_camera * F32x8::splat(-1.0)))
+                    + lamps.illuminance(&places, &Vec3x8::splat(Vec3::Z));
+                both * F32x8::splat(0.25 / pi)
             };
-            let away_m = (places - Vec3s::splat(camera)).length_squared().sqrt();
+            let away_m = (places - Vec3x8::splat(camera)).length_squared().sqrt();
             let passes = fog.passes(camera.z, places.z, away_m).to_array();
             for (i, puff) in chunk.iter_mut().enumerate() {
                 let seen = (even + by_lamps.lane(i)) * SENT_ON;
@@ -220,31 +220,31 @@ fn exp(x: f32) -> f32 {
 impl Puff {
     /// How thick it is along rays from a place up to depths, each in the unit of its direction.
     #[inline]
-    fn thickness(&self, camera: Vec3, directions: &Vec3s, depth: Lanes) -> Lanes {
+    fn thickness(&self, camera: Vec3, directions: &Vec3x8, depth: F32x8) -> F32x8 {
         // Where the cloud is a ball of width 1.
         let from = self.scaled * (camera - self.middle);
         let to = directions.turned(&self.scaled);
-        let square = to.length_squared().fast_max(Lanes::splat(1e-12));
-        let middle = to.dot(Vec3s::splat(from)) * -1.0 / square;
+        let square = to.length_squared().fast_max(F32x8::splat(1e-12));
+        let middle = to.dot(Vec3x8::splat(from)) * -1.0 / square;
         let off2 =
-            (Lanes::splat(from.length_squared()) - middle * middle * square).fast_max(Lanes::ZERO) * 0.5;
+            (F32x8::splat(from.length_squared()) - middle * middle * square).fast_max(F32x8::ZERO) * 0.5;
         let near = off2.simd_lt(0.5 * REACH * REACH);
         if near.none() {
-            return Lanes::ZERO;
+            return F32x8::ZERO;
         }
         let steep = (square * 0.5).sqrt();
         let through = erf((depth - middle) * steep) - erf(middle * steep * -1.0);
         let length = directions.length_squared().sqrt();
         // The root of pi over 8, twice, as both ends of the error function are a half.
         let whole = length / steep * (0.886_226_9 * self.per_m);
-        near.select(whole * exp_neg(off2) * through.fast_max(Lanes::ZERO), Lanes::ZERO)
+        near.select(whole * exp_neg(off2) * through.fast_max(F32x8::ZERO), F32x8::ZERO)
     }
 }
 
 /// The error function, within 5e-4 (Abramowitz and Stegun, 7.1.27).
 #[inline]
-fn erf(x: Lanes) -> Lanes {
-    let a = x.abs().fast_min(Lanes::splat(8.0));
+fn erf(x: F32x8) -> F32x8 {
+    let a = x.abs().fast_min(F32x8::splat(8.0));
     let series = (((a * 0.078_108 + 0.000_972) * a + 0.230_389) * a + 0.278_393) * a + 1.0;
     let square = series * series;
     let value = 1.0 - 1.0 / (square * square);
@@ -297,19 +297,19 @@ fn veil(
         for from in (first / LANES * LANES..end).step_by(LANES) {
             let columns: [u32; LANES] = std::array::from_fn(|i| (from + i).min(width - 1) as u32);
             let directions = buffer.directions_optical(&columns, y as u32).turned(&turn);
-            let depth: Lanes = columns.map(|x| buffer.depth_m[buffer.index(x, y as u32)].min(1e6)).into();
-            let (mut thick, mut light) = (Lanes::ZERO, Vec3s::default());
+            let depth: F32x8 = columns.map(|x| buffer.depth_m[buffer.index(x, y as u32)].min(1e6)).into();
+            let (mut thick, mut light) = (F32x8::ZERO, Vec3x8::default());
             for (_, _, puff) in here.iter().filter(|(first, end, _)| *first < from + LANES && from < *end) {
                 let own = puff.thickness(camera, &directions, depth);
                 thick += own;
-                light += Vec3s::splat(puff.light) * own;
+                light += Vec3x8::splat(puff.light) * own;
             }
             let is_seen = thick.simd_gt(0.005);
             if is_seen.none() {
                 continue;
             }
             let light =
-                light * (with.vignette.passes(&columns, y as u32) / thick.fast_max(Lanes::splat(1e-6)));
+                light * (with.vignette.passes(&columns, y as u32) / thick.fast_max(F32x8::splat(1e-6)));
             let passes = exp_neg(thick).to_array();
             let bits = is_seen.to_bitmask();
             for (i, pixel) in row[from..width.min(from + LANES)].iter_mut().enumerate() {
@@ -353,7 +353,7 @@ mod tests {
                 })
                 .sum::<f32>()
                 * (puff.per_m * direction.length() * depth / steps as f32);
-            let got = puff.thickness(camera, &Vec3s::splat(direction), Lanes::splat(depth)).to_array()[2];
+            let got = puff.thickness(camera, &Vec3x8::splat(direction), F32x8::splat(depth)).to_array()[2];
             assert!((got - sum).abs() < 0.006, "{direction} {depth}: {got} {sum}");
         }
     }

@@ -1,6 +1,6 @@
 //! Light that a lens loses towards the corners of its picture.
 
-use lanes::{LANES, Lanes};
+use simd::{F32x8, LANES};
 
 /// The share of light that passes, falling by the square of the distance from the middle.
 #[derive(Clone, Copy, Debug)]
@@ -20,8 +20,8 @@ impl Vignette {
 
     /// What passes at the middles of eight pixels of a row.
     #[inline]
-    pub(super) fn passes(&self, columns: &[u32; LANES], row: u32) -> Lanes {
-        let x = Lanes::from(columns.map(|c| c as f32)) - (self.middle[0] - 0.5);
+    pub(super) fn passes(&self, columns: &[u32; LANES], row: u32) -> F32x8 {
+        let x = F32x8::from(columns.map(|c| c as f32)) - (self.middle[0] - 0.5);
         let y = row as f32 + 0.5 - self.middle[1];
         1.0 - (x * x + y * y) * self.falls
     }

@@ -4,12 +4,12 @@
 //! value without a meaning.
 //!
 //! ```
-//! use lanes::{Lanes, STEPS};
+//! use simd::{F32x8, STEPS};
 //! use shading::textures::Textures;
 //!
 //! let brick = &Textures::get().brick;
 //! // Eight places a decimetre apart, seen from far away: all are as bright as the wall on average.
-//! let seen = brick.at(STEPS * 0.1, Lanes::ZERO, Lanes::splat(4.0));
+//! let seen = brick.at(STEPS * 0.1, F32x8::ZERO, F32x8::splat(4.0));
 //! assert!(seen.shade.to_array().iter().all(|shade| (shade - 1.0).abs() < 0.01));
 //! ```
 

@@ -5,7 +5,7 @@
 
 use std::sync::OnceLock;
 
-use lanes::{Lanes, Words, floor_words, lerp, number_of};
+use simd::{F32x8, U32x8, floor_words, lerp, number_of};
 
 /// Side of the tile, texels; a power of two.
 const SIDE: usize = 256;
@@ -92,7 +92,7 @@ impl Noise {
 
     /// [`at`](Self::at) eight places, whose footprints are alike: all are read as the smallest of them wants it.
     #[inline]
-    pub fn at_all(&self, x: Lanes, y: Lanes, footprint: Lanes) -> Lanes {
+    pub fn at_all(&self, x: F32x8, y: F32x8, footprint: F32x8) -> F32x8 {
         let f = footprint.as_array();
         let (first, last) = (f[0], f[7]);
         let least = if first < last { first } else { last };
@@ -101,7 +101,7 @@ impl Noise {
         }
         let level = level_of(least);
         if level >= LEVELS - 1 {
-            return Lanes::splat(0.5);
+            return F32x8::splat(0.5);
         }
         let scale = f32::from_bits((127 - level as u32) << 23);
         let (mask, shift) = ((SIDE as u32 - 1) >> level, SIDE.ilog2() - level as u32);
@@ -113,13 +113,13 @@ impl Noise {
     }
 
     #[inline]
-    fn interpolated_all(&self, x: Lanes, y: Lanes) -> Lanes {
+    fn interpolated_all(&self, x: F32x8, y: F32x8) -> F32x8 {
         const MASK: u32 = SIDE as u32 - 1;
         let (x, y) = (x - 0.5, y - 0.5);
         let (x0, y0) = (x.floor(), y.floor());
         let (fx, fy) = (x - x0, y - y0);
         let index = ((floor_words(y0) & MASK) << SIDE.ilog2()) | (floor_words(x0) & MASK);
-        let four: Words = index.to_array().map(|i| self.quads.get(i as usize).copied().unwrap_or(0)).into();
+        let four: U32x8 = index.to_array().map(|i| self.quads.get(i as usize).copied().unwrap_or(0)).into();
         let texel = |shift: u32| number_of((four >> shift) & 0xff);
         let upper = lerp(texel(0), texel(8), fx);
         let lower = lerp(texel(16), texel(24), fx);
@@ -212,7 +212,7 @@ mod tests {
         for footprint in [0.2, 0.99, 1.0, 1.5, 3.0, 70.0, 1e5] {
             let x: [f32; 8] = std::array::from_fn(|i| i as f32 * 37.3 - 400.0);
             let y: [f32; 8] = std::array::from_fn(|i| i as f32 * -11.7 + 255.4);
-            let all = noise.at_all(x.into(), y.into(), Lanes::splat(footprint)).to_array();
+            let all = noise.at_all(x.into(), y.into(), F32x8::splat(footprint)).to_array();
             for i in 0..8 {
                 assert_eq!(all[i], noise.at(x[i], y[i], footprint), "{footprint} {i}");
             }

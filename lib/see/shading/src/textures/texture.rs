@@ -1,6 +1,6 @@
 //! A square of texels that repeats, with coarser copies of itself.
 
-use lanes::{Lanes, Words, floor_words, number_of};
+use simd::{F32x8, U32x8, floor_words, number_of};
 
 use crate::textures::canvas::Canvas;
 
@@ -23,17 +23,17 @@ pub struct Texture {
 #[derive(Clone, Copy, Debug)]
 pub struct Texels {
     /// Factor on the surface's colour; 1 on average.
-    pub shade: Lanes,
+    pub shade: F32x8,
     /// How much of the second colour there is, less its average.
-    pub tint: Lanes,
+    pub tint: F32x8,
     /// How much the surface's normal leans along the first and second axis: with `1` along the plane's normal these make its
     /// direction. 0 on average.
-    pub lean: [Lanes; 2],
+    pub lean: [F32x8; 2],
 }
 
 impl Texels {
     /// Places without anything to see.
-    pub const EVEN: Self = Self { shade: Lanes::ONE, tint: Lanes::ZERO, lean: [Lanes::ZERO; 2] };
+    pub const EVEN: Self = Self { shade: F32x8::ONE, tint: F32x8::ZERO, lean: [F32x8::ZERO; 2] };
 }
 
 /// A texel in numbers: shade, slopes, tint.
@@ -103,7 +103,7 @@ impl Texture {
     /// of the first and last place wants, between the middles of its texels.
     #[inline]
     #[must_use]
-    pub fn at(&self, x_m: Lanes, y_m: Lanes, footprint_m: Lanes) -> Texels {
+    pub fn at(&self, x_m: F32x8, y_m: F32x8, footprint_m: F32x8) -> Texels {
         let f = footprint_m.as_array();
         let least = 1.4 * self.per_m * if f[0] < f[7] { f[0] } else { f[7] };
         // The exponent of a floating-point number is the floor of its base-2 logarithm.
@@ -126,7 +126,7 @@ impl Texture {
         let (right, lower) = ((left + 1) & mask, ((upper + 1) & mask) << shift);
         let (left, upper) = (left & mask, (upper & mask) << shift);
         let texels = &self.levels[level][..];
-        let read = |index: Words| -> Words {
+        let read = |index: U32x8| -> U32x8 {
             index.to_array().map(|i| texels.get(i as usize).copied().unwrap_or(0)).into()
         };
         let four = [upper | left, upper | right, lower | left, lower | right].map(read);
@@ -144,10 +144,10 @@ impl Texture {
 
 /// The sum of a byte of four words, each by its weight.
 #[inline]
-fn weighted(four: &[Words; 4], weights: &[Lanes; 4], shift: u32) -> Lanes {
+fn weighted(four: &[U32x8; 4], weights: &[F32x8; 4], shift: u32) -> F32x8 {
     let [a, b, c, d] = *four;
     let [wa, wb, wc, wd] = *weights;
-    let byte = |words: Words| number_of((words >> shift) & 0xff);
+    let byte = |words: U32x8| number_of((words >> shift) & 0xff);
     byte(a) * wa + byte(b) * wb + byte(c) * wc + byte(d) * wd
 }
 
@@ -184,8 +184,8 @@ fn packed(texel: &Values, index: usize) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use lanes::STEPS;
     use proptest::prelude::*;
+    use simd::STEPS;
 
     use super::*;
     use crate::textures::Textures;
@@ -265,8 +265,8 @@ mod tests {
             Spot { height: 2.0 * up.max(0.0), shade: 1.0, tint: 0.0 }
         });
         let texture = Texture::new(&canvas, 16.0);
-        let seen = texture.at((STEPS + 4.5) * (1.0 / 16.0), Lanes::splat(0.3), Lanes::splat(1e-3));
-        let [along, across] = seen.lean.map(Lanes::to_array);
+        let seen = texture.at((STEPS + 4.5) * (1.0 / 16.0), F32x8::splat(0.3), F32x8::splat(1e-3));
+        let [along, across] = seen.lean.map(F32x8::to_array);
         // It rises by half a texel a texel, then falls.
         assert!((along[1] + 0.5).abs() < 0.01 && (along[6] - 0.5).abs() < 0.01, "{along:?}");
         assert!(across.iter().all(|v| v.abs() < 0.01), "{across:?}");
@@ -279,12 +279,12 @@ mod tests {
             let texture = &Textures::get().brick;
             // Multiples of a texel's 256th: adding a period rounds nothing.
             let even = |v: f32| (v * 65_536.0).round() / 65_536.0;
-            let (x, y, f) = (STEPS * 0.125 + even(x), Lanes::splat(even(y)), Lanes::splat(footprint));
+            let (x, y, f) = (STEPS * 0.125 + even(x), F32x8::splat(even(y)), F32x8::splat(footprint));
             let (here, there) = (texture.at(x, y, f), texture.at(x + 2.0, y - 4.0, f));
             prop_assert_eq!(here.shade, there.shade);
             prop_assert_eq!(here.lean, there.lean);
             for i in 0..8 {
-                let one = texture.at(Lanes::splat(x.as_array()[i]), y, f);
+                let one = texture.at(F32x8::splat(x.as_array()[i]), y, f);
                 prop_assert_eq!(one.tint.as_array()[0], here.tint.as_array()[i]);
             }
         }

@@ -4,24 +4,24 @@ use std::ops::{Add, AddAssign, Mul, MulAssign, Sub};
 
 use glam::{Mat3, Vec3};
 
-use crate::Lanes;
+use crate::F32x8;
 
 /// Eight vectors, axis by axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Vec3s {
+pub struct Vec3x8 {
     /// First axis.
-    pub x: Lanes,
+    pub x: F32x8,
     /// Second axis.
-    pub y: Lanes,
+    pub y: F32x8,
     /// Third axis.
-    pub z: Lanes,
+    pub z: F32x8,
 }
 
-impl Vec3s {
+impl Vec3x8 {
     /// Three axes.
     #[inline]
     #[must_use]
-    pub const fn new(x: Lanes, y: Lanes, z: Lanes) -> Self {
+    pub const fn new(x: F32x8, y: F32x8, z: F32x8) -> Self {
         Self { x, y, z }
     }
 
@@ -29,7 +29,7 @@ impl Vec3s {
     #[inline]
     #[must_use]
     pub const fn splat(v: Vec3) -> Self {
-        Self { x: Lanes::splat(v.x), y: Lanes::splat(v.y), z: Lanes::splat(v.z) }
+        Self { x: F32x8::splat(v.x), y: F32x8::splat(v.y), z: F32x8::splat(v.z) }
     }
 
     /// One vector by lane.
@@ -50,28 +50,28 @@ impl Vec3s {
     /// Dot products.
     #[inline]
     #[must_use]
-    pub fn dot(self, other: Self) -> Lanes {
+    pub fn dot(self, other: Self) -> F32x8 {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
     /// Squared lengths.
     #[inline]
     #[must_use]
-    pub fn length_squared(self) -> Lanes {
+    pub fn length_squared(self) -> F32x8 {
         self.dot(self)
     }
 
     /// From here to there by shares.
     #[inline]
     #[must_use]
-    pub fn lerp(self, other: Self, share: Lanes) -> Self {
+    pub fn lerp(self, other: Self, share: F32x8) -> Self {
         self + (other - self) * share
     }
 
     /// This where the mask is set, the other elsewhere.
     #[inline]
     #[must_use]
-    pub fn or(self, mask: Lanes, other: Self) -> Self {
+    pub fn or(self, mask: F32x8, other: Self) -> Self {
         Self {
             x: mask.select(self.x, other.x),
             y: mask.select(self.y, other.y),
@@ -89,7 +89,7 @@ impl Vec3s {
     }
 }
 
-impl Add for Vec3s {
+impl Add for Vec3x8 {
     type Output = Self;
     #[inline]
     fn add(self, o: Self) -> Self {
@@ -97,14 +97,14 @@ impl Add for Vec3s {
     }
 }
 
-impl AddAssign for Vec3s {
+impl AddAssign for Vec3x8 {
     #[inline]
     fn add_assign(&mut self, o: Self) {
         *self = *self + o;
     }
 }
 
-impl Sub for Vec3s {
+impl Sub for Vec3x8 {
     type Output = Self;
     #[inline]
     fn sub(self, o: Self) -> Self {
@@ -113,7 +113,7 @@ impl Sub for Vec3s {
 }
 
 /// Axis by axis.
-impl Mul for Vec3s {
+impl Mul for Vec3x8 {
     type Output = Self;
     #[inline]
     fn mul(self, o: Self) -> Self {
@@ -121,17 +121,17 @@ impl Mul for Vec3s {
     }
 }
 
-impl Mul<Lanes> for Vec3s {
+impl Mul<F32x8> for Vec3x8 {
     type Output = Self;
     #[inline]
-    fn mul(self, o: Lanes) -> Self {
+    fn mul(self, o: F32x8) -> Self {
         Self { x: self.x * o, y: self.y * o, z: self.z * o }
     }
 }
 
-impl MulAssign<Lanes> for Vec3s {
+impl MulAssign<F32x8> for Vec3x8 {
     #[inline]
-    fn mul_assign(&mut self, o: Lanes) {
+    fn mul_assign(&mut self, o: F32x8) {
         *self = *self * o;
     }
 }
