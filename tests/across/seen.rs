@@ -15,7 +15,7 @@ use schema::geometry::Snapshot;
 use schema::tables::StateRow;
 use schema::{ActorRole, AgentId, ObjectId};
 use settings::stages::{PlanSettings, SimulationSettings};
-use testkit::{Agreement, PixelRays, look};
+use testkit::{Agreement, PixelRays, camera_at};
 use traffic::SceneInput;
 use world::{Moment, SceneWorld};
 
@@ -98,7 +98,7 @@ fn views(
     let camera = |(name, body, from, along, fov_deg): (_, &Pose<World, Agent>, Vec3, Vec3, f64)| {
         let local = world.origin.local_from_body(body);
         let fov_rad = frames::deg(fov_deg) as f32;
-        (name, look(local.transform_point3(from), local.transform_vector3(along), 480, 270, fov_rad))
+        (name, camera_at(local.transform_point3(from), local.transform_vector3(along), 480, 270, fov_rad))
     };
     list.map(camera).into()
 }
@@ -113,7 +113,7 @@ fn a_towns_pictures_are_what_rays_see() {
     let mut all = Agreement::default();
     for (name, camera) in views(&world, &own, &other) {
         let rays = PixelRays::new(&camera);
-        let seen = scene.look(&[CameraQuery::of(camera)]).expect("has no device").remove(0);
+        let seen = scene.render(&[CameraQuery::of(camera)]).expect("has no device").remove(0);
         let hits = scene.trace(&[RayQuery::of(rays.batch())]).expect("has no device").remove(0);
         let found = rays.compare(&world, &seen, &hits).unwrap_or_else(|why| panic!("{name}: {why}"));
         assert!(found.seen > 40_000, "{name}: {found:?}");

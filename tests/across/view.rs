@@ -10,7 +10,7 @@ use convoy_tests::{Bench, Outcome, TINY, program, workspace};
 use testkit::chromium;
 
 /// Looks at a page and keeps what it saw below a folder.
-fn look(chromium: &str, address: &str, folder: &Path) {
+fn take_shots(chromium: &str, address: &str, folder: &Path) {
     let script = workspace().join("viewer/test/look.mjs");
     let output =
         Command::new("node").arg(script).args([chromium, address]).arg(folder).output().expect("node starts");
@@ -58,7 +58,7 @@ fn the_page_shows_a_store_and_an_excerpt_of_it() {
     let shots = kept.unwrap_or_else(|| bench.folder.path().join("shots"));
 
     let (_served, address) = serve(&bench.store());
-    look(&chromium, &address, &shots.join("store"));
+    take_shots(&chromium, &address, &shots.join("store"));
 
     let page = bench.folder.path().join("excerpt.html");
     let mut command = Command::new(program("view"));
@@ -66,7 +66,7 @@ fn the_page_shows_a_store_and_an_excerpt_of_it() {
     Outcome::of(&command.output().expect("it starts")).expect_done();
     let size = std::fs::metadata(&page).expect("it is written").len();
     assert!(size < 15_000_000, "{size} bytes");
-    look(&chromium, &format!("file://{}", page.display()), &shots.join("excerpt"));
+    take_shots(&chromium, &format!("file://{}", page.display()), &shots.join("excerpt"));
 }
 
 /// What is not made yet is told with the stage that makes it.

@@ -108,8 +108,8 @@ fn main() {
         SceneWorld::with_models(&actors, ground.clone(), &OwnModels::new(), light).expect("has meshes")
     };
     let bare_start = best(3, || made(Light::Any));
-    let start = best(3, || made(Light::Sheltered));
-    let world = made(Light::Sheltered);
+    let start = best(3, || made(Light::AmbientOcclusion));
+    let world = made(Light::AmbientOcclusion);
     let scene = Agentframe::new(&settings, &map, &actors, &log, &world);
     let materials = scene.measure(&mut rows);
     for (what, taken) in [("without", bare_start), ("with", start)] {
@@ -266,8 +266,8 @@ impl<'a> Agentframe<'a> {
             })
             .collect();
         let pinholes: Vec<_> = views.iter().map(|view| CameraQuery::of(view.pinhole())).collect();
-        let raster = best(3, || scene.look(&pinholes));
-        let seen = scene.look(&pinholes).expect("has no device");
+        let raster = best(3, || scene.render(&pinholes));
+        let seen = scene.render(&pinholes).expect("has no device");
         let shots: Vec<Shot<'_>> = views.iter().zip(&seen).map(|(view, seen)| Shot { view, seen }).collect();
         // The painter keeps the sky of a frame, and what the sun sees of all that stands still, which frames and agents share.
         let painter = CpuPainter::new(&self.renderer, self);
@@ -318,7 +318,7 @@ impl<'a> Agentframe<'a> {
             if !variant.cabins {
                 snapshot.cabins.clear();
             }
-            if !variant.sheltered {
+            if !variant.with_ambient_occlusion {
                 snapshot.meshes = bare.meshes();
             }
             let scene = &*self.renderer.place(&snapshot).expect("all meshes are prepared");
@@ -333,7 +333,7 @@ impl<'a> Agentframe<'a> {
                 })
                 .collect();
             let pinholes: Vec<_> = views.iter().map(|view| CameraQuery::of(view.pinhole())).collect();
-            let seen = scene.look(&pinholes).expect("has no device");
+            let seen = scene.render(&pinholes).expect("has no device");
             let shots: Vec<Shot<'_>> =
                 views.iter().zip(&seen).map(|(view, seen)| Shot { view, seen }).collect();
             let mut weather = self.log.frames[FRAME as usize].weather();

@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let rules = SceneryRules::default();
     let Surroundings { actors, ground } =
         TileMaker::new(&map, &rules, catalogue::Catalogue::built_in()).around(&[centre], 300.0, 1)?;
-    let world = SceneWorld::with_models(&actors, ground, &OwnModels::new(), Light::Sheltered)?;
+    let world = SceneWorld::with_models(&actors, ground, &OwnModels::new(), Light::AmbientOcclusion)?;
     let mut renderer = CpuRenderer::default();
     renderer.prepare(&world.meshes())?;
     for (name, weather) in weathers() {
@@ -84,7 +84,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 CameraSpec { name: "CAM".into(), mount, optics: Optics::pinhole(1600, 900, deg(fov_deg)) };
             let view_of =
                 Camera::new(&spec, &CameraSettings::default())?.view(&snapshot.origin, &pose, &pose);
-            let seen = scene.look(&[CameraQuery::of(view_of.pinhole())])?;
+            let seen = scene.render(&[CameraQuery::of(view_of.pinhole())])?;
             let place = snapshot.origin.local_from_world(centre);
             let shot = Shot { view: &view_of, seen: &seen[0] };
             let picture = painter.paint(&*scene, &when, place, &[shot])?.remove(0);

@@ -9,7 +9,7 @@ use labels::voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
 use peak_alloc::PeakAlloc;
 use rayon::ThreadPoolBuilder;
 use render::VoxelRenderer;
-use runner::frames::{FrameArray, FrameArrays, Labelled, Part, Writer, in_turn};
+use runner::frames::{FrameArray, FrameArrays, FrameGroup, Labelled, Writer, in_turn};
 use runner::{Progress, ProgressMode, StageError};
 use schema::arrays::{ArrayKind, BEV_MASKS};
 use schema::measures::counts::PartialCounts;
@@ -109,7 +109,7 @@ fn tables(attempt: &Attempt, frames: u32) -> Result<(), StageError> {
             ..LidarRow::default()
         })
     };
-    let part = Part { due: (0..frames).collect(), seen: (), writer: Sweeps { unit, table } };
+    let part = FrameGroup { due: (0..frames).collect(), seen: (), writer: Sweeps { unit, table } };
     in_turn([Ok(part)], frames, &progress, sense)
 }
 

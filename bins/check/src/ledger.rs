@@ -17,12 +17,12 @@ pub(crate) struct Tally {
     /// Things that break the rule.
     pub(crate) off: u64,
     /// The first of them.
-    pub(crate) told: Vec<Told>,
+    pub(crate) told: Vec<Finding>,
 }
 
 /// A finding in words, and how many things of its kind there are.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Told {
+pub(crate) struct Finding {
     /// Findings of one kind are told once; those without a kind each.
     kind: String,
     pub(crate) words: String,
@@ -30,7 +30,7 @@ pub(crate) struct Told {
 }
 
 impl Tally {
-    fn tell(&mut self, told: Told) {
+    fn tell(&mut self, told: Finding) {
         let same = self.told.iter_mut().find(|t| !told.kind.is_empty() && t.kind == told.kind);
         if let Some(same) = same {
             same.things += told.things;
@@ -77,7 +77,7 @@ impl Ledger {
         tally.looked += things;
         tally.off += things;
         let words = format!("{}: {}", self.place, words());
-        tally.tell(Told { kind: kind.to_owned(), words, things });
+        tally.tell(Finding { kind: kind.to_owned(), words, things });
     }
 
     /// Looks at one thing.

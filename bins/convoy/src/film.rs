@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use codecs::images::AnimationWriter;
 use frames::{Object, Pose, World};
-use mapview::{Film, Light, Look, StopBar, Thing, ViewOptions, Window, frame_png};
+use mapview::{ActorStyle, Film, Light, MapActor, StopBar, ViewOptions, Window, frame_png};
 use nalgebra::Point3;
 use opendrive::{LaneHit, Map};
 use runner::{At, Place, StageError};
@@ -91,11 +91,11 @@ fn film(
         ..options
     };
     let picture = || Place::file(out.to_string_lossy());
-    let cast = Cast::new(&log, &map);
-    let standing: Vec<Thing> = log
+    let cast = FilmActors::new(&log, &map);
+    let standing: Vec<MapActor> = log
         .actors
         .iter()
-        .filter_map(|actor| Some(Thing { covered: is_covered(&map, actor.xyz_m), ..standing(actor)? }))
+        .filter_map(|actor| Some(MapActor { covered: is_covered(&map, actor.xyz_m), ..standing(actor)? }))
         .collect();
     let film = Film::new(&map, &options, &standing).at(picture)?;
     let shown: Vec<u32> = (0..log.frame_count()).step_by(every as usize).collect();
@@ -140,29 +140,29 @@ fn heading_rad(quaternion: [f64; 4]) -> f64 {
 }
 
 /// A thing that never moves, as far as it is shown.
-fn standing(actor: &ActorRow) -> Option<Thing> {
+fn standing(actor: &ActorRow) -> Option<MapActor> {
     if !actor.fixed {
         return None;
     }
-    let look = match actor.kind {
-        ActorKind::Building => Look::Building,
-        ActorKind::Vegetation => Look::Plant,
-        ActorKind::Parked | ActorKind::Vehicle => Look::Vehicle,
-        ActorKind::Rsu => Look::Station,
-        ActorKind::Walker => Look::Walker,
-        ActorKind::Prop | ActorKind::Sign if actor.role == ActorRole::Hazard => Look::Obstacle,
-        ActorKind::Prop => Look::Furniture,
+    let style = match actor.kind {
+        ActorKind::Building => ActorStyle::Building,
+        ActorKind::Vegetation => ActorStyle::Plant,
+        ActorKind::Parked | ActorKind::Vehicle => ActorStyle::Vehicle,
+        ActorKind::Rsu => ActorStyle::Station,
+        ActorKind::Walker => ActorStyle::Walker,
+        ActorKind::Prop | ActorKind::Sign if actor.role == ActorRole::Hazard => ActorStyle::Obstacle,
+        ActorKind::Prop => ActorStyle::Furniture,
         ActorKind::Sign | ActorKind::TrafficLight | ActorKind::Pole | ActorKind::Surface => return None,
     };
-    Some(thing(actor, look, actor.xyz_m, heading_rad(actor.quaternion), 0))
+    Some(thing(actor, style, actor.xyz_m, heading_rad(actor.quaternion), 0))
 }
 
-fn thing(actor: &ActorRow, look: Look, xyz_m: [f64; 3], heading_rad: f64, lamps: u32) -> Thing {
+fn thing(actor: &ActorRow, style: ActorStyle, xyz_m: [f64; 3], heading_rad: f64, lamps: u32) -> MapActor {
     let mut rgb = [150; 3];
     rgb.iter_mut().zip(&actor.color).for_each(|(to, from)| *to = *from);
-    let is_agent = matches!(look, Look::Agent | Look::Station);
-    Thing {
-        look,
+    let is_agent = matches!(style, ActorStyle::Agent | ActorStyle::Station);
+    MapActor {
+        style,
         at_m: [xyz_m[0], xyz_m[1]],
         heading_rad,
         size_m: [actor.length_m, actor.width_m],
@@ -182,24 +182,24 @@ fn is_covered(map: &Map, [x, y, z]: [f64; 3]) -> bool {
 }
 
 /// Who moves, and where the lights hold them.
-struct Cast<'a> {
+struct FilmActors<'a> {
     map: &'a Map,
-    actors: BTreeMap<u16, (&'a ActorRow, Look)>,
+    actors: BTreeMap<u16, (&'a ActorRow, ActorStyle)>,
     /// By the OpenDRIVE id of the signal.
     bars: BTreeMap<&'a str, Vec<StopBar>>,
 }
 
-impl<'a> Cast<'a> {
+impl<'a> FilmActors<'a> {
     fn new(log: &'a SceneLog, map: &'a Map) -> Self {
-        let look = |actor: &ActorRow| {
+        let style_of = |actor: &ActorRow| {
             let is_careless =
                 [Attribute::Reckless, Attribute::Distracted].iter().any(|a| actor.attributes.is_true(a));
             match (actor.kind, actor.role) {
-                (ActorKind::Walker, _) => Look::Walker,
-                (ActorKind::Prop, _) => Look::Obstacle,
-                (_, ActorRole::Agent(AgentId { kind: AgentKind::Vehicle, .. })) => Look::Agent,
-                _ if is_careless => Look::Careless,
-                _ => Look::Vehicle,
+                (ActorKind::Walker, _) => ActorStyle::Walker,
+                (ActorKind::Prop, _) => ActorStyle::Obstacle,
+                (_, ActorRole::Agent(AgentId { kind: AgentKind::Vehicle, .. })) => ActorStyle::Agent,
+                _ if is_careless => ActorStyle::Careless,
+                _ => ActorStyle::Vehicle,
             }
         };
         let bars = map.signals().iter().enumerate().map(|(i, signal)| {
@@ -217,12 +217,12 @@ impl<'a> Cast<'a> {
         });
         Self {
             map,
-            actors: log.actors.iter().map(|actor| (actor.id, (actor, look(actor)))).collect(),
+            actors: log.actors.iter().map(|actor| (actor.id, (actor, style_of(actor)))).collect(),
             bars: bars.collect(),
         }
     }
 
-    fn at(&self, log: &SceneLog, frame: u32) -> (Vec<StopBar>, Vec<Thing>) {
+    fn at(&self, log: &SceneLog, frame: u32) -> (Vec<StopBar>, Vec<MapActor>) {
         let light = |row: &SignalRow| match row.state {
             SignalState::Red => Light::Red,
             SignalState::Yellow => Light::Yellow,
@@ -235,11 +235,11 @@ impl<'a> Cast<'a> {
             bars.map(move |bar| StopBar { light: light(row), ..*bar })
         });
         let states = log.states_at(i64::from(frame)).iter();
-        let mut things: Vec<Thing> = states
+        let mut things: Vec<MapActor> = states
             .filter_map(|state| {
-                let (actor, look) = self.actors.get(&state.id)?;
-                let thing = thing(actor, *look, state.xyz_m, heading_rad(state.quaternion), state.lights);
-                Some(Thing { covered: is_covered(self.map, state.xyz_m), ..thing })
+                let (actor, style) = self.actors.get(&state.id)?;
+                let thing = thing(actor, *style, state.xyz_m, heading_rad(state.quaternion), state.lights);
+                Some(MapActor { covered: is_covered(self.map, state.xyz_m), ..thing })
             })
             .collect();
         // Agents and their names lie over the rest.

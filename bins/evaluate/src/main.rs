@@ -7,11 +7,12 @@ mod table;
 use std::path::Path;
 use std::process::ExitCode;
 
-use arguments::evaluate::{Evaluate, Metrics, SeenBy};
+use arguments::evaluate as asked;
+use arguments::evaluate::{Evaluate, Metrics};
 use clap::Parser;
 use evaluation::{
     Evaluation, EvaluationError, ExportedSamples, MaskEvaluation, MaskFolder, Plan, PredictionFile, Protocol,
-    Seen, evaluate, evaluate_masks, read_results, write_measures,
+    SeenBy, evaluate, evaluate_masks, read_results, write_measures,
 };
 use export_core::{Selection, Source, matches};
 use runner::{EXIT_DONE, report, say};
@@ -109,9 +110,11 @@ fn boxes(args: &Evaluate, store: &Store, predictions: &Path) -> Result<Evaluatio
         some => Protocol::ALL.into_iter().filter(|p| some.iter().any(|m| protocol(*m) == *p)).collect(),
     };
     let seen = match args.seen {
-        SeenBy::Partners => Seen::Partners { range_m: args.comm_range_m, elevation_m: args.elevation_m },
-        SeenBy::Ego => Seen::Ego,
-        SeenBy::Nobody => Seen::Nobody,
+        asked::SeenBy::Partners => {
+            SeenBy::Partners { range_m: args.comm_range_m, elevation_m: args.elevation_m }
+        }
+        asked::SeenBy::Ego => SeenBy::Ego,
+        asked::SeenBy::Nobody => SeenBy::Nobody,
     };
     let plan = Plan {
         protocols: &protocols,

@@ -7,7 +7,9 @@ use std::process::ExitCode;
 
 use arguments::export::{CommonArgs, Export};
 use clap::Parser;
-use export_core::{Destination, ExportError, Layout, Omission, Plan, Selection, Source, Watch, export, plan};
+use export_core::{
+    Destination, ExportError, Layout, Omission, Plan, ProgressWatch, Selection, Source, export, plan,
+};
 use indicatif::{DecimalBytes, HumanDuration};
 use runner::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Progress, say};
 use store::Store;
@@ -94,7 +96,7 @@ fn announce(plan: &Plan, source: &Source, threads: usize) {
 /// The progress of a stage, for the export.
 struct Watching(Progress);
 
-impl Watch for Watching {
+impl ProgressWatch for Watching {
     fn advance(&self, agent_frames: u64) -> bool {
         self.0.advance(agent_frames).is_err()
     }

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use arguments::import::{Import, ImportArgs, ImportCommand};
 use clap::Parser;
-use import_core::{ImportError, Prospect, Selection, Source, Watch, import, prospect};
+use import_core::{ImportError, ProgressWatch, Prospect, Selection, Source, import, prospect};
 use runner::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Programs, Progress, say};
 use store::Store;
 
@@ -83,7 +83,7 @@ fn announce(found: &Prospect) {
 /// The progress of a stage, for the import.
 struct Watching(Progress);
 
-impl Watch for Watching {
+impl ProgressWatch for Watching {
     fn advance(&self, agent_frames: u64) -> bool {
         self.0.advance(agent_frames).is_err()
     }

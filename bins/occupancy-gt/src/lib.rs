@@ -14,11 +14,11 @@ use schema::{AgentId, ObjectId, Tag};
 use settings::{OccupancySettings, PerAgent};
 
 /// The stage.
-pub const STAGE: Stage<Seen> = Stage::new(run);
+pub const STAGE: Stage<GridSettings> = Stage::new(run);
 /// What it sees of the configuration: the grid of each agent.
-type Seen = PerAgent<OccupancySettings>;
+type GridSettings = PerAgent<OccupancySettings>;
 
-fn run(job: &mut Job<'_, Seen>) -> Result<(), StageError> {
+fn run(job: &mut Job<'_, GridSettings>) -> Result<(), StageError> {
     let settings = job.settings().clone();
     let scene = SceneReader::new(job.store(), job.scene(), job.inputs());
     let replay = Replay::open(&scene).at(|| job.place())?;

@@ -15,9 +15,9 @@ use crate::recorder::{Channel, Channels};
 const SIGHT_M: f64 = 1000.0;
 
 /// What stands still in a scene, for painters.
-pub(crate) struct Standing<'a>(pub(crate) &'a Replay);
+pub(crate) struct StaticWorld<'a>(pub(crate) &'a Replay);
 
-impl StillWorld for Standing<'_> {
+impl StillWorld for StaticWorld<'_> {
     fn around(&self, centre_world_m: [f64; 3], nearer_m: f64) -> Snapshot {
         self.0.still(centre_world_m, SIGHT_M, nearer_m)
     }
@@ -29,7 +29,7 @@ impl StillWorld for Standing<'_> {
 
 /// Who looks at a scene, for all agents in it.
 #[derive(Clone, Copy)]
-pub(crate) struct Eyes<'a> {
+pub(crate) struct Renderers<'a> {
     pub(crate) renderer: &'a dyn Renderer,
     pub(crate) painter: &'a dyn Painter,
 }
@@ -37,7 +37,7 @@ pub(crate) struct Eyes<'a> {
 /// An agent with its cameras.
 pub(crate) struct AgentRig<'a> {
     pub(crate) replay: &'a Replay,
-    pub(crate) eyes: Eyes<'a>,
+    pub(crate) eyes: Renderers<'a>,
     /// Its place in the log's list of agents.
     pub(crate) position: usize,
     pub(crate) cameras: Cameras,

@@ -6,16 +6,16 @@ mod recorder;
 use render::Renderer;
 use render::cpu::CpuRenderer;
 use replay::{Light, Replay};
-use runner::frames::{Part, in_turn};
+use runner::frames::{FrameGroup, in_turn};
 use runner::{At, Job, Place, Stage, StageError};
 use scene::SceneReader;
 use schema::ImageKind;
-use sensors::{Cameras, Carrier, GeoOrigin, SharedBeams};
+use sensors::{Cameras, GeoOrigin, SensorContext, SharedBeams};
 use settings::Rig;
 use settings::stages::SensorSettings;
 use shading::CpuPainter;
 
-use crate::agent::{AgentRig, Eyes, Standing};
+use crate::agent::{AgentRig, Renderers, StaticWorld};
 
 /// The stage.
 pub const STAGE: Stage<SensorSettings> = Stage::new(run);
@@ -26,13 +26,13 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
     let paints = |rig: &Rig| rig.camera.images.has(ImageKind::Rgb) && !rig.cameras.is_empty();
     let rigs = &settings.rigs;
     let mut all = [&rigs.vehicle, &rigs.rsu].into_iter().chain(rigs.own.iter().map(|(_, rig)| rig));
-    let light = if all.any(paints) { Light::Sheltered } else { Light::Any };
+    let light = if all.any(paints) { Light::AmbientOcclusion } else { Light::Any };
     let replay = Replay::in_light(&reader, light).at(|| job.place())?;
     let mut renderer = CpuRenderer::default();
     renderer.prepare(&replay.meshes()).at(|| job.place())?;
-    let standing = Standing(&replay);
+    let standing = StaticWorld(&replay);
     let painter = CpuPainter::new(&renderer, &standing);
-    let eyes = Eyes { renderer: &renderer, painter: &painter };
+    let eyes = Renderers { renderer: &renderer, painter: &painter };
     let agents = replay.log.agent_ids().to_vec();
     let frames = replay.log.frame_count();
     let geo_origin = geo_origin(&replay.log.info.geo_reference);
@@ -44,13 +44,13 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
         let unit = job.unit(&agent.to_string()).transpose()?;
         let part = |unit| {
             let rig = settings.rigs.of(*agent);
-            let carrier = Carrier { seed: settings.seed, scene, agent: *agent, geo_origin };
+            let carrier = SensorContext { seed: settings.seed, scene, agent: *agent, geo_origin };
             let (channels, writer) = recorder::open(unit, rig, &carrier)?;
             let cameras = Cameras::of(rig).at(|| Place::scene(scene).agent(*agent))?;
             let beams = SharedBeams::of(rig).at(|| Place::scene(scene).agent(*agent))?;
             let due = channels.due_frames(frames);
             let seen = AgentRig { replay: &replay, eyes, position, cameras, beams, channels };
-            Ok(Part { due, seen, writer })
+            Ok(FrameGroup { due, seen, writer })
         };
         Some(unit.and_then(part))
     });

@@ -9,7 +9,7 @@ use schema::calibration::METADATA_KEY;
 use schema::measures::counts::PartialCounts;
 use schema::measures::sensors::{IMAGES, SENSOR_BYTES, SWEEPS};
 use schema::{AgentId, rate};
-use sensors::{Carrier, Layout, Observation, Sensor, SensorError, SensorTable, SensorVisitor};
+use sensors::{Layout, Observation, Sensor, SensorContext, SensorError, SensorTable, SensorVisitor};
 use settings::Rig;
 use settings::stages::SensorSettings;
 use store::{Finished, TableOptions, TableWriter, Unit, keys};
@@ -102,7 +102,7 @@ impl<S: Sensor> Table for Written<S> {
 }
 
 /// Opens a table for every sensor that it is shown.
-struct Opening<'a, 'u> {
+struct TableOpener<'a, 'u> {
     unit: &'a Unit<'u>,
     scene: u32,
     agent: AgentId,
@@ -122,7 +122,7 @@ impl From<SensorError> for Unopened {
     }
 }
 
-impl SensorVisitor for Opening<'_, '_> {
+impl SensorVisitor for TableOpener<'_, '_> {
     type Error = Unopened;
 
     fn visit<S: Sensor + 'static>(&mut self, sensor: S) -> Result<(), Unopened> {
@@ -150,17 +150,17 @@ impl SensorVisitor for Opening<'_, '_> {
 pub(crate) fn open<'u>(
     unit: Unit<'u>,
     rig: &Rig,
-    carrier: &Carrier,
+    carrier: &SensorContext,
 ) -> Result<(Channels, Recorder<'u>), StageError> {
-    let Carrier { scene, agent, .. } = *carrier;
-    let mut opening = Opening { unit: &unit, scene, agent, channels: Vec::new(), tables: Vec::new() };
+    let SensorContext { scene, agent, .. } = *carrier;
+    let mut opening = TableOpener { unit: &unit, scene, agent, channels: Vec::new(), tables: Vec::new() };
     sensors::visit_sensors(rig, carrier, &mut opening).map_err(|e| match e {
         Unopened::Sensor(e) => {
             StageError::Failed { place: Box::new(Place::scene(scene).agent(agent)), source: e.into() }
         }
         Unopened::Stage(e) => e,
     })?;
-    let Opening { channels, tables, .. } = opening;
+    let TableOpener { channels, tables, .. } = opening;
     Ok((Channels(channels), Recorder { unit, scene, agent, tables, counts: PartialCounts::new() }))
 }
 

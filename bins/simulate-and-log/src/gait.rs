@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use catalogue::{Model, benches};
 use frames::{Object, Pose, World};
-use meshes::people::{LOOKS, Look, Walker};
+use meshes::people::{APPEARANCES, Appearance, Walker};
 use random::Stream;
 use replay::packed::ModelError;
 use schema::tables::{ActorRow, PlanModelRow, StateRow};
@@ -103,8 +103,8 @@ impl Bodies {
 
 /// The first variant from some on in which somebody of a model is dressed so as to sit.
 pub(crate) fn seated_variant(model: &Model, variant: u32) -> u32 {
-    let variants = (0..LOOKS).map(|k| (variant + k) % LOOKS);
-    variants.into_iter().find(|v| Look::new(model, *v).may_sit()).unwrap_or(variant)
+    let variants = (0..APPEARANCES).map(|k| (variant + k) % APPEARANCES);
+    variants.into_iter().find(|v| Appearance::new(model, *v).may_sit()).unwrap_or(variant)
 }
 
 impl Pacer {

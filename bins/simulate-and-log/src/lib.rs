@@ -32,7 +32,7 @@ use crate::world::{Nearby, SceneTiles, failed};
 pub const STAGE: Stage<SimulationSettings> = Stage::new(run);
 
 /// Looks that moving actors of one model share among them (clothes, skin, hair): each is a mesh of its own.
-const VARIANTS: u32 = meshes::people::LOOKS;
+const VARIANTS: u32 = meshes::people::APPEARANCES;
 
 fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     let ScenePlan { scene: plan, agents, hazards, models } = ScenePlan::read(job)?;

@@ -90,7 +90,7 @@ fn line(head: &mut impl BufRead) -> Result<Option<String>, NoRequest> {
 
 /// Which part of a file is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Part {
+pub(crate) enum ByteRange {
     /// All of it.
     Whole,
     /// From a byte, so many.
@@ -101,28 +101,28 @@ pub(crate) enum Part {
 
 /// The part of a file of some size that a `Range` header asks for. Several ranges, and what is no range of bytes, are passed
 /// over, as the standard allows.
-pub(crate) fn part_of(range: Option<&str>, size: u64) -> Part {
-    let Some(range) = range.and_then(|r| r.strip_prefix("bytes=")) else { return Part::Whole };
-    let Some((first, last)) = range.split_once('-') else { return Part::Whole };
+pub(crate) fn part_of(range: Option<&str>, size: u64) -> ByteRange {
+    let Some(range) = range.and_then(|r| r.strip_prefix("bytes=")) else { return ByteRange::Whole };
+    let Some((first, last)) = range.split_once('-') else { return ByteRange::Whole };
     let number =
         |text: &str| (text.bytes().all(|b| b.is_ascii_digit())).then(|| text.parse::<u64>().ok()).flatten();
     match (first.trim(), last.trim()) {
         ("", last) => match number(last) {
-            None => Part::Whole,
-            Some(0) => Part::Outside,
-            Some(_) if size == 0 => Part::Outside,
-            Some(length) => Part::Range { start: size - length.min(size), length: length.min(size) },
+            None => ByteRange::Whole,
+            Some(0) => ByteRange::Outside,
+            Some(_) if size == 0 => ByteRange::Outside,
+            Some(length) => ByteRange::Range { start: size - length.min(size), length: length.min(size) },
         },
         (first, last) => {
             let last = if last.is_empty() { Some(u64::MAX) } else { number(last) };
             match (number(first), last) {
                 (Some(first), Some(last)) if first <= last => {
                     if first >= size {
-                        return Part::Outside;
+                        return ByteRange::Outside;
                     }
-                    Part::Range { start: first, length: last.min(size - 1) - first + 1 }
+                    ByteRange::Range { start: first, length: last.min(size - 1) - first + 1 }
                 }
-                _ => Part::Whole,
+                _ => ByteRange::Whole,
             }
         }
     }
@@ -178,8 +178,8 @@ mod tests {
     #[test]
     fn ranges_are_cut_to_the_file() {
         let part = |range: &str| part_of(Some(range), 10);
-        let range = |start, length| Part::Range { start, length };
-        assert_eq!(part_of(None, 10), Part::Whole);
+        let range = |start, length| ByteRange::Range { start, length };
+        assert_eq!(part_of(None, 10), ByteRange::Whole);
         assert_eq!(part("bytes=0-0"), range(0, 1));
         assert_eq!(part("bytes=3-5"), range(3, 3));
         assert_eq!(part("bytes=3-"), range(3, 7));
@@ -187,10 +187,10 @@ mod tests {
         assert_eq!(part("bytes=0-18446744073709551615"), range(0, 10));
         assert_eq!(part("bytes=-4"), range(6, 4));
         assert_eq!(part("bytes=-40"), range(0, 10));
-        assert_eq!(part("bytes=10-"), Part::Outside);
-        assert_eq!(part("bytes=-0"), Part::Outside);
-        assert_eq!(part_of(Some("bytes=0-"), 0), Part::Outside);
-        assert_eq!(part_of(Some("bytes=-3"), 0), Part::Outside);
+        assert_eq!(part("bytes=10-"), ByteRange::Outside);
+        assert_eq!(part("bytes=-0"), ByteRange::Outside);
+        assert_eq!(part_of(Some("bytes=0-"), 0), ByteRange::Outside);
+        assert_eq!(part_of(Some("bytes=-3"), 0), ByteRange::Outside);
         for passed_over in [
             "bytes=5-3",
             "bytes=a-b",
@@ -201,7 +201,7 @@ mod tests {
             "bytes=+1-2",
             "bytes=99999999999999999999-",
         ] {
-            assert_eq!(part(passed_over), Part::Whole, "{passed_over}");
+            assert_eq!(part(passed_over), ByteRange::Whole, "{passed_over}");
         }
     }
 }

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use crate::http::{NoRequest, Part, Request, part_of, read_request};
+use crate::http::{ByteRange, NoRequest, Request, part_of, read_request};
 use crate::site::{Content, Site};
 
 /// A browser opens six; more than this at once are turned away.
@@ -135,16 +135,16 @@ fn answer(request: &Request, port: u16, site: &Site, out: &mut impl Write) -> io
                     .with("Accept-Ranges", "bytes")
             };
             let (start, length) = match part_of(request.range.as_deref(), size) {
-                Part::Outside => {
+                ByteRange::Outside => {
                     let head = Head::new("416 Range Not Satisfiable")
                         .with("Content-Range", &format!("bytes */{size}"));
                     return head.write_text(out, "the file has no such part", with_body);
                 }
-                Part::Whole => {
+                ByteRange::Whole => {
                     head("200 OK").write(out, size)?;
                     (0, size)
                 }
-                Part::Range { start, length } => {
+                ByteRange::Range { start, length } => {
                     let range = format!("bytes {start}-{}/{size}", start + length - 1);
                     head("206 Partial Content").with("Content-Range", &range).write(out, length)?;
                     (start, length)

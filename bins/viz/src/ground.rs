@@ -2,7 +2,7 @@
 
 use export_core::SceneSource;
 use nalgebra::Point3;
-use pictures::{GroundLine, GroundLook};
+use pictures::{GroundLine, GroundStyle};
 use schema::table::Row;
 use schema::tables::VectorMapRow;
 use store::{Scope, keys};
@@ -34,14 +34,14 @@ pub(crate) fn ground_of(source: &SceneSource) -> Result<Vec<GroundLine>, VizErro
 }
 
 fn line_of(element: &Element) -> Option<GroundLine> {
-    let look = match element.kind.as_str() {
-        "junction" => GroundLook::Junction,
-        "sidewalk" => GroundLook::Sidewalk,
-        "crosswalk" => GroundLook::Crosswalk,
-        "lane_boundary" if element.is_edge => GroundLook::Edge,
-        "lane_boundary" => GroundLook::LaneBorder,
-        "divider" => GroundLook::Paint,
-        "stop_line" => GroundLook::StopLine,
+    let style = match element.kind.as_str() {
+        "junction" => GroundStyle::Junction,
+        "sidewalk" => GroundStyle::Sidewalk,
+        "crosswalk" => GroundStyle::Crosswalk,
+        "lane_boundary" if element.is_edge => GroundStyle::Edge,
+        "lane_boundary" => GroundStyle::LaneBorder,
+        "divider" => GroundStyle::Paint,
+        "stop_line" => GroundStyle::StopLine,
         _ => return None,
     };
     let places = element.x_m.iter().zip(&element.y_m).zip(&element.z_m);
@@ -52,5 +52,5 @@ fn line_of(element: &Element) -> Option<GroundLine> {
     }
     starts.push(points.len());
     let chains_m = starts.windows(2).filter_map(|pair| points.get(pair[0]..pair[1])).map(<[_]>::to_vec);
-    Some(GroundLine { look, chains_m: chains_m.collect() })
+    Some(GroundLine { style, chains_m: chains_m.collect() })
 }

@@ -98,7 +98,7 @@ pub(super) fn markings(
         for (k, here) in places(&line, &points, roads, &slices, &|p| is_near(p, 0.0)).iter().enumerate() {
             let step_m = if k > 0 { (points[k] - points[k - 1]).xy().norm() } else { 0.0 };
             let p = grid.of(here.at);
-            let seen = look(&p, here.shows, level, bits, |cell| {
+            let seen = painted_cells(&p, here.shows, level, bits, |cell| {
                 (is_open[cell], got[BevClass::RoadLine as usize * SIDE * SIDE + cell] != 0)
             });
             since_m = if seen { 0.0 } else { since_m + step_m };
@@ -117,7 +117,7 @@ pub(super) fn markings(
 }
 
 /// Whether a marking's place needs no further look: a cell there is set, or it says nothing. Allows the cells around it.
-fn look(
+fn painted_cells(
     p: &Vector3<f64>,
     shows: Shows,
     level: &[f64],

@@ -15,7 +15,7 @@ pub(crate) struct Variant {
     /// Whether cabins of vehicles are there.
     pub(crate) cabins: bool,
     /// Whether it is known how much of the sky bodies see.
-    pub(crate) sheltered: bool,
+    pub(crate) with_ambient_occlusion: bool,
     /// Whether the sun stands still, so that what it sees of the still world is kept.
     pub(crate) is_steady: bool,
 }
@@ -31,7 +31,7 @@ const PLAIN: Variant = Variant {
     camera: |_| {},
     weather: |_| {},
     cabins: true,
-    sheltered: true,
+    with_ambient_occlusion: true,
     is_steady: false,
 };
 
@@ -44,7 +44,7 @@ pub(crate) const VARIANTS: [Variant; 13] = [
     Variant { name: "no vignette", camera: |c| c.vignetting = 0.0, ..PLAIN },
     Variant { name: "no white balance", camera: |c| c.white_balance = 0.0, ..PLAIN },
     Variant { name: "nothing behind panes", cabins: false, ..PLAIN },
-    Variant { name: "no sky's light on bodies", sheltered: false, ..PLAIN },
+    Variant { name: "no sky's light on bodies", with_ambient_occlusion: false, ..PLAIN },
     Variant { name: "a shutter open for 20 ms", camera: |c| c.exposure_time_s = 0.02, ..PLAIN },
     Variant { name: "an aperture of 8 mm", camera: |c| c.aperture_mm = 8.0, ..PLAIN },
     Variant { name: "wet ground with puddles", weather: wet, ..PLAIN },

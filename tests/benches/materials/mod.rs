@@ -39,7 +39,7 @@ fn name_of(surface: &Surface) -> &'static str {
         Surface::RoofTiles => "roof tiles",
         Surface::Facade(_) => "facade",
         Surface::Lamp(_) => "lamp",
-        Surface::Skin(_) => "skin",
+        Surface::Textured(_) => "textures of a pack",
     }
 }
 

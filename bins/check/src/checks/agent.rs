@@ -215,7 +215,7 @@ impl Agent<'_> {
             points.insert(("sweeps", cloud.ranger.name.clone()), 1);
         }
         let cameras = self.cameras.iter().filter(|camera| camera.row_of(frame).is_some());
-        let sights: Vec<Sight<'_>> = cameras.map(|camera| camera.look(frame, &pose, ledger)).collect();
+        let sights: Vec<Sight<'_>> = cameras.map(|camera| camera.sight(frame, &pose, ledger)).collect();
         for sight in &sights {
             self.check_sight(sight, &clouds, frame, ledger);
         }
@@ -265,7 +265,7 @@ impl Agent<'_> {
             return;
         };
         // Before frame 0 there is no picture, but the log knows where everything was.
-        let before = if frame > 0 { camera.look(frame - 1, &pose, ledger) } else { camera.blind(&pose) };
+        let before = if frame > 0 { camera.sight(frame - 1, &pose, ledger) } else { camera.blind(&pose) };
         flow::check(self.scene, sight, &before, own, frame, ledger);
     }
 }

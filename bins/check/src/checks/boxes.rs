@@ -52,12 +52,12 @@ pub(crate) struct Labelled {
     /// Whether a door of it stands open.
     pub(crate) open_door: bool,
     /// Row of `boxes_valid`, if that is there.
-    pub(crate) seen: Option<Seen>,
+    pub(crate) seen: Option<Evidence>,
 }
 
 /// Points and pixels of a box.
 #[derive(Clone, Debug)]
-pub(crate) struct Seen {
+pub(crate) struct Evidence {
     pub(crate) lidar: u64,
     pub(crate) radar: u64,
     pub(crate) pixels: u64,
@@ -269,7 +269,7 @@ struct SeenColumns {
     classes: Vec<String>,
     corners: Vec<[f64; 24]>,
     distances: Vec<f64>,
-    seen: Vec<Seen>,
+    seen: Vec<Evidence>,
 }
 
 impl SeenColumns {
@@ -278,7 +278,7 @@ impl SeenColumns {
         let (lidar, radar, pixels) =
             (rows.ints("num_lidar_pts")?, rows.ints("num_radar_pts")?, rows.ints("num_pixels")?);
         let (valid, difficulty) = (rows.flags("valid_flag")?, rows.texts("difficulty")?);
-        let row = |k: usize| Seen {
+        let row = |k: usize| Evidence {
             lidar: lidar[k].unsigned_abs(),
             radar: radar[k].unsigned_abs(),
             pixels: pixels[k].unsigned_abs(),
@@ -309,7 +309,7 @@ impl SeenColumns {
             && self.distances[k] == distance_m
     }
 
-    fn row(&self, k: usize) -> Seen {
+    fn row(&self, k: usize) -> Evidence {
         self.seen[k].clone()
     }
 }

@@ -152,7 +152,7 @@ impl Camera {
     }
 
     /// What its label images show at a frame; nothing where it has no picture.
-    pub(crate) fn look(&self, frame: usize, world_from_agent: &Motion, ledger: &mut Ledger) -> Sight<'_> {
+    pub(crate) fn sight(&self, frame: usize, world_from_agent: &Motion, ledger: &mut Ledger) -> Sight<'_> {
         let mut read = |table: &Option<Table>| {
             let picture = ledger.read(picture(table.as_ref()?, self.row_of(frame)?))?;
             let (size, told) = ((picture.width, picture.height), self.size());

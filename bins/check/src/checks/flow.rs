@@ -119,13 +119,13 @@ impl Judges<'_, '_> {
             let off = libm::hypot(moved[0] - wanted[0], moved[1] - wanted[1]);
             let allowed = FLOW[0] + FLOW[1] * libm::hypot(wanted[0], wanted[1]);
             match place_on(scene, id, frame, now.world_from_optical.outward(point)) {
-                Place::Fixed => judge(&mut self.flow, id, off <= allowed),
-                Place::Body => judge(&mut self.flow, id, off <= allowed + BODY_PX),
-                Place::AmongWheels => {
+                MotionKind::Fixed => judge(&mut self.flow, id, off <= allowed),
+                MotionKind::Body => judge(&mut self.flow, id, off <= allowed + BODY_PX),
+                MotionKind::AmongWheels => {
                     let turned = wheels_px(now, before, point, was, was_px);
                     judge(&mut self.wheels, id, off <= allowed + turned);
                 }
-                Place::Moving => {}
+                MotionKind::Moving => {}
             }
         }
         if id != 0
@@ -156,7 +156,7 @@ impl Judges<'_, '_> {
 }
 
 /// On what part of an object a point is, by how that moves.
-enum Place {
+enum MotionKind {
     /// On something fixed, or the sky.
     Fixed,
     /// On the body of a vehicle: it moves as its pose says.
@@ -167,21 +167,21 @@ enum Place {
     Moving,
 }
 
-fn place_on(scene: &Scene, id: u16, frame: usize, in_world: V3) -> Place {
+fn place_on(scene: &Scene, id: u16, frame: usize, in_world: V3) -> MotionKind {
     let frame = frame as i64;
     let (Some(actor), Some(pose)) = (scene.actors.get(&id), scene.pose(id, frame)) else {
-        return Place::Fixed;
+        return MotionKind::Fixed;
     };
     if actor.fixed {
-        return Place::Fixed;
+        return MotionKind::Fixed;
     }
     let is_open = |frame| scene.state(id, frame).is_some_and(|state| state.open_door);
     if is_open(frame) || is_open(frame - 1) {
-        return Place::Moving;
+        return MotionKind::Moving;
     }
     let is_heavy = actor.size_m[2] > HEAVY_M[0] || actor.size_m[0] > HEAVY_M[1];
     let up_to_m = WHEELS_UP_TO_M[usize::from(is_heavy)];
-    if pose.inward(in_world)[2] < up_to_m { Place::AmongWheels } else { Place::Body }
+    if pose.inward(in_world)[2] < up_to_m { MotionKind::AmongWheels } else { MotionKind::Body }
 }
 
 /// How far a wheel's rim may be from where its body takes it, pixels: as far as the body has come, seen from here.

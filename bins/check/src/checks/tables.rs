@@ -129,7 +129,7 @@ pub(crate) fn check(path: &Path, rows: usize, (frames, rate): (u32, u32), every:
     let Some(batches) = ledger.read(read) else { return };
     for batch in &batches {
         for (column, values) in batch.columns() {
-            look(inside, column, values, ledger);
+            check_column(inside, column, values, ledger);
         }
         if is_sensor {
             equally_long(inside, batch, ledger);
@@ -142,7 +142,7 @@ pub(crate) fn check(path: &Path, rows: usize, (frames, rate): (u32, u32), every:
 }
 
 /// A column: numbers, ranges, words.
-fn look(table: &str, column: &str, values: &ArrayRef, ledger: &mut Ledger) {
+fn check_column(table: &str, column: &str, values: &ArrayRef, ledger: &mut Ledger) {
     if let Some((bad, all)) = unreal(values) {
         ledger.fine(Rule::Numbers, (all - bad) as u64);
         ledger.all_off(Rule::Numbers, bad as u64, &format!("{table} {column}"), || {

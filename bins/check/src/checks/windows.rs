@@ -19,7 +19,7 @@ const PLACE: f64 = 1e-5;
 const VELOCITY: f64 = 1e-4;
 
 /// An object at a moment, as boxes and the log have it.
-struct Place {
+struct ObjectAt {
     center_m: V3,
     yaw_rad: f64,
     is_valid: bool,
@@ -183,9 +183,9 @@ impl Windows {
 }
 
 /// Where an object is at a frame at which it is in some agent's list.
-fn place(scene: &Scene, merged: &Merges, frame: i64, id: u16) -> Option<Place> {
+fn place(scene: &Scene, merged: &Merges, frame: i64, id: u16) -> Option<ObjectAt> {
     let object = merged.get(&(frame, id))?;
     let ahead = scene.pose(id, frame)?.ahead();
     let yaw_rad = libm::atan2(ahead[1], ahead[0]);
-    Some(Place { center_m: object.center_m, yaw_rad, is_valid: !object.seen_by.is_empty() })
+    Some(ObjectAt { center_m: object.center_m, yaw_rad, is_valid: !object.seen_by.is_empty() })
 }

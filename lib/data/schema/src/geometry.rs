@@ -5,7 +5,7 @@ use std::sync::Arc;
 use frames::{Aabb, LocalOrigin};
 use glam::{Affine3A, Vec3};
 
-use crate::skin::{Finish, Skin};
+use crate::mesh_textures::{MeshTextures, PbrFactors};
 use crate::{Layer, Normal, ObjectId, Tag};
 
 /// What a part of a mesh is made of; shading decides from it how the part looks.
@@ -39,7 +39,7 @@ pub enum Surface {
     RoadMarking,
     /// Kerbs, walls, concrete.
     Concrete,
-    /// What a sidewalk is paved with. Where its mesh has a [`Skin`], places in it are metres along the sidewalk and away from its kerb.
+    /// What a sidewalk is paved with. Where its mesh has a [`MeshTextures`], places in it are metres along the sidewalk and away from its kerb.
     Paving(Paving),
     /// Grass and soil.
     Grass,
@@ -54,12 +54,12 @@ pub enum Surface {
     /// A house front: windows in a grid of storeys and bays drawn by the shader from the object position.
     Facade(Wall),
     /// Sheeting that sends light back to where it came from: number plates, signs' faces, reflectors, bands that warn. Where its mesh has a
-    /// [`Skin`], the first coat's colour is on it.
+    /// [`MeshTextures`], the first coat's colour is on it.
     Reflector,
     /// Emits light while one of these [`crate::lights`] bits is set on its instance.
     Lamp(u32),
-    /// As the mesh's own [`Skin`] shows it; the part's colour is its mean.
-    Skin(Finish),
+    /// As the mesh's own [`MeshTextures`] shows it; the part's colour is its mean.
+    Textured(PbrFactors),
 }
 
 /// What sidewalks are paved with.
@@ -154,7 +154,7 @@ pub enum Weave {
 
 /// A part of a mesh: triangles with one tag and one look.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub struct MeshPart {
     /// What it is.
     pub tag: Tag,
     /// What it is made of.
@@ -163,7 +163,7 @@ pub struct Part {
     pub rgb: [f32; 3],
 }
 
-impl Part {
+impl MeshPart {
     /// A part.
     #[must_use]
     pub const fn new(tag: Tag, surface: Surface, rgb: [f32; 3]) -> Self {
@@ -181,19 +181,19 @@ pub struct TriMesh {
     /// Index into `parts`, one per triangle.
     pub triangle_part: Vec<u8>,
     /// The parts, at most 256.
-    pub parts: Vec<Part>,
+    pub parts: Vec<MeshPart>,
     /// Normals for light at the corners of each triangle ; empty where all are flat.
     pub corner_normals: Vec<[Normal; 3]>,
     /// What of the light of sky and ground reaches the corners of each triangle past its own body, in 255ths; empty where that
     /// is not known: all of it.
-    pub corner_open: Vec<[u8; 3]>,
+    pub corner_visibility: Vec<[u8; 3]>,
     /// Pictures on it, where it has some of its own.
-    pub skin: Option<Arc<Skin>>,
+    pub textures: Option<Arc<MeshTextures>>,
 }
 
 impl TriMesh {
     /// The index of a part, which is added if no equal one is there. Beyond 256 parts the last one is reused.
-    pub fn part_index(&mut self, part: Part) -> u8 {
+    pub fn part_index(&mut self, part: MeshPart) -> u8 {
         let found = self.parts.iter().position(|p| *p == part);
         let index = found.unwrap_or_else(|| {
             if self.parts.len() < 256 {
@@ -245,7 +245,7 @@ impl TriMesh {
 
     /// The part of a triangle.
     #[must_use]
-    pub fn part(&self, triangle: usize) -> &Part {
+    pub fn part(&self, triangle: usize) -> &MeshPart {
         &self.parts[usize::from(self.triangle_part[triangle])]
     }
 }

@@ -13,7 +13,7 @@ const UNITS: f64 = 4.0;
 
 /// A camera at a place that looks along a direction, level sideways.
 #[must_use]
-pub fn look(from: Vec3, along: Vec3, width: u32, height: u32, fov_rad: f32) -> PinholeCamera {
+pub fn camera_at(from: Vec3, along: Vec3, width: u32, height: u32, fov_rad: f32) -> PinholeCamera {
     let forward = along.normalize();
     let right = forward.cross(Vec3::Z).normalize();
     let rotation = Mat3::from_cols(right, forward.cross(right), forward);

@@ -154,7 +154,7 @@ impl Scene for BruteScene<'_> {
         self.snapshot
     }
 
-    fn look(&self, queries: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
+    fn render(&self, queries: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
         let answer = |query: &CameraQuery<'_>| {
             let mut seen = self.look_through(query);
             if query.outputs == Outputs::Depths {

@@ -21,7 +21,7 @@ mod need;
 mod roads;
 mod town;
 
-pub use agreement::{Agreement, PixelRays, look};
+pub use agreement::{Agreement, PixelRays, camera_at};
 pub use brute::BruteRenderer;
 pub use maps::{map_files, maps_folder, real_map, real_maps};
 pub use meshes::{MeshBuilder, block, instance, plane, snapshot};

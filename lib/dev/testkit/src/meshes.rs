@@ -7,7 +7,7 @@ use std::sync::Arc;
 use frames::LocalOrigin;
 use frames::math::f32::sin_cos;
 use glam::{Affine3A, Vec3};
-use schema::geometry::{Instance, ObjectMotion, Part, Snapshot, Surface, TriMesh};
+use schema::geometry::{Instance, MeshPart, ObjectMotion, Snapshot, Surface, TriMesh};
 use schema::{ObjectId, Tag};
 
 /// Collects triangles part by part.
@@ -19,7 +19,7 @@ pub struct MeshBuilder {
 impl MeshBuilder {
     /// Adds a part and gives its number.
     pub fn part(&mut self, tag: Tag, surface: Surface, rgb: [f32; 3]) -> u8 {
-        self.mesh.parts.push(Part { tag, surface, rgb });
+        self.mesh.parts.push(MeshPart { tag, surface, rgb });
         (self.mesh.parts.len() - 1) as u8
     }
 

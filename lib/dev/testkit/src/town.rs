@@ -5,7 +5,7 @@ use std::sync::Arc;
 use frames::{LocalOrigin, Object, Pose, World};
 use glam::{Affine3A, Vec3};
 use schema::Tag;
-use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
+use schema::geometry::{Instance, MeshPart, Snapshot, Surface, TriMesh};
 
 /// Collects meshes and instances.
 #[derive(Clone, Debug, Default)]
@@ -58,8 +58,8 @@ impl WorldBuilder {
     }
 }
 
-fn part(tag: Tag) -> Part {
-    Part { tag, surface: Surface::Plain, rgb: [0.5; 3] }
+fn part(tag: Tag) -> MeshPart {
+    MeshPart { tag, surface: Surface::Plain, rgb: [0.5; 3] }
 }
 
 /// A closed grey box that stands on z = 0, each face in `n` x `n` pairs of triangles.

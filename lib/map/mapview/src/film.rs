@@ -28,7 +28,7 @@ const WARNING: Colour = [235, 110, 20, 255];
 
 /// What a thing is, as far as its picture tells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Look {
+pub enum ActorStyle {
     /// A vehicle of the traffic.
     Vehicle,
     /// A vehicle of the traffic whose driver breaks rules.
@@ -51,9 +51,9 @@ pub enum Look {
 
 /// A thing on the map.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Thing {
+pub struct MapActor {
     /// What it is.
-    pub look: Look,
+    pub style: ActorStyle,
     /// Its middle, metres east and north.
     pub at_m: [f64; 2],
     /// Its direction, radians from east, counter-clockwise.
@@ -125,7 +125,7 @@ impl Film {
     ///
     /// # Errors
     /// [`RasterError`] where there is no memory for the pixels.
-    pub fn new(map: &Map, options: &ViewOptions, standing: &[Thing]) -> Result<Self, RasterError> {
+    pub fn new(map: &Map, options: &ViewOptions, standing: &[MapActor]) -> Result<Self, RasterError> {
         let page = Page::new(map, options);
         let mut backdrop = raster::pixels(&crate::draw_with(map, options, |page, picture| {
             standing.iter().for_each(|thing| draw(page, thing, picture));
@@ -149,7 +149,7 @@ impl Film {
 
     /// A frame: red, green, blue, opacity for each pixel, by row from the top.
     #[must_use]
-    pub fn frame(&self, bars: &[StopBar], things: &[Thing], caption: &str) -> Vec<u8> {
+    pub fn frame(&self, bars: &[StopBar], things: &[MapActor], caption: &str) -> Vec<u8> {
         let mut picture = Picture::new();
         for bar in bars {
             stop_bar(&self.page, bar, &mut picture);
@@ -192,7 +192,7 @@ impl Film {
 }
 
 /// The corner of a rectangle around a thing: shares of its half length and half width.
-fn corner(page: &Page, thing: &Thing, size_px: [f64; 2], [along, across]: [f64; 2]) -> [f64; 2] {
+fn corner(page: &Page, thing: &MapActor, size_px: [f64; 2], [along, across]: [f64; 2]) -> [f64; 2] {
     let (sin, cos) = sin_cos(thing.heading_rad);
     let [x, y] = page.at(&Point3::new(thing.at_m[0], thing.at_m[1], 0.0));
     let (a, b) = (0.5 * along * size_px[0], 0.5 * across * size_px[1]);
@@ -200,7 +200,7 @@ fn corner(page: &Page, thing: &Thing, size_px: [f64; 2], [along, across]: [f64; 
     [x + a * cos - b * sin, y - a * sin - b * cos]
 }
 
-fn draw(page: &Page, thing: &Thing, picture: &mut Picture) {
+fn draw(page: &Page, thing: &MapActor, picture: &mut Picture) {
     let size_px = [0, 1].map(|k| page.px_min(thing.size_m[k], LEAST_PX[k]));
     let middle = corner(page, thing, size_px, [0.0, 0.0]);
     let reach = 0.5 * (size_px[0] + size_px[1]);
@@ -212,39 +212,40 @@ fn draw(page: &Page, thing: &Thing, picture: &mut Picture) {
     let part = |from: f64, to: f64, half: f64| quad([[from, -half], [to, -half], [to, half], [from, half]]);
     let [r, g, b] = thing.rgb;
     let own = [r, g, b, 255];
-    let body = match thing.look {
-        Look::Agent => AGENT,
-        Look::Station => STATION,
-        Look::Walker => WALKER,
-        Look::Building => style::BUILDING,
-        Look::Plant => style::GREENERY,
-        Look::Furniture => style::BARRIER,
-        Look::Obstacle => WARNING,
-        Look::Vehicle | Look::Careless => own,
+    let body = match thing.style {
+        ActorStyle::Agent => AGENT,
+        ActorStyle::Station => STATION,
+        ActorStyle::Walker => WALKER,
+        ActorStyle::Building => style::BUILDING,
+        ActorStyle::Plant => style::GREENERY,
+        ActorStyle::Furniture => style::BARRIER,
+        ActorStyle::Obstacle => WARNING,
+        ActorStyle::Vehicle | ActorStyle::Careless => own,
     };
     let outline = |colour: Colour, width: f64| Paint { fill: Some(body), ..Paint::line(colour, width) };
-    match thing.look {
-        Look::Walker => {
+    match thing.style {
+        ActorStyle::Walker => {
             let paint = outline(style::WHITE, 0.6);
             picture.shape(Shape::ring(disc(middle, page.px_min(0.35, 2.2), ROUND), paint));
         }
-        Look::Plant => {
+        ActorStyle::Plant => {
             picture.shape(Shape::ring(
                 disc(middle, page.px_min(0.3 * thing.size_m[0], 1.5), ROUND),
                 Paint::fill(body),
             ));
         }
-        Look::Building | Look::Furniture | Look::Obstacle => {
+        ActorStyle::Building | ActorStyle::Furniture | ActorStyle::Obstacle => {
             picture.shape(Shape::ring(part(-1.0, 1.0, 1.0), outline(style::KERB, 0.8)));
         }
-        Look::Station => {
+        ActorStyle::Station => {
             picture.shape(Shape::ring(disc(middle, page.px_min(0.8, 5.0), 4), outline(style::WHITE, 1.2)));
         }
-        Look::Vehicle | Look::Careless | Look::Agent => {
+        ActorStyle::Vehicle | ActorStyle::Careless | ActorStyle::Agent => {
             if thing.covered {
                 picture.shape(Shape::ring(part(-1.0, 1.0, 1.0), Paint::dashed(body, 1.2, [3.0, 2.0])));
             } else {
-                let edge = if thing.look == Look::Careless { (style::RED, 1.6) } else { (style::INK, 0.8) };
+                let edge =
+                    if thing.style == ActorStyle::Careless { (style::RED, 1.6) } else { (style::INK, 0.8) };
                 picture.shape(Shape::ring(part(-1.0, 1.0, 1.0), outline(edge.0, edge.1)));
                 lamps(thing, &part, &quad, picture);
             }
@@ -264,7 +265,7 @@ fn draw(page: &Page, thing: &Thing, picture: &mut Picture) {
 
 /// Windscreen, brake lamps and blinkers: which way a vehicle points, and what it is about to do.
 fn lamps(
-    thing: &Thing,
+    thing: &MapActor,
     part: &impl Fn(f64, f64, f64) -> Vec<[f64; 2]>,
     quad: &impl Fn([[f64; 2]; 4]) -> Vec<[f64; 2]>,
     picture: &mut Picture,
@@ -321,9 +322,9 @@ mod tests {
         Film::new(&Map::new(network), &options, &[]).expect("fits")
     }
 
-    fn car(at_m: [f64; 2], heading_rad: f64) -> Thing {
-        Thing {
-            look: Look::Vehicle,
+    fn car(at_m: [f64; 2], heading_rad: f64) -> MapActor {
+        MapActor {
+            style: ActorStyle::Vehicle,
             at_m,
             heading_rad,
             size_m: [12.0, 4.0],

@@ -30,7 +30,7 @@ mod svg;
 mod symbols;
 mod things;
 
-pub use film::{Film, Light, Look, StopBar, Thing, frame_png};
+pub use film::{ActorStyle, Film, Light, MapActor, StopBar, frame_png};
 pub use letters::Lettering;
 pub use page::{COARSE_FROM_M_PER_PX, ViewOptions, Window};
 pub use picture::Picture;

@@ -26,7 +26,7 @@ pub(crate) fn draw(sheet: &mut Sheet<'_>) {
     let stretches = std::mem::take(&mut sheet.stretches);
     for stretch in &stretches {
         for stripe in sheet.map.stripes_of(stretch.road, stretch.section) {
-            if let Some((paint, order, dash)) = look(stripe, sheet.page) {
+            if let Some((paint, order, dash)) = stripe_style(stripe, sheet.page) {
                 draw_stripe(sheet, stretch, stripe, paint, order, dash);
             }
         }
@@ -36,7 +36,7 @@ pub(crate) fn draw(sheet: &mut Sheet<'_>) {
 }
 
 /// Paint, order and dashes of a stripe on this scale.
-fn look(stripe: &Stripe, page: &Page) -> Option<(Paint, Order, Option<[f64; 2]>)> {
+fn stripe_style(stripe: &Stripe, page: &Page) -> Option<(Paint, Order, Option<[f64; 2]>)> {
     if stripe.mark_type == MarkType::Curb {
         let paint = Paint::line(style::KERB, page.px_min(0.15, THIN_PX));
         return (page.m_per_px < KERB_BELOW_M_PER_PX).then_some((paint, Order::Kerb, None));

@@ -66,7 +66,7 @@ pub enum ShownBoxes {
     #[default]
     None,
     /// Those of objects that the agent saw.
-    Seen,
+    SeenBy,
     /// All.
     All,
 }
@@ -78,7 +78,7 @@ impl CommonArgs {
         match (self.no_boxes, self.all_boxes) {
             (true, _) => ShownBoxes::None,
             (false, true) => ShownBoxes::All,
-            (false, false) => ShownBoxes::Seen,
+            (false, false) => ShownBoxes::SeenBy,
         }
     }
 }

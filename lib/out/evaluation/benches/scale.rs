@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use arrow_array::{ArrayRef, FixedSizeListArray, Float64Array, RecordBatch, StringArray, UInt32Array};
 use arrow_schema::{DataType, Field};
-use evaluation::{Plan, PredictionFile, Protocol, Seen, evaluate};
+use evaluation::{Plan, PredictionFile, Protocol, SeenBy, evaluate};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let opened = PredictionFile::open(&file)?;
         let plan = Plan {
             protocols,
-            seen: Seen::Partners { range_m: 80.0, elevation_m: 4.8 },
+            seen: SeenBy::Partners { range_m: 80.0, elevation_m: 4.8 },
             every_n_frames: None,
             worst_frames: None,
             is_ego: &|agent| agent.kind == AgentKind::Vehicle,

@@ -32,7 +32,7 @@ pub use masks::{
     SCORE_TYPES, evaluate_masks, passed,
 };
 pub use measures::Measure;
-pub use mode::{Mode, Seen};
+pub use mode::{Mode, SeenBy};
 pub use nuscenes::{NuScenesClass, NuScenesScores, NuScenesTally, nuscenes_class};
 pub use opv2v::{Opv2vScores, Opv2vTally, THRESHOLDS_IOU, is_opv2v_vehicle};
 pub use overlap::bev_iou;

@@ -42,7 +42,7 @@ impl Mode {
 
 /// By whom a box must be seen to be a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Seen {
+pub enum SeenBy {
     /// Nobody: all boxes of the ego's list.
     Nobody,
     /// The ego.
@@ -56,7 +56,7 @@ pub enum Seen {
     },
 }
 
-impl Seen {
+impl SeenBy {
     /// Whether an agent sees for another one, by where both are.
     pub(crate) fn is_partner(self, ego: (AgentId, [f64; 3]), other: (AgentId, [f64; 3])) -> bool {
         let Self::Partners { range_m, elevation_m } = self else { return false };
@@ -74,14 +74,14 @@ mod tests {
 
     #[test]
     fn partners_are_near_and_at_the_same_height() {
-        let seen = Seen::Partners { range_m: 80.0, elevation_m: 4.8 };
+        let seen = SeenBy::Partners { range_m: 80.0, elevation_m: 4.8 };
         let ego = (AgentId::vehicle(0), [1.0, 2.0, 3.0]);
         let is_partner = |id, xyz_m| seen.is_partner(ego, (id, xyz_m));
         assert!(is_partner(AgentId::rsu(0), [81.0, 2.0, 3.0]));
         assert!(!is_partner(AgentId::vehicle(0), [1.0, 2.0, 3.0]));
         assert!(!is_partner(AgentId::vehicle(1), [81.0, 2.0, 4.0]));
         assert!(!is_partner(AgentId::vehicle(1), [1.0, 2.0, 8.0]));
-        assert!(!Seen::Ego.is_partner(ego, (AgentId::vehicle(1), ego.1)));
+        assert!(!SeenBy::Ego.is_partner(ego, (AgentId::vehicle(1), ego.1)));
     }
 
     #[test]

@@ -9,7 +9,7 @@ use schema::{AgentId, DetectionClass};
 use crate::EvaluationError;
 use crate::boxes::{Prediction, SampleId, Solid, Target};
 use crate::details::Details;
-use crate::mode::{Mode, Seen};
+use crate::mode::{Mode, SeenBy};
 use crate::nuscenes::{NuScenesScores, NuScenesTally, nuscenes_class};
 use crate::opv2v::{Opv2vScores, Opv2vTally, is_opv2v_vehicle};
 use crate::predictions::{PredictionFile, PredictionRow};
@@ -25,7 +25,7 @@ pub struct Plan<'a> {
     /// The metrics.
     pub protocols: &'a [Protocol],
     /// By whom a box must be seen to be a target.
-    pub seen: Seen,
+    pub seen: SeenBy,
     /// Samples are frames 0, n, 2 n, ...; none: all that have boxes.
     pub every_n_frames: Option<u32>,
     /// How many of the worst frames are told, with curves and what was found at which distance; none: nothing of all this.
@@ -73,14 +73,14 @@ struct Tally {
 }
 
 /// What a scene, or an ego of it, gives.
-struct Part {
+struct PartialScores {
     modes: Vec<Tally>,
     samples: u64,
     predictions: u64,
     left_out: u64,
 }
 
-impl Part {
+impl PartialScores {
     fn new(modes: usize) -> Self {
         let modes = std::iter::repeat_with(Tally::default).take(modes).collect();
         Self { modes, samples: 0, predictions: 0, left_out: 0 }
@@ -111,7 +111,7 @@ pub fn evaluate(
     plan: &Plan<'_>,
 ) -> Result<Evaluation, EvaluationError> {
     let modes: Vec<Mode> = file.modes().collect();
-    let mut whole = Part::new(modes.len());
+    let mut whole = PartialScores::new(modes.len());
     for some in scenes.chunks(rayon::current_num_threads().max(1)) {
         let parts: Vec<_> = some.par_iter().map(|scene| of_scene(scene, file, &modes, plan)).collect();
         for part in parts {
@@ -134,7 +134,7 @@ pub fn evaluate(
         opv2v: plan.protocols.contains(&Protocol::Opv2v).then(|| tally.opv2v.scores()),
     });
     let modes = scores.collect();
-    let Part { samples, predictions, left_out, .. } = whole;
+    let PartialScores { samples, predictions, left_out, .. } = whole;
     Ok(Evaluation { modes, samples, predictions, left_out })
 }
 
@@ -143,7 +143,7 @@ fn of_scene(
     file: &PredictionFile,
     modes: &[Mode],
     plan: &Plan<'_>,
-) -> Result<Part, EvaluationError> {
+) -> Result<PartialScores, EvaluationError> {
     let (info, agents, number) = (scene.info()?, scene.agents()?, scene.scene());
     let labelled = info.label_every_n_frames.max(1);
     let every = plan.every_n_frames.unwrap_or(labelled);
@@ -179,14 +179,14 @@ fn of_scene(
     let parts: Vec<_> = egos
         .par_iter()
         .map(|ego| {
-            let mut part = Part::new(modes.len());
+            let mut part = PartialScores::new(modes.len());
             for frame in schema::rate::due(info.frames, every) {
                 add_sample(&mut part, (number, frame, *ego), &labels, &rows, modes, plan)?;
             }
-            Ok::<Part, EvaluationError>(part)
+            Ok::<PartialScores, EvaluationError>(part)
         })
         .collect();
-    let mut whole = Part::new(modes.len());
+    let mut whole = PartialScores::new(modes.len());
     whole.left_out = (all - rows.len()) as u64;
     for part in parts {
         whole.append(part?);
@@ -203,7 +203,7 @@ fn range_of(rows: &[PredictionRow], ego: AgentId, frame: u32, mode: Mode) -> Ran
 }
 
 fn add_sample(
-    part: &mut Part,
+    part: &mut PartialScores,
     (scene, frame, ego): (u32, u32, AgentId),
     labels: &SceneLabels,
     rows: &[PredictionRow],
@@ -234,7 +234,7 @@ fn add_sample(
         seen().filter_map(|label| canonical(label.class).map(|class| target(class, label))).collect();
     let vehicles = seen().filter(|label| label.id != own && is_opv2v_vehicle(label.class));
     let opv2v: Vec<Target> = vehicles.map(|label| target(0, label)).collect();
-    let has_points = |label: &&Label| plan.seen == Seen::Nobody || label.points > 0;
+    let has_points = |label: &&Label| plan.seen == SeenBy::Nobody || label.points > 0;
     let nuscenes: Vec<Target> = boxes
         .iter()
         .filter(|label| label.id != own)

@@ -11,7 +11,7 @@ use store::{RowGroups, keys};
 
 use crate::EvaluationError;
 use crate::boxes::{Sighting, Solid};
-use crate::mode::Seen;
+use crate::mode::SeenBy;
 use crate::predictions::number_of_attribute;
 
 schema::columns! {
@@ -136,14 +136,14 @@ impl SceneLabels {
     }
 
     /// The list of an agent with what those who count saw of it.
-    pub(crate) fn of(&self, frame: u32, agent: AgentId, seen: Seen) -> Vec<Label> {
+    pub(crate) fn of(&self, frame: u32, agent: AgentId, seen: SeenBy) -> Vec<Label> {
         let list =
             |agent| self.lists.get(&(frame, agent)).map_or(&[][..], |range| &self.labels[range.clone()]);
         let mut own = list(agent).to_vec();
         match seen {
-            Seen::Nobody => own.iter_mut().for_each(|label| label.is_seen = true),
-            Seen::Ego => {}
-            Seen::Partners { .. } => {
+            SeenBy::Nobody => own.iter_mut().for_each(|label| label.is_seen = true),
+            SeenBy::Ego => {}
+            SeenBy::Partners { .. } => {
                 let by_id: BTreeMap<u16, usize> = own.iter().enumerate().map(|(i, l)| (l.id, i)).collect();
                 let others = self.poses.get(&frame);
                 let here = self.pose(frame, agent).map_or([f64::NAN; 3], |(_, xyz_m)| xyz_m);

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::ExportError;
 use crate::disk::{inside, read_error, remove, unfinished, write_error};
-use crate::unit::Watch;
+use crate::unit::ProgressWatch;
 
 /// Names the files of a unit before they are made.
 struct Journal {
@@ -22,12 +22,16 @@ pub struct UnitFiles<'a> {
     files: BTreeMap<String, u64>,
     folders: BTreeSet<PathBuf>,
     journal: Option<Arc<Journal>>,
-    watch: &'a dyn Watch,
+    watch: &'a dyn ProgressWatch,
 }
 
 impl<'a> UnitFiles<'a> {
     /// Files below a folder; where there is a journal, it names each before it is made.
-    pub(crate) fn new(root: &'a Path, journal: Option<(PathBuf, File)>, watch: &'a dyn Watch) -> Self {
+    pub(crate) fn new(
+        root: &'a Path,
+        journal: Option<(PathBuf, File)>,
+        watch: &'a dyn ProgressWatch,
+    ) -> Self {
         let journal = journal.map(|(path, file)| Arc::new(Journal { path, file: Mutex::new(file) }));
         Self { root, files: BTreeMap::new(), folders: BTreeSet::new(), journal, watch }
     }

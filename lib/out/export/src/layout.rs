@@ -79,7 +79,7 @@ pub trait Layout: Sync {
     ///
     /// # Errors
     /// It cannot hold what is asked for: with what to do.
-    fn survey(&self, source: &Source) -> Result<Vec<Omission>, ExportError>;
+    fn preflight(&self, source: &Source) -> Result<Vec<Omission>, ExportError>;
 
     /// The units of a scene, in order.
     fn units(&self, scene: &SceneSource) -> Vec<UnitName> {

@@ -24,4 +24,4 @@ pub use place::Destination;
 pub use run::{Outcome, Plan, export, plan};
 pub use selection::{Selection, matches};
 pub use source::{SceneSource, Source};
-pub use unit::{UnitName, Watch};
+pub use unit::{ProgressWatch, UnitName};

@@ -15,7 +15,7 @@ use store::hash_bytes;
 use crate::ExportError;
 use crate::disk::{UNFINISHED, inside, put, read_error, remove, unfinished, write_error};
 use crate::files::UnitFiles;
-use crate::unit::{UnitName, Watch};
+use crate::unit::{ProgressWatch, UnitName};
 
 /// Folder of the records.
 const RECORDS: &str = ".convoy-export";
@@ -228,7 +228,7 @@ impl Destination {
     pub(crate) fn begin<'a>(
         &'a self,
         unit: UnitName,
-        watch: &'a dyn Watch,
+        watch: &'a dyn ProgressWatch,
     ) -> Result<UnitFiles<'a>, ExportError> {
         self.forget(unit)?;
         let path = self.journal_path(unit);
@@ -239,7 +239,7 @@ impl Destination {
     }
 
     /// Files that belong to no unit.
-    pub(crate) fn files<'a>(&'a self, watch: &'a dyn Watch) -> UnitFiles<'a> {
+    pub(crate) fn files<'a>(&'a self, watch: &'a dyn ProgressWatch) -> UnitFiles<'a> {
         UnitFiles::new(&self.root, None, watch)
     }
 

@@ -3,7 +3,7 @@
 use store::hash_bytes;
 
 use crate::layout::Cost;
-use crate::unit::{UnitName, Watch};
+use crate::unit::{ProgressWatch, UnitName};
 use crate::work::{self, Job};
 use crate::{Destination, ExportError, Layout, Omission, SceneSource, Source, UnitFiles};
 
@@ -57,7 +57,7 @@ pub fn plan(
         let why = if why.is_empty() { "none is wanted".to_owned() } else { why.join(", ") };
         return Err(ExportError::Refused(format!("there is no finished scene to export ({why})")));
     }
-    let mut omissions = layout.survey(source)?;
+    let mut omissions = layout.preflight(source)?;
     omissions.extend(never_had(source));
     let options = format!("{}; {}; {}", layout.name(), layout.identity(), source.selection.identity());
     let replaces = place.claim(&options, force)?;
@@ -92,7 +92,7 @@ pub fn export(
     source: &Source,
     place: &Destination,
     plan: &Plan,
-    watch: &dyn Watch,
+    watch: &dyn ProgressWatch,
 ) -> Result<Outcome, ExportError> {
     if plan.replaces {
         place.forget_all()?;

@@ -21,7 +21,7 @@ impl fmt::Display for UnitName {
 }
 
 /// Watches an export, from any thread.
-pub trait Watch: Sync {
+pub trait ProgressWatch: Sync {
     /// So many frames of agents are done; whether to stop.
     fn advance(&self, agent_frames: u64) -> bool;
 }
@@ -31,7 +31,7 @@ pub trait Watch: Sync {
 pub(crate) struct Nobody;
 
 #[cfg(test)]
-impl Watch for Nobody {
+impl ProgressWatch for Nobody {
     fn advance(&self, _: u64) -> bool {
         false
     }

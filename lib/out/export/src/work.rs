@@ -7,7 +7,7 @@ use std::sync::mpsc::{self, Receiver, Sender};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::place::Finished;
-use crate::unit::{UnitName, Watch};
+use crate::unit::{ProgressWatch, UnitName};
 use crate::{Destination, ExportError, UnitFiles};
 
 /// A unit that is to be made, in pieces.
@@ -44,7 +44,7 @@ impl<'a> State<'a> {
     fn begin(
         &mut self,
         unit: UnitName,
-        (place, watch): (&'a Destination, &'a dyn Watch),
+        (place, watch): (&'a Destination, &'a dyn ProgressWatch),
     ) -> Result<UnitFiles<'a>, ExportError> {
         if watch.advance(0) {
             return Err(ExportError::Stopped);
@@ -73,7 +73,7 @@ impl<'a> InHand<'a> {
         &self,
         piece: u32,
         write: &Write<'_>,
-        to: (&'a Destination, &'a dyn Watch),
+        to: (&'a Destination, &'a dyn ProgressWatch),
     ) -> Option<Finished<'a>> {
         let begun = {
             let mut state = self.state();
@@ -115,7 +115,7 @@ impl<'a> InHand<'a> {
 pub(crate) fn make<'a>(
     jobs: &'a [Job],
     in_turn: bool,
-    (place, watch): (&'a Destination, &'a dyn Watch),
+    (place, watch): (&'a Destination, &'a dyn ProgressWatch),
     write: &Write<'_>,
 ) -> Result<(), ExportError> {
     let units: Vec<InHand<'a>> = jobs.iter().map(|job| InHand { job, state: Mutex::default() }).collect();
@@ -170,7 +170,7 @@ mod tests {
     /// Comes after so many looks.
     struct Signal(AtomicUsize);
 
-    impl Watch for Signal {
+    impl ProgressWatch for Signal {
         fn advance(&self, _: u64) -> bool {
             self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1)).is_err()
         }

@@ -52,30 +52,30 @@ pub(crate) fn read_boxes(
 
 /// An object as its first box has it.
 #[derive(Clone, Debug)]
-struct Known {
+struct FirstBox {
     first: Labelled,
     agent: Option<AgentId>,
 }
 
 /// The objects of a scene.
 #[derive(Debug)]
-pub(crate) struct Cast {
+pub(crate) struct SceneObjects {
     /// By the ids of the layout.
-    known: BTreeMap<i128, Known>,
+    known: BTreeMap<i128, FirstBox>,
     /// Numbers of a store by the ids of the layout.
     ids: BTreeMap<i128, u16>,
     /// Numbers of the agents, in their order.
     pub(crate) agent_ids: Vec<u16>,
 }
 
-impl Cast {
+impl SceneObjects {
     /// Reads all lists of a scene.
     ///
     /// # Errors
     /// A file is missing or broken; there are more than 65,535 objects.
     pub(crate) fn read(folder: &Folder, scene: &Scene, is_processed: bool) -> Result<Self, ImportError> {
         let frames: Vec<usize> = (0..scene.frames() as usize).collect();
-        let mut known: BTreeMap<i128, Known> = BTreeMap::new();
+        let mut known: BTreeMap<i128, FirstBox> = BTreeMap::new();
         let mut own: Vec<Option<i128>> = vec![None; scene.agents.len()];
         for batch in frames.chunks(BATCH) {
             let lists: Vec<Result<Vec<(usize, Labelled)>, ImportError>> = batch
@@ -95,7 +95,7 @@ impl Cast {
                     if is_own && own[position].is_none() {
                         own[position] = Some(labelled.id);
                     }
-                    known.entry(labelled.id).or_insert(Known { first: labelled, agent: None });
+                    known.entry(labelled.id).or_insert(FirstBox { first: labelled, agent: None });
                 }
             }
         }
@@ -148,7 +148,7 @@ impl Cast {
         rows
     }
 
-    fn actor(&self, Known { first, agent }: &Known) -> ActorRow {
+    fn actor(&self, FirstBox { first, agent }: &FirstBox) -> ActorRow {
         let [length_m, width_m, height_m] = first.size_m();
         let pose = Pose::<World, Object>::from_xyz_rpy(first.foot_m(), first.rpy_rad);
         ActorRow {
@@ -181,7 +181,7 @@ impl Cast {
 
 /// Numbers of a store: ids that can be one stay; the others, and agents that are in no list, take those that no object of a list
 /// has, from the top.
-fn number(known: &BTreeMap<i128, Known>, own: &[Option<i128>]) -> Option<(BTreeMap<i128, u16>, Vec<u16>)> {
+fn number(known: &BTreeMap<i128, FirstBox>, own: &[Option<i128>]) -> Option<(BTreeMap<i128, u16>, Vec<u16>)> {
     let fits = |id: i128| u16::try_from(id).ok().filter(|&id| id != 0);
     let taken: std::collections::BTreeSet<u16> = known.keys().filter_map(|&id| fits(id)).collect();
     let mut free = (1..=u16::MAX).rev().filter(|id| !taken.contains(id));
@@ -232,15 +232,15 @@ mod tests {
     #[test]
     fn small_ids_stay_and_great_ones_come_from_the_top() {
         let first = record::tests::car();
-        let known: BTreeMap<i128, Known> = [1, 7, 65_535, 1 << 63, 1 << 62]
-            .map(|id| (id, Known { first: Labelled { id, ..first.clone() }, agent: None }))
+        let known: BTreeMap<i128, FirstBox> = [1, 7, 65_535, 1 << 63, 1 << 62]
+            .map(|id| (id, FirstBox { first: Labelled { id, ..first.clone() }, agent: None }))
             .into();
         let (ids, agents) = number(&known, &[Some(7), None, Some(7)]).expect("few objects");
         assert_eq!(ids[&1], 1);
         assert_eq!((ids[&65_535], ids[&(1 << 62)], ids[&(1 << 63)]), (65_535, 65_534, 65_533));
         assert_eq!(agents, [7, 65_532, 65_531], "no two agents are one object");
-        let many: BTreeMap<i128, Known> =
-            (0..65_536).map(|id| (id + (1 << 20), Known { first: first.clone(), agent: None })).collect();
+        let many: BTreeMap<i128, FirstBox> =
+            (0..65_536).map(|id| (id + (1 << 20), FirstBox { first: first.clone(), agent: None })).collect();
         assert!(number(&many, &[]).is_none());
     }
 }

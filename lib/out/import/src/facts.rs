@@ -7,7 +7,7 @@ use schema::AgentKind;
 use schema::scene_info::{AgentInfo, SceneInfo};
 use schema::tables::{FrameRow, Weather};
 
-use crate::cast::Cast;
+use crate::cast::SceneObjects;
 use crate::infos::{Entry, Scene};
 use crate::value::Value;
 
@@ -15,7 +15,11 @@ use crate::value::Value;
 ///
 /// # Errors
 /// Weather or map are missing.
-pub(crate) fn scene_info(entry: &Entry, scene: &Scene, cast: Option<&Cast>) -> Result<SceneInfo, String> {
+pub(crate) fn scene_info(
+    entry: &Entry,
+    scene: &Scene,
+    cast: Option<&SceneObjects>,
+) -> Result<SceneInfo, String> {
     let info = &scene.info;
     let count = |key: &str| info.get(key).and_then(Value::whole::<u32>).unwrap_or(0);
     let number = |of: &Value, key: &str| of.get(key).and_then(Value::number).filter(|v| v.is_finite());
@@ -76,7 +80,7 @@ fn weather(info: &Value, key: &str) -> Result<Weather, String> {
     Ok(Weather::from_array(values))
 }
 
-fn agents(scene: &Scene, cast: &Cast) -> Vec<AgentInfo> {
+fn agents(scene: &Scene, cast: &SceneObjects) -> Vec<AgentInfo> {
     let info = |(position, (agent, records)): (usize, &(schema::AgentId, Vec<crate::infos::Record>))| {
         let said = scene.info.get(&agent.to_string());
         let flag = |key: &str| said.and_then(|said| said.get(key)).and_then(Value::flag).unwrap_or(false);

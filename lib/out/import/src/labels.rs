@@ -15,7 +15,7 @@ use schema::tables::{
 use schema::{AgentId, FRAME_PERIOD_S};
 use store::{Scope, TableOptions, TableWriter, Unit, keys};
 
-use crate::cast::{BATCH, Cast, read_boxes};
+use crate::cast::{BATCH, SceneObjects, read_boxes};
 use crate::error::ImportError;
 use crate::names::LANES;
 use crate::record::Labelled;
@@ -122,7 +122,7 @@ impl Tables {
             for labelled in list {
                 let id = work.cast.id(labelled.id);
                 boxes.push(box_row(frame, agent, id, labelled));
-                if !Cast::is_fixed(labelled) {
+                if !SceneObjects::is_fixed(labelled) {
                     states.entry(id).or_insert_with(|| state_row(frame, id, labelled));
                 }
                 if let Some(state) = labelled.signal_state {
@@ -197,7 +197,7 @@ fn state_row(frame: u32, id: u16, labelled: &Labelled) -> StateRow {
 }
 
 /// Pixels of each object and tag, by agent and frame.
-type Seen = BTreeMap<(usize, u32), BTreeMap<(u16, u8), u32>>;
+type PixelCounts = BTreeMap<(usize, u32), BTreeMap<(u16, u8), u32>>;
 
 /// Writes what sensors saw of each box into a unit. The pixels are those of instance images that stand in the store by now.
 pub(crate) fn write_valid(work: &Work<'_>, unit: &mut Unit<'_>) -> Result<(), ImportError> {
@@ -216,8 +216,8 @@ pub(crate) fn write_valid(work: &Work<'_>, unit: &mut Unit<'_>) -> Result<(), Im
     Ok(())
 }
 
-fn pixels(work: &Work<'_>) -> Result<Seen, ImportError> {
-    let mut seen = Seen::new();
+fn pixels(work: &Work<'_>) -> Result<PixelCounts, ImportError> {
+    let mut seen = PixelCounts::new();
     let Some(manifest) =
         work.order.store.manifest(Scope::Scene(work.order.entry.number), VisibleRow::STAGE)?
     else {
@@ -236,7 +236,7 @@ fn pixels(work: &Work<'_>) -> Result<Seen, ImportError> {
     Ok(seen)
 }
 
-fn valid_rows(work: &Work<'_>, frame: u32, pixels: &Seen) -> Result<Vec<ValidBoxRow>, ImportError> {
+fn valid_rows(work: &Work<'_>, frame: u32, pixels: &PixelCounts) -> Result<Vec<ValidBoxRow>, ImportError> {
     let mut rows = Vec::new();
     for (position, (agent, _)) in work.scene.agents.iter().enumerate() {
         let shown = pixels.get(&(position, frame));

@@ -36,4 +36,4 @@ pub use rig::Rigs;
 pub use run::{Outcome, Prospect, Selection, import, prospect};
 pub use survey::{SceneSurvey, Source};
 pub use value::Value;
-pub use work::Watch;
+pub use work::ProgressWatch;

@@ -9,7 +9,7 @@ use schema::table::Blob;
 use schema::tables::{CameraRow, FlowRow, GnssRow, ImuRow, LidarRow, RadarRow, SemanticLidarRow};
 use schema::{FRAME_PERIOD_S, ImageKind, SensorKind, Tag};
 
-use crate::cast::Cast;
+use crate::cast::SceneObjects;
 use crate::error::ImportError;
 use crate::folder::{Folder, read_file};
 use crate::npy;
@@ -53,7 +53,7 @@ pub(crate) fn read(
     said: &str,
     kind: SensorKind,
     frame: u32,
-    cast: &Cast,
+    cast: &SceneObjects,
 ) -> Result<Reading, ImportError> {
     let path = folder.find(said)?;
     let made = match kind {
@@ -136,7 +136,7 @@ fn lidar(array: &Array, frame: u32) -> Result<LidarRow, String> {
     })
 }
 
-fn semantic(array: &Array, frame: u32, cast: &Cast) -> Result<SemanticLidarRow, String> {
+fn semantic(array: &Array, frame: u32, cast: &SceneObjects) -> Result<SemanticLidarRow, String> {
     let fields = [
         ("x", Scalar::F32),
         ("y", Scalar::F32),

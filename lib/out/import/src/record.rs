@@ -37,12 +37,12 @@ pub(crate) struct Labelled {
     pub(crate) is_dormant: bool,
     pub(crate) opendrive_id: Option<String>,
     pub(crate) attributes: Attributes,
-    pub(crate) seen: Option<Seen>,
+    pub(crate) seen: Option<VisibilityRecord>,
 }
 
 /// What post-processing says of a box.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Seen {
+pub(crate) struct VisibilityRecord {
     pub(crate) num_lidar_pts: u32,
     pub(crate) num_radar_pts: u32,
     pub(crate) valid_flag: bool,
@@ -207,7 +207,7 @@ fn attributes(
     serde_json::Value::Object(kept).to_string().parse().unwrap_or_default()
 }
 
-fn seen(item: &Value, class: DetectionClass) -> Result<Seen, &'static str> {
+fn seen(item: &Value, class: DetectionClass) -> Result<VisibilityRecord, &'static str> {
     let count = |key| item.get(key).and_then(Value::whole::<u32>).ok_or(key);
     if item.get("class").and_then(Value::text) != Some(class.name()) {
         return Err("class");
@@ -215,7 +215,7 @@ fn seen(item: &Value, class: DetectionClass) -> Result<Seen, &'static str> {
     let difficulty = item.get("difficulty").and_then(Value::text).unwrap_or_default();
     let known =
         [Difficulty::Easy, Difficulty::Medium, Difficulty::Hard].iter().any(|d| d.name() == difficulty);
-    Ok(Seen {
+    Ok(VisibilityRecord {
         num_lidar_pts: count("num_lidar_pts")?,
         num_radar_pts: count("num_radar_pts")?,
         valid_flag: item.get("valid_flag").and_then(Value::flag).ok_or("valid_flag")?,

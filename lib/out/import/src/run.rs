@@ -13,7 +13,7 @@ use crate::error::ImportError;
 use crate::plan;
 use crate::scene_unit;
 use crate::survey::{SceneSurvey, Source, Surveyed};
-use crate::work::{Order, Watch};
+use crate::work::{Order, ProgressWatch};
 
 /// What is to be imported.
 #[derive(Clone, Debug, Default)]
@@ -155,7 +155,7 @@ pub fn import(
     prospect: Prospect,
     selection: &Selection,
     name: &str,
-    watch: &dyn Watch,
+    watch: &dyn ProgressWatch,
 ) -> Result<Outcome, ImportError> {
     let Prospect { scenes, done, mut failed, others, plan } = prospect;
     let todo: Vec<&SceneSurvey> = scenes.iter().filter(|scene| !done.contains(&scene.number)).collect();
@@ -189,7 +189,7 @@ fn import_scene(
     store: &Store,
     survey: &SceneSurvey,
     selection: &Selection,
-    watch: &dyn Watch,
+    watch: &dyn ProgressWatch,
 ) -> Result<(), ImportError> {
     let number = survey.number;
     let Some(entry) = source.entry(number) else { return Ok(()) };

@@ -12,7 +12,7 @@ use settings::{BevRule, BevSettings, OccupancySettings};
 use store::{Attempt, Identity, Scope, Store, StoreError, Unit, keys};
 
 use crate::arrays::{self, Arrays};
-use crate::cast::Cast;
+use crate::cast::SceneObjects;
 use crate::error::ImportError;
 use crate::folder::Folder;
 use crate::infos::Scene;
@@ -44,7 +44,7 @@ pub(crate) fn is_done(store: &Store, scene: u32, stage: &str, digest: &str) -> R
 /// # Errors
 /// As what is wrong with it, or with the store.
 pub(crate) fn import(order: &Order<'_>, scene: &Scene) -> Result<(), ImportError> {
-    let cast = Cast::read(order.folder, scene, order.is_processed)?;
+    let cast = SceneObjects::read(order.folder, scene, order.is_processed)?;
     let work = Work { order, scene, cast: &cast };
     stage(order, LOG_STAGE, |attempt| {
         unit(attempt, "log", |unit| labels::write_log(&work, unit))?;

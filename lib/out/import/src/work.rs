@@ -4,14 +4,14 @@ use std::path::Path;
 
 use store::{MadeBy, Store};
 
-use crate::cast::Cast;
+use crate::cast::SceneObjects;
 use crate::error::ImportError;
 use crate::folder::Folder;
 use crate::infos::{Entry, Scene};
 use crate::rig::Rigs;
 
 /// Sees how far an import is, and may stop it.
-pub trait Watch: Sync {
+pub trait ProgressWatch: Sync {
     /// So many agent-frames more are done. Whether to stop.
     fn advance(&self, agent_frames: u64) -> bool;
 }
@@ -30,14 +30,14 @@ pub(crate) struct Order<'a> {
     /// Again, even where it is done.
     pub(crate) force: bool,
     pub(crate) made_by: Option<&'a MadeBy>,
-    pub(crate) watch: &'a dyn Watch,
+    pub(crate) watch: &'a dyn ProgressWatch,
 }
 
 /// A scene and all that is known of it.
 pub(crate) struct Work<'a> {
     pub(crate) order: &'a Order<'a>,
     pub(crate) scene: &'a Scene,
-    pub(crate) cast: &'a Cast,
+    pub(crate) cast: &'a SceneObjects,
 }
 
 impl Work<'_> {

@@ -6,7 +6,7 @@ use crate::{Canvas, Rgb, View};
 
 /// What an element of a map is, as far as its picture tells; in painting order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum GroundLook {
+pub enum GroundStyle {
     /// Paved ground of a junction.
     Junction,
     /// A walk for pedestrians.
@@ -23,7 +23,7 @@ pub enum GroundLook {
     StopLine,
 }
 
-impl GroundLook {
+impl GroundStyle {
     fn rgb(self) -> Rgb {
         match self {
             Self::Junction => [240, 240, 243],
@@ -54,7 +54,7 @@ impl GroundLook {
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroundLine {
     /// What it is.
-    pub look: GroundLook,
+    pub style: GroundStyle,
     /// Its points in the world, metres: a line, or rings one after another.
     pub chains_m: Vec<Vec<Point3<f64>>>,
 }
@@ -69,7 +69,7 @@ pub fn draw_ground(
 ) {
     let View::Above { px_per_m, .. } = view else { return };
     let mut order: Vec<&GroundLine> = ground.iter().collect();
-    order.sort_by_key(|line| line.look);
+    order.sort_by_key(|line| line.style);
     let [w, h] = view.size().map(f64::from);
     for line in order {
         let place = |chain: &Vec<Point3<f64>>| {
@@ -84,11 +84,11 @@ pub fn draw_ground(
             continue;
         }
         let slices = chains.iter().map(Vec::as_slice);
-        if line.look.is_area() {
-            canvas.area(slices, line.look.rgb(), 255);
+        if line.style.is_area() {
+            canvas.area(slices, line.style.rgb(), 255);
         } else {
-            let (width_m, least_px) = line.look.width();
-            canvas.lines(slices, (width_m * px_per_m).max(least_px), line.look.rgb());
+            let (width_m, least_px) = line.style.width();
+            canvas.lines(slices, (width_m * px_per_m).max(least_px), line.style.rgb());
         }
     }
 }
@@ -106,14 +106,14 @@ mod tests {
         let ring = ring.map(|[x, y]| Point3::new(x, y, 0.0)).to_vec();
         let line = vec![Point3::new(-20.0, 0.0, 0.0), Point3::new(20.0, 0.0, 0.0)];
         let ground = [
-            GroundLine { look: GroundLook::Edge, chains_m: vec![line] },
-            GroundLine { look: GroundLook::Junction, chains_m: vec![ring] },
+            GroundLine { style: GroundStyle::Edge, chains_m: vec![line] },
+            GroundLine { style: GroundStyle::Junction, chains_m: vec![ring] },
         ];
         draw_ground(&mut canvas, &view, &Isometry3::identity(), &ground);
         // 16 pixels a metre, x up: the line runs up the middle, the square around it.
-        assert_eq!(canvas.pixel([1280, 1280]), Some(GroundLook::Edge.rgb()));
-        assert_eq!(canvas.pixel([1280, 1280 - 300]), Some(GroundLook::Edge.rgb()));
-        assert_eq!(canvas.pixel([1280 + 70, 1280 - 70]), Some(GroundLook::Junction.rgb()));
+        assert_eq!(canvas.pixel([1280, 1280]), Some(GroundStyle::Edge.rgb()));
+        assert_eq!(canvas.pixel([1280, 1280 - 300]), Some(GroundStyle::Edge.rgb()));
+        assert_eq!(canvas.pixel([1280 + 70, 1280 - 70]), Some(GroundStyle::Junction.rgb()));
         assert_eq!(canvas.pixel([1280 + 90, 1280]), Some([255; 3]));
     }
 }

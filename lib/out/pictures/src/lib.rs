@@ -26,7 +26,7 @@ pub use colours::{agent_rgb, box_rgb, distance_rgb, height_rgb, id_rgb, intensit
 pub use error::PictureError;
 pub use flow::draw_flow;
 pub use grid::VoxelGrid;
-pub use ground::{GroundLine, GroundLook, draw_ground};
+pub use ground::{GroundLine, GroundStyle, draw_ground};
 pub use images::{draw_depth, draw_instances};
 pub use sheet::{Panel, Sheet, draw_sheet};
 pub use view::{Reach, View};

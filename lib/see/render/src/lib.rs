@@ -1,7 +1,7 @@
 //! What cameras see and what rays hit: the interface of renderers, and the one on the CPU.
 //!
 //! [`Renderer`] owns prepared meshes; [`Renderer::place`] puts the instances of one frame over them and gives a
-//! [`Scene`], which answers two questions: what cameras see ([`Scene::look`]) and what rays hit ([`Scene::trace`]).
+//! [`Scene`], which answers two questions: what cameras see ([`Scene::render`]) and what rays hit ([`Scene::trace`]).
 //! Many are asked at once; a [`CameraQuery`] and a [`RayQuery`] say among which instances, when, and what is wanted. Cameras, shadow maps, lidars and radars ask nothing else, and [`VoxelRenderer`] answers voxel
 //! grids. Answers are plain buffers of numbers, nothing that lives on one device; [`Surfaces`] recovers the exact
 //! surface point of every pixel from them, the same for all renderers. [`cpu`] and the voxels of `labels` fill the seam on the
@@ -57,6 +57,6 @@ pub use moment::pose_before;
 pub use query::{CameraQuery, Outputs, RayQuery, Stipple};
 pub use ray::{Hit, Hits, RayBatch};
 pub use scene::{Renderer, Scene};
-pub use surface::{Facet, SurfacePoint, SurfacePoints, Surfaces};
+pub use surface::{SurfacePoint, SurfacePoints, SurfaceTriangle, Surfaces};
 pub use view::CameraView;
 pub use voxels::{VoxelBlock, VoxelRenderer};

@@ -23,7 +23,7 @@ pub struct Panes<'a> {
 
 /// What a ray meets behind a pane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Behind {
+pub struct TransmittedHit {
     /// What it ends at; the sky if nothing. Instances are numbered as [`schema::geometry::Snapshot::behind`] has them.
     pub hit: Option<Hit>,
     /// Panes that it passed.
@@ -34,14 +34,14 @@ pub struct Behind {
 
 /// Rays that met panes.
 #[derive(Debug, Default)]
-pub struct Passing {
+pub struct PaneRays {
     /// Unit directions.
     directions: Vec<Vec3>,
     /// The panes: instance, triangle, and how far off, metres.
     panes: Vec<(u32, u32, f32)>,
 }
 
-impl Passing {
+impl PaneRays {
     /// Adds a ray by its unit direction and the pane that it met: instance, triangle and distance in metres.
     pub fn push(&mut self, direction: Vec3, instance: u32, triangle: u32, distance_m: f32) {
         self.directions.push(direction);
@@ -82,15 +82,15 @@ impl<'a> Panes<'a> {
         before: f32,
         origin: Vec3,
         reach_m: f32,
-        rays: Passing,
-    ) -> Result<Vec<Behind>, RenderError> {
-        let Passing { mut directions, panes } = rays;
+        rays: PaneRays,
+    ) -> Result<Vec<TransmittedHit>, RenderError> {
+        let PaneRays { mut directions, panes } = rays;
         let mut nearest_m = Vec::with_capacity(panes.len());
         let mut found = Vec::with_capacity(panes.len());
         for (direction, pane) in directions.iter().zip(panes) {
             let (from_m, opened) = self.beyond(before, *direction, pane);
             nearest_m.push(from_m);
-            found.push(Behind { hit: None, panes: u8::from(!opened), opened });
+            found.push(TransmittedHit { hit: None, panes: u8::from(!opened), opened });
         }
         let mut passed = vec![1; found.len()];
         let mut places: Vec<usize> = (0..found.len()).collect();

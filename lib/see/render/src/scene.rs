@@ -45,7 +45,7 @@ pub trait Scene: Send + Sync {
     ///
     /// # Errors
     /// The device failed.
-    fn look(&self, queries: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError>;
+    fn render(&self, queries: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError>;
 
     /// The closest surface along every ray, in the order of the queries. What a ray hits does not depend on the other rays.
     ///

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use glam::{DVec3, Mat3, Vec2, Vec3};
-use schema::geometry::{Instance, Part, Snapshot, TriMesh};
-use schema::skin::Skin;
+use schema::geometry::{Instance, MeshPart, Snapshot, TriMesh};
+use schema::mesh_textures::MeshTextures;
 use simd::{F32x8, LANES, Vec3x8};
 
 use crate::bend::Bend;
@@ -27,7 +27,7 @@ pub struct SurfacePoint<'a> {
     /// As in [`VisibilityBuffer::depth_m`].
     pub depth_m: f32,
     /// What is there.
-    pub part: &'a Part,
+    pub part: &'a MeshPart,
 }
 
 /// An instance as the camera sees it: what is the same for all its pixels.
@@ -76,13 +76,13 @@ pub struct SurfacePoints {
 
 /// A triangle as the camera sees it: what is the same for all its pixels.
 #[derive(Clone, Copy)]
-pub struct Facet<'v, 'a> {
+pub struct SurfaceTriangle<'v, 'a> {
     /// Index into the snapshot's instances.
     pub instance: u32,
     /// Index into the triangles of that instance's mesh.
     pub triangle: u32,
     /// What is there.
-    pub part: &'a Part,
+    pub part: &'a MeshPart,
     /// Unit normal of the triangle's plane, on the camera's side, local frame.
     pub normal_local: Vec3,
     view: &'v View<'a>,
@@ -94,7 +94,7 @@ pub struct Facet<'v, 'a> {
     offset: f32,
 }
 
-impl<'v, 'a> Facet<'v, 'a> {
+impl<'v, 'a> SurfaceTriangle<'v, 'a> {
     fn new(view: &'v View<'a>, instance: u32, triangle: u32) -> Option<Self> {
         view.mesh.triangles.get(triangle as usize)?;
         let [corner, second, third] = view.mesh.corners(triangle as usize);
@@ -136,9 +136,9 @@ impl<'v, 'a> Facet<'v, 'a> {
 
     /// The pictures on its mesh, if it has some, and where its corners are in them.
     #[must_use]
-    pub fn skin(&self) -> Option<(&'a Skin, [Vec2; 3])> {
-        let skin = self.view.mesh.skin.as_deref()?;
-        Some((skin, *skin.corners.get(self.triangle as usize)?))
+    pub fn textures(&self) -> Option<(&'a MeshTextures, [Vec2; 3])> {
+        let textures = self.view.mesh.textures.as_deref()?;
+        Some((textures, *textures.corners.get(self.triangle as usize)?))
     }
 
     /// How light bends over it; `None` where it is flat.
@@ -153,7 +153,7 @@ impl<'v, 'a> Facet<'v, 'a> {
     /// The share of the light of sky and ground that reaches its corners past its own body; `None` where that is all.
     #[must_use]
     pub fn open(&self) -> Option<[f32; 3]> {
-        let open = self.view.mesh.corner_open.get(self.triangle as usize)?;
+        let open = self.view.mesh.corner_visibility.get(self.triangle as usize)?;
         Some(open.map(|open| f32::from(open) * (1.0 / 255.0)))
     }
 
@@ -234,7 +234,7 @@ impl<'a> Surfaces<'a> {
     }
 
     /// Calls `each(columns, facet)` for every span of a row, in order: neighbours that see one triangle, or the sky (`None`).
-    pub fn for_each_span(&self, y: u32, mut each: impl FnMut(Range<u32>, Option<&Facet<'_, 'a>>)) {
+    pub fn for_each_span(&self, y: u32, mut each: impl FnMut(Range<u32>, Option<&SurfaceTriangle<'_, 'a>>)) {
         let start = self.buffer.index(0, y);
         let end = start + self.buffer.width as usize;
         let (instances, triangles) = (&self.buffer.instance[start..end], &self.buffer.triangle[start..end]);
@@ -258,7 +258,7 @@ impl<'a> Surfaces<'a> {
     /// A triangle of an instance (or of what stands behind panes, as [`Snapshot::behind`] numbers them) as the camera sees it;
     /// `None` where there is no such.
     #[must_use]
-    pub fn facet(&self, instance: u32, triangle: u32) -> Option<Facet<'_, 'a>> {
-        Facet::new(self.views.get(instance as usize)?.as_ref()?, instance, triangle)
+    pub fn facet(&self, instance: u32, triangle: u32) -> Option<SurfaceTriangle<'_, 'a>> {
+        SurfaceTriangle::new(self.views.get(instance as usize)?.as_ref()?, instance, triangle)
     }
 }

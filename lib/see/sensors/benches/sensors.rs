@@ -51,7 +51,9 @@ fn lighting(bencher: Bencher) {
 
 #[divan::bench]
 fn camera_visibility(bencher: Bencher) {
-    with_sight(&day(), |scene, sight, _| bencher.bench(|| scene.look(&[CameraQuery::of(sight.seen.camera)])));
+    with_sight(&day(), |scene, sight, _| {
+        bencher.bench(|| scene.render(&[CameraQuery::of(sight.seen.camera)]))
+    });
 }
 
 #[divan::bench]

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use catalogue::{BaseType, Model, Special, models::MODELS};
 use meshes::actors::Posture;
-use meshes::people::{LOOKS, Look};
+use meshes::people::{APPEARANCES, Appearance};
 
 use stage::{Stage, at};
 
@@ -18,8 +18,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let people: Vec<&Model> = MODELS.iter().filter(|m| m.base == BaseType::Pedestrian).collect();
     for model in &people {
         let mut stage = Stage::new();
-        for look in 0..LOOKS {
-            let x = 1.05 * (look as f32 - 0.5 * (LOOKS - 1) as f32);
+        for look in 0..APPEARANCES {
+            let x = 1.05 * (look as f32 - 0.5 * (APPEARANCES - 1) as f32);
             for (row, yaw) in [(0.0, -75.0), (2.6, 20.0), (5.2, 110.0)] {
                 let gait_mps = if row > 2.0 { 1.3 } else { 0.0 };
                 let posture = Posture { phase_rad: 0.5 + row, gait_mps, ..Posture::default() };
@@ -82,7 +82,7 @@ fn benches(people: &[&Model], folder: &Path) -> Result<(), Box<dyn Error>> {
     let sits = |model: &&&Model| model.special == Special::None && model.name != "walker.child";
     let mut all: Vec<(&Model, u32)> = Vec::new();
     for model in people.iter().filter(sits) {
-        let looks = (0..LOOKS).filter(|look| Look::new(model, *look).may_sit());
+        let looks = (0..APPEARANCES).filter(|look| Appearance::new(model, *look).may_sit());
         all.extend(looks.map(|look| (*model, look)));
     }
     for (name, yaws) in [("people-benches.jpg", [-78.0, -110.0]), ("people-benches-side.jpg", [-8.0, -172.0])]

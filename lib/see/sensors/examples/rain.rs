@@ -15,7 +15,7 @@ use render::Renderer;
 use schema::geometry::{Instance, Snapshot};
 use schema::tables::Weather;
 use schema::{AgentId, FRAME_PERIOD_S, ImageKind, ImageSet, lights};
-use sensors::{AgentState, Cameras, Carrier, GeoOrigin, Motion, Observation, Sensor, SensorVisitor};
+use sensors::{AgentState, Cameras, GeoOrigin, Motion, Observation, Sensor, SensorContext, SensorVisitor};
 use settings::{CameraSettings, CameraSpec, Mount, Rig};
 use shading::{CpuPainter, FrameWeather};
 
@@ -57,7 +57,7 @@ fn scene(night: bool) -> Snapshot {
     for (number, (name, x, y, mps, comes)) in TRAFFIC.into_iter().enumerate() {
         let Some(model) = models::find(name) else { continue };
         let Some(made) = actor_mesh(name, model.size_m, 0) else { continue };
-        let made = made.sheltered();
+        let made = made.with_ambient_occlusion();
         let at = common::at(x, y, 0.0, if comes { std::f32::consts::PI } else { 0.0 });
         let step = Affine3A::from_translation(Vec3::X * (-mps * FRAME_PERIOD_S as f32));
         let posture = made.posed(Posture::default());
@@ -134,8 +134,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             let agent = AgentState { own: 1, motion: still, previous: Some(still) };
             let cameras = Cameras::of(&rig)?;
             let at = Observation::new(&*placed, Some(&painter), &cameras, &when, agent)?;
-            let carrier =
-                Carrier { seed: 3, scene: 1, agent: AgentId::vehicle(0), geo_origin: GeoOrigin::default() };
+            let carrier = SensorContext {
+                seed: 3,
+                scene: 1,
+                agent: AgentId::vehicle(0),
+                geo_origin: GeoOrigin::default(),
+            };
             let mut kept = Kept { at: &at, images: Vec::new() };
             sensors::visit_sensors(&rig, &carrier, &mut kept)?;
             for image in kept.images {

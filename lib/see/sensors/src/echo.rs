@@ -2,7 +2,7 @@
 
 use frames::math;
 use schema::Tag;
-use schema::geometry::{Part, Paving, Surface};
+use schema::geometry::{MeshPart, Paving, Surface};
 
 /// Echoes weaker than this are as good as none, dB (of a square metre, and over the noise).
 pub(crate) const FLOOR_DB: f64 = -80.0;
@@ -27,7 +27,7 @@ struct Scatter {
 /// direction (p off it; Degli-Esposti and others, "Measurement and modelling of scattering from buildings", IEEE Transactions on
 /// Antennas and Propagation 55, 2007, the directive model) is, `2 a` off it and with the lobe's integral `4 pi / (n + 1)`,
 /// `s (n + 1) cos a cos^(2 n) a`. Cross-sections of the rays that met an object add up to its own.
-pub(crate) fn cross_section_m2(part: &Part, solid_angle_sr: f64, range_m: f64, cos_angle: f64) -> f64 {
+pub(crate) fn cross_section_m2(part: &MeshPart, solid_angle_sr: f64, range_m: f64, cos_angle: f64) -> f64 {
     let Scatter { diffuse, lobe, narrow } = scatter(part);
     // cos^2 a, `narrow` times.
     let off = (0..narrow).fold(1.0, |power, _| power * cos_angle * cos_angle);
@@ -77,7 +77,7 @@ pub(crate) fn solid_angle_sr(half_width: f64, half_height: f64, radius: f64, ray
 /// by which a saloon has 14 dBsm from the side, 7 from the rear, 3 from the front and 2.5 from between front and side, averaged over 10
 /// degrees. Nothing is followed from face to face, so that corners and hollows, which make real ends of cars brighter, do not. Bumpers
 /// that are painted count as skin: the beam behind them sends back what they let through.
-fn scatter(part: &Part) -> Scatter {
+fn scatter(part: &MeshPart) -> Scatter {
     let of = |diffuse, lobe, narrow| Scatter { diffuse, lobe, narrow };
     let is_body = matches!(part.tag, Tag::Pedestrian | Tag::Rider);
     match part.surface {
@@ -88,11 +88,11 @@ fn scatter(part: &Part) -> Scatter {
         Surface::Plain if is_vehicle(part.tag) => PLASTIC,
         // The board of a sign is a sheet of metal, whatever is printed on it.
         Surface::Plain if part.tag == Tag::TrafficSign => METAL,
-        Surface::Skin(finish) => {
-            let between = |a: f64, b: f64| a + f64::from(finish.metallic) * (b - a);
+        Surface::Textured(factors) => {
+            let between = |a: f64, b: f64| a + f64::from(factors.metallic) * (b - a);
             let (diffuse, lobe) =
                 (between(PLASTIC.diffuse, METAL.diffuse), between(PLASTIC.lobe, METAL.lobe));
-            of(diffuse, lobe, if finish.metallic > 0.5 { METAL.narrow } else { PLASTIC.narrow })
+            of(diffuse, lobe, if factors.metallic > 0.5 { METAL.narrow } else { PLASTIC.narrow })
         }
         Surface::Rubber => of(0.05, 0.05, 5),
         Surface::Cloth | Surface::Clothes(_) | Surface::Opening => of(0.10, 0.0, 0),
@@ -142,7 +142,7 @@ mod tests {
         ];
         for surface in surfaces {
             for tag in [Tag::Car, Tag::Building, Tag::TrafficSign, Tag::Pedestrian] {
-                let part = Part::new(tag, surface, [0.5; 3]);
+                let part = MeshPart::new(tag, surface, [0.5; 3]);
                 let Scatter { diffuse, lobe, narrow } = scatter(&part);
                 assert!(diffuse + lobe <= 1.0, "{part:?}");
                 // The integral of a lobe over the sphere, in rings.

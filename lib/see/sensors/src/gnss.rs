@@ -10,7 +10,7 @@ use crate::geo::GeoOrigin;
 use crate::metadata::sensor_metadata;
 use crate::noise::normals;
 use crate::observation::Observation;
-use crate::sensor::{Carrier, Layout, Sensor, SensorTable};
+use crate::sensor::{Layout, Sensor, SensorContext, SensorTable};
 
 /// One fix, with noise: frame `f` reads the random words at `f`.
 #[must_use]
@@ -41,7 +41,7 @@ pub(crate) struct Gnss {
 }
 
 impl Gnss {
-    pub(crate) fn new(spec: &GnssSpec, carrier: &Carrier) -> Self {
+    pub(crate) fn new(spec: &GnssSpec, carrier: &SensorContext) -> Self {
         Self { spec: spec.clone(), origin: carrier.geo_origin, stream: carrier.stream(GNSS_TABLE) }
     }
 }

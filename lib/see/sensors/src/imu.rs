@@ -12,7 +12,7 @@ use crate::metadata::sensor_metadata;
 use crate::motion::Motion;
 use crate::noise::normals;
 use crate::observation::Observation;
-use crate::sensor::{Carrier, Layout, Sensor, SensorTable};
+use crate::sensor::{Layout, Sensor, SensorContext, SensorTable};
 
 /// Standard acceleration of free fall as the sensor knows it, m/s2.
 const GRAVITY_MPS2: f64 = 9.81;
@@ -64,7 +64,7 @@ pub(crate) struct Imu {
 }
 
 impl Imu {
-    pub(crate) fn new(spec: &ImuSpec, carrier: &Carrier) -> Self {
+    pub(crate) fn new(spec: &ImuSpec, carrier: &SensorContext) -> Self {
         Self { spec: spec.clone(), stream: carrier.stream(IMU_TABLE) }
     }
 }

@@ -17,7 +17,7 @@
 //! use std::sync::Arc;
 //! use frames::{Agent, LocalOrigin, Pose, World};
 //! use glam::{Affine3A, Vec3};
-//! use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
+//! use schema::geometry::{Instance, MeshPart, Snapshot, Surface, TriMesh};
 //! use settings::{CameraSettings, CameraSpec, LidarSpec, Mount, Optics};
 //! use schema::{Tag, images};
 //! use sensors::{Camera, Image, Lidar, LidarMoment};
@@ -31,7 +31,7 @@
 //!     positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
 //!     triangles: vec![[0, 1, 2], [0, 2, 3]],
 //!     triangle_part: vec![0, 0],
-//!     parts: vec![Part { tag: Tag::Road, surface: Surface::Asphalt, rgb: [0.1; 3] }],
+//!     parts: vec![MeshPart { tag: Tag::Road, surface: Surface::Asphalt, rgb: [0.1; 3] }],
 //!     ..TriMesh::default()
 //! });
 //! let snapshot = Snapshot {
@@ -90,7 +90,7 @@ mod observation;
 mod radar;
 mod registry;
 mod sensor;
-mod struck;
+mod surface_hit;
 
 pub use camera::{Camera, Cameras, Image, Sight, decode_depth_m, pixel_counts};
 pub use error::SensorError;
@@ -103,7 +103,7 @@ pub use motion::Motion;
 pub use observation::{AgentState, Observation, see};
 pub use radar::{RadarMotion, RadarReturns, radar};
 pub use registry::visit_sensors;
-pub use sensor::{Amount, Carrier, Layout, Sensor, SensorTable, SensorVisitor};
+pub use sensor::{Amount, Layout, Sensor, SensorContext, SensorTable, SensorVisitor};
 
 /// Time of a frame, seconds after frame 0.
 pub(crate) fn frame_time_s(frame: u32) -> f64 {

@@ -8,7 +8,7 @@ use schema::{ObjectId, rate};
 use settings::Mount;
 
 use crate::camera::sight::Sight;
-use crate::camera::{Cameras, look};
+use crate::camera::{Cameras, render_views};
 use crate::error::SensorError;
 use crate::lidar::{LidarMoment, SensorPath, SharedBeams, SharedScan};
 use crate::motion::Motion;
@@ -117,7 +117,7 @@ pub fn see(
     place_local: glam::Vec3,
     views: Vec<CameraView>,
 ) -> Result<Vec<Sight>, SensorError> {
-    let seen = look(scene, &views)?;
+    let seen = render_views(scene, &views)?;
     let in_colour = |view: &CameraView| view.settings.images.has(schema::ImageKind::Rgb);
     let shots: Vec<Shot<'_>> = views
         .iter()

@@ -14,8 +14,8 @@ use crate::echo;
 use crate::error::SensorError;
 use crate::metadata::sensor_metadata;
 use crate::observation::Observation;
-use crate::sensor::{Amount, Carrier, Layout, Sensor, SensorTable};
-use crate::struck::Struck;
+use crate::sensor::{Amount, Layout, Sensor, SensorContext, SensorTable};
+use crate::surface_hit::SurfaceHit;
 
 /// Rays may start within the agent's own body; each surface of it that is passed costs one more trace of those that did.
 const OWN_SURFACES: usize = 8;
@@ -81,13 +81,13 @@ pub fn radar(
     let snapshot = scene.snapshot();
     let echo = |(ray, hit): (&Drawn, &Option<Hit>)| {
         let hit = (*hit).filter(|hit| hit.t <= ray.limit_m)?;
-        let struck = Struck::new(snapshot, &hit)?;
+        let surface_hit = SurfaceHit::new(snapshot, &hit)?;
         let part = &snapshot.instances[hit.instance as usize];
         let moved = if spec.micro_motion {
             way_of(
                 [&part.local_from_object, &part.previous_local_from_object],
                 part,
-                struck.position_object(&hit),
+                surface_hit.position_object(&hit),
             )
         } else {
             let motion = snapshot.motion(part.object);
@@ -95,13 +95,13 @@ pub fn radar(
                 way_of(
                     [&m.local_from_object, &m.previous_local_from_object],
                     part,
-                    struck.position_object(&hit),
+                    surface_hit.position_object(&hit),
                 )
             })
         };
-        let cos_angle = f64::from(struck.normal_local.dot(ray.direction).abs().min(1.0));
+        let cos_angle = f64::from(surface_hit.normal_local.dot(ray.direction).abs().min(1.0));
         let range_m = f64::from(hit.t);
-        let patch_m2 = echo::cross_section_m2(struck.part, ray.solid_angle_sr, range_m, cos_angle);
+        let patch_m2 = echo::cross_section_m2(surface_hit.part, ray.solid_angle_sr, range_m, cos_angle);
         let rcs_dbsm = echo::dbsm(patch_m2);
         let direction = ray.end / ray.limit_m;
         Some(Return {
@@ -112,8 +112,8 @@ pub fn radar(
             velocity_mps: (moved / FRAME_PERIOD_S as f32 - velocity).dot(ray.direction),
             rcs_dbsm: rcs_dbsm as f32,
             snr_db: echo::snr_db(spec.snr_db, rcs_dbsm, range_m) as f32,
-            id: struck.object,
-            tag: struck.part.tag as u8,
+            id: surface_hit.object,
+            tag: surface_hit.part.tag as u8,
         })
     };
     let mut found: Vec<Return> =
@@ -283,7 +283,7 @@ pub(crate) struct Radar {
 }
 
 impl Radar {
-    pub(crate) fn new(spec: &RadarSpec, carrier: &Carrier) -> Self {
+    pub(crate) fn new(spec: &RadarSpec, carrier: &SensorContext) -> Self {
         Self { spec: spec.clone(), stream: carrier.stream(&spec.name) }
     }
 }

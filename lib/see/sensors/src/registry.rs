@@ -9,7 +9,7 @@ use crate::gnss::Gnss;
 use crate::imu::Imu;
 use crate::lidar::{LidarSensor, SweepRow};
 use crate::radar::Radar;
-use crate::sensor::{Carrier, SensorVisitor};
+use crate::sensor::{SensorContext, SensorVisitor};
 
 /// Shows every sensor of a rig, in a fixed order.
 ///
@@ -17,7 +17,7 @@ use crate::sensor::{Carrier, SensorVisitor};
 /// A sensor's settings are impossible, or the visitor's own.
 pub fn visit_sensors<V: SensorVisitor>(
     rig: &Rig,
-    carrier: &Carrier,
+    carrier: &SensorContext,
     visitor: &mut V,
 ) -> Result<(), V::Error> {
     visit_images(rig, carrier, visitor)?;
@@ -49,7 +49,7 @@ pub fn visit_sensors<V: SensorVisitor>(
 /// Shows a lidar with the columns that its settings ask for.
 fn visit_lidar<R: SweepRow, V: SensorVisitor>(
     lidar: &LidarSpec,
-    carrier: &Carrier,
+    carrier: &SensorContext,
     visitor: &mut V,
 ) -> Result<(), V::Error> {
     if lidar.tells_returns() {

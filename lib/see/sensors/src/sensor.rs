@@ -86,7 +86,7 @@ pub trait SensorVisitor {
 
 /// Whose sensors they are.
 #[derive(Clone, Copy, Debug)]
-pub struct Carrier {
+pub struct SensorContext {
     /// Seed of the dataset.
     pub seed: u64,
     /// Number of the scene.
@@ -97,7 +97,7 @@ pub struct Carrier {
     pub geo_origin: GeoOrigin,
 }
 
-impl Carrier {
+impl SensorContext {
     /// The random numbers of one of its sensors.
     #[must_use]
     pub fn stream(&self, sensor: &str) -> Stream {

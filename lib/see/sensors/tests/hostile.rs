@@ -15,8 +15,8 @@ use schema::geometry::{Snapshot, TriMesh};
 use schema::tables::Weather;
 use schema::{AgentId, ImageKind, ImageSet};
 use sensors::{
-    AgentState, Camera, Cameras, Carrier, GeoOrigin, Lidar, LidarMoment, Motion, Observation, RadarMotion,
-    Sensor, SensorError, SensorVisitor, radar,
+    AgentState, Camera, Cameras, GeoOrigin, Lidar, LidarMoment, Motion, Observation, RadarMotion, Sensor,
+    SensorContext, SensorError, SensorVisitor, radar,
 };
 use settings::{
     BeamSpec, CameraSettings, CameraSpec, GnssSpec, ImuSpec, LidarSpec, Mount, Optics, Rig, RollingScan,
@@ -190,7 +190,7 @@ impl Scene for Nothing<'_> {
         self.0
     }
 
-    fn look(&self, _: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
+    fn render(&self, _: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
         unplugged()
     }
 
@@ -244,7 +244,7 @@ fn a_renderer_that_fails_fails_its_sensors_and_no_others() {
     let cameras = Cameras::of(&rig).expect("are cameras");
     let at = Observation::new(&*scene, None, &cameras, &when, agent).expect("nobody looks");
     let geo_origin = GeoOrigin::default();
-    let carrier = Carrier { seed: 1, scene: 0, agent: AgentId::vehicle(0), geo_origin };
+    let carrier = SensorContext { seed: 1, scene: 0, agent: AgentId::vehicle(0), geo_origin };
     let mut failures = Failures { at: &at, failed: Vec::new(), others: 0 };
     sensors::visit_sensors(&rig, &carrier, &mut failures).expect("all can be made");
     assert_eq!(failures.failed, ["LIDAR", "RAD_LEFT", "RAD_FRONT", "RAD_RIGHT", "RAD_BACK"]);

@@ -12,7 +12,7 @@ use schema::table::{Column, Row};
 use schema::tables::Weather;
 use schema::{AgentId, ImageKind, ImageSet, Tag};
 use sensors::{
-    AgentState, Cameras, Carrier, GeoOrigin, Motion, Observation, Sensor, SensorError, SensorVisitor,
+    AgentState, Cameras, GeoOrigin, Motion, Observation, Sensor, SensorContext, SensorError, SensorVisitor,
 };
 use settings::Rig;
 use shading::CpuPainter;
@@ -83,7 +83,8 @@ fn readings(scene: &dyn Scene) -> (Vec<(String, Vec<Column>)>, Vec<u8>) {
     let cameras = Cameras::of(&rig).expect("are cameras");
     let at =
         Observation::new(scene, Some(&painter), &cameras, &first_frame(&weather), agent).expect("no device");
-    let carrier = Carrier { seed: 3, scene: 1, agent: AgentId::vehicle(0), geo_origin: GeoOrigin::default() };
+    let carrier =
+        SensorContext { seed: 3, scene: 1, agent: AgentId::vehicle(0), geo_origin: GeoOrigin::default() };
     let mut readings = Readings { at: &at, tables: Vec::new() };
     sensors::visit_sensors(&rig, &carrier, &mut readings).expect("no device");
     let pictures = at.sights.iter().flat_map(|sight| sight.picture.as_ref().expect("in colour").rgb.clone());

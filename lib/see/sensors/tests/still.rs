@@ -69,7 +69,7 @@ fn painted(street: &Street, painter: &dyn Painter, when: &FrameWeather, x_m: f64
         ..view
     };
     with_scene(&snapshot, |scene| {
-        let seen = scene.look(&[CameraQuery::of(camera.pinhole())]).expect("has no device").remove(0);
+        let seen = scene.render(&[CameraQuery::of(camera.pinhole())]).expect("has no device").remove(0);
         let place = snapshot.origin.local_from_world(pose.xyz());
         let shots = [Shot { view: &camera, seen: &seen }];
         painter.paint(scene, when, place, &shots).expect("has no device").remove(0).rgb

@@ -232,8 +232,12 @@ fn drops_on_the_lens_change_colour_alone_and_only_when_it_rains() {
             let at =
                 sensors::Observation::new(scene, Some(&painter), &cameras, &when, agent).expect("no device");
             let agent = schema::AgentId::vehicle(0);
-            let carrier =
-                sensors::Carrier { seed: 3, scene: 1, agent, geo_origin: sensors::GeoOrigin::default() };
+            let carrier = sensors::SensorContext {
+                seed: 3,
+                scene: 1,
+                agent,
+                geo_origin: sensors::GeoOrigin::default(),
+            };
             let mut kept = Kept(&at, Vec::new());
             sensors::visit_sensors(&rig, &carrier, &mut kept).expect("no device");
             kept.1

@@ -26,13 +26,13 @@ const PASSED_ASIDE_M: f64 = 0.3;
 const PASSED_ASIDE_S: f64 = 0.05;
 
 /// The least of all accelerations that a driver has reasons for, m/s2.
-struct Wish {
+struct DesiredAcceleration {
     /// With all that it sees, and without what it overlooks for the moment.
     seen: f64,
     careless: f64,
 }
 
-impl Wish {
+impl DesiredAcceleration {
     /// Takes in a reason, as the driver sees it.
     fn limit(&mut self, sight: Sight, acceleration_mps2: f64) {
         if sight != Sight::Away {
@@ -55,7 +55,7 @@ pub(crate) fn before_line(idm: &Idm) -> Idm {
 }
 
 /// A driver with its wished speed on the way to the next line, m/s.
-struct Behind<'a> {
+struct Follower<'a> {
     net: &'a Net,
     occupancy: &'a Occupancy,
     vehicles: &'a [Vehicle],
@@ -65,7 +65,7 @@ struct Behind<'a> {
     wished: f64,
 }
 
-impl Behind<'_> {
+impl Follower<'_> {
     fn vehicle(&self) -> &Vehicle {
         &self.vehicles[self.me]
     }
@@ -77,7 +77,7 @@ impl Behind<'_> {
     }
 
     /// Before other vehicles on the own lane, on the way to it, or beside while they are passed.
-    fn vehicles(&self, sight: Sight, wish: &mut Wish) {
+    fn vehicles(&self, sight: Sight, wish: &mut DesiredAcceleration) {
         let (net, vehicle, idm) = (self.net, self.vehicle(), self.idm);
         let (speed, wished) = (self.speed, self.wished);
         if let Some(leader) = self.occupancy.leader(net, self.vehicles, self.me) {
@@ -103,14 +103,14 @@ impl Behind<'_> {
     }
 
     /// Before walkers who cross the lane.
-    fn walkers(&self, sight: Sight, wish: &mut Wish) {
+    fn walkers(&self, sight: Sight, wish: &mut DesiredAcceleration) {
         if let Some(gap) = self.occupancy.walker_gap(self.net, self.vehicle()) {
             wish.limit(sight, self.following(gap, 0.0, WALKER_GAP_M, self.idm.headway_s));
         }
     }
 
     /// Before anybody and anything that the body would touch.
-    fn touching(&self, gaps_m: &Gaps, wish: &mut Wish) {
+    fn touching(&self, gaps_m: &Gaps, wish: &mut DesiredAcceleration) {
         for (class, gap_m) in Class::ALL.into_iter().zip(gaps_m) {
             if let Some(gap_m) = *gap_m {
                 let sight = self.vehicle().driver().sight(class);
@@ -141,8 +141,8 @@ pub(crate) fn wished_acceleration(
     let wished = lane_mps.min(approach.cap_mps).max(0.1);
     let seen = idm.free(speed, wished);
     let careless = if of_line == Sight::Blinks { idm.free(speed, lane_mps.max(0.1)) } else { seen };
-    let mut wish = Wish { seen, careless };
-    let behind = Behind { net, occupancy, vehicles, me, idm, speed, wished };
+    let mut wish = DesiredAcceleration { seen, careless };
+    let behind = Follower { net, occupancy, vehicles, me, idm, speed, wished };
     behind.vehicles(of_vehicles, &mut wish);
     behind.walkers(of_walkers, &mut wish);
     behind.touching(touching_m, &mut wish);

@@ -8,8 +8,8 @@
 use crate::car_following::braking_to_stop;
 use crate::road::net::Net;
 use crate::vehicle::Vehicle;
+use crate::vehicle::activity::Activity;
 use crate::vehicle::attention::Class;
-use crate::vehicle::wake::Wake;
 
 /// Bends are looked at where the inner lane's radius is smaller than this, metres.
 const TIGHT_M: f64 = 45.0;
@@ -35,7 +35,7 @@ const BETWEEN_M: f64 = 6.0;
 
 /// A lane's part in a bend.
 #[derive(Clone, Copy, Debug)]
-struct Part {
+struct BendLane {
     lane: usize,
     from_m: f64,
     to_m: f64,
@@ -45,7 +45,7 @@ struct Part {
 #[derive(Clone, Debug)]
 struct Bend {
     /// The lane on the inside, and the one on the outside.
-    parts: [Part; 2],
+    parts: [BendLane; 2],
     /// Smallest radius of the inner lane's middle, and distance of the two middles, metres.
     radius_m: f64,
     apart_m: f64,
@@ -119,7 +119,7 @@ impl Bends {
     fn ask(&mut self, net: &Net, vehicles: &[Vehicle], me: usize) -> Option<f64> {
         let vehicle = &vehicles[me];
         let speed = vehicle.speed_mps();
-        let stays = vehicle.is_crashed() || vehicle.wake() == Wake::Asleep;
+        let stays = vehicle.is_crashed() || vehicle.wake() == Activity::Asleep;
         let ahead = if stays { Vec::new() } else { self.ahead(net, vehicle, me) };
         let near_m = speed * speed / (2.0 * BRAKING) + BEFORE_M;
         let Some(first) = ahead.first().filter(|a| a.gap_m < near_m) else {
@@ -150,7 +150,7 @@ impl Bends {
         for (lane, start) in vehicle.lanes_ahead(net).take_while(|(_, start)| *start < view + 60.0) {
             for &(bend, part) in &self.of_lane[lane] {
                 let b = &self.bends[bend];
-                let Part { from_m, to_m, .. } = b.parts[part];
+                let BendLane { from_m, to_m, .. } = b.parts[part];
                 let held = b.holders.iter().any(|h| h.vehicle == me);
                 if start + to_m + vehicle.rear_m() > 0.0 && !held {
                     found.push(Ahead { bend, part, gap_m: start + from_m - half, end_m: start + to_m });
@@ -225,8 +225,10 @@ fn opposite(net: &Net, lane: usize, run: &(f64, f64, bool)) -> Vec<Bend> {
                 continue;
             }
             let radius_m = 1.0 / way.curvature(sample.along_m).abs().max(1e-9);
-            let around = [(lane, sample.along_m, ENDS_M), (other, along_m, EXIT_M)]
-                .map(|(lane, at_m, before_m)| Part { lane, from_m: at_m - before_m, to_m: at_m + ENDS_M });
+            let around =
+                [(lane, sample.along_m, ENDS_M), (other, along_m, EXIT_M)].map(|(lane, at_m, before_m)| {
+                    BendLane { lane, from_m: at_m - before_m, to_m: at_m + ENDS_M }
+                });
             match found.iter_mut().find(|b| b.parts[1].lane == other) {
                 Some(bend) => {
                     for (part, more) in bend.parts.iter_mut().zip(around) {

@@ -35,7 +35,7 @@ pub(crate) enum Owner {
     /// By its index.
     Walker(u32),
     /// A thing of a hazard, by its index.
-    Thing(u32),
+    Obstacle(u32),
     /// Any parked vehicle.
     Parked,
 }
@@ -45,7 +45,7 @@ impl Owner {
         let (kind, index) = match self {
             Self::Vehicle(i) => (0, i),
             Self::Walker(i) => (1, i),
-            Self::Thing(i) => (2, i),
+            Self::Obstacle(i) => (2, i),
             Self::Parked => (3, 0),
         };
         kind << 32 | u128::from(index)
@@ -56,7 +56,7 @@ impl Owner {
         match data >> 32 {
             0 => Self::Vehicle(index),
             1 => Self::Walker(index),
-            2 => Self::Thing(index),
+            2 => Self::Obstacle(index),
             _ => Self::Parked,
         }
     }
@@ -320,14 +320,14 @@ mod tests {
             let mut bodies = bodies();
             let car = bodies.vehicle(&Point3::origin(), 0.0, CAR_M, Owner::Vehicle(0));
             let ahead = Point3::new(2.6, 0.2, 0.0);
-            let cone = bodies.movable(&ahead, 0.3, [0.4, 0.4, 0.8], mass_kg, Owner::Thing(7));
+            let cone = bodies.movable(&ahead, 0.3, [0.4, 0.4, 0.8], mass_kg, Owner::Obstacle(7));
             // 0.4 m of free way: within it after the first step, pushed in the second one.
             for x_m in [0.5, 1.0] {
                 bodies.drive(car, &Point3::new(x_m, 0.0, 0.0), 0.0, 0.75);
                 bodies.step();
             }
             let [hit] = bodies.hits()[..] else { panic!("{:?}", bodies.hits()) };
-            assert_eq!(hit.owners, [Owner::Vehicle(0), Owner::Thing(7)]);
+            assert_eq!(hit.owners, [Owner::Vehicle(0), Owner::Obstacle(7)]);
             assert!(hit.along[0].abs() > 0.95, "{hit:?}");
             let car_kg = 170.0 * 12.0;
             let speeds = [car, cone].map(|body| bodies.motion(body).expect("a body").velocity_mps[0]);

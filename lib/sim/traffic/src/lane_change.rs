@@ -9,9 +9,9 @@ use crate::occupancy::{Occupancy, Occupant, Sense, is_stranded};
 use crate::road::net::Net;
 use crate::road::sides::{CHANGE_WIDTH_M, Side};
 use crate::vehicle::Vehicle;
+use crate::vehicle::activity::Activity;
 use crate::vehicle::attention::Class;
 use crate::vehicle::lateral::{LaneChange, LateralTransition, OUT};
-use crate::vehicle::wake::Wake;
 
 /// Slower than this is standing, m/s.
 const STANDING_MPS: f64 = 0.1;
@@ -58,7 +58,7 @@ pub(crate) fn room_to_pull_out_m(length_m: f64) -> f64 {
 
 /// Why a driver wants to change.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Wish {
+enum Motive {
     /// The lane ends, metres ahead.
     LaneEnds(f64),
     /// The turn has a lane of its own.
@@ -99,7 +99,7 @@ pub(crate) fn change_lanes(net: &Net, occupancy: &mut Occupancy, vehicles: &mut 
         let mut best: Option<Change> = None;
         let (mut full, mut blocked) = (None, false);
         for side in Side::BOTH {
-            match look(net, occupancy, vehicles, me, side, wish) {
+            match gap_beside(net, occupancy, vehicles, me, side, wish) {
                 Found::Gap(change) if best.as_ref().is_none_or(|b| change.gain > b.gain) => {
                     best = Some(change)
                 }
@@ -110,7 +110,7 @@ pub(crate) fn change_lanes(net: &Net, occupancy: &mut Occupancy, vehicles: &mut 
         }
         match best {
             Some(change) => begin(net, occupancy, &mut vehicles[me], me, change),
-            None if wish != Wish::Pass => {
+            None if wish != Motive::Pass => {
                 let boxed_in = blocked && full.is_none() && vehicles[me].speed_mps() < STANDING_MPS;
                 vehicles[me].lane_choice_mut().ask(full, boxed_in);
             }
@@ -133,27 +133,27 @@ fn begin(net: &Net, occupancy: &mut Occupancy, vehicle: &mut Vehicle, me: usize,
 }
 
 /// Whether and why a driver wants to change.
-fn wish(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize) -> Option<Wish> {
+fn wish(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize) -> Option<Motive> {
     let vehicle = &vehicles[me];
     let lane = &net.lanes[vehicle.route().lane()];
     let settled = vehicle.lateral().change().is_none() && !vehicle.is_crashed() && vehicle.claim().is_empty();
     if !settled
         || vehicle.driver().is_away(Class::Vehicles)
-        || vehicle.wake() != Wake::Awake
+        || vehicle.wake() != Activity::Awake
         || lane.junction.is_some()
         || lane.beside.iter().all(Option::is_none)
     {
         return None;
     }
     if let Some(lane) = vehicle.route().turn_lane() {
-        return Some(Wish::TurnLane(lane));
+        return Some(Motive::TurnLane(lane));
     }
     if let Some(end_m) = vehicle.end_of_road_m(net).filter(|end_m| *end_m < END_M) {
-        return Some(Wish::LaneEnds(end_m));
+        return Some(Motive::LaneEnds(end_m));
     }
     let leader = occupancy.leader(net, vehicles, me).filter(|leader| leader.gap_m < LEADER_M)?;
     if is_stranded(vehicles, leader.vehicle) {
-        return Some(Wish::Around);
+        return Some(Motive::Around);
     }
     let speed = vehicle.speed_mps();
     if vehicle.towed().is_some() {
@@ -162,15 +162,22 @@ fn wish(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize) -> Op
     let settled = vehicle.route().since_change_m() >= (10.0 * speed).max(10.0);
     let slow = leader.speed_mps < SLOW * vehicle.wished_speed(net);
     let calm = vehicle.junction_gap_m(net) > CALM_M + speed * CHANGE_S;
-    (settled && slow && calm).then_some(Wish::Pass)
+    (settled && slow && calm).then_some(Motive::Pass)
 }
 
 /// What a driver finds on one side.
-fn look(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize, side: Side, wish: Wish) -> Found {
+fn gap_beside(
+    net: &Net,
+    occupancy: &Occupancy,
+    vehicles: &[Vehicle],
+    me: usize,
+    side: Side,
+    wish: Motive,
+) -> Found {
     let vehicle = &vehicles[me];
     let own = &net.lanes[vehicle.route().lane()];
     let Some(beside) = &own.beside[side as usize] else { return Found::Nothing };
-    if matches!(wish, Wish::TurnLane(lane) if lane != beside.lane) {
+    if matches!(wish, Motive::TurnLane(lane) if lane != beside.lane) {
         return Found::Nothing;
     }
     let (length, width) = (vehicle.length_m(), vehicle.model().size_m[1]);
@@ -191,7 +198,7 @@ fn look(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle], me: usize, side:
         .all(|part| target.centre.place(along_m + part * span_m).width_m >= CHANGE_WIDTH_M.max(width + 0.4));
     let (room_m, ends) = room(net, beside.lane, along_m, span_m + 200.0);
     let better = match wish {
-        Wish::LaneEnds(end_m) => !ends || room_m > end_m + 20.0,
+        Motive::LaneEnds(end_m) => !ends || room_m > end_m + 20.0,
         _ => !ends,
     };
     let reachable = (APART_M[0]..APART_M[1]).contains(&from_m.abs())
@@ -237,12 +244,12 @@ fn gap(
     vehicles: &[Vehicle],
     me: usize,
     (lane, along_m): (usize, f64),
-    wish: Wish,
+    wish: Motive,
 ) -> Option<(f64, Option<usize>)> {
     let vehicle = &vehicles[me];
     let (speed, half) = (vehicle.speed_mps(), vehicle.half_length_m());
     let (wished, idm) = (vehicle.wished_speed(net), vehicle.driver().idm());
-    let must = wish != Wish::Pass;
+    let must = wish != Motive::Pass;
     let own = (me, vehicle.model().size_m[1]);
     let leader = occupancy.leader(net, vehicles, me);
     let now = leader.map_or(idm.free(speed, wished), |l| idm.following(speed, wished, l.gap_m, l.speed_mps));

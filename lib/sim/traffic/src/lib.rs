@@ -10,6 +10,7 @@
 //! Walkers go along sidewalks, and along the edges of roads that have none; some in groups, and some stand and wait or talk.
 
 mod acceleration;
+mod activation;
 mod bends;
 mod bodies;
 mod car_following;
@@ -24,7 +25,6 @@ mod outline;
 mod road;
 mod scene;
 mod simulation;
-mod sleep;
 mod swept_path;
 mod vehicle;
 mod walking;

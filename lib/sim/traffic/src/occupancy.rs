@@ -6,8 +6,8 @@ use crate::car_following::time_s;
 use crate::road::kerbside::Kerbside;
 use crate::road::net::Net;
 use crate::vehicle::Vehicle;
+use crate::vehicle::activity::Activity;
 use crate::vehicle::attention::Class;
-use crate::vehicle::wake::Wake;
 
 /// Other lanes' traffic is looked at this far before a merge, metres.
 const MERGE_VIEW_M: f64 = 40.0;
@@ -309,7 +309,7 @@ impl Occupancy {
                     let lead_m = to_end - spot.behind_m;
                     let first = lead_m < own_to_end || (lead_m == own_to_end && spot.vehicle < me);
                     // A sleeper is not going to merge.
-                    let sleeps = vehicles.get(spot.vehicle).is_some_and(|v| v.wake() == Wake::Asleep);
+                    let sleeps = vehicles.get(spot.vehicle).is_some_and(|v| v.wake() == Activity::Asleep);
                     let view_m = if sleeps { spot.half_length_m } else { MERGE_VIEW_M };
                     let near = to_end < zone + view_m && k < 2;
                     if first && near {

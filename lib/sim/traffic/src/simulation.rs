@@ -12,11 +12,12 @@ use schema::tile::TileIndex;
 use schema::{ActorRole, AgentKind, FRAME_PERIOD_S, ObjectId};
 
 use crate::acceleration::wished_acceleration;
+use crate::activation::Activation;
 use crate::bends::Bends;
 use crate::bodies::{Bodies, Hit, Owner};
 use crate::car_following::{COMFORT_BRAKING, MAX_ACCELERATION, MAX_BRAKING};
 use crate::error::TrafficError;
-use crate::hazards::{Hazards, Standing, Thing};
+use crate::hazards::{Hazards, Obstacle, Obstacles};
 use crate::input::{SceneInput, SimulationLog};
 use crate::junction::right_of_way::{Junctions, RightOfWay};
 use crate::lane_change::change_lanes;
@@ -28,12 +29,11 @@ use crate::scene::placing::{ActorIds, Streets, add_parked, lamps, place_vehicles
 use crate::scene::rolling::set_rolling;
 use crate::scene::rows::Snapshot;
 use crate::scene::spawn::{Start, vehicle_starts};
-use crate::sleep::Watch;
 use crate::swept_path::SweptPaths;
 use crate::vehicle::Vehicle;
+use crate::vehicle::activity::Activity;
 use crate::vehicle::attention::Class;
 use crate::vehicle::towed::Towed;
-use crate::vehicle::wake::Wake;
 use crate::walking::crowd::Crowd;
 use crate::walking::fixtures::Fixtures;
 use crate::walking::paths::Paths;
@@ -125,7 +125,7 @@ struct Simulation<'a> {
     walker_ids: Vec<ObjectId>,
     towed_ids: Vec<ObjectId>,
     /// What stands in hazards.
-    standing: Standing,
+    standing: Obstacles,
     /// Tiles of the fixed world that somebody came near.
     tiles: BTreeSet<TileIndex>,
     /// Traffic lights there: object id, signal of the map.
@@ -137,14 +137,14 @@ struct Simulation<'a> {
     bodies: Bodies,
     sweeps: SweptPaths,
     bends: Bends,
-    watch: Watch,
+    activation: Activation,
     /// Poses one step ago, for velocities: vehicles, walkers, what is towed.
     before: Vec<Pose<World, Object>>,
     log: SimulationLog,
 }
 
 /// Who takes part in a scene, before anybody has a body.
-struct Cast<'a> {
+struct InitialActors<'a> {
     starts: Vec<Start>,
     rsus: Vec<&'a PlanAgentRow>,
     hazards: Hazards,
@@ -155,7 +155,7 @@ struct Cast<'a> {
     ids: ActorIds,
 }
 
-impl<'a> Cast<'a> {
+impl<'a> InitialActors<'a> {
     fn draw(
         input: &'a SceneInput<'a>,
         fixed: &[ActorRow],
@@ -196,39 +196,42 @@ impl<'a> Simulation<'a> {
         let mut tiles = BTreeSet::new();
         let planned: Vec<Point3<f64>> = input.agents.iter().map(|a| a.xyz_m.into()).collect();
         let fixed = near(input, &planned, &mut tiles)?;
-        let cast = Cast::draw(input, &fixed, &net, &paths)?;
-        let routes = Routes::new(&paths, &cast.agents, destination_radius_m(scene, net.extent_m()));
+        let initial = InitialActors::draw(input, &fixed, &net, &paths)?;
+        let routes = Routes::new(&paths, &initial.agents, destination_radius_m(scene, net.extent_m()));
         let mut log = SimulationLog { signal_groups: signals.groups(map), ..SimulationLog::default() };
-        log_vehicles(&mut log, &cast.ids, &cast.starts, &cast.rsus);
+        log_vehicles(&mut log, &initial.ids, &initial.starts, &initial.rsus);
 
         // Bodies are made in this order: vehicles, what stands in hazards, walkers, what is parked.
-        let middle = cast.agents.first().map_or([0.0; 3], |p| (*p).into());
+        let middle = initial.agents.first().map_or([0.0; 3], |p| (*p).into());
         let mut bodies = Bodies::new(LocalOrigin::near(middle));
         let mut right_of_way = RightOfWay::new(net.lanes.len());
-        let vehicles = place_vehicles(&net, &cast.starts, input, &mut bodies, &mut right_of_way);
-        let in_hazards = cast.hazard_actors();
+        let vehicles = place_vehicles(&net, &initial.starts, input, &mut bodies, &mut right_of_way);
+        let in_hazards = initial.hazard_actors();
         let in_the_way = fixed.iter().chain(log.actors.iter().filter(|a| a.fixed));
         let mut fixtures = Fixtures::default();
         in_the_way.filter_map(footprint).for_each(|place| {
             fixtures.add(&place);
         });
-        let ids = cast.ids;
-        let standing = Standing::new(&ids.hazards, cast.hazards.things, &mut bodies, &mut fixtures);
+        let ids = initial.ids;
+        let standing = Obstacles::new(&ids.hazards, initial.hazards.things, &mut bodies, &mut fixtures);
         let waiting = WaitingPlaces::new(&paths, &fixed);
         let streets = Streets { paths: &paths, routes: &routes, fixtures: &fixtures, waiting: &waiting };
-        let walkers = place_walkers(input, &streets, &cast.walkers, &mut bodies);
+        let walkers = place_walkers(input, &streets, &initial.walkers, &mut bodies);
         log_walkers(&mut log, &ids, &walkers);
         log.actors.extend(in_hazards);
-        log_towed(&mut log, &ids, &cast.starts);
-        log.hazards = cast.hazards.placed;
+        log_towed(&mut log, &ids, &initial.starts);
+        log.hazards = initial.hazards.placed;
         let mut occupancy = Occupancy::new(net.lanes.len());
         add_parked(&fixed, &net, &mut occupancy.kerbside, &mut bodies);
         let mut simulation = Self {
             lamps: lamps(map, &fixed),
             tiles,
-            rsus: cast.rsus.iter().map(|rsu| rsu.xyz_m.into()).collect(),
+            rsus: initial.rsus.iter().map(|rsu| rsu.xyz_m.into()).collect(),
             bends: Bends::new(&net, vehicles.len()),
-            watch: Watch { distance_m: input.settings.traffic.active_distance_m, agents: cast.agents.len() },
+            activation: Activation {
+                distance_m: input.settings.traffic.active_distance_m,
+                agents: initial.agents.len(),
+            },
             sweeps: SweptPaths::new(),
             standing,
             occupancy,
@@ -268,21 +271,21 @@ impl<'a> Simulation<'a> {
     fn step(&mut self, step: u32) {
         self.remember();
         let time_s = f64::from(step) * FRAME_PERIOD_S;
-        self.look(step);
+        self.perceive(step);
         let wishes = self.wishes(step, time_s);
         self.drive(&wishes);
         self.walk(time_s);
         self.standing.skid(&mut self.bodies);
         self.bodies.step();
         self.take_hits();
-        for vehicle in self.vehicles.iter_mut().filter(|v| v.wake() != Wake::Asleep) {
+        for vehicle in self.vehicles.iter_mut().filter(|v| v.wake() != Activity::Asleep) {
             vehicle.move_doors();
         }
     }
 
     /// Takes in what stands where agents came near.
     fn meet_fixed(&mut self) -> Result<(), TrafficError> {
-        let agents = self.vehicles[..self.watch.agents].iter().map(|v| v.motion().position());
+        let agents = self.vehicles[..self.activation.agents].iter().map(|v| v.motion().position());
         let places: Vec<Point3<f64>> = agents.chain(self.rsus.iter().copied()).collect();
         let fixed = near(self.input, &places, &mut self.tiles)?;
         if !fixed.is_empty() {
@@ -296,14 +299,20 @@ impl<'a> Simulation<'a> {
     }
 
     /// Everybody looks about: who is awake, what drivers overlook, who is on the lanes and about to be.
-    fn look(&mut self, step: u32) {
-        if Watch::is_due(step) {
+    fn perceive(&mut self, step: u32) {
+        if Activation::is_due(step) {
             let reservations = self.right_of_way.reservations();
-            self.watch.look(&self.net, reservations, &self.bends, &mut self.vehicles, &mut self.bodies);
-            self.watch.look_at_walkers(&self.vehicles, &mut self.walkers, &mut self.bodies);
+            self.activation.update(
+                &self.net,
+                reservations,
+                &self.bends,
+                &mut self.vehicles,
+                &mut self.bodies,
+            );
+            self.activation.look_at_walkers(&self.vehicles, &mut self.walkers, &mut self.bodies);
         }
         for vehicle in self.vehicles.iter_mut().filter(|v| !v.is_crashed()) {
-            vehicle.look(step);
+            vehicle.perceive(step);
         }
         self.occupancy.fill(&self.net, &self.vehicles);
         change_lanes(&self.net, &mut self.occupancy, &mut self.vehicles, step);
@@ -331,9 +340,9 @@ impl<'a> Simulation<'a> {
                 let wish =
                     || wished_acceleration(net, occupancy, &self.vehicles, me, approach, bend_m, &touching_m);
                 match vehicle.wake() {
-                    Wake::Asleep => 0.0,
-                    Wake::Halting => wish().min(-COMFORT_BRAKING),
-                    Wake::Awake | Wake::Drowsy => wish(),
+                    Activity::Asleep => 0.0,
+                    Activity::Halting => wish().min(-COMFORT_BRAKING),
+                    Activity::Awake | Activity::Drowsy => wish(),
                 }
             };
             wishes.push(wish.clamp(-MAX_BRAKING, MAX_ACCELERATION));
@@ -346,7 +355,7 @@ impl<'a> Simulation<'a> {
         for (vehicle, wish) in self.vehicles.iter_mut().zip(wishes) {
             if vehicle.is_crashed() {
                 vehicle.bodies().for_each(|body| self.bodies.skid(body));
-            } else if vehicle.wake() != Wake::Asleep {
+            } else if vehicle.wake() != Activity::Asleep {
                 let kerbside = &self.occupancy.kerbside;
                 if !kerbside.is_empty() && !vehicle.driver().is_away(Class::Vehicles) {
                     vehicle.make_room(&self.net, kerbside);
@@ -406,7 +415,7 @@ impl<'a> Simulation<'a> {
                             walker.strike();
                         }
                     }
-                    Owner::Thing(i) => self.standing.hit(i),
+                    Owner::Obstacle(i) => self.standing.hit(i),
                     Owner::Parked => {}
                 }
             }
@@ -434,13 +443,13 @@ impl<'a> Simulation<'a> {
     fn is_accident(&self, hit: &Hit) -> bool {
         let hurts = |owner: &Owner| match owner {
             Owner::Walker(_) => true,
-            Owner::Thing(i) => self.standing.get(*i).is_some_and(Thing::is_person),
+            Owner::Obstacle(i) => self.standing.get(*i).is_some_and(Obstacle::is_person),
             _ => false,
         };
         if hit.owners.iter().any(hurts) {
             return true;
         }
-        let moves = hit.owners.iter().any(|owner| matches!(owner, Owner::Thing(_)));
+        let moves = hit.owners.iter().any(|owner| matches!(owner, Owner::Obstacle(_)));
         hit.owners.iter().zip(hit.change_mps).any(|(owner, change_mps)| {
             let Owner::Vehicle(i) = owner else { return false };
             let Some(vehicle) = self.vehicles.get(*i as usize).filter(|v| !v.is_crashed()) else {
@@ -534,7 +543,7 @@ impl<'a> Simulation<'a> {
                 seat_m: 0.0,
                 lights: vehicle_lamps(&self.net, vehicle, lamps),
                 door_rad: vehicle.doors().angles_rad(),
-                dormant: vehicle.wake() == Wake::Asleep,
+                dormant: vehicle.wake() == Activity::Asleep,
             };
             rows.push(snapshot.row(frame));
         }
@@ -567,7 +576,7 @@ impl<'a> Simulation<'a> {
                 phase_rad: towed.rolled_m() / towed.train().towed.wheel_radius_m,
                 lights: vehicle_lamps(&self.net, vehicle, lamps),
                 door_rad: [0.0; 4],
-                dormant: vehicle.wake() == Wake::Asleep,
+                dormant: vehicle.wake() == Activity::Asleep,
             };
             rows.push(snapshot.row(frame));
         }

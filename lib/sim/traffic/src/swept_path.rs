@@ -41,13 +41,13 @@ const LEVEL_M: f64 = 2.5;
 
 /// The ground under a vehicle at some place on its way.
 #[derive(Clone, Copy, Debug)]
-struct Print {
+struct Footprint {
     at: Point3<f64>,
     ahead: Vector2<f64>,
     half_m: [f64; 2],
 }
 
-impl Print {
+impl Footprint {
     fn new(at: Point3<f64>, yaw_rad: f64, [length, width, _]: [f64; 3]) -> Self {
         let (sin, cos) = frames::math::sin_cos(yaw_rad);
         Self { at, ahead: Vector2::new(cos, sin), half_m: [0.5 * length, 0.5 * width] }
@@ -75,7 +75,7 @@ impl Print {
 struct Tow {
     train: &'static Train,
     /// Where it is now.
-    here: Print,
+    here: Footprint,
     hitch: Point3<f64>,
     yaw_rad: f64,
 }
@@ -83,7 +83,7 @@ struct Tow {
 impl Tow {
     fn new(towed: &Towed) -> Self {
         let (train, yaw_rad) = (towed.train(), towed.yaw_rad());
-        let here = Print::new(towed.position(), yaw_rad, train.towed.size_m);
+        let here = Footprint::new(towed.position(), yaw_rad, train.towed.size_m);
         let ahead = here.ahead * train.coupling_m;
         Self { train, here, hitch: here.at + Vector3::new(ahead.x, ahead.y, 0.0), yaw_rad }
     }
@@ -98,12 +98,12 @@ impl Tow {
     }
 
     /// Comes after the lead, which has gone on to a place.
-    fn follow(&mut self, lead: &Print) -> Print {
+    fn follow(&mut self, lead: &Footprint) -> Footprint {
         let back = lead.ahead * self.train.hitch_m;
         let hitch = lead.at - Vector3::new(back.x, back.y, 0.0);
         self.yaw_rad = after_rod(self.yaw_rad, &(hitch - self.hitch), self.train.rod_m);
         self.hitch = hitch;
-        Print::new(middle(self.train, hitch, self.yaw_rad, 0.0), self.yaw_rad, self.train.towed.size_m)
+        Footprint::new(middle(self.train, hitch, self.yaw_rad, 0.0), self.yaw_rad, self.train.towed.size_m)
     }
 }
 
@@ -118,8 +118,8 @@ pub(crate) struct SweptPaths {
     /// For each walker whether a vehicle may come to where it is or steps to.
     minded: Vec<bool>,
     /// Vehicles with walkers beside them, where they are now.
-    here: Vec<Print>,
-    soon: Vec<Print>,
+    here: Vec<Footprint>,
+    soon: Vec<Footprint>,
     soon_grid: Grid,
     /// Points on the outlines of what stands in hazards, and what drivers take it for.
     things: Vec<(Point3<f64>, Class)>,
@@ -177,7 +177,7 @@ impl SweptPaths {
     /// A vehicle that nobody drives: walkers keep out of it.
     pub(crate) fn add_wreck(&mut self, vehicle: &Vehicle) {
         for (at, yaw_rad, size_m) in vehicle.sections() {
-            let here = Print::new(at, yaw_rad, size_m);
+            let here = Footprint::new(at, yaw_rad, size_m);
             let reach_m = here.half_m[0] + here.half_m[1] + MINDED_M;
             let mut beside = false;
             for walker in self.grid.around(here.at.x, here.at.y) {
@@ -198,7 +198,7 @@ impl SweptPaths {
         let speed = vehicle.speed_mps();
         let reach_m = (speed * speed / (2.0 * BRAKING) + REACH_M[0]).min(REACH_M[1]);
         let size_m = vehicle.model().size_m;
-        let here = Print::new(vehicle.motion().position(), vehicle.motion().yaw_rad(), size_m);
+        let here = Footprint::new(vehicle.motion().position(), vehicle.motion().yaw_rad(), size_m);
         let mut towed = vehicle.towed().map(Tow::new);
         // The tightest bend within reach bounds what is swept aside.
         let lanes = vehicle.lanes_ahead(net).take_while(|(_, start)| *start < reach_m);
@@ -220,7 +220,7 @@ impl SweptPaths {
                 around.push((point, radius_m, Class::Walkers));
             }
         }
-        let is_beside = |print: &Print| {
+        let is_beside = |print: &Footprint| {
             around.iter().any(|(point, radius, _)| {
                 let [ahead, left] = print.local(point);
                 ahead.abs() < print.half_m[0] + BESIDE_M
@@ -260,14 +260,14 @@ impl SweptPaths {
             let Some(next) = vehicle.point_ahead(net, on_m) else { break };
             yaw_rad = after_rod(yaw_rad, &(next - at), vehicle.half_base_m());
             at = next;
-            let print = Print::new(at, yaw_rad, size_m);
+            let print = Footprint::new(at, yaw_rad, size_m);
             let tow = towed.as_mut().map(|towed| (towed.follow(&print), towed.here));
             if on_m <= soon_m {
                 self.soon.push(print);
                 self.soon.extend(tow.map(|(print, _)| print));
             }
             // Who is beside it and comes no nearer is passed.
-            let meets = |print: &Print, here: &Print, point: &Point3<f64>, radius: f64| {
+            let meets = |print: &Footprint, here: &Footprint, point: &Point3<f64>, radius: f64| {
                 let outside_m = print.outside_m(point);
                 outside_m < radius + DRIVERS_M && outside_m < here.outside_m(point) - NEARER_M
             };

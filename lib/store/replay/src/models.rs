@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::packed::ModelError;
 use meshes::actors::{ActorMesh, Coarser, Joint, Piece, Rig};
-use packs::{Hang, PackModel};
+use packs::{Attachment, PackModel};
 use schema::scene_info::PackedModelInfo;
 use store::Store;
 use world::OwnModels;
@@ -33,11 +33,11 @@ fn mesh(model: PackModel) -> ActorMesh {
 
 fn piece(piece: packs::PackPiece) -> Piece {
     let joint = match piece.hang {
-        Hang::Body => Joint::Fixed,
+        Attachment::Body => Joint::Fixed,
         // Its own mesh for each side: none is turned round.
-        Hang::Wheel { at, steered } => Joint::Wheel { at, steered, right: false },
-        Hang::Door { at, door } => Joint::Leaf { at, door },
-        Hang::Bone(bone) => Joint::Bone(bone),
+        Attachment::Wheel { at, steered } => Joint::Wheel { at, steered, right: false },
+        Attachment::Door { at, door } => Joint::Leaf { at, door },
+        Attachment::Bone(bone) => Joint::Bone(bone),
     };
     Piece { mesh: Arc::clone(&piece.mesh), joint }
 }

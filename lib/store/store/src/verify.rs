@@ -102,7 +102,7 @@ pub fn verify(
                 }
                 known.committed.insert(key.clone());
             }
-            Some(Record::Part) => {
+            Some(Record::MeshPart) => {
                 let part: Option<Manifest> = sound_or_finding(store.read_json(key), key, &mut result)?;
                 known.in_hand.extend(part.into_iter().flat_map(|p| p.outputs).map(|output| output.key));
                 known.in_hand.insert(key.clone());
@@ -137,7 +137,7 @@ struct Known {
 
 enum Record {
     Manifest,
-    Part,
+    MeshPart,
     Redo,
     Failure,
 }
@@ -153,7 +153,7 @@ fn record_of(key: &str) -> Option<Record> {
         "" if name.ends_with(".redo.json") => Some(Record::Redo),
         "" if name.ends_with(".failed.json") => Some(Record::Failure),
         "" => Some(Record::Manifest),
-        below if below.starts_with('/') && below.ends_with(".parts") => Some(Record::Part),
+        below if below.starts_with('/') && below.ends_with(".parts") => Some(Record::MeshPart),
         _ => None,
     }
 }

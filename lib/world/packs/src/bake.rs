@@ -4,24 +4,24 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
-use schema::geometry::{Part, Surface, TriMesh};
-use schema::skin::{Finish, Image, Skin};
+use schema::geometry::{MeshPart, Surface, TriMesh};
+use schema::mesh_textures::{Image, MeshTextures, PbrFactors};
 
-use crate::coat::{Look, look};
 use crate::cutout::cut;
-use crate::document::{Bag, Document};
+use crate::document::{Document, ModelFiles};
 use crate::error::PackError;
+use crate::manifest::ModelManifest;
+use crate::material::{PackMaterial, material_of};
 use crate::normals;
 use crate::picture::Curve;
 use crate::pictures::Pictures;
-use crate::sheet::Sheet;
-use crate::soup::{PartKey, Soup, Triangle};
+use crate::triangle_soup::{PartKey, Triangle, TriangleSoup};
 
 /// Makes meshes of triangles; pictures are shared among them.
 pub(crate) struct Baker<'a> {
-    sheet: &'a Sheet,
+    sheet: &'a ModelManifest,
     curve: Curve,
-    looks: Vec<(PartKey, Look)>,
+    looks: Vec<(PartKey, PackMaterial)>,
 }
 
 impl<'a> Baker<'a> {
@@ -29,8 +29,8 @@ impl<'a> Baker<'a> {
     /// A picture cannot be used.
     pub(crate) fn new(
         document: &'a Document,
-        sheet: &'a Sheet,
-        bag: &mut Bag<'_>,
+        sheet: &'a ModelManifest,
+        bag: &mut ModelFiles<'_>,
         parts: &[PartKey],
         place: String,
     ) -> Result<Self, PackError> {
@@ -40,13 +40,16 @@ impl<'a> Baker<'a> {
         for part in parts {
             let materials = &document.root.materials;
             let material = part.material.and_then(|m| materials.get(m)).cloned().unwrap_or_default();
-            looks.push((*part, look(&material, part.lamp.map(|(bits, _)| bits), sheet, &mut pictures)?));
+            looks.push((
+                *part,
+                material_of(&material, part.lamp.map(|(bits, _)| bits), sheet, &mut pictures)?,
+            ));
         }
         Ok(Self { sheet, curve, looks })
     }
 
     /// Leaves out what the pictures' cut-outs do not show.
-    pub(crate) fn cut(&self, soup: &mut Soup) {
+    pub(crate) fn cut(&self, soup: &mut TriangleSoup) {
         let stencil_of = |triangle: &Triangle| self.looks[triangle.part].1.stencil.as_ref();
         for level in &mut soup.levels {
             *level = cut(level, stencil_of);
@@ -60,12 +63,12 @@ impl<'a> Baker<'a> {
         let mut parts: Vec<Option<u8>> = vec![None; self.looks.len()];
         // Light times area, and area, of each part.
         let mut sums: Vec<([f32; 3], f32)> = Vec::new();
-        let mut skin = Skin::default();
+        let mut textures = MeshTextures::default();
         let mut given = Vec::new();
         for triangle in triangles {
             let (key, look) = &self.looks[triangle.part];
             let part = *parts[triangle.part].get_or_insert_with(|| {
-                mesh.parts.push(Part::new(key.tag, with_coat(look, &mut skin), look.rgb));
+                mesh.parts.push(MeshPart::new(key.tag, with_texture_set(look, &mut textures), look.rgb));
                 sums.push(([0.0; 3], 0.0));
                 (mesh.parts.len() - 1) as u8
             });
@@ -80,10 +83,10 @@ impl<'a> Baker<'a> {
                 continue;
             }
             given.push(triangle.normals);
-            skin.corners.push(triangle.uv);
+            textures.corners.push(triangle.uv);
             let [a, b, c] = mesh.corners(before);
             let area = (b - a).cross(c - a).length();
-            let colour = look.coat.as_ref().and_then(|coat| coat.colour.as_deref());
+            let colour = look.texture_set.as_ref().and_then(|texture_set| texture_set.colour.as_deref());
             let seen = colour.map_or(look.rgb, |picture| self.seen(picture, triangle.uv));
             let sum = &mut sums[usize::from(part)];
             (0..3).for_each(|k| sum.0[k] += seen[k] * area);
@@ -100,7 +103,7 @@ impl<'a> Baker<'a> {
             }
         }
         normals::set(&mut mesh, &given, self.sheet.crease_rad);
-        mesh.skin = (!skin.coats.is_empty()).then(|| Arc::new(skin));
+        mesh.textures = (!textures.sets.is_empty()).then(|| Arc::new(textures));
         mesh
     }
 
@@ -116,9 +119,11 @@ impl<'a> Baker<'a> {
 }
 
 /// The surface of a look, its coat put among those of a skin.
-fn with_coat(look: &Look, skin: &mut Skin) -> Surface {
-    let (Surface::Skin(finish), Some(coat)) = (look.surface, &look.coat) else { return look.surface };
-    skin.coats.push(coat.clone());
+fn with_texture_set(look: &PackMaterial, textures: &mut MeshTextures) -> Surface {
+    let (Surface::Textured(factors), Some(texture_set)) = (look.surface, &look.texture_set) else {
+        return look.surface;
+    };
+    textures.sets.push(texture_set.clone());
     // There are no more coats than parts.
-    Surface::Skin(Finish { coat: u8::try_from(skin.coats.len() - 1).ok(), ..finish })
+    Surface::Textured(PbrFactors { texture_set: u8::try_from(textures.sets.len() - 1).ok(), ..factors })
 }

@@ -2,13 +2,13 @@
 
 use catalogue::Age;
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
-use meshes::people::{Bone, Figure, Look, Measures, Side as Of};
+use meshes::people::{Appearance, Bone, Figure, Measures, Side as Of};
 
 use crate::error::Problem;
-use crate::joints::{Mark, Side};
+use crate::joints::{JointName, Side};
+use crate::manifest::ModelManifest;
 use crate::rig::Rig;
-use crate::sheet::Sheet;
-use crate::soup::Triangle;
+use crate::triangle_soup::Triangle;
 
 /// A sole is what is no higher over the lowest of its foot, metres.
 const SOLE_M: f64 = 0.015;
@@ -23,7 +23,7 @@ pub(crate) struct Body {
     pub(crate) bone_from_object: [DAffine3; Bone::BODY.len()],
 }
 
-fn bad(mark: Mark, problem: &'static str) -> Problem {
+fn bad(mark: JointName, problem: &'static str) -> Problem {
     Problem::JointPlace { bone: mark.name(), problem }
 }
 
@@ -44,14 +44,14 @@ impl Body {
     ///
     /// # Errors
     /// Joints lie where nobody has them.
-    pub(crate) fn new(rig: &Rig, sheet: &Sheet, triangles: &[Triangle]) -> Result<Self, Problem> {
-        let at = |mark: Mark| rig.places_m.get(&mark).copied().ok_or(bad(mark, "it is not there"));
+    pub(crate) fn new(rig: &Rig, sheet: &ModelManifest, triangles: &[Triangle]) -> Result<Self, Problem> {
+        let at = |mark: JointName| rig.places_m.get(&mark).copied().ok_or(bad(mark, "it is not there"));
         let feet = [foot(rig, triangles, Side::Left)?, foot(rig, triangles, Side::Right)?];
         let ground = feet[0].sole_z.min(feet[1].sole_z);
         let mean = |of: &dyn Fn(Side) -> Result<f64, Problem>| -> Result<f64, Problem> {
             Ok(0.5 * (of(Side::Left)? + of(Side::Right)?))
         };
-        let length = |from: fn(Side) -> Mark, to: fn(Side) -> Mark| {
+        let length = |from: fn(Side) -> JointName, to: fn(Side) -> JointName| {
             mean(&|side| {
                 let length = (at(to(side))? - at(from(side))?).length();
                 if length > 0.02 {
@@ -61,7 +61,7 @@ impl Body {
                 }
             })
         };
-        let hips = 0.5 * (at(Mark::Thigh(Side::Left))? + at(Mark::Thigh(Side::Right))?);
+        let hips = 0.5 * (at(JointName::Thigh(Side::Left))? + at(JointName::Thigh(Side::Right))?);
         for (mark, place) in &rig.places_m {
             // Limbs of which one is a hundred times as long as the other cannot be bent.
             let is_near = (*place - hips).length() < REACH_M;
@@ -69,31 +69,31 @@ impl Body {
                 return Err(bad(*mark, "it is far from the hips"));
             }
         }
-        let (chest, neck) = (at(Mark::Chest)?, at(Mark::Head)?);
+        let (chest, neck) = (at(JointName::Chest)?, at(JointName::Head)?);
         let chest = DVec3::new(hips.x, hips.y, chest.z);
-        let hip_y = 0.5 * (at(Mark::Thigh(Side::Left))?.y - at(Mark::Thigh(Side::Right))?.y);
+        let hip_y = 0.5 * (at(JointName::Thigh(Side::Left))?.y - at(JointName::Thigh(Side::Right))?.y);
         let upright = [
-            (Mark::Thigh(Side::Left), hip_y > 0.01, "it is not left of the right one"),
-            (Mark::Thigh(Side::Left), hips.z - ground > 0.15, "it is near the ground"),
-            (Mark::Chest, chest.z - hips.z > 0.01, "it is not above the hips"),
-            (Mark::Head, neck.z - chest.z > 0.05, "it is not above the chest"),
+            (JointName::Thigh(Side::Left), hip_y > 0.01, "it is not left of the right one"),
+            (JointName::Thigh(Side::Left), hips.z - ground > 0.15, "it is near the ground"),
+            (JointName::Chest, chest.z - hips.z > 0.01, "it is not above the hips"),
+            (JointName::Head, neck.z - chest.z > 0.05, "it is not above the chest"),
         ];
         if let Some((mark, _, problem)) = upright.iter().find(|(_, good, _)| !good) {
             return Err(bad(*mark, problem));
         }
-        let shoulder = |side: Side| -> Result<DVec3, Problem> { Ok(at(Mark::UpperArm(side))? - chest) };
+        let shoulder = |side: Side| -> Result<DVec3, Problem> { Ok(at(JointName::UpperArm(side))? - chest) };
         let (left, right) = (shoulder(Side::Left)?, shoulder(Side::Right)?);
         if left.y <= right.y {
-            return Err(bad(Mark::UpperArm(Side::Left), "it is not left of the right one"));
+            return Err(bad(JointName::UpperArm(Side::Left), "it is not left of the right one"));
         }
         let shoulder = 0.5 * (left + right * DVec3::new(1.0, -1.0, 1.0));
         let of_feet = |of: fn(&Foot) -> f64| (0.5 * (of(&feet[0]) + of(&feet[1]))) as f32;
-        let apart = 0.5 * (at(Mark::Foot(Side::Left))?.y - at(Mark::Foot(Side::Right))?.y);
+        let apart = 0.5 * (at(JointName::Foot(Side::Left))?.y - at(JointName::Foot(Side::Right))?.y);
         let measures = Measures {
             hip_z: (hips.z - ground) as f32,
             hip_y: hip_y as f32,
-            thigh: length(Mark::Thigh, Mark::Shin)? as f32,
-            shin: length(Mark::Shin, Mark::Foot)? as f32,
+            thigh: length(JointName::Thigh, JointName::Shin)? as f32,
+            shin: length(JointName::Shin, JointName::Foot)? as f32,
             ankle: of_feet(|foot| foot.ankle),
             heel: of_feet(|foot| foot.heel),
             ball: of_feet(|foot| foot.ball),
@@ -103,11 +103,11 @@ impl Body {
             waist: (chest.z - hips.z) as f32,
             shoulder: shoulder.as_vec3(),
             neck: (neck - chest).as_vec3() * Vec3::new(1.0, 0.0, 1.0),
-            upper_arm: length(Mark::UpperArm, Mark::Forearm)? as f32,
-            forearm: length(Mark::Forearm, Mark::Hand)? as f32,
+            upper_arm: length(JointName::UpperArm, JointName::Forearm)? as f32,
+            forearm: length(JointName::Forearm, JointName::Hand)? as f32,
         };
         let age = Age::from_name(sheet.age);
-        let figure = Figure::measured(Look::plain(age, sheet.gender == "female"), &measures);
+        let figure = Figure::measured(Appearance::plain(age, sheet.gender == "female"), &measures);
         let mut body = Self { figure, bone_from_object: [DAffine3::IDENTITY; Bone::BODY.len()] };
         for (bone, joint) in [(Bone::Pelvis, hips), (Bone::Chest, chest), (Bone::Head, neck)] {
             body.set(bone, DAffine3::from_translation(-joint));
@@ -116,10 +116,10 @@ impl Body {
             let [upper, lower] = of.arm();
             let [thigh, shin, sole, toes] = of.leg();
             for (bone, from, to) in [
-                (upper, Mark::UpperArm(side), Mark::Forearm(side)),
-                (lower, Mark::Forearm(side), Mark::Hand(side)),
-                (thigh, Mark::Thigh(side), Mark::Shin(side)),
-                (shin, Mark::Shin(side), Mark::Foot(side)),
+                (upper, JointName::UpperArm(side), JointName::Forearm(side)),
+                (lower, JointName::Forearm(side), JointName::Hand(side)),
+                (thigh, JointName::Thigh(side), JointName::Shin(side)),
+                (shin, JointName::Shin(side), JointName::Foot(side)),
             ] {
                 body.set(bone, hung(at(from)?, at(to)?));
             }
@@ -143,16 +143,16 @@ fn hung(from: DVec3, to: DVec3) -> DAffine3 {
 }
 
 fn foot(rig: &Rig, triangles: &[Triangle], side: Side) -> Result<Foot, Problem> {
-    let ankle_mark = Mark::Foot(side);
+    let ankle_mark = JointName::Foot(side);
     let ankle = rig.places_m.get(&ankle_mark).copied().ok_or(bad(ankle_mark, "it is not there"))?;
-    let bones = [Mark::Foot(side).bone(), Mark::Toes(side).bone()];
+    let bones = [JointName::Foot(side).bone(), JointName::Toes(side).bone()];
     let corners = || triangles.iter().flat_map(|t| t.corners_m.iter().zip(&t.bones));
     let points = || corners().filter(|(_, bone)| bones.contains(bone)).map(|(point, _)| *point);
     let sole_z = points().map(|p| p.z).fold(f64::INFINITY, f64::min);
     if !sole_z.is_finite() || ankle.z - sole_z < 0.005 {
         return Err(bad(ankle_mark, "no foot hangs on it, or it is not above the sole"));
     }
-    let toes = rig.places_m.get(&Mark::Toes(side)).copied();
+    let toes = rig.places_m.get(&JointName::Toes(side)).copied();
     // Ahead is where the toes' joint is, or what is farthest from the ankle.
     let flat = |p: DVec3| (p - ankle).truncate();
     let farthest = points()

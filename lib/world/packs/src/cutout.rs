@@ -2,8 +2,8 @@
 
 use meshes::people::Bone;
 
-use crate::soup::Triangle;
 use crate::stencil::Stencil;
+use crate::triangle_soup::Triangle;
 
 /// Triangles that cutting may add to a level of detail.
 pub(crate) const ADDED: usize = 16_384;
@@ -96,7 +96,7 @@ fn halves(triangle: &Triangle, from: usize) -> [Triangle; 2] {
 #[cfg(test)]
 mod tests {
     use glam::{DVec3, Vec2, Vec3};
-    use schema::skin::Wrap;
+    use schema::mesh_textures::Wrap;
 
     use super::*;
 

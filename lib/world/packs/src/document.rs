@@ -11,13 +11,13 @@ use crate::files::{Files, inside};
 use crate::limits;
 
 /// A model's files while they are read: each is read once, and all together stay below a limit.
-pub(crate) struct Bag<'f> {
+pub(crate) struct ModelFiles<'f> {
     files: &'f dyn Files,
     pub(crate) read: BTreeMap<String, Vec<u8>>,
     bytes: u64,
 }
 
-impl<'f> Bag<'f> {
+impl<'f> ModelFiles<'f> {
     pub(crate) fn new(files: &'f dyn Files) -> Self {
         Self { files, read: BTreeMap::new(), bytes: 0 }
     }
@@ -54,7 +54,7 @@ pub(crate) struct Document {
 }
 
 impl Document {
-    pub(crate) fn read(bag: &mut Bag<'_>, path: &str) -> Result<Self, PackError> {
+    pub(crate) fn read(bag: &mut ModelFiles<'_>, path: &str) -> Result<Self, PackError> {
         let place = bag.location(path);
         let at = |problem| PackError::file(&place, problem);
         let bytes = bag.get(path, limits::FILE_BYTES).map_err(at)?.ok_or_else(|| at(Problem::Missing))?;
@@ -96,7 +96,7 @@ impl Document {
     }
 
     /// The bytes of a picture's file.
-    pub(crate) fn picture(&self, bag: &mut Bag<'_>, index: usize) -> Result<Vec<u8>, PackError> {
+    pub(crate) fn picture(&self, bag: &mut ModelFiles<'_>, index: usize) -> Result<Vec<u8>, PackError> {
         let at = |problem: &str| {
             let problem = Problem::Picture { index, problem: problem.to_owned() };
             PackError::file(bag.location(&self.path), problem)
@@ -164,8 +164,8 @@ fn check(root: &Root) -> Result<(), Problem> {
 }
 
 /// The bytes that a URI in a file names: in the URI itself, or a file of the pack.
-fn external(bag: &mut Bag<'_>, beside: &str, uri: &str) -> Result<Vec<u8>, PackError> {
-    let at = |bag: &Bag<'_>, problem| PackError::file(bag.location(beside), problem);
+fn external(bag: &mut ModelFiles<'_>, beside: &str, uri: &str) -> Result<Vec<u8>, PackError> {
+    let at = |bag: &ModelFiles<'_>, problem| PackError::file(bag.location(beside), problem);
     if let Some(data) = uri.strip_prefix("data:") {
         let text = data.split_once(";base64,").map(|(_, text)| text);
         let bytes = text.and_then(|text| STANDARD.decode(text).ok());

@@ -9,11 +9,11 @@ use schema::Tag;
 
 use crate::error::Problem;
 use crate::limits;
-use crate::sheet::Sheet;
+use crate::manifest::ModelManifest;
 
 /// What a piece hangs on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Hung {
+pub(crate) enum AttachedTo {
     Body,
     Wheel { steered: bool },
     Door { door: usize, hinge_m: DVec3 },
@@ -47,7 +47,7 @@ pub(crate) struct Placed {
 pub(crate) struct Graph {
     pub(crate) placed: Vec<Placed>,
     /// The body, then wheels and doors by the names of their nodes, each with its name.
-    pub(crate) hung: Vec<(String, Hung)>,
+    pub(crate) hung: Vec<(String, AttachedTo)>,
     /// Of each node of the scene, by its number: the node above it, and where it is.
     pub(crate) nodes: BTreeMap<usize, (Option<usize>, DAffine3)>,
 }
@@ -69,7 +69,7 @@ pub(crate) fn name_of(root: &Root, node: usize) -> String {
 
 struct Walk<'a> {
     root: &'a Root,
-    sheet: &'a Sheet,
+    sheet: &'a ModelManifest,
     graph: Graph,
     /// Levels at which each family of nodes has a version.
     versions: BTreeMap<&'a str, BTreeSet<usize>>,
@@ -79,7 +79,7 @@ struct Walk<'a> {
 impl Graph {
     /// # Errors
     /// The nodes are no tree, or the page speaks of nodes that are not there.
-    pub(crate) fn new(root: &Root, sheet: &Sheet) -> Result<Self, At> {
+    pub(crate) fn new(root: &Root, sheet: &ModelManifest) -> Result<Self, At> {
         let mut versions: BTreeMap<&str, BTreeSet<usize>> = BTreeMap::new();
         let mut names: BTreeMap<&str, usize> = BTreeMap::new();
         for name in root.nodes.iter().filter_map(|node| node.name.as_deref()) {
@@ -108,13 +108,13 @@ impl Graph {
                 format!("has {} distances, but nodes go up to `_lod{finest}`", sheet.lod_from_m.len());
             return Err((None, Problem::Key { key: "lod_from_m".into(), problem }));
         }
-        let mut hung = vec![(String::new(), Hung::Body)];
+        let mut hung = vec![(String::new(), AttachedTo::Body)];
         for (name, note) in &sheet.nodes {
             if let Some(steered) = note.wheel {
-                hung.push((name.clone(), Hung::Wheel { steered }));
+                hung.push((name.clone(), AttachedTo::Wheel { steered }));
             } else if let Some(door) = note.door {
                 let hinge_m = note.hinge_m.map_or(DVec3::NAN, DVec3::from_array);
-                hung.push((name.clone(), Hung::Door { door, hinge_m }));
+                hung.push((name.clone(), AttachedTo::Door { door, hinge_m }));
             }
         }
         let tag = sheet.base.tags().last().copied().unwrap_or_default();
@@ -184,7 +184,7 @@ impl Walk<'_> {
             role.lamp = note.lamps.map(|bits| (bits, note.lamp_rgb)).or(role.lamp);
             if let Some(hung) = self.graph.hung.iter().skip(1).position(|(name, _)| name == base) {
                 role.hung = hung + 1;
-                if let Hung::Door { hinge_m, .. } = &mut self.graph.hung[hung + 1].1
+                if let AttachedTo::Door { hinge_m, .. } = &mut self.graph.hung[hung + 1].1
                     && hinge_m.is_nan()
                 {
                     *hinge_m = object_from_node.translation;

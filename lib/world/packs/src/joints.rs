@@ -4,7 +4,7 @@ use meshes::people::Bone;
 
 /// What joints are looked for: those of our bones, and the wrists, where forearms end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Mark {
+pub(crate) enum JointName {
     Pelvis,
     Chest,
     Head,
@@ -23,11 +23,11 @@ pub(crate) enum Side {
     Right,
 }
 
-use Mark::{Chest, Foot, Forearm, Hand, Head, Pelvis, Shin, Thigh, Toes, UpperArm};
+use JointName::{Chest, Foot, Forearm, Hand, Head, Pelvis, Shin, Thigh, Toes, UpperArm};
 use Side::{Left, Right};
 
 /// All of them by the names that pages use; what ends on the way down stands before what hangs on it.
-pub(crate) const MARKS: [(&str, Mark); 17] = [
+pub(crate) const MARKS: [(&str, JointName); 17] = [
     ("pelvis", Pelvis),
     ("chest", Chest),
     ("head", Head),
@@ -47,7 +47,7 @@ pub(crate) const MARKS: [(&str, Mark); 17] = [
     ("toes_right", Toes(Right)),
 ];
 
-impl Mark {
+impl JointName {
     pub(crate) fn name(self) -> &'static str {
         MARKS.iter().find(|(_, mark)| *mark == self).map_or("", |(name, _)| *name)
     }
@@ -146,7 +146,7 @@ fn plain(name: &str) -> (String, Option<Side>) {
 }
 
 /// The places in a list of names of those that are `mark`, as far as that is to be seen from the name. `taken`: places with another meaning.
-pub(crate) fn recognised(mark: Mark, names: &[&str], taken: &dyn Fn(usize) -> bool) -> Option<usize> {
+pub(crate) fn recognised(mark: JointName, names: &[&str], taken: &dyn Fn(usize) -> bool) -> Option<usize> {
     let known: Vec<(String, Option<Side>)> = names.iter().map(|name| plain(name)).collect();
     mark.words().iter().find_map(|word| {
         let is_it = |(place, (name, side)): &(usize, &(String, Option<Side>))| {

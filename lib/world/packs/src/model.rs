@@ -11,20 +11,20 @@ use schema::tables::PlanModelRow;
 
 use crate::bake::Baker;
 use crate::body::Body;
-use crate::document::{Bag, Document};
+use crate::document::{Document, ModelFiles};
 use crate::error::{PackError, Problem};
 use crate::files::{Files, inside};
-use crate::graph::{Graph, Hung, name_of};
+use crate::graph::{AttachedTo, Graph, name_of};
 use crate::hash::hash_of;
 use crate::limits;
+use crate::manifest::ModelManifest;
 use crate::rig::Rig;
-use crate::sheet::Sheet;
-use crate::soup::{Soup, Triangle, bounds};
 use crate::split;
+use crate::triangle_soup::{Triangle, TriangleSoup, bounds};
 
 /// How a piece hangs on its model.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Hang {
+pub enum Attachment {
     /// It does not move.
     Body,
     /// A wheel that turns about its axle.
@@ -51,7 +51,7 @@ pub struct PackPiece {
     /// Its triangles, relative to axle or hinge, axes of the object; or in the frame of its bone.
     pub mesh: Arc<TriMesh>,
     /// How it hangs on the model.
-    pub hang: Hang,
+    pub hang: Attachment,
 }
 
 /// A model as it is shown from some distance on.
@@ -81,12 +81,12 @@ pub struct PackModel {
 /// # Errors
 /// The page or the glTF file is missing, broken, too large, or one does not fit the other.
 pub fn read_model(page: &str, files: &dyn Files) -> Result<PackModel, PackError> {
-    let mut bag = Bag::new(files);
+    let mut bag = ModelFiles::new(files);
     let place = bag.location(page);
     let at = |problem| PackError::file(&place, problem);
     let text = bag.get(page, limits::SHEET_BYTES).map_err(at)?.ok_or_else(|| at(Problem::Missing))?;
     let text = str::from_utf8(text).map_err(|e| at(Problem::Unreadable(e.to_string())))?;
-    let sheet = Sheet::parse(text).map_err(at)?;
+    let sheet = ModelManifest::parse(text).map_err(at)?;
     let path = mesh_file(page, &sheet, &mut bag).map_err(at)?;
     let document = Document::read(&mut bag, &path)?;
     let mesh_place = bag.location(&path);
@@ -102,7 +102,8 @@ pub fn read_model(page: &str, files: &dyn Files) -> Result<PackModel, PackError>
     check_materials(&document, &sheet).map_err(at)?;
     let is_rigged = sheet.base == BaseType::Pedestrian;
     let rig = is_rigged.then(|| Rig::new(&document, &graph, &sheet)).transpose().map_err(in_mesh)?;
-    let mut soup = Soup::new(&document, &graph, rig.as_ref(), sheet.lod_from_m.len() + 1).map_err(in_mesh)?;
+    let mut soup =
+        TriangleSoup::new(&document, &graph, rig.as_ref(), sheet.lod_from_m.len() + 1).map_err(in_mesh)?;
     let baker = Baker::new(&document, &sheet, &mut bag, &soup.parts, mesh_place.clone())?;
     baker.cut(&mut soup);
     let [low, high] = extents(&soup, &sheet).map_err(in_mesh)?;
@@ -113,7 +114,7 @@ pub fn read_model(page: &str, files: &dyn Files) -> Result<PackModel, PackError>
             let pieces = split::pieces(&body, &level.concat()).into_iter();
             let piece = |(bone, triangles): (Bone, Vec<Triangle>)| {
                 let mesh = Arc::new(baker.mesh(&triangles, DVec3::ZERO));
-                PackPiece { mesh, hang: Hang::Bone(bone) }
+                PackPiece { mesh, hang: Attachment::Bone(bone) }
             };
             pieces.map(piece).collect()
         };
@@ -126,7 +127,7 @@ pub fn read_model(page: &str, files: &dyn Files) -> Result<PackModel, PackError>
     let facts = facts(&sheet, &graph, &soup, &hung).map_err(at)?;
     let levels = sheet.levels_from_m().zip(&soup.levels).map(|(from_m, level)| {
         let pieces = level.iter().zip(&hung).filter(|(triangles, _)| !triangles.is_empty());
-        let piece = |(triangles, hang): (&Vec<Triangle>, &Hang)| {
+        let piece = |(triangles, hang): (&Vec<Triangle>, &Attachment)| {
             let relative_m = shift_m - hang.at().as_dvec3();
             PackPiece { mesh: Arc::new(baker.mesh(triangles, relative_m)), hang: *hang }
         };
@@ -139,9 +140,9 @@ pub fn read_model(page: &str, files: &dyn Files) -> Result<PackModel, PackError>
 
 /// What the plan says of a model, and its files.
 fn described(
-    sheet: Sheet,
+    sheet: ModelManifest,
     page: &str,
-    bag: Bag<'_>,
+    bag: ModelFiles<'_>,
     size_m: DVec3,
     facts: PlanModelRow,
 ) -> (PlanModelRow, BTreeMap<String, Vec<u8>>) {
@@ -168,15 +169,15 @@ const PERSON_M: f32 = 3.0;
 
 /// A pedestrian of pieces in the frames of their bones.
 fn person(
-    sheet: Sheet,
+    sheet: ModelManifest,
     page: &str,
-    bag: Bag<'_>,
+    bag: ModelFiles<'_>,
     body: &Body,
     levels: Vec<Vec<PackPiece>>,
 ) -> Result<PackModel, Problem> {
     let finest = levels.iter().take(1).flatten();
     let on_bone = |piece: &PackPiece| match piece.hang {
-        Hang::Bone(bone) => Some((bone, Arc::clone(&piece.mesh))),
+        Attachment::Bone(bone) => Some((bone, Arc::clone(&piece.mesh))),
         _ => None,
     };
     let walker = Walker::of_meshes(body.figure, finest.filter_map(on_bone).collect());
@@ -193,7 +194,7 @@ fn person(
 }
 
 /// The glTF file of a page: the one that it names, else the one of its name.
-fn mesh_file(page: &str, sheet: &Sheet, bag: &mut Bag<'_>) -> Result<String, Problem> {
+fn mesh_file(page: &str, sheet: &ModelManifest, bag: &mut ModelFiles<'_>) -> Result<String, Problem> {
     if let Some(file) = &sheet.file {
         return inside(page, file).ok_or_else(|| Problem::Outside(file.chars().take(80).collect()));
     }
@@ -208,7 +209,7 @@ fn mesh_file(page: &str, sheet: &Sheet, bag: &mut Bag<'_>) -> Result<String, Pro
     Err(Problem::Key { key: "file".into(), problem })
 }
 
-fn check_materials(document: &Document, sheet: &Sheet) -> Result<(), Problem> {
+fn check_materials(document: &Document, sheet: &ModelManifest) -> Result<(), Problem> {
     let names: Vec<&str> = document.root.materials.iter().filter_map(|m| m.name.as_deref()).collect();
     match sheet.materials.keys().find(|name| !names.contains(&name.as_str())) {
         None => Ok(()),
@@ -224,7 +225,7 @@ const TOLERANCE: f64 = 0.02;
 const TOLERANCE_M: f64 = 0.02;
 
 /// The box around the finest level, which must have the size of the page; coarser ones must not stand out of it.
-fn extents(soup: &Soup, sheet: &Sheet) -> Result<[DVec3; 2], (Option<usize>, Problem)> {
+fn extents(soup: &TriangleSoup, sheet: &ModelManifest) -> Result<[DVec3; 2], (Option<usize>, Problem)> {
     let mut first: Option<[DVec3; 2]> = None;
     for (level, triangles) in soup.levels.iter().enumerate() {
         let Some([low, high]) = bounds(triangles.iter().flatten()) else {
@@ -249,7 +250,7 @@ fn extents(soup: &Soup, sheet: &Sheet) -> Result<[DVec3; 2], (Option<usize>, Pro
     first.ok_or((None, Problem::Empty))
 }
 
-impl Hang {
+impl Attachment {
     /// Where the piece hangs, object frame, metres.
     #[must_use]
     pub fn at(&self) -> Vec3 {
@@ -261,17 +262,17 @@ impl Hang {
 }
 
 /// Where everything hangs.
-fn places(graph: &Graph, soup: &Soup, shift_m: DVec3) -> Result<Vec<Hang>, Problem> {
-    let hang = |(number, (name, hung)): (usize, &(String, Hung))| {
+fn places(graph: &Graph, soup: &TriangleSoup, shift_m: DVec3) -> Result<Vec<Attachment>, Problem> {
+    let hang = |(number, (name, hung)): (usize, &(String, AttachedTo))| {
         let bad = |problem: &str| Problem::Key { key: format!("nodes.{name}"), problem: problem.into() };
         let around = bounds(soup.levels[0][number].iter());
         Ok(match *hung {
-            Hung::Body => Hang::Body,
-            Hung::Wheel { steered } => {
+            AttachedTo::Body => Attachment::Body,
+            AttachedTo::Wheel { steered } => {
                 let [low, high] = around.ok_or_else(|| bad("is a wheel without triangles"))?;
-                Hang::Wheel { at: (0.5 * (low + high) + shift_m).as_vec3(), steered }
+                Attachment::Wheel { at: (0.5 * (low + high) + shift_m).as_vec3(), steered }
             }
-            Hung::Door { door, hinge_m } => {
+            AttachedTo::Door { door, hinge_m } => {
                 let [low, high] = around.ok_or_else(|| bad("is a door without triangles"))?;
                 let near = DVec3::splat(0.25);
                 let beside = hinge_m.clamp(low - near, high + near) - hinge_m;
@@ -285,7 +286,7 @@ fn places(graph: &Graph, soup: &Soup, shift_m: DVec3) -> Result<Vec<Hang>, Probl
                 if (at.y > 0.0) != door.is_multiple_of(2) {
                     return Err(bad("the hinge of a left door is on the right, or the other way round"));
                 }
-                Hang::Door { at, door }
+                Attachment::Door { at, door }
             }
         })
     };
@@ -293,24 +294,29 @@ fn places(graph: &Graph, soup: &Soup, shift_m: DVec3) -> Result<Vec<Hang>, Probl
 }
 
 /// What the plan says of a model's wheels, doors and lamps.
-fn facts(sheet: &Sheet, graph: &Graph, soup: &Soup, hung: &[Hang]) -> Result<PlanModelRow, Problem> {
+fn facts(
+    sheet: &ModelManifest,
+    graph: &Graph,
+    soup: &TriangleSoup,
+    hung: &[Attachment],
+) -> Result<PlanModelRow, Problem> {
     let bad = |key: &str, problem: &str| Problem::Key { key: key.into(), problem: problem.into() };
     let mut doors: Vec<usize> = Vec::new();
     let mut axles = Vec::new();
     for (number, hang) in hung.iter().enumerate() {
         match *hang {
-            Hang::Door { door, .. } if doors.contains(&door) => {
+            Attachment::Door { door, .. } if doors.contains(&door) => {
                 return Err(bad(
                     &format!("nodes.{}", graph.hung[number].0),
                     "is the second door of that place",
                 ));
             }
-            Hang::Door { door, .. } => doors.push(door),
-            Hang::Wheel { at, .. } => {
+            Attachment::Door { door, .. } => doors.push(door),
+            Attachment::Wheel { at, .. } => {
                 let [low, high] = bounds(soup.levels[0][number].iter()).unwrap_or_default();
                 axles.push((f64::from(at.x), 0.5 * (high.z - low.z)));
             }
-            Hang::Body | Hang::Bone(_) => {}
+            Attachment::Body | Attachment::Bone(_) => {}
         }
     }
     doors.sort_unstable();

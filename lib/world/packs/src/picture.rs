@@ -2,7 +2,7 @@
 
 use codecs::images::{AnyImage, ImageError, Limits, decode_any};
 use frames::math;
-use schema::skin::{Image, Level, Wrap};
+use schema::mesh_textures::{Image, Level, Wrap};
 
 use crate::limits::{DETAIL_SIDE, IMAGE_SIDE};
 

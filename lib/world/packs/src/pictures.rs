@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use gltf_json::texture::WrappingMode;
 use gltf_json::validation::Checked;
-use schema::skin::{Image, Wrap};
+use schema::mesh_textures::{Image, Wrap};
 
-use crate::document::{Bag, Document};
+use crate::document::{Document, ModelFiles};
 use crate::error::{PackError, Problem};
 use crate::limits;
 use crate::picture::{Curve, Decoded, Meaning, decode, image};
@@ -19,7 +19,7 @@ type Use = (usize, [u32; 3], [u8; 2], u8);
 /// All that were asked for.
 pub(crate) struct Pictures<'a, 'f> {
     document: &'a Document,
-    bag: &'a mut Bag<'f>,
+    bag: &'a mut ModelFiles<'f>,
     place: String,
     curve: &'a Curve,
     decoded: BTreeMap<usize, Decoded>,
@@ -29,7 +29,12 @@ pub(crate) struct Pictures<'a, 'f> {
 }
 
 impl<'a, 'f> Pictures<'a, 'f> {
-    pub(crate) fn new(document: &'a Document, bag: &'a mut Bag<'f>, place: String, curve: &'a Curve) -> Self {
+    pub(crate) fn new(
+        document: &'a Document,
+        bag: &'a mut ModelFiles<'f>,
+        place: String,
+        curve: &'a Curve,
+    ) -> Self {
         Self {
             document,
             bag,

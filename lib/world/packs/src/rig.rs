@@ -9,9 +9,9 @@ use crate::accessor::Numbers;
 use crate::document::Document;
 use crate::error::Problem;
 use crate::graph::{At, Graph, name_of};
-use crate::joints::{MARKS, Mark, recognised};
+use crate::joints::{JointName, MARKS, recognised};
 use crate::limits;
-use crate::sheet::Sheet;
+use crate::manifest::ModelManifest;
 
 /// A joint of a skin: the bone that it goes with, and where it takes what hangs on it.
 #[derive(Clone, Copy)]
@@ -24,7 +24,7 @@ struct SkinJoint {
 /// The rig of a file in the pose that its nodes have.
 pub(crate) struct Rig {
     /// Where the joints are, object frame before it is centred, metres.
-    pub(crate) places_m: BTreeMap<Mark, DVec3>,
+    pub(crate) places_m: BTreeMap<JointName, DVec3>,
     /// Of each node the bone that it goes with: its own, or that of the nearest one above it that has one.
     bones: BTreeMap<usize, Bone>,
     /// Nodes above joints that are known.
@@ -35,7 +35,7 @@ pub(crate) struct Rig {
 impl Rig {
     /// # Errors
     /// A joint that is needed is not found, or a skin is damaged.
-    pub(crate) fn new(document: &Document, graph: &Graph, sheet: &Sheet) -> Result<Self, At> {
+    pub(crate) fn new(document: &Document, graph: &Graph, sheet: &ModelManifest) -> Result<Self, At> {
         let root = &document.root;
         let numbers = |(skin, joints): (usize, &gltf_json::Skin)| {
             let too_many = skin >= limits::SKINS || joints.joints.len() > limits::JOINTS;
@@ -49,8 +49,8 @@ impl Rig {
         let skins: Vec<Vec<usize>> = root.skins.iter().enumerate().map(numbers).collect::<Result<_, At>>()?;
         let used: Vec<usize> = graph.placed.iter().filter_map(|placed| placed.skin).collect();
         let marked = marked(root, graph, sheet, &skins.concat())?;
-        let of_node: BTreeMap<usize, Mark> = marked.iter().map(|(mark, node)| (*node, *mark)).collect();
-        let place = |(mark, node): (&Mark, &usize)| Some((*mark, graph.nodes.get(node)?.1.translation));
+        let of_node: BTreeMap<usize, JointName> = marked.iter().map(|(mark, node)| (*node, *mark)).collect();
+        let place = |(mark, node): (&JointName, &usize)| Some((*mark, graph.nodes.get(node)?.1.translation));
         let places_m = marked.iter().filter_map(place).collect();
         let mut bones = BTreeMap::new();
         for &node in graph.nodes.keys() {
@@ -132,12 +132,12 @@ fn matrix(list: &Numbers<'_>, place: usize) -> Option<DAffine3> {
 fn marked(
     root: &gltf_json::Root,
     graph: &Graph,
-    sheet: &Sheet,
+    sheet: &ModelManifest,
     skinned: &[usize],
-) -> Result<BTreeMap<Mark, usize>, At> {
+) -> Result<BTreeMap<JointName, usize>, At> {
     let mut nodes: Vec<usize> = graph.nodes.keys().copied().collect();
     let name = |node: usize| root.nodes.get(node).and_then(|node| node.name.as_deref()).unwrap_or("");
-    let mut marked: BTreeMap<Mark, usize> = BTreeMap::new();
+    let mut marked: BTreeMap<JointName, usize> = BTreeMap::new();
     for (written, mark) in &sheet.joints {
         let bad = |problem: &str| {
             (None, Problem::Key { key: format!("joints.{written}"), problem: problem.to_owned() })

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec2};
 use meshes::people::{Bone, Side};
 
 use crate::body::Body;
-use crate::soup::Triangle;
+use crate::triangle_soup::Triangle;
 
 /// How far a cut bulges, as a share of its radius: joints that bend do not open. Feet would stick into the ground.
 const BULGE: f64 = 0.4;

@@ -1,7 +1,7 @@
 //! Which of a picture's texels are there.
 
 use glam::Vec2;
-use schema::skin::Wrap;
+use schema::mesh_textures::Wrap;
 
 /// Places looked at along a side of a triangle at most.
 const STEPS: f32 = 24.0;

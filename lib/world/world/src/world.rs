@@ -158,8 +158,8 @@ pub enum Light {
     /// Nothing: who paints no pictures needs none.
     #[default]
     Any,
-    /// What reaches them past themselves ([`TriMesh::corner_open`]).
-    Sheltered,
+    /// What reaches them past themselves ([`TriMesh::corner_visibility`]).
+    AmbientOcclusion,
 }
 
 /// Meshes while they are gathered: identical models share theirs.
@@ -195,7 +195,7 @@ impl Library {
                 Some(own) => own.clone(),
                 None => actor_mesh(&key.0, key.1.map(f64::from_bits), key.2)?,
             };
-            let made = if light == Light::Sheltered { made.sheltered() } else { made };
+            let made = if light == Light::AmbientOcclusion { made.with_ambient_occlusion() } else { made };
             Some((key, made))
         };
         let keys: Vec<ModelKey> = keys.into_iter().collect();

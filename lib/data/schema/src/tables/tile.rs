@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
-use crate::geometry::{Kerbs, Part, Paving, Surface, SurfaceMesh, TriMesh};
-use crate::skin::Skin;
+use crate::geometry::{Kerbs, MeshPart, Paving, Surface, SurfaceMesh, TriMesh};
+use crate::mesh_textures::MeshTextures;
 use crate::tables::ActorRow;
 use crate::{ActorRole, Attributes, Layer, ObjectId, Tag, table};
 
@@ -142,7 +142,7 @@ const SURFACES: [(&str, Surface); 21] = [
 impl From<&SurfaceMesh> for SurfaceRow {
     fn from(piece: &SurfaceMesh) -> Self {
         let axis = |k: usize| piece.mesh.positions.iter().map(|p| p[k]).collect();
-        let word = |part: &Part| {
+        let word = |part: &MeshPart| {
             let known = SURFACES.iter().find(|(_, surface)| *surface == part.surface);
             known.map_or("plain", |(word, _)| word).to_owned()
         };
@@ -160,9 +160,9 @@ impl From<&SurfaceMesh> for SurfaceRow {
             part_rgb: parts.iter().flat_map(|part| part.rgb).collect(),
             laid_m: piece
                 .mesh
-                .skin
+                .textures
                 .iter()
-                .flat_map(|skin| skin.corners.iter().flatten())
+                .flat_map(|textures| textures.corners.iter().flatten())
                 .flat_map(|at| at.to_array())
                 .collect(),
         }
@@ -194,7 +194,7 @@ impl SurfaceRow {
         }
         let part = |i: usize| {
             let (_, surface) = SURFACES.iter().find(|(word, _)| *word == self.part_surface[i])?;
-            Some(Part::new(Tag::from_u8(self.part_tag[i])?, *surface, rgb[i]))
+            Some(MeshPart::new(Tag::from_u8(self.part_tag[i])?, *surface, rgb[i]))
         };
         let mesh = TriMesh {
             positions: (0..n).map(|i| Vec3::new(self.x[i], self.y[i], self.z[i])).collect(),
@@ -203,12 +203,12 @@ impl SurfaceRow {
             parts: (0..parts).map(part).collect::<Option<_>>()?,
             // The ground is flat in its triangles.
             corner_normals: Vec::new(),
-            corner_open: Vec::new(),
-            skin: (!laid.is_empty()).then(|| {
+            corner_visibility: Vec::new(),
+            textures: (!laid.is_empty()).then(|| {
                 let corners = laid
                     .iter()
                     .map(|[a, b, c, d, e, f]| [[a, b], [c, d], [e, f]].map(|[x, y]| Vec2::new(*x, *y)));
-                Arc::new(Skin { corners: corners.collect(), coats: Vec::new() })
+                Arc::new(MeshTextures { corners: corners.collect(), sets: Vec::new() })
             }),
         };
         Some(SurfaceMesh { layer: self.layer, origin_m: self.origin_m, mesh })
@@ -230,7 +230,7 @@ mod tests {
             (Tag::Road, Surface::KerbedAsphalt(Kerbs::Both), [corners[0], corners[1], corners[2]]),
             (Tag::Water, Surface::Glass, [corners[0], corners[2], corners[3]]),
         ] {
-            let part = mesh.part_index(Part::new(part, surface, [0.1, 0.2, 0.3]));
+            let part = mesh.part_index(MeshPart::new(part, surface, [0.1, 0.2, 0.3]));
             mesh.add_triangle(part, corners);
         }
         SurfaceMesh { layer: Layer::Water, origin_m: [32.0, -32.0, 5.0], mesh }
@@ -239,12 +239,15 @@ mod tests {
     #[test]
     fn places_along_sidewalks_survive_too() {
         let mut piece = piece();
-        let part =
-            piece.mesh.part_index(Part::new(Tag::Sidewalk, Surface::Paving(Paving::Setts), [0.1, 0.2, 0.3]));
+        let part = piece.mesh.part_index(MeshPart::new(
+            Tag::Sidewalk,
+            Surface::Paving(Paving::Setts),
+            [0.1, 0.2, 0.3],
+        ));
         piece.mesh.triangle_part[0] = part;
         let corners =
             (0..piece.mesh.triangles.len()).map(|i| [0, 1, 2].map(|k| Vec2::new(i as f32, 0.5 * k as f32)));
-        piece.mesh.skin = Some(Arc::new(Skin { corners: corners.collect(), coats: Vec::new() }));
+        piece.mesh.textures = Some(Arc::new(MeshTextures { corners: corners.collect(), sets: Vec::new() }));
         assert_eq!(SurfaceRow::from(&piece).mesh(), Some(piece));
     }
 

@@ -9,7 +9,7 @@ use nalgebra::Point3;
 /// What rays say of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Seen {
+pub enum RayState {
     /// No ray came there.
     Unobserved = 0,
     /// A ray passed.
@@ -43,11 +43,11 @@ pub struct Sweep<'a> {
     pub z: &'a [f32],
 }
 
-/// What the rays of some lidars say of each cell, as values of [`Seen`]; z runs fastest, then y. A return makes its cell
+/// What the rays of some lidars say of each cell, as values of [`RayState`]; z runs fastest, then y. A return makes its cell
 /// occupied whatever passed it. `cells` is working memory for the answer.
 ///
 /// ```
-/// use labels::carve::{Lattice, Seen, Sweep, carve};
+/// use labels::carve::{Lattice, RayState, Sweep, carve};
 ///
 /// // Three cells of a metre ahead; a lidar in the first one, a return in the second.
 /// let lattice = Lattice { shape: [3, 1, 1], corner_m: [0.0; 3], cell_m: 1.0 };
@@ -55,17 +55,17 @@ pub struct Sweep<'a> {
 /// let sweep = Sweep { agent_from_sensor, x: &[1.0], y: &[0.0], z: &[0.0] };
 /// let mut cells = Vec::new();
 /// carve(&lattice, &[sweep], &mut cells);
-/// assert_eq!(cells, [Seen::Free as u8, Seen::Occupied as u8, Seen::Unobserved as u8]);
+/// assert_eq!(cells, [RayState::Free as u8, RayState::Occupied as u8, RayState::Unobserved as u8]);
 /// ```
 pub fn carve(lattice: &Lattice, sweeps: &[Sweep<'_>], cells: &mut Vec<u8>) {
     cells.clear();
-    cells.resize(lattice.shape.iter().product(), Seen::Unobserved as u8);
+    cells.resize(lattice.shape.iter().product(), RayState::Unobserved as u8);
     for_each_ray(lattice, sweeps, |from, to| {
-        walk(lattice.shape, from, to, |cell| cells[cell] = Seen::Free as u8);
+        walk(lattice.shape, from, to, |cell| cells[cell] = RayState::Free as u8);
     });
     for_each_ray(lattice, sweeps, |_, to| {
         if let Some(cell) = lattice.holding(to) {
-            cells[cell] = Seen::Occupied as u8;
+            cells[cell] = RayState::Occupied as u8;
         }
     });
 }

@@ -1,7 +1,7 @@
 //! Which candidates meet the class first along the lines of columns to their four sides.
 
 use crate::fill::bits::Bits;
-use crate::fill::met::Met;
+use crate::fill::met::FirstHit;
 use crate::fill::read::Entry;
 
 /// A grid's columns in lines, while one class is filled.
@@ -40,12 +40,12 @@ impl<'a, const W: usize> Lines<'a, W> {
     /// Keeps the cells of some columns, in column order, that meet the class first to the left and to the right.
     pub(super) fn keep_along_y(&self, columns: &mut [Entry<W>]) {
         let ny = self.along_x.len();
-        let (mut met, mut next) = (Met::NOTHING_KNOWN, None);
+        let (mut met, mut next) = (FirstHit::NOTHING_KNOWN, None);
         for column in &mut *columns {
             let Entry { i, j, cells } = *column;
             let row = i as usize * ny;
             if next != Some((i, j)) {
-                met = Met::NOTHING_KNOWN;
+                met = FirstHit::NOTHING_KNOWN;
             }
             let before = (self.along_y[i as usize][0]..j).rev();
             column.cells = met.ask(cells, before.map(|j| self.at(row + j as usize)));
@@ -57,7 +57,7 @@ impl<'a, const W: usize> Lines<'a, W> {
             let Entry { i, j, cells } = *column;
             let row = i as usize * ny;
             if previous != Some((i, j)) {
-                met = Met::NOTHING_KNOWN;
+                met = FirstHit::NOTHING_KNOWN;
             }
             let behind = j + 1..self.along_y[i as usize][1] + 1;
             column.cells = met.ask(cells, behind.map(|j| self.at(row + j as usize)));
@@ -71,24 +71,24 @@ impl<'a, const W: usize> Lines<'a, W> {
     pub(super) fn keep_along_x(&self, columns: &mut [Entry<W>], first: usize, width: usize) {
         let ny = self.along_x.len();
         let place = |i: u32, j: u32| i as usize * ny + j as usize;
-        let mut lines = vec![(Met::NOTHING_KNOWN, u32::MAX); width];
+        let mut lines = vec![(FirstHit::NOTHING_KNOWN, u32::MAX); width];
         for column in &mut *columns {
             let Entry { i, j, cells } = *column;
             let (met, next) = &mut lines[j as usize - first];
             if *next != i {
-                *met = Met::NOTHING_KNOWN;
+                *met = FirstHit::NOTHING_KNOWN;
             }
             let before = (self.along_x[j as usize][0]..i).rev();
             column.cells = met.ask(cells, before.map(|i| self.at(place(i, j))));
             met.pass(self.at(place(i, j)));
             *next = i + 1;
         }
-        lines.fill((Met::NOTHING_KNOWN, u32::MAX));
+        lines.fill((FirstHit::NOTHING_KNOWN, u32::MAX));
         for column in columns.iter_mut().rev() {
             let Entry { i, j, cells } = *column;
             let (met, previous) = &mut lines[j as usize - first];
             if *previous != i {
-                *met = Met::NOTHING_KNOWN;
+                *met = FirstHit::NOTHING_KNOWN;
             }
             let behind = i + 1..self.along_x[j as usize][1] + 1;
             column.cells = met.ask(cells, behind.map(|i| self.at(place(i, j))));

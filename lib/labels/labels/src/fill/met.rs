@@ -5,14 +5,14 @@ use crate::fill::bits::Bits;
 /// For each cell of a column: whether the first occupied cell on one side of it, along a line of columns, is of the class at
 /// hand. Carried from column to column; where nothing is known yet, found by a walk that ends when all that is asked is decided.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Met<const W: usize> {
+pub(super) struct FirstHit<const W: usize> {
     /// Cells of which it is known.
     known: Bits<W>,
     /// Those of them of which it is so.
     met: Bits<W>,
 }
 
-impl<const W: usize> Met<W> {
+impl<const W: usize> FirstHit<W> {
     pub(super) const NOTHING_KNOWN: Self = Self { known: Bits::ZERO, met: Bits::ZERO };
 
     /// Those of some cells whose first occupied cell is of the class. `line` gives the cells of the columns on that side, the

@@ -26,7 +26,7 @@ impl<const W: usize> Entry<W> {
 
 /// The columns that hold a class, in column order, of the slices that one task takes; by class.
 #[derive(Debug)]
-pub(super) struct Part<'c, const W: usize> {
+pub(super) struct SliceColumns<'c, const W: usize> {
     classes: &'c Classes,
     pub(super) columns: Vec<Vec<Entry<W>>>,
 }
@@ -36,13 +36,13 @@ pub(super) fn read<'c, const W: usize>(
     grid: &VoxelGrid,
     classes: &'c Classes,
     free: &mut [Bits<W>],
-) -> Vec<Part<'c, W>> {
+) -> Vec<SliceColumns<'c, W>> {
     let [_, ny, nz] = grid.shape;
     free.par_chunks_mut(SLICES * ny)
         .zip(grid.data.par_chunks(SLICES * ny * nz))
         .enumerate()
         .map(|(part, (free, cells))| {
-            let mut found = Part { classes, columns: vec![Vec::new(); classes.count] };
+            let mut found = SliceColumns { classes, columns: vec![Vec::new(); classes.count] };
             for (slice, (free, cells)) in free.chunks_mut(ny).zip(cells.chunks(ny * nz)).enumerate() {
                 for (j, (free, column)) in free.iter_mut().zip(cells.chunks_exact(nz)).enumerate() {
                     *free = found.column((part * SLICES + slice) as u32, j as u32, column);
@@ -53,7 +53,7 @@ pub(super) fn read<'c, const W: usize>(
         .collect()
 }
 
-impl<const W: usize> Part<'_, W> {
+impl<const W: usize> SliceColumns<'_, W> {
     /// Notes the classes of a column and returns its free cells.
     fn column(&mut self, i: u32, j: u32, column: &[u8]) -> Bits<W> {
         let mut occupied = Bits::ZERO;

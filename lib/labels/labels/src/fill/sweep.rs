@@ -7,7 +7,7 @@ use schema::Tag;
 use crate::fill::bits::Bits;
 use crate::fill::lines::Lines;
 use crate::fill::order::{Classes, layer_chunks};
-use crate::fill::read::{Entry, Part, SLICES, read};
+use crate::fill::read::{Entry, SLICES, SliceColumns, read};
 
 /// Columns along y that one task follows along x.
 const BAND: usize = 64;
@@ -23,7 +23,7 @@ pub(super) struct Columns<const W: usize> {
 
 impl<const W: usize> Columns<W> {
     /// Reads the grid: the columns of each class, part by part.
-    pub(super) fn read<'c>(&mut self, grid: &VoxelGrid, classes: &'c Classes) -> Vec<Part<'c, W>> {
+    pub(super) fn read<'c>(&mut self, grid: &VoxelGrid, classes: &'c Classes) -> Vec<SliceColumns<'c, W>> {
         let [nx, ny, _] = grid.shape;
         for masks in [&mut self.free, &mut self.dense] {
             if masks.len() != nx * ny {

@@ -99,7 +99,7 @@ impl Layout for Kitti {
         vec![BoxRow::STAGE, CameraRow::STAGE, ValidBoxRow::STAGE]
     }
 
-    fn survey(&self, source: &Source) -> Result<Vec<Omission>, ExportError> {
+    fn preflight(&self, source: &Source) -> Result<Vec<Omission>, ExportError> {
         let mut omissions = vec![
             Omission::new("roll and pitch of boxes", "labels have a heading alone"),
             Omission::new(

@@ -23,8 +23,8 @@ mod map;
 mod messages;
 mod options;
 mod packed;
+mod preflight;
 mod record;
-mod survey;
 mod topics;
 mod tracks;
 mod wire;
@@ -76,8 +76,8 @@ impl Layout for Mcap {
         true
     }
 
-    fn survey(&self, source: &Source) -> Result<Vec<Omission>, ExportError> {
-        survey::omissions(source, self.options)
+    fn preflight(&self, source: &Source) -> Result<Vec<Omission>, ExportError> {
+        preflight::omissions(source, self.options)
     }
 
     fn units(&self, scene: &SceneSource) -> Vec<UnitName> {

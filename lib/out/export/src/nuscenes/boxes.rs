@@ -11,7 +11,7 @@ use store::keys;
 
 use super::options::NuScenesOptions;
 use super::rows::{Annotation, BOX_STEPS, Instance, POSE_STEPS, Row, rounded, token};
-use super::words::{category, category_index, index_of_tag, is_told_by_object, visibility};
+use super::vocabulary::{category, category_index, index_of_tag, is_told_by_object, visibility};
 use crate::{ExportError, SceneSource};
 
 schema::columns! {

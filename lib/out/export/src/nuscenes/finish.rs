@@ -17,7 +17,7 @@ use super::parts::unpack;
 use super::rig::sensor_token;
 use super::rows::{BOX_STEPS, POSE_STEPS, Row, rounded, token};
 use super::unit::{Fragment, ground};
-use super::words::{CATEGORIES, VISIBILITIES};
+use super::vocabulary::{CATEGORIES, VISIBILITIES};
 use crate::source::NO_MAP;
 use crate::{ExportError, ExportFile, Source, UnitFiles};
 

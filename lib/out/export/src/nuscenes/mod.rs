@@ -19,17 +19,17 @@ mod finish;
 mod mask;
 mod options;
 mod parts;
+mod preflight;
 mod rig;
 mod rows;
-mod survey;
 mod unit;
-mod words;
+mod vocabulary;
 
 use schema::table::Row;
 use schema::tables::{BoxRow, CameraRow, ValidBoxRow};
 
 pub use options::NuScenesOptions;
-pub use words::Modality;
+pub use vocabulary::Modality;
 
 use unit::Fragment;
 
@@ -76,13 +76,13 @@ impl Layout for NuScenes {
         vec![BoxRow::STAGE, CameraRow::STAGE, ValidBoxRow::STAGE]
     }
 
-    fn survey(&self, source: &Source) -> Result<Vec<Omission>, ExportError> {
+    fn preflight(&self, source: &Source) -> Result<Vec<Omission>, ExportError> {
         self.options.check()?;
-        survey::survey(source, &self.options)
+        preflight::preflight(source, &self.options)
     }
 
     fn cost(&self, scene: &SceneSource, unit: UnitName) -> Result<Cost, ExportError> {
-        survey::cost(scene, unit, &self.options)
+        preflight::cost(scene, unit, &self.options)
     }
 
     fn write_piece(

@@ -1,7 +1,7 @@
 //! What a user may choose.
 
 use super::mask::Canvas;
-use super::words::Modality;
+use super::vocabulary::Modality;
 use crate::ExportError;
 
 /// What a user may choose.

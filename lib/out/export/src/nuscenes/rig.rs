@@ -6,7 +6,7 @@ use settings::Lens;
 
 use super::options::NuScenesOptions;
 use super::rows::token;
-use super::words::{Modality, channel};
+use super::vocabulary::{Modality, channel};
 use crate::{ExportError, SceneSource};
 
 /// A sensor under its name in the layout.

@@ -15,7 +15,7 @@ use super::rig::{Channel, Rig, is_labelled, sample_step};
 use super::rows::{
     CalibratedSensor, EgoPose, LidarSeg, Log, POSE_STEPS, Row, Sample, SampleData, Scene, rounded, token,
 };
-use super::words::Modality;
+use super::vocabulary::Modality;
 use crate::{ExportError, SceneSource, UnitFiles};
 
 /// When scene 0 begins, microseconds since 1970. Simulations have no date.

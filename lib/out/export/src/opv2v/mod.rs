@@ -13,12 +13,12 @@
 mod beams;
 mod bev;
 mod clouds;
-mod crew;
 mod finish;
-mod handed;
+mod handedness;
 mod lanes;
 mod options;
 mod record;
+mod roster;
 mod unit;
 mod vehicles;
 
@@ -37,7 +37,7 @@ pub use options::{Options, Variant};
 
 use crate::source::NO_MAP;
 use bev::RoadChannel;
-use crew::{Crew, Member};
+use roster::{AgentRoster, Member};
 
 /// Why lanes are left out of pictures of scenes that were made here.
 const NO_LINES: &str = "the store has no lines of it: `convoy run` writes them";
@@ -47,7 +47,7 @@ const NO_LINES: &str = "the store has no lines of it: `convoy run` writes them";
 pub struct Opv2v {
     options: Options,
     /// What was chosen of scenes.
-    crews: Mutex<BTreeMap<u32, Arc<Crew>>>,
+    crews: Mutex<BTreeMap<u32, Arc<AgentRoster>>>,
 }
 
 impl Opv2v {
@@ -58,17 +58,17 @@ impl Opv2v {
     }
 
     /// Who is exported of a scene; looked up once.
-    fn crew(&self, scene: &SceneSource) -> Result<Arc<Crew>, ExportError> {
-        let held = |crews: &Mutex<BTreeMap<u32, Arc<Crew>>>| {
+    fn roster(&self, scene: &SceneSource) -> Result<Arc<AgentRoster>, ExportError> {
+        let held = |crews: &Mutex<BTreeMap<u32, Arc<AgentRoster>>>| {
             crews.lock().unwrap_or_else(PoisonError::into_inner).get(&scene.number()).cloned()
         };
-        if let Some(crew) = held(&self.crews) {
-            return Ok(crew);
+        if let Some(roster) = held(&self.crews) {
+            return Ok(roster);
         }
-        let crew = Arc::new(Crew::of(scene, &self.options)?);
+        let roster = Arc::new(AgentRoster::of(scene, &self.options)?);
         let mut crews = self.crews.lock().unwrap_or_else(PoisonError::into_inner);
-        crews.insert(scene.number(), Arc::clone(&crew));
-        Ok(crew)
+        crews.insert(scene.number(), Arc::clone(&roster));
+        Ok(roster)
     }
 }
 
@@ -95,7 +95,7 @@ impl Layout for Opv2v {
         vec![LOG_STAGE, LidarRow::STAGE, ValidBoxRow::STAGE]
     }
 
-    fn survey(&self, source: &Source) -> Result<Vec<Omission>, ExportError> {
+    fn preflight(&self, source: &Source) -> Result<Vec<Omission>, ExportError> {
         let variant = self.options.variant;
         if variant == Variant::V2xReal
             && let Some(class) =
@@ -110,14 +110,14 @@ impl Layout for Opv2v {
                 let why = if scene.is_imported() { NO_MAP } else { NO_LINES };
                 omissions.insert(Omission::new(format!("bev_lane on {}", scene.info().map), why));
             }
-            let crew = self.crew(scene)?;
-            omissions.extend(crew.omissions.iter().cloned());
-            if crew.every_n_frames > scene.every_n_frames() {
-                let (n, wanted) = (crew.every_n_frames, scene.every_n_frames());
+            let roster = self.roster(scene)?;
+            omissions.extend(roster.omissions.iter().cloned());
+            if roster.every_n_frames > scene.every_n_frames() {
+                let (n, wanted) = (roster.every_n_frames, scene.every_n_frames());
                 let why = format!("lidars and boxes of all agents go together at every {n}. frame only");
                 omissions.insert(Omission::new(format!("frames between, of every {wanted}."), why));
             }
-            for member in &crew.members {
+            for member in &roster.members {
                 omissions.extend(unplaced(scene, member, variant)?);
                 for camera in member.cameras.iter().flatten() {
                     let whose = || format!("scene {} {}", scene.number(), member.agent);
@@ -140,11 +140,11 @@ impl Layout for Opv2v {
     }
 
     fn cost(&self, scene: &SceneSource, unit: UnitName) -> Result<Cost, ExportError> {
-        let crew = self.crew(scene)?;
-        let Some(member) = unit.agent.and_then(|agent| crew.member(agent)) else {
+        let roster = self.roster(scene)?;
+        let Some(member) = unit.agent.and_then(|agent| roster.member(agent)) else {
             return Ok(Cost::default());
         };
-        let frames = crew.frames(scene).count() as u64;
+        let frames = roster.frames(scene).count() as u64;
         let per_frame = unit::cost(scene, member, self.options.variant);
         let all = |of_one: f64| of_one * frames as f64;
         Ok(Cost { agent_frames: frames, bytes: all(per_frame[0]) as u64, cpu_s: all(per_frame[1]) })
@@ -157,9 +157,9 @@ impl Layout for Opv2v {
         _piece: u32,
         files: &mut UnitFiles<'_>,
     ) -> Result<Vec<u8>, ExportError> {
-        let crew = self.crew(scene)?;
-        match unit.agent.and_then(|agent| crew.member(agent)) {
-            Some(member) => unit::write(scene, &crew, member, &self.options, files),
+        let roster = self.roster(scene)?;
+        match unit.agent.and_then(|agent| roster.member(agent)) {
+            Some(member) => unit::write(scene, &roster, member, &self.options, files),
             None => Ok(Vec::new()),
         }
     }

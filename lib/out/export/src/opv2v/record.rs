@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use super::handed::rounded;
+use super::handedness::rounded;
 
 /// A number, rounded as all lengths and angles are.
 pub(super) fn number(value: f64) -> Value {

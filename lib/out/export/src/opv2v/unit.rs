@@ -14,12 +14,12 @@ use serde_json::Value;
 use super::beams::Rings;
 use super::bev::{Mask, RoadChannel, lane_picture, place};
 use super::clouds::Sweep;
-use super::crew::{CameraPair, Crew, Member, agent_from_camera};
 use super::finish::Fragment;
-use super::handed::{LeftPose, left, left_matrix, left_pose};
+use super::handedness::{LeftPose, left, left_matrix, left_pose};
 use super::lanes::LaneLines;
 use super::options::{Options, Variant, scenario, split_of};
 use super::record::{map, number, numbers, to_json, to_yaml};
+use super::roster::{AgentRoster, CameraPair, Member, agent_from_camera};
 use super::vehicles::{kmh, listed, listed_class};
 use crate::picture::{grey_png, png_of_jpeg};
 use crate::{ExportError, SceneSource, UnitFiles};
@@ -32,14 +32,14 @@ const THINNED: [u16; 2] = [32, 16];
 /// Writes all frames of a member; what of it the end must know.
 pub(super) fn write(
     scene: &SceneSource,
-    crew: &Crew,
+    roster: &AgentRoster,
     member: &Member,
     options: &Options,
     files: &mut UnitFiles<'_>,
 ) -> Result<Vec<u8>, ExportError> {
-    let mut unit = Unit::open(scene, crew, member, options)?;
+    let mut unit = Unit::open(scene, roster, member, options)?;
     let mut most_boxes = 0;
-    for frame in crew.frames(scene) {
+    for frame in roster.frames(scene) {
         most_boxes = most_boxes.max(unit.frame(frame, files)?);
         files.advance(1)?;
     }
@@ -49,8 +49,8 @@ pub(super) fn write(
         map: info.map.clone(),
         agent: member.agent.to_string(),
         name: member.name,
-        frames: crew.frames(scene).count() as u32,
-        every_n_frames: crew.every_n_frames,
+        frames: roster.frames(scene).count() as u32,
+        every_n_frames: roster.every_n_frames,
         most_boxes: most_boxes as u32,
         is_thinned: member.is_thinned(),
         camera_px: member.cameras.as_ref().map(|cameras| cameras[0].size_px()),
@@ -82,7 +82,7 @@ struct Above {
 /// A member, frame by frame.
 struct Unit<'a> {
     scene: &'a SceneSource,
-    crew: &'a Crew,
+    roster: &'a AgentRoster,
     member: &'a Member,
     options: &'a Options,
     /// Where the members are, by member and frame.
@@ -98,17 +98,17 @@ struct Unit<'a> {
 impl<'a> Unit<'a> {
     fn open(
         scene: &'a SceneSource,
-        crew: &'a Crew,
+        roster: &'a AgentRoster,
         member: &'a Member,
         options: &'a Options,
     ) -> Result<Self, ExportError> {
         let mut rows = scene.agent_rows()?;
         let mut tracks = Vec::new();
-        for other in &crew.members {
+        for other in &roster.members {
             let at = scene.agents().iter().position(|agent| *agent == other.agent);
             tracks.push(at.map(|at| std::mem::take(&mut rows[at])).unwrap_or_default());
         }
-        let own = crew.members.iter().position(|other| other.agent == member.agent).unwrap_or(0);
+        let own = roster.members.iter().position(|other| other.agent == member.agent).unwrap_or(0);
         let (mut pictures, mut depths) = (Vec::new(), Vec::new());
         for CameraPair { color, depth } in member.cameras.iter().flatten() {
             pictures.push(scene.readings(member.agent, color)?);
@@ -117,7 +117,7 @@ impl<'a> Unit<'a> {
         }
         Ok(Self {
             scene,
-            crew,
+            roster,
             member,
             options,
             tracks,
@@ -127,7 +127,7 @@ impl<'a> Unit<'a> {
             depths,
             boxes: scene.boxes_of_all()?,
             above: (options.variant == Variant::Opv2v)
-                .then(|| Above::open(scene, crew, member.agent))
+                .then(|| Above::open(scene, roster, member.agent))
                 .transpose()?,
         })
     }
@@ -169,7 +169,7 @@ impl<'a> Unit<'a> {
     }
 
     fn world_from_lidar(&self, member: usize, frame: u32) -> Pose<World, Sensor> {
-        let lidar = &self.crew.members[member].lidar;
+        let lidar = &self.roster.members[member].lidar;
         self.world_from_agent(member, frame) * lidar.about.agent_from_sensor.agent_from_sensor()
     }
 
@@ -213,7 +213,7 @@ impl<'a> Unit<'a> {
     /// Where the agent will be, and how fast: x, y, km/h of the next exported frames.
     fn trajectory(&self, frame: u32) -> Value {
         let track = &self.tracks[self.own];
-        let ahead = (1..=TRAJECTORY).map(|step| frame as usize + step * self.crew.every_n_frames as usize);
+        let ahead = (1..=TRAJECTORY).map(|step| frame as usize + step * self.roster.every_n_frames as usize);
         let points = ahead.map_while(|at| track.get(at)).map(|row| {
             let [x, y, _] = left(row.xyz_m);
             numbers([x, y, kmh(row.velocity_mps)])
@@ -259,7 +259,7 @@ impl<'a> Unit<'a> {
         let world_from_agent = self.world_from_agent(self.own, frame);
         let by_own = self.seen_by(self.own, boxes);
         let by_any: BTreeSet<u16> =
-            (0..self.crew.members.len()).flat_map(|member| self.seen_by(member, boxes)).collect();
+            (0..self.roster.members.len()).flat_map(|member| self.seen_by(member, boxes)).collect();
         let drawn = |wanted: &dyn Fn(u16) -> bool| {
             let mut mask = Mask::new();
             let shown = |labelled: &&LabelledBox| {
@@ -290,7 +290,7 @@ impl<'a> Unit<'a> {
 
     /// The objects that a member sees.
     fn seen_by(&self, member: usize, boxes: &[LabelledBox]) -> BTreeSet<u16> {
-        let member = &self.crew.members[member];
+        let member = &self.roster.members[member];
         let agent = member.agent.to_string();
         let sees = |labelled: &&LabelledBox| {
             labelled.raw.agent == agent
@@ -304,12 +304,12 @@ impl<'a> Unit<'a> {
 }
 
 impl Above {
-    fn open(scene: &SceneSource, crew: &Crew, agent: AgentId) -> Result<Self, ExportError> {
+    fn open(scene: &SceneSource, roster: &AgentRoster, agent: AgentId) -> Result<Self, ExportError> {
         let store = scene.reader().store();
         let road = RoadChannel::read(store)?.ok();
         let has = |road: &RoadChannel| {
             scene.has_arrays(&BEV_MASKS, agent)
-                && crew.every_n_frames.is_multiple_of(road.every_n_frames.max(1))
+                && roster.every_n_frames.is_multiple_of(road.every_n_frames.max(1))
         };
         let road = match road.filter(has) {
             Some(road) => Some((road, scene.arrays(&BEV_MASKS, agent)?)),

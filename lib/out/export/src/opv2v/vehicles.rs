@@ -6,10 +6,10 @@ use schema::tables::BoxRow;
 use schema::{Attribute, DetectionClass, Tag};
 use serde_json::Value;
 
-use super::crew::FIRST_NAME;
-use super::handed::{LeftPose, left, left_angles, turned_away};
+use super::handedness::{LeftPose, left, left_angles, turned_away};
 use super::options::{Options, Variant};
 use super::record::{map, number, numbers};
+use super::roster::FIRST_NAME;
 
 /// Kilometres an hour.
 pub(super) fn kmh(velocity_mps: [f64; 3]) -> f64 {

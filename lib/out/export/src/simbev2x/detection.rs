@@ -14,15 +14,15 @@ schema::columns! {
 }
 
 /// The objects of a scene, by id.
-pub(super) struct Cast(BTreeMap<u16, Known>);
+pub(super) struct SceneObjects(BTreeMap<u16, ObjectFacts>);
 
 /// What is known of an object besides its box.
-struct Known {
+struct ObjectFacts {
     facts: ActorFacts,
     role_name: String,
 }
 
-impl Cast {
+impl SceneObjects {
     /// Of the rows of `log/actors`.
     pub(super) fn new(mut rows: Vec<ActorFacts>) -> Self {
         rows.sort_by_key(|row| row.id);
@@ -40,7 +40,7 @@ impl Cast {
                 (ActorRole::Hazard, ActorKind::Vehicle) => next(&mut hazards, "hazard_vehicle"),
                 _ => "prop".to_owned(),
             };
-            (facts.id, Known { facts, role_name })
+            (facts.id, ObjectFacts { facts, role_name })
         };
         Self(rows.into_iter().map(known).collect())
     }
@@ -179,7 +179,11 @@ fn type_id(row: &BoxRow, class: Option<DetectionClass>) -> String {
 }
 
 /// The facts of an object, all of them texts. Those of scenery, of which the layout says nothing, have its model first.
-fn attributes(row: &BoxRow, class: Option<DetectionClass>, known: Option<&Known>) -> Vec<(String, String)> {
+fn attributes(
+    row: &BoxRow,
+    class: Option<DetectionClass>,
+    known: Option<&ObjectFacts>,
+) -> Vec<(String, String)> {
     let mut facts: Vec<(String, String)> = Vec::new();
     let mut say = |key: &str, value: String| facts.push((key.to_owned(), value));
     if let (true, Some(known)) = (row.is_alive, known) {
@@ -242,9 +246,9 @@ mod tests {
         &record.iter().find(|(name, _)| *name == key).expect("has the key").1
     }
 
-    fn cast() -> Cast {
+    fn cast() -> SceneObjects {
         let actor = |id, kind, role| ActorFacts { id, kind, role, color: vec![1, 2, 3], parent: None };
-        Cast::new(vec![
+        SceneObjects::new(vec![
             actor(9, ActorKind::Vehicle, ActorRole::Background),
             actor(1, ActorKind::Vehicle, ActorRole::Agent(AgentId::vehicle(0))),
             actor(2, ActorKind::Vehicle, ActorRole::Agent(AgentId::vehicle(1))),

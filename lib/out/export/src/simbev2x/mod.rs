@@ -136,7 +136,7 @@ impl Layout for SimBev2x {
         if self.is_processed() { vec![LOG_STAGE, ValidBoxRow::STAGE] } else { vec![LOG_STAGE] }
     }
 
-    fn survey(&self, source: &Source) -> Result<Vec<Omission>, ExportError> {
+    fn preflight(&self, source: &Source) -> Result<Vec<Omission>, ExportError> {
         let (mut rigs, mut omissions) = (Rigs::default(), Vec::new());
         for (what, why) in NO_PLACE {
             omissions.push(Omission::new(what, why));

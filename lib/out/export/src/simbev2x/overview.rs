@@ -2,7 +2,7 @@
 
 use frames::math::{sin_cos, tan};
 use frames::{Agent, Object, Pose, World};
-use mapview::{Film, Look, Thing, ViewOptions, Window};
+use mapview::{ActorStyle, Film, MapActor, ViewOptions, Window};
 use scene::SceneReader;
 use schema::table::Row;
 use schema::tables::{ActorRow, AgentRow, StateRow};
@@ -113,7 +113,7 @@ impl Page {
 }
 
 /// All that stands or moves at frame 0.
-fn things(scene: &SceneReader) -> Result<Vec<Thing>, ExportError> {
+fn things(scene: &SceneReader) -> Result<Vec<MapActor>, ExportError> {
     let actors: Vec<ActorRow> = scene.rows()?;
     let key = keys::table::<StateRow>(scene.scene());
     let mut places: Vec<Place> = Vec::new();
@@ -126,44 +126,44 @@ fn things(scene: &SceneReader) -> Result<Vec<Thing>, ExportError> {
         }
     }
     places.sort_by_key(|place| place.id);
-    let mut things: Vec<Thing> = actors
+    let mut things: Vec<MapActor> = actors
         .iter()
         .filter_map(|actor| {
-            let look = look(actor)?;
+            let style = style_of(actor)?;
             let moved = places.binary_search_by_key(&actor.id, |place| place.id).ok().map(|i| &places[i]);
             let (xyz_m, quaternion) =
                 moved.map_or((actor.xyz_m, actor.quaternion), |place| (place.xyz_m, place.quaternion));
-            Some(thing(actor, look, xyz_m, quaternion))
+            Some(thing(actor, style, xyz_m, quaternion))
         })
         .collect();
     // What moves lies over what stands.
-    things.sort_by_key(|thing| match thing.look {
-        Look::Plant | Look::Furniture | Look::Building => 0,
-        Look::Agent | Look::Station => 2,
+    things.sort_by_key(|thing| match thing.style {
+        ActorStyle::Plant | ActorStyle::Furniture | ActorStyle::Building => 0,
+        ActorStyle::Agent | ActorStyle::Station => 2,
         _ => 1,
     });
     Ok(things)
 }
 
-fn look(actor: &ActorRow) -> Option<Look> {
+fn style_of(actor: &ActorRow) -> Option<ActorStyle> {
     Some(match (actor.kind, actor.role) {
-        (_, ActorRole::Agent(AgentId { kind: AgentKind::Vehicle, .. })) => Look::Agent,
-        (ActorKind::Rsu, _) => Look::Station,
-        (ActorKind::Vehicle | ActorKind::Parked, _) => Look::Vehicle,
-        (ActorKind::Walker, _) => Look::Walker,
-        (ActorKind::Prop | ActorKind::Sign, ActorRole::Hazard) => Look::Obstacle,
-        (ActorKind::Prop, _) => Look::Furniture,
-        (ActorKind::Building, _) => Look::Building,
-        (ActorKind::Vegetation, _) => Look::Plant,
+        (_, ActorRole::Agent(AgentId { kind: AgentKind::Vehicle, .. })) => ActorStyle::Agent,
+        (ActorKind::Rsu, _) => ActorStyle::Station,
+        (ActorKind::Vehicle | ActorKind::Parked, _) => ActorStyle::Vehicle,
+        (ActorKind::Walker, _) => ActorStyle::Walker,
+        (ActorKind::Prop | ActorKind::Sign, ActorRole::Hazard) => ActorStyle::Obstacle,
+        (ActorKind::Prop, _) => ActorStyle::Furniture,
+        (ActorKind::Building, _) => ActorStyle::Building,
+        (ActorKind::Vegetation, _) => ActorStyle::Plant,
         (ActorKind::Sign | ActorKind::TrafficLight | ActorKind::Pole | ActorKind::Surface, _) => return None,
     })
 }
 
-fn thing(actor: &ActorRow, look: Look, xyz_m: [f64; 3], quaternion: [f64; 4]) -> Thing {
+fn thing(actor: &ActorRow, style: ActorStyle, xyz_m: [f64; 3], quaternion: [f64; 4]) -> MapActor {
     let mut rgb = [150; 3];
     rgb.iter_mut().zip(&actor.color).for_each(|(to, from)| *to = *from);
-    Thing {
-        look,
+    MapActor {
+        style,
         at_m: [xyz_m[0], xyz_m[1]],
         heading_rad: Pose::<World, Object>::from_xyz_wxyz(xyz_m, quaternion).yaw(),
         size_m: [actor.length_m, actor.width_m],

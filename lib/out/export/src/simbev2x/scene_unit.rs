@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use store::{Scope, keys};
 
-use super::detection::{Cast, Combined, processed};
+use super::detection::{Combined, SceneObjects, processed};
 use super::lane::LaneNumbers;
 use super::pickle::{Record, object_file};
 use super::pytext::{self, Node};
@@ -79,7 +79,7 @@ pub(super) fn write_boxes(
     files: &mut UnitFiles<'_>,
 ) -> Result<(), ExportError> {
     let number = scene.number();
-    let cast = Cast::new(scene.reader().rows()?);
+    let cast = SceneObjects::new(scene.reader().rows()?);
     let mut boxes = BoxFrames::open_all(scene.reader(), is_processed)?;
     let names: Vec<String> = scene.agents().iter().map(AgentId::to_string).collect();
     for (to, from) in (0..).zip(scene.frames()) {

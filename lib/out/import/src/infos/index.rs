@@ -65,7 +65,7 @@ struct Scanner {
     /// Whether a colon has come, on these levels.
     has_colon: bool,
     /// The part in hand: where it began and how deep that was.
-    part: Option<(Part, u64, usize)>,
+    part: Option<(IndexPart, u64, usize)>,
     has_data: bool,
     metadata: Option<Range<u64>>,
     scenes: BTreeMap<u32, Range<u64>>,
@@ -73,7 +73,7 @@ struct Scanner {
 }
 
 #[derive(Clone, Copy)]
-enum Part {
+enum IndexPart {
     Metadata,
     Scene(u32),
 }
@@ -134,7 +134,7 @@ impl Scanner {
             return self.fault("nested too deep");
         }
         let part = match (depth, self.keys[0].as_deref(), self.part) {
-            (1, Some(b"metadata"), None) if self.has_colon => Some(Part::Metadata),
+            (1, Some(b"metadata"), None) if self.has_colon => Some(IndexPart::Metadata),
             (1, Some(b"data"), None) if self.has_colon => {
                 if self.has_data || byte != b'{' {
                     return self.fault("`data` is there twice, or is no object");
@@ -142,7 +142,7 @@ impl Scanner {
                 self.has_data = true;
                 None
             }
-            (2, Some(b"data"), None) if self.has_colon => Some(Part::Scene(self.number()?)),
+            (2, Some(b"data"), None) if self.has_colon => Some(IndexPart::Scene(self.number()?)),
             _ => None,
         };
         if let Some(part) = part {
@@ -180,8 +180,8 @@ impl Scanner {
             self.part = None;
             let range = start..self.offset + 1;
             let is_new = match part {
-                Part::Metadata => self.metadata.replace(range).is_none(),
-                Part::Scene(number) => self.scenes.insert(number, range).is_none(),
+                IndexPart::Metadata => self.metadata.replace(range).is_none(),
+                IndexPart::Scene(number) => self.scenes.insert(number, range).is_none(),
             };
             if !is_new || self.scenes.len() > MAX_SCENES {
                 return self.fault("a part that is there twice, or too many scenes");

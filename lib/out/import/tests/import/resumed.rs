@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicI64, Ordering};
 
-use import_core::{ImportError, Outcome, Selection, Source, Watch, import, prospect};
+use import_core::{ImportError, Outcome, ProgressWatch, Selection, Source, import, prospect};
 use schema::IMPORTED;
 use schema::table::Row;
 use schema::tables::{AgentRow, BoxRow, CameraRow, GnssRow, LidarRow, PlanSceneRow};
@@ -15,7 +15,7 @@ use crate::dataset::{self, FRAMES};
 /// Stops after so many reports.
 struct StopAfter(AtomicI64);
 
-impl Watch for StopAfter {
+impl ProgressWatch for StopAfter {
     fn advance(&self, _: u64) -> bool {
         self.0.fetch_sub(1, Ordering::Relaxed) <= 0
     }

@@ -37,7 +37,7 @@ fn six_cameras(bencher: Bencher) {
     let renderer = prepared(&town);
     let scene = renderer.place(&town).expect("all meshes are prepared");
     let cameras = scene::cameras().into_iter().map(CameraQuery::of).collect::<Vec<_>>();
-    bencher.bench(|| scene.look(black_box(&cameras)));
+    bencher.bench(|| scene.render(black_box(&cameras)));
 }
 
 #[divan::bench(sample_count = 10)]
@@ -45,7 +45,7 @@ fn surfaces_of_one_camera(bencher: Bencher) {
     let town = scene::town();
     let renderer = prepared(&town);
     let scene = renderer.place(&town).expect("all meshes are prepared");
-    let buffer = scene.look(&[CameraQuery::of(scene::cameras()[0])]).expect("has no device").remove(0);
+    let buffer = scene.render(&[CameraQuery::of(scene::cameras()[0])]).expect("has no device").remove(0);
     bencher.bench(|| {
         let surfaces = Surfaces::new(&buffer, &town);
         let mut sum = Vec3::ZERO;

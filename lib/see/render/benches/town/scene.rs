@@ -8,7 +8,7 @@ use glam::{Affine3A, Mat3, Quat, Vec3};
 use random::Stream;
 use render::PinholeCamera;
 use schema::Tag;
-use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
+use schema::geometry::{Instance, MeshPart, Snapshot, Surface, TriMesh};
 
 /// Blocks in each direction, and metres from street to street.
 const BLOCKS: i32 = 10;
@@ -29,7 +29,7 @@ fn sheet(mesh: &mut TriMesh, n: u32, m: u32, place: impl Fn(f32, f32) -> Vec3) {
 
 fn finish(mut mesh: TriMesh, tag: Tag) -> Arc<TriMesh> {
     mesh.triangle_part = vec![0; mesh.triangles.len()];
-    mesh.parts = vec![Part { tag, surface: Surface::Plain, rgb: [0.5; 3] }];
+    mesh.parts = vec![MeshPart { tag, surface: Surface::Plain, rgb: [0.5; 3] }];
     Arc::new(mesh)
 }
 

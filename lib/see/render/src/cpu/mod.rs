@@ -8,7 +8,7 @@
 //! ```
 //! use std::sync::Arc;
 //! use glam::{Affine3A, Vec3};
-//! use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
+//! use schema::geometry::{Instance, MeshPart, Snapshot, Surface, TriMesh};
 //! use schema::Tag;
 //! use render::{CameraQuery, PinholeCamera, RayBatch, RayQuery, Renderer, SKY, Surfaces};
 //! use render::cpu::CpuRenderer;
@@ -19,7 +19,7 @@
 //!     positions: vec![corner(-2.0, -1.0), corner(2.0, -1.0), corner(2.0, 1.0), corner(-2.0, 1.0)],
 //!     triangles: vec![[0, 1, 2], [0, 2, 3]],
 //!     triangle_part: vec![0, 0],
-//!     parts: vec![Part { tag: Tag::Wall, surface: Surface::Plain, rgb: [0.5; 3] }],
+//!     parts: vec![MeshPart { tag: Tag::Wall, surface: Surface::Plain, rgb: [0.5; 3] }],
 //!     ..TriMesh::default()
 //! });
 //! let mut cpu = CpuRenderer::default();
@@ -42,7 +42,7 @@
 //! let scene = cpu.place(&snapshot)?;
 //!
 //! let camera = PinholeCamera::centred(Affine3A::IDENTITY, 64, 48, frames::deg(60.0) as f32);
-//! let seen = scene.look(&[CameraQuery::of(camera)])?.remove(0);
+//! let seen = scene.render(&[CameraQuery::of(camera)])?.remove(0);
 //! let middle = seen.index(32, 24);
 //! assert_eq!((seen.instance[middle], seen.depth_m[middle]), (0, 10.0));
 //! assert_eq!(seen.instance[seen.index(0, 0)], SKY);

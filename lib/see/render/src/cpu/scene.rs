@@ -77,7 +77,7 @@ impl Scene for CpuScene<'_> {
         self.snapshot
     }
 
-    fn look(&self, queries: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
+    fn render(&self, queries: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
         let answer = |query: &CameraQuery<'_>| match query.among {
             None => rasterize(self.instances(), query),
             Some(some) => rasterize(self.numbered(some), query),

@@ -56,7 +56,7 @@ impl Stage {
             model.size_m
         };
         let Some(made) = actor_mesh(model.name, size, variant) else { return 0 };
-        let made = made.sheltered();
+        let made = made.with_ambient_occlusion();
         let posture = made.posed(posture);
         let object = self.instances.len() as u16 + 1;
         let coarser = level.checked_sub(1).and_then(|i| made.coarser.get(i));
@@ -149,7 +149,8 @@ impl Stage {
             (0..body.triangles.len()).filter(|i| !body.part(*i).surface.is_window()).collect();
         body.triangles = kept.iter().map(|i| body.triangles[*i]).collect();
         body.triangle_part = kept.iter().map(|i| body.triangle_part[*i]).collect();
-        body.corner_open = kept.iter().filter_map(|i| body.corner_open.get(*i).copied()).collect();
+        body.corner_visibility =
+            kept.iter().filter_map(|i| body.corner_visibility.get(*i).copied()).collect();
         body.corner_normals = kept.iter().filter_map(|i| body.corner_normals.get(*i).copied()).collect();
         let behind = made.cabin.into_iter().flat_map(|cabin| [Some(cabin.seats), cabin.driver]).flatten();
         let mut triangles = 0;

@@ -9,7 +9,7 @@ use schema::tables::{BOXES_2D_TABLE, Box2dRow};
 use schema::{DetectionClass, ObjectId, Tag};
 use settings::Rig;
 
-use super::looking::{Window, look_bent_at};
+use super::render_views::{Window, render_bent_views};
 use super::sight::Sight;
 use crate::error::SensorError;
 use crate::observation::Observation;
@@ -117,14 +117,14 @@ fn look_alone<'a>(
 ) -> Result<Vec<VisibilityBuffer>, SensorError> {
     let pairs = windows.iter().zip(parts);
     if view.model.rays().is_some() {
-        return pairs.map(|(window, instances)| look_bent_at(scene, view, *window, instances)).collect();
+        return pairs.map(|(window, instances)| render_bent_views(scene, view, *window, instances)).collect();
     }
     let camera = view.pinhole();
     let alone = |(window, instances): (&Window, &'a [u32])| CameraQuery {
         among: Some(instances),
         ..CameraQuery::of(cropped(&camera, window))
     };
-    Ok(scene.look(&pairs.map(alone).collect::<Vec<_>>())?)
+    Ok(scene.render(&pairs.map(alone).collect::<Vec<_>>())?)
 }
 
 /// The tag of what a pixel shows, and whose it is; none of the sky.
@@ -285,8 +285,8 @@ mod tests {
     use settings::{CameraSettings, CameraSpec, Lens, Mount, Optics};
     use testkit::{WorldBuilder, box_mesh};
 
-    use super::super::looking::look;
     use super::super::mounted::Camera;
+    use super::super::render_views::render_views;
     use super::*;
 
     /// Boxes in front of a camera at the origin that looks along x, 100 by 60 pixels, focal length 50 pixels.
@@ -306,7 +306,7 @@ mod tests {
         };
         let camera = Camera::new(&spec, &CameraSettings::default()).expect("is one");
         let view = camera.view(&snapshot.origin, &Pose::identity(), &Pose::identity());
-        let seen = look(&*scene, std::slice::from_ref(&view)).expect("has no device").remove(0);
+        let seen = render_views(&*scene, std::slice::from_ref(&view)).expect("has no device").remove(0);
         measure(&*scene, &Sight { view, seen, picture: None }).expect("has no device")
     }
 

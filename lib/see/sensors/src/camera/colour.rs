@@ -11,7 +11,7 @@ use super::image::{Image, Images};
 use super::sight::Sight;
 use crate::error::SensorError;
 use crate::observation::Observation;
-use crate::sensor::{Amount, Carrier, Sensor, SensorTable};
+use crate::sensor::{Amount, Sensor, SensorContext, SensorTable};
 use shading::Drops;
 use shading::Noise;
 use shading::Picture;
@@ -35,7 +35,7 @@ pub(super) struct ColourImages {
 }
 
 impl ColourImages {
-    pub(super) fn new(rig: &Rig, camera: usize, carrier: &Carrier) -> Self {
+    pub(super) fn new(rig: &Rig, camera: usize, carrier: &SensorContext) -> Self {
         let (strength, drops) = (rig.camera.noise, rig.camera.lens_drops);
         let table = Rgb::KIND.table(&rig.cameras[camera].name);
         Self {

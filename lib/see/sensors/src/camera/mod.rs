@@ -7,8 +7,8 @@ mod encode;
 mod flow;
 mod image;
 mod labels;
-mod looking;
 mod mounted;
+mod render_views;
 pub(crate) mod sight;
 mod visible;
 
@@ -16,7 +16,7 @@ use schema::ImageKind;
 use schema::images::{Depth, Flow, Instance, Semantic};
 use settings::Rig;
 
-use crate::sensor::{Carrier, SensorVisitor};
+use crate::sensor::{SensorContext, SensorVisitor};
 pub(crate) use boxes_2d::Boxes2d;
 use colour::ColourImages;
 pub use depth::decode_depth_m;
@@ -24,8 +24,8 @@ use flow::HalfFlow;
 pub use image::Image;
 use image::Images;
 pub use labels::pixel_counts;
-pub(crate) use looking::look;
 pub use mounted::{Camera, Cameras};
+pub(crate) use render_views::render_views;
 pub use sight::Sight;
 pub(crate) use visible::VisibleObjects;
 
@@ -35,7 +35,7 @@ macro_rules! visit_kinds {
     ($($kind:ident),+ $(,)?) => {
         pub(crate) fn visit_images<V: SensorVisitor>(
             rig: &Rig,
-            carrier: &Carrier,
+            carrier: &SensorContext,
             visitor: &mut V,
         ) -> Result<(), V::Error> {
             for camera in 0..rig.cameras.len() {

@@ -37,7 +37,7 @@ pub(super) fn beside(axis: Vec3, [left, up]: [f32; 2]) -> Vec3 {
 
 /// What one ray of a beam met.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Met {
+pub(super) struct BeamHit {
     pub(super) range_m: f32,
     /// Share of light that comes back from the surface, if all of the beam had met it.
     pub(super) share: f32,
@@ -49,7 +49,7 @@ pub(super) struct Met {
     pub(super) is_behind: bool,
 }
 
-impl Met {
+impl BeamHit {
     /// Intensity of an echo of the bare intensity `bare` that all of the beam had from here.
     pub(super) fn intensity(&self, bare: f32) -> f32 {
         bare * self.share
@@ -70,7 +70,7 @@ pub(super) struct Echo {
 }
 
 /// The echoes of surfaces that the rays of a beam met, the nearest first.
-pub(super) fn echoes_of(met: &mut [Met], rays: usize, air: Option<&Air>, echoes: &mut Vec<Echo>) {
+pub(super) fn echoes_of(met: &mut [BeamHit], rays: usize, air: Option<&Air>, echoes: &mut Vec<Echo>) {
     met.sort_by(|a, b| a.range_m.total_cmp(&b.range_m));
     for cluster in met.chunk_by(|a, b| b.range_m - a.range_m <= APART_M) {
         let Some(shown) = shown_of(cluster) else { continue };
@@ -80,7 +80,7 @@ pub(super) fn echoes_of(met: &mut [Met], rays: usize, air: Option<&Air>, echoes:
         if air.is_some_and(|air| !air.detects(power)) {
             continue;
         }
-        let Met { range_m, cos_angle, id, tag, .. } = shown;
+        let BeamHit { range_m, cos_angle, id, tag, .. } = shown;
         let kind = if shown.is_behind { ReturnKind::BehindGlass } else { ReturnKind::Surface };
         echoes.push(Echo { range_m, intensity, power, cos_angle, id, tag, kind });
     }
@@ -88,9 +88,9 @@ pub(super) fn echoes_of(met: &mut [Met], rays: usize, air: Option<&Air>, echoes:
 
 /// The ray that stands for an echo: of the surface that sends most of its light, the axis, or else the ray that met it nearest
 /// to its mean distance.
-fn shown_of(cluster: &[Met]) -> Option<Met> {
-    let surface = |met: &Met| (met.id, met.tag, met.is_behind);
-    let light_of = |one: &Met| -> f32 {
+fn shown_of(cluster: &[BeamHit]) -> Option<BeamHit> {
+    let surface = |met: &BeamHit| (met.id, met.tag, met.is_behind);
+    let light_of = |one: &BeamHit| -> f32 {
         cluster.iter().filter(|m| surface(m) == surface(one)).map(|m| m.intensity(1.0)).sum()
     };
     let mut brightest = *cluster.first()?;

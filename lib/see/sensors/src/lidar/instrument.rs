@@ -8,15 +8,15 @@ use settings::LidarSpec;
 
 use super::air::Air;
 use super::beam::offsets;
-use super::fire::{Drawn, Gun};
+use super::detect::Receiver;
+use super::emit::{Drawn, Emitter};
 use super::patch::{Slice, slices};
 use super::path::LidarMoment;
-use super::receive::Receiver;
 use super::reflectance::wetness;
 use super::scan::{Followed, Scan};
 use super::sweep::{LidarSweep, joined};
 use crate::error::SensorError;
-use render::panes::{Behind, Panes, Passing};
+use render::panes::{PaneRays, Panes, TransmittedHit};
 
 /// A lidar with its beams worked out, for all sweeps of all agents that carry it.
 #[derive(Clone, Debug)]
@@ -173,7 +173,7 @@ impl Lidar {
         beams: &[&[u32]],
     ) -> Result<Vec<Followed>, SensorError> {
         let local_from_sensor = at.path.before(slice.before);
-        let gun = Gun::new(&self.spec, &self.directions, local_from_sensor);
+        let gun = Emitter::new(&self.spec, &self.directions, local_from_sensor);
         let fired: Vec<Vec<Vec3>> =
             slice.patches.par_iter().zip(beams).map(|(patch, beams)| gun.fire(patch, beams)).collect();
         let origin = Vec3::from(local_from_sensor.translation);
@@ -201,8 +201,8 @@ impl Lidar {
         origin: Vec3,
         fired: &[Vec<Vec3>],
         hits: &[Hits],
-    ) -> Result<Vec<Vec<(u32, Behind)>>, SensorError> {
-        let (mut places, mut rays) = (Vec::new(), Passing::default());
+    ) -> Result<Vec<Vec<(u32, TransmittedHit)>>, SensorError> {
+        let (mut places, mut rays) = (Vec::new(), PaneRays::default());
         for (number, (directions, hits)) in fired.iter().zip(hits).enumerate() {
             for (ray, hit) in (0..).zip(hits.iter()) {
                 if let Some(hit) = hit.filter(|hit| panes.is_pane(hit.instance, hit.triangle)) {

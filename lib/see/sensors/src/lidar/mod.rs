@@ -2,22 +2,22 @@
 
 mod air;
 mod beam;
-mod fire;
+mod detect;
+mod emit;
 mod instrument;
 mod patch;
 mod path;
-mod receive;
 mod reflectance;
 mod scan;
 mod sensor;
+mod shared_scan;
 mod sweep;
-mod twins;
 
 pub use self::instrument::Lidar;
 pub use self::path::{LidarMoment, SensorPath};
 pub use self::scan::Scan;
 pub(crate) use self::sensor::LidarSensor;
+pub use self::shared_scan::SharedBeams;
+pub(crate) use self::shared_scan::SharedScan;
 pub(crate) use self::sweep::SweepRow;
 pub use self::sweep::{LidarSweep, OfBeam};
-pub use self::twins::SharedBeams;
-pub(crate) use self::twins::SharedScan;

@@ -1,7 +1,7 @@
 //! How much of a lidar's light a surface sends back, by its material, the angle and the weather.
 
 use frames::math::f32::exp;
-use schema::geometry::{Part, Paving, Surface};
+use schema::geometry::{MeshPart, Paving, Surface};
 use schema::tables::Weather;
 
 use shading::retro;
@@ -49,7 +49,7 @@ pub(super) fn wetness(weather: &Weather) -> f32 {
 /// are nothing in particular follow the brightness of their colour; so does car paint, whose dark pigments swallow this light as well,
 /// but for its clear coat, which mirrors. `paint` is the colour of what is painted, `level` whether the surface is
 /// (roofs above it are not looked for), `wetness` how wet such is.
-pub(super) fn reflectance(part: &Part, paint: [f32; 3], level: bool, wetness: f32) -> Reflectance {
+pub(super) fn reflectance(part: &MeshPart, paint: [f32; 3], level: bool, wetness: f32) -> Reflectance {
     let brightness = |[r, g, b]: [f32; 3]| (0.2126 * r + 0.7152 * g + 0.0722 * b).clamp(0.0, 1.0);
     let returned = if part.surface == Surface::Reflector { 1.0 } else { 0.0 };
     let wet = if level { wetness } else { 0.0 };
@@ -61,9 +61,9 @@ pub(super) fn reflectance(part: &Part, paint: [f32; 3], level: bool, wetness: f3
         | Surface::Cloth
         | Surface::Clothes(_) => (0.15 + 0.6 * brightness(part.rgb), 0.0),
         // What is neither metal nor plastic lies between them.
-        Surface::Skin(finish) => {
+        Surface::Textured(factors) => {
             let plain = 0.15 + 0.6 * brightness(part.rgb);
-            (plain + finish.metallic * (0.4 - plain), 0.2 * finish.metallic)
+            (plain + factors.metallic * (0.4 - plain), 0.2 * factors.metallic)
         }
         Surface::Paint => (0.12 + 0.5 * brightness(paint), 0.3),
         Surface::Glass | Surface::Window => (0.05, 0.3),

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use render::Hits;
 
-use render::panes::Behind;
+use render::panes::TransmittedHit;
 
 /// What the rays of all beams of a lidar met at a frame.
 pub struct Scan {
@@ -17,5 +17,5 @@ pub(super) struct Followed {
     pub(super) directions: Vec<Vec3>,
     pub(super) hits: Hits,
     /// What those met (by their numbers, ascending) that passed panes.
-    pub(super) behind: Vec<(u32, Behind)>,
+    pub(super) behind: Vec<(u32, TransmittedHit)>,
 }

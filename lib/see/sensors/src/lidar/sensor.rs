@@ -11,7 +11,7 @@ use super::sweep::SweepRow;
 use crate::error::SensorError;
 use crate::metadata::sensor_metadata;
 use crate::observation::Observation;
-use crate::sensor::{Amount, Carrier, Layout, Sensor, SensorTable};
+use crate::sensor::{Amount, Layout, Sensor, SensorContext, SensorTable};
 
 /// A lidar of an agent, with the rows of its table.
 pub(crate) struct LidarSensor<R> {
@@ -21,7 +21,7 @@ pub(crate) struct LidarSensor<R> {
 }
 
 impl<R> LidarSensor<R> {
-    pub(crate) fn new(spec: &LidarSpec, carrier: &Carrier) -> Result<Self, SensorError> {
+    pub(crate) fn new(spec: &LidarSpec, carrier: &SensorContext) -> Result<Self, SensorError> {
         Ok(Self { lidar: Lidar::new(spec)?, stream: carrier.stream(&spec.name), rows: PhantomData })
     }
 }

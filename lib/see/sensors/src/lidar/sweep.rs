@@ -109,19 +109,19 @@ pub(super) struct Return {
 }
 
 /// What came back to a patch: a sweep of its beams, and where each of its rows ends in that.
-pub(super) struct Part {
+pub(super) struct SweepPart {
     pub(super) sweep: LidarSweep,
     pub(super) row_ends: Vec<usize>,
 }
 
 /// One sweep of the parts of all slices, as many of each slice and of the same rows.
-pub(super) fn joined(slices: &[Vec<Part>], tells_returns: bool) -> LidarSweep {
+pub(super) fn joined(slices: &[Vec<SweepPart>], tells_returns: bool) -> LidarSweep {
     let mut pieces = Vec::new();
     for patch in 0..slices.first().map_or(0, Vec::len) {
         let mut done = vec![0; slices.len()];
         for row in 0..slices[0][patch].row_ends.len() {
             for (slice, start) in slices.iter().zip(&mut done) {
-                let Part { sweep, row_ends } = &slice[patch];
+                let SweepPart { sweep, row_ends } = &slice[patch];
                 pieces.push((sweep, *start..row_ends[row]));
                 *start = row_ends[row];
             }

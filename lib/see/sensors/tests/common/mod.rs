@@ -8,7 +8,7 @@ use glam::{Affine3A, Vec3};
 use render::CameraView;
 use render::cpu::CpuRenderer;
 use render::{Renderer, Scene};
-use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh, Wall};
+use schema::geometry::{Instance, MeshPart, Snapshot, Surface, TriMesh, Wall};
 use schema::tables::{CameraRow, Weather};
 use schema::{ImageSet, Tag, lights};
 use sensors::{Camera, Image, Sight};
@@ -106,7 +106,7 @@ pub(crate) struct Builder(pub(crate) TriMesh);
 
 impl Builder {
     pub(crate) fn part(&mut self, tag: Tag, surface: Surface, rgb: [f32; 3]) -> u8 {
-        self.0.parts.push(Part { tag, surface, rgb });
+        self.0.parts.push(MeshPart { tag, surface, rgb });
         (self.0.parts.len() - 1) as u8
     }
 

@@ -10,8 +10,8 @@ use schema::table::{Column, Row};
 use schema::tables::Weather;
 use schema::{AgentId, ImageSet, Tag};
 use sensors::{
-    AgentState, Cameras, Carrier, GeoOrigin, Lidar, LidarMoment, Motion, Observation, Sensor, SensorError,
-    SensorPath, SensorVisitor, SharedBeams,
+    AgentState, Cameras, GeoOrigin, Lidar, LidarMoment, Motion, Observation, Sensor, SensorContext,
+    SensorError, SensorPath, SensorVisitor, SharedBeams,
 };
 use settings::{BeamSpec, LidarSpec, Mount, Returned, Rig, RollingScan, ScanPattern, WeatherSpec};
 use shading::FrameWeather;
@@ -83,8 +83,8 @@ impl Scene for Counting<'_> {
         self.scene.snapshot()
     }
 
-    fn look(&self, queries: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
-        self.scene.look(queries)
+    fn render(&self, queries: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
+        self.scene.render(queries)
     }
 
     fn trace(&self, queries: &[RayQuery<'_>]) -> Result<Vec<Hits>, RenderError> {
@@ -126,7 +126,8 @@ fn rays_of_twins_are_followed_once_and_read_the_same() {
     let renderer = prepared(&world);
     let scene = renderer.place(&world).expect("all meshes are prepared");
     let beams = SharedBeams::of(&rig).expect("are small");
-    let carrier = Carrier { seed: 1, scene: 0, agent: AgentId::vehicle(0), geo_origin: GeoOrigin::default() };
+    let carrier =
+        SensorContext { seed: 1, scene: 0, agent: AgentId::vehicle(0), geo_origin: GeoOrigin::default() };
     let motion = Motion {
         world_from_agent: Pose::<World, Agent>::from_xyz_rpy([0.0, -5.0, 0.0], [0.0; 3]),
         velocity_mps: Vector3::zeros(),

@@ -10,8 +10,8 @@ use schema::geometry::{Snapshot, Surface, TriMesh};
 use schema::{ObjectId, lights};
 use simd::{F32x8, LANES, U32x8, Vec3x8, floor_words};
 
+use super::lamp_depths::{LampDepths, LampView};
 use super::math::luminance;
-use super::seen::{Outlook, Seen};
 use super::{headlight, street};
 use crate::retro;
 
@@ -73,7 +73,7 @@ struct Lamp {
     rgb: Vec3,
     radius_m: f32,
     /// What stands in the way of its light.
-    seen: Option<Arc<Seen>>,
+    seen: Option<Arc<LampDepths>>,
 }
 
 /// The lamps around an agent, by the place they light.
@@ -347,11 +347,11 @@ fn burning(snapshot: &Snapshot, centre: Vec3) -> Vec<Lamp> {
 /// nearest to a place; those farther away shine through things.
 fn shade(scene: &dyn Scene, lamps: &mut [Lamp], centre: Vec3) -> Result<(), RenderError> {
     let kinds = [
-        (&[Beam::Low, Beam::High][..], Outlook::HEADLIGHT),
-        (&[Beam::Street], Outlook::WIDE),
-        (&[Beam::Flood], Outlook::WIDE),
+        (&[Beam::Low, Beam::High][..], LampView::HEADLIGHT),
+        (&[Beam::Street], LampView::WIDE),
+        (&[Beam::Flood], LampView::WIDE),
     ];
-    for (beams, outlook) in kinds {
+    for (beams, view) in kinds {
         let is_of = |lamp: &Lamp| beams.contains(&lamp.beam);
         // Middle, number of lamps, where they point and what is up.
         let mut owners: BTreeMap<ObjectId, (Vec3, f32, [Vec3; 2])> = BTreeMap::new();
@@ -369,9 +369,10 @@ fn shade(scene: &dyn Scene, lamps: &mut [Lamp], centre: Vec3) -> Result<(), Rend
         nearest.sort_by(|a, b| away(a.1).total_cmp(&away(b.1)).then(a.0.cmp(&b.0)));
         nearest.truncate(MOST_SHADED);
         let seen = |&(object, place, axes): &(ObjectId, Vec3, [Vec3; 2])| {
-            Ok((object, Arc::new(Seen::new(scene, object, place, axes, &outlook)?)))
+            Ok((object, Arc::new(LampDepths::new(scene, object, place, axes, &view)?)))
         };
-        let seen: Result<BTreeMap<ObjectId, Arc<Seen>>, RenderError> = nearest.par_iter().map(seen).collect();
+        let seen: Result<BTreeMap<ObjectId, Arc<LampDepths>>, RenderError> =
+            nearest.par_iter().map(seen).collect();
         let seen = seen?;
         for lamp in lamps.iter_mut().filter(|lamp| is_of(lamp)) {
             lamp.seen = seen.get(&lamp.object).cloned();
@@ -410,7 +411,7 @@ fn fittings_of(mesh: &TriMesh) -> Vec<Fitting> {
 #[cfg(test)]
 mod tests {
     use schema::Tag;
-    use schema::geometry::Part;
+    use schema::geometry::MeshPart;
 
     use super::*;
 
@@ -508,7 +509,7 @@ mod tests {
     fn a_car_has_two_headlights_that_look_where_it_does() {
         // Lenses to either side of a car at (10, 5) that looks along y.
         let mut mesh = TriMesh::default();
-        let part = mesh.part_index(Part::new(Tag::Car, Surface::Lamp(lights::LOW_BEAM), [0.9, 0.9, 0.8]));
+        let part = mesh.part_index(MeshPart::new(Tag::Car, Surface::Lamp(lights::LOW_BEAM), [0.9, 0.9, 0.8]));
         for y in [-0.7f32, 0.7] {
             let corners = [[2.0, y - 0.1, 0.6], [2.0, y + 0.1, 0.6], [2.0, y, 0.8]];
             let corners = corners.map(|corner| mesh.add_vertex(Vec3::from_array(corner)));

@@ -28,7 +28,7 @@ pub(super) fn depths(
     panes: Stipple,
 ) -> Result<Vec<f32>, RenderError> {
     let query = CameraQuery { camera: *camera, among, outputs: Outputs::Depths, panes };
-    Ok(scene.look(&[query])?.pop().map_or_else(Vec::new, |seen| seen.depth_m))
+    Ok(scene.render(&[query])?.pop().map_or_else(Vec::new, |seen| seen.depth_m))
 }
 
 /// How large a map is, and how finely lenses for it are told apart.

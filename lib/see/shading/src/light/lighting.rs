@@ -6,13 +6,13 @@ use glam::Vec3;
 use render::{RenderError, Scene};
 use schema::tables::Weather;
 
-use super::enclosed::Enclosed;
+use super::environment_map::{EnvironmentMap, LitSurroundings};
 use super::exposure::Exposure;
 use super::fog::Fog;
 use super::lamps::Lamps;
-use super::shadow::{Caster, Overhead, Shadows, shadows_at};
+use super::shadow::{Caster, Shadows, SkyOcclusionMap, shadows_at};
 use super::sky::Sky;
-use super::skyline::{Seen, Skyline};
+use super::sky_visibility::SkyVisibility;
 use super::still::StillMaps;
 use crate::materials::Surroundings;
 
@@ -39,12 +39,12 @@ impl FrameWeather {
 pub struct Lighting {
     pub(crate) sky: Arc<Sky>,
     pub(crate) shadows: Shadows,
-    pub(crate) overhead: Overhead,
-    pub(crate) walls: Enclosed,
+    pub(crate) overhead: SkyOcclusionMap,
+    pub(crate) walls: SkyVisibility,
     pub(crate) lamps: Lamps,
     pub(crate) exposure: Exposure,
     pub(crate) fog: Fog,
-    pub(crate) skyline: Skyline,
+    pub(crate) environment_map: EnvironmentMap,
     pub(crate) around: Surroundings,
     /// Rain, 0 to 1.
     pub(crate) rain: f32,
@@ -86,15 +86,15 @@ impl Lighting {
         let (shadows, (lamps, walls)) = rayon::join(
             || shadows_at(scene, still, caster, centre_local),
             || {
-                let walls = Enclosed::around(scene, still, centre_local);
+                let walls = SkyVisibility::around(scene, still, centre_local);
                 (Lamps::new(scene, sky.lamps_matter(), centre_local), walls)
             },
         );
         let ((shadows, overhead), lamps, walls) = (shadows?, lamps?, walls?);
         let exposure = Exposure::new(sky.around_klx, lamps.on_the_ground(centre_local));
         let fog = Fog::new(weather, sky.horizon, centre_local.z);
-        let seen = Seen { sky: &sky, shadows: &shadows, lamps: &lamps, fog: &fog };
-        let skyline = Skyline::new(scene, seen, centre_local)?;
+        let seen = LitSurroundings { sky: &sky, shadows: &shadows, lamps: &lamps, fog: &fog };
+        let environment_map = EnvironmentMap::new(scene, seen, centre_local)?;
         Ok(Self {
             shadows,
             overhead,
@@ -102,7 +102,7 @@ impl Lighting {
             lamps,
             exposure,
             fog,
-            skyline,
+            environment_map,
             around: Surroundings {
                 wetness: share(weather.wetness.max(weather.precipitation * 0.8)),
                 puddles: share(weather.precipitation_deposits),

@@ -4,31 +4,31 @@
 //! sRGB.
 
 mod atmosphere;
-mod enclosed;
+mod corner_gradient;
+mod environment_map;
 mod exposure;
 mod fog;
 mod headlight;
+mod lamp_depths;
 mod lamps;
 mod lens;
 mod lighting;
 mod map;
 mod math;
-mod ramp;
 mod scene_lights;
-mod seen;
 mod shadow;
 mod sky;
-mod skyline;
+mod sky_visibility;
 mod still;
 mod street;
 mod walls;
 
+pub(crate) use corner_gradient::CornerGradient;
+pub(crate) use environment_map::EnvironmentMap;
 pub use fog::fog_extinction_per_m;
 pub use lighting::{FrameWeather, Lighting};
 pub(crate) use map::Lit;
-pub(crate) use ramp::Ramp;
 pub(crate) use scene_lights::SceneLights;
 pub use sky::Sky;
-pub(crate) use skyline::Skyline;
 pub use still::StillWorld;
 pub(crate) use walls::Facing;

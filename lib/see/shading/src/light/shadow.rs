@@ -40,7 +40,7 @@ pub(crate) fn shadows_at(
     still: Option<&StillMaps<'_>>,
     caster: Option<Caster>,
     centre: Vec3,
-) -> Result<(Shadows, Overhead), RenderError> {
+) -> Result<(Shadows, SkyOcclusionMap), RenderError> {
     let origin = scene.snapshot().origin;
     let place_m = DVec3::from_array(origin.world_xyz()) + centre.as_dvec3();
     // The view from above serves all frames.
@@ -79,7 +79,7 @@ pub(crate) fn shadows_at(
     let mut maps = maps?;
     let above = maps.remove(0);
     let to_light = lenses.get(1).map_or(Vec3::Z, |((lens, _), _)| -lens.forward);
-    Ok((Shadows { to_light, maps }, Overhead { map: above }))
+    Ok((Shadows { to_light, maps }, SkyOcclusionMap { map: above }))
 }
 
 /// Shadows of the sun or moon around a place.
@@ -145,11 +145,11 @@ impl Shadows {
 
 /// How much of the sky is hidden by what is straight above and close: the shade under cars, trees and bridges.
 #[derive(Clone, Debug)]
-pub(crate) struct Overhead {
+pub(crate) struct SkyOcclusionMap {
     map: Map,
 }
 
-impl Overhead {
+impl SkyOcclusionMap {
     /// Share of the light of the sky that reaches places of one surface, 0 to 1; 1 beyond the map.
     #[inline]
     pub(crate) fn open(&self, positions: &Vec3x8, normal: Vec3) -> F32x8 {
@@ -207,7 +207,7 @@ mod tests {
     use render::cpu::CpuRenderer;
     use render::{CameraQuery, Hits, RayBatch, RayQuery, Renderer, VisibilityBuffer};
     use schema::Tag;
-    use schema::geometry::{Instance, Part, Snapshot, Surface, TriMesh};
+    use schema::geometry::{Instance, MeshPart, Snapshot, Surface, TriMesh};
 
     use super::super::still::StillWorld;
     use super::*;
@@ -219,7 +219,7 @@ mod tests {
             positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             triangle_part: vec![0, 0],
-            parts: vec![Part { tag: Tag::Road, surface: Surface::Plain, rgb: [0.5; 3] }],
+            parts: vec![MeshPart { tag: Tag::Road, surface: Surface::Plain, rgb: [0.5; 3] }],
             ..TriMesh::default()
         })
     }
@@ -252,7 +252,11 @@ mod tests {
     }
 
     /// Places a snapshot before a renderer and calls with the shadows around its origin.
-    fn with_shadows(snapshot: &Snapshot, to_light: Vec3, each: impl FnOnce(&dyn Scene, &Shadows, &Overhead)) {
+    fn with_shadows(
+        snapshot: &Snapshot,
+        to_light: Vec3,
+        each: impl FnOnce(&dyn Scene, &Shadows, &SkyOcclusionMap),
+    ) {
         let mut renderer = CpuRenderer::default();
         renderer.prepare(&snapshot.meshes).expect("has no device");
         let scene = renderer.place(snapshot).expect("all meshes are prepared");
@@ -320,8 +324,8 @@ mod tests {
         fn snapshot(&self) -> &Snapshot {
             self.0.snapshot()
         }
-        fn look(&self, queries: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
-            self.0.look(queries)
+        fn render(&self, queries: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
+            self.0.render(queries)
         }
         fn trace(&self, queries: &[RayQuery<'_>]) -> Result<Vec<Hits>, RenderError> {
             self.0.trace(queries)

@@ -283,7 +283,7 @@ mod tests {
     const TEXELS: usize = 200;
 
     /// Walls over a height field of metres, the place that is asked for at its middle.
-    fn enclosed(houses_m: impl Fn(f32, f32) -> f32) -> Walls {
+    fn sky_visibility(houses_m: impl Fn(f32, f32) -> f32) -> Walls {
         let middle = |at: usize| at as f32 + 0.5 - 0.5 * TEXELS as f32;
         let houses: Vec<f32> =
             (0..TEXELS * TEXELS).map(|i| houses_m(middle(i % TEXELS), middle(i / TEXELS))).collect();
@@ -311,7 +311,7 @@ mod tests {
 
     #[test]
     fn it_is_closed_forms_and_rays() {
-        let none = enclosed(|_, _| f32::NEG_INFINITY);
+        let none = sky_visibility(|_, _| f32::NEG_INFINITY);
         let open = |walls: &Walls, place: Vec3, normal: Vec3| {
             let half_m = 0.5 * TEXELS as f32;
             walls.open(place + Vec3::new(half_m, half_m, 0.0), &Facing::new(normal))
@@ -320,7 +320,7 @@ mod tests {
             assert!((open(&none, Vec3::new(3.0, 7.0, 0.0), normal) - 1.0).abs() < 1e-4, "{normal}");
         }
         // Beside a wall without end half of the sky is left.
-        let endless = enclosed(|x, _| if x < 0.0 { 1e4 } else { f32::NEG_INFINITY });
+        let endless = sky_visibility(|x, _| if x < 0.0 { 1e4 } else { f32::NEG_INFINITY });
         for x in [3.0, 12.0] {
             let half = open(&endless, Vec3::new(x, 0.0, 0.0), Vec3::Z);
             assert!((half - 0.5).abs() < 0.05, "{x}: {half}");
@@ -336,7 +336,7 @@ mod tests {
         let corner = |x: f32, y: f32| if x > 4.0 && y > 4.0 { 9.0 } else { f32::NEG_INFINITY };
         let fields: [&dyn Fn(f32, f32) -> f32; 3] = [&street, &court, &corner];
         for (number, field) in fields.into_iter().enumerate() {
-            let walls = enclosed(field);
+            let walls = sky_visibility(field);
             let mut places: Vec<(Vec3, Vec3)> =
                 [-3.0, 0.0, 3.0].map(|x| (Vec3::new(x, 0.5, 0.0), Vec3::Z)).to_vec();
             let wall = [6.0, 8.0, 4.0][number];
@@ -349,7 +349,7 @@ mod tests {
             }
         }
         // On a roof nothing is in the way.
-        let roof = open(&enclosed(street), Vec3::new(12.0, 0.0, 12.0), Vec3::Z);
+        let roof = open(&sky_visibility(street), Vec3::new(12.0, 0.0, 12.0), Vec3::Z);
         assert!(roof > 0.97, "{roof}");
     }
 }

@@ -2,7 +2,7 @@
 
 use simd::{F32x8, U32x8, floor_words, hash2, unit};
 
-use super::facet::{Points, Surroundings};
+use super::shaded_triangle::{Points, Surroundings};
 
 /// A random word of the square of the world in which points lie, and how far they are (x and y of the world) from a place in it that is
 /// so far from its edges at least, metres.

@@ -5,8 +5,8 @@ use glam::Vec3;
 use schema::geometry::Weave;
 use simd::{F32x8, Vec3x8};
 
-use super::facet::{Facet, Look, Points};
 use super::pattern::{Width, bars};
+use super::shaded_triangle::{BrdfSample, Points, ShadedTriangle};
 
 /// Folds a metre, where there are some.
 const FOLDS_PER_M: f32 = 12.0;
@@ -23,7 +23,13 @@ const DARK: Vec3 = Vec3::new(0.03, 0.035, 0.05);
 
 /// The look of clothes. What is woven lies along the axes of the limb.
 #[inline]
-pub(super) fn clothes(noise: &Noise, weave: Weave, facet: &Facet<'_>, rgb: Vec3, p: &Points) -> Look {
+pub(super) fn clothes(
+    noise: &Noise,
+    weave: Weave,
+    facet: &ShadedTriangle<'_>,
+    rgb: Vec3,
+    p: &Points,
+) -> BrdfSample {
     let (o, w) = (&p.object_m, p.footprint_m);
     let grain = noise.at_all((o.x + o.z * 0.37) * 90.0, (o.y + o.z * 0.61) * 90.0, w * 90.0) - 0.5;
     let even = Vec3x8::splat(rgb);
@@ -52,10 +58,10 @@ pub(super) fn clothes(noise: &Noise, weave: Weave, facet: &Facet<'_>, rgb: Vec3,
     };
     let widths = w.as_array();
     if widths[0].min(widths[7]) >= GONE_M {
-        return Look::dull(albedo);
+        return BrdfSample::dull(albedo);
     }
     let slope = folds(noise, p);
-    Look::leaning(albedo, facet.tangents_object.map(|axis| slope * ALONG_OBJECT.dot(axis)))
+    BrdfSample::leaning(albedo, facet.tangents_object.map(|axis| slope * ALONG_OBJECT.dot(axis)))
 }
 
 /// The other colour of two.

@@ -5,7 +5,7 @@ use glam::Vec3;
 use schema::{ObjectId, Tag};
 use simd::{F32x8, Vec3x8, smoothstep};
 
-use super::facet::{Facet, Gloss, Look, Points};
+use super::shaded_triangle::{BrdfSample, Points, ShadedTriangle, Specular};
 
 /// What dries on paint: dust of roads, linear RGB.
 const DUST: Vec3 = Vec3::new(0.115, 0.098, 0.080);
@@ -24,8 +24,8 @@ pub(super) fn amount(object: ObjectId) -> f32 {
 
 /// The look of paint on which dirt may lie.
 #[inline]
-pub(super) fn painted(noise: &Noise, facet: &Facet<'_>, p: &Points) -> Look {
-    let clean = Look::glossy(Vec3x8::splat(facet.paint), MIRROR, SMOOTH);
+pub(super) fn painted(noise: &Noise, facet: &ShadedTriangle<'_>, p: &Points) -> BrdfSample {
+    let clean = BrdfSample::glossy(Vec3x8::splat(facet.paint), MIRROR, SMOOTH);
     let amount = match facet.part.tag {
         Tag::Car | Tag::Truck | Tag::Bus => amount(facet.object),
         _ => 0.0,
@@ -45,8 +45,8 @@ pub(super) fn painted(noise: &Noise, facet: &Facet<'_>, p: &Points) -> Look {
     let film = 0.22 * n.z.max(0.0) + 0.06;
     let cover = ((splashed + film * (clouds + 0.5)) * amount).fast_clamp(F32x8::ZERO, F32x8::splat(0.85));
     let albedo = Vec3x8::splat(facet.paint).lerp(Vec3x8::splat(DUST), cover);
-    let gloss = Gloss { mirror: (1.0 - cover) * MIRROR, roughness: cover * 0.5 + SMOOTH };
-    Look { albedo, gloss: Some(gloss), ..Look::default() }
+    let specular = Specular { mirror: (1.0 - cover) * MIRROR, roughness: cover * 0.5 + SMOOTH };
+    BrdfSample { albedo, specular: Some(specular), ..BrdfSample::default() }
 }
 
 /// How clear coat mirrors.

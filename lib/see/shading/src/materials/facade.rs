@@ -6,10 +6,10 @@ use schema::geometry::Wall;
 use schema::lights;
 use simd::{F32x8, U32x8, Vec3x8, floor_words, hash2, lerp, smoothstep, unit};
 
-use super::facet::{Facet, Gloss, Look, Points, shades};
 use super::front::{Front, own};
 use super::pattern::{Width, bars};
 use super::room::{Gaze, Pane, inside};
+use super::shaded_triangle::{BrdfSample, Points, ShadedTriangle, Specular, shades};
 
 /// Rain splashes dirt up to this height, metres.
 const SPLASHED_M: f32 = 2.2;
@@ -20,10 +20,10 @@ const LIT_SHARE: f32 = 0.42;
 #[inline]
 pub(super) fn facade(
     (noise, textures): (&Noise, &Textures),
-    facet: &Facet<'_>,
+    facet: &ShadedTriangle<'_>,
     front: &Front,
     p: &Points,
-) -> Look {
+) -> BrdfSample {
     let rgb = Vec3::from_array(facet.part.rgb);
     let (o, w) = (&p.object_m, p.footprint_m);
     let n = facet.normal_object;
@@ -31,23 +31,24 @@ pub(super) fn facade(
     let along = o.x * right.x + o.y * right.y;
     let Front { wall, style, start_m, cell_m, .. } = front;
     let face = wall_face((noise, textures), *wall, rgb, [along, o.z], w);
-    let mut look = Look::leaning(face.albedo, face.lean);
+    let mut sample = BrdfSample::leaning(face.albedo, face.lean);
     if front.is_on_ground && o.z.simd_lt(SPLASHED_M).any() {
         // Splashed by rain: browner and darker near the ground.
         let edge = noise.at_all(along * 6.0, o.z * 6.0, w * 6.0);
         let dirt = (1.0 - smoothstep(-0.1, 1.3, o.z - edge * 0.9)) * 0.55;
-        look.albedo = look.albedo * Vec3x8::new(1.0 - dirt * 0.75, 1.0 - dirt * 0.85, 1.0 - dirt);
+        sample.albedo = sample.albedo * Vec3x8::new(1.0 - dirt * 0.75, 1.0 - dirt * 0.85, 1.0 - dirt);
     }
-    let Some(windows) = &front.windows else { return look };
+    let Some(windows) = &front.windows else { return sample };
     let [bay_m, storey_m] = *cell_m;
     let (u, v) = ((along - start_m[0]) * (1.0 / bay_m), (o.z - start_m[1]) * (1.0 / storey_m));
     let (wu, wv) = (Width::new(w * (1.0 / bay_m)), Width::new(w * (1.0 / storey_m)));
     let opening = windows.opening(u, v, wu, wv);
     let ledge = windows.ledge(u, v, wu, wv) * style.sill;
     let band = bars(v + 0.03, 0.06, wv) * style.band;
-    look.albedo = look.albedo.lerp(Vec3x8::splat(rgb * 0.35 + Vec3::splat(0.38)), ledge.fast_max(band) * 0.8);
+    sample.albedo =
+        sample.albedo.lerp(Vec3x8::splat(rgb * 0.35 + Vec3::splat(0.38)), ledge.fast_max(band) * 0.8);
     if opening.simd_gt(0.0).none() {
-        return look;
+        return sample;
     }
     // Glass and frame stand back in the wall: what is seen of them is farther along the way one looks.
     let way = *o - Vec3x8::splat(facet.eye_object_m);
@@ -63,11 +64,11 @@ pub(super) fn facade(
     let glass = windows.panes(deep_u, deep_v, wu, wv) * opening;
     let framed = windows.opening(deep_u, deep_v, wu, wv) * opening;
     let frame_rgb = if own(facet.object, 4) > 0.5 { Vec3::splat(0.5) } else { Vec3::new(0.06, 0.055, 0.05) };
-    look.albedo = look.albedo.lerp(Vec3x8::splat(rgb * 0.55 + Vec3::splat(0.05)), opening);
-    look.albedo = look.albedo.lerp(Vec3x8::splat(frame_rgb), framed);
-    look.lean = look.lean.map(|lean| lean.map(|v| v * (1.0 - opening)));
+    sample.albedo = sample.albedo.lerp(Vec3x8::splat(rgb * 0.55 + Vec3::splat(0.05)), opening);
+    sample.albedo = sample.albedo.lerp(Vec3x8::splat(frame_rgb), framed);
+    sample.lean = sample.lean.map(|lean| lean.map(|v| v * (1.0 - opening)));
     if glass.simd_gt(0.0).none() {
-        return look;
+        return sample;
     }
     // A word for each window of each side of each house.
     let side = (8.0 * n.x + 3.0 * n.y).round() as i32;
@@ -91,12 +92,12 @@ pub(super) fn facade(
         by_day = seen.by_day.lerp(by_day, far);
         by_night = seen.by_night.lerp(by_night, far);
     }
-    look.albedo = look.albedo.lerp(by_day * F32x8::splat(style.clear), glass);
-    look.gloss = Some(Gloss { mirror: glass * style.mirror, roughness: F32x8::splat(0.03) });
+    sample.albedo = sample.albedo.lerp(by_day * F32x8::splat(style.clear), glass);
+    sample.specular = Some(Specular { mirror: glass * style.mirror, roughness: F32x8::splat(0.03) });
     if *wall == Wall::Curtain {
         // No two panes stand quite alike.
         let tilt = |bits: U32x8| (unit(bits) - 0.5) * 0.012 * glass;
-        look.lean = Some([tilt(word * 0x27d4_eb2fu32), tilt(word * 0x1656_67b1u32)]);
+        sample.lean = Some([tilt(word * 0x27d4_eb2fu32), tilt(word * 0x1656_67b1u32)]);
     }
     if facet.lights & lights::BUILDING != 0 {
         // Which windows are lit, and how warm; far away all fade to their mean.
@@ -107,9 +108,9 @@ pub(super) fn facade(
         let glow = window_light(facet.glow, word);
         // Rooms of one building differ a little.
         let glow = glow * Vec3x8::new(F32x8::ONE, warm * 0.3 + 1.0, warm * 1.2 + 0.8);
-        look.emission = Some(glow * by_night * (glass * lit * 0.55));
+        sample.emission = Some(glow * by_night * (glass * lit * 0.55));
     }
-    look
+    sample
 }
 
 /// Light of windows by their words. Where colours were drawn each window has one of its own, near to its house's and as bright; lamp

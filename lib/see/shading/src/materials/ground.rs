@@ -3,13 +3,13 @@
 use crate::textures::{Noise, Texels, Textures};
 use glam::Vec3;
 use schema::Tag;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 use simd::{F32x8, U32x8, Vec3x8, floor_words, hash2, smoothstep, unit};
 
 use super::cells::in_cell;
-use super::facet::{Facet, Gloss, Look, Points, Surroundings, is_level, shades};
 use super::gutter;
 use super::pattern::{Width, bars};
+use super::shaded_triangle::{BrdfSample, Points, ShadedTriangle, Specular, Surroundings, is_level, shades};
 
 /// Manholes: one in a square of this side (a power of two, so that the wrapped world has no seam), metres.
 const MANHOLE_CELL_M: f32 = 32.0;
@@ -33,7 +33,7 @@ fn laid(texture: &crate::textures::Texture, p: &Points) -> Texels {
 }
 
 /// Whether a part with such a normal is ground that mirrors when it is wet.
-pub(crate) fn gets_wet(part: &Part, normal_local: Vec3) -> bool {
+pub(crate) fn gets_wet(part: &MeshPart, normal_local: Vec3) -> bool {
     is_level(normal_local)
         && match part.surface {
             Surface::Asphalt | Surface::KerbedAsphalt(_) | Surface::Paving(_) | Surface::RoadMarking => true,
@@ -44,28 +44,34 @@ pub(crate) fn gets_wet(part: &Part, normal_local: Vec3) -> bool {
 
 /// Darkens and glosses a porous surface that is wet; `flat` is 1 where puddles can stand.
 #[inline]
-pub(super) fn wet(noise: &Noise, around: &Surroundings, mut look: Look, p: &Points, flat: f32) -> Look {
+pub(super) fn wet(
+    noise: &Noise,
+    around: &Surroundings,
+    mut sample: BrdfSample,
+    p: &Points,
+    flat: f32,
+) -> BrdfSample {
     if !around.are_wet() {
-        return look;
+        return sample;
     }
     let hollow = ground_noise(noise, p, 16.0);
     let threshold = 1.0 - 0.75 * around.puddles;
     let puddle = smoothstep(threshold, threshold + 0.12, hollow) * (flat * around.puddles.min(1.0));
     let wetness = puddle.fast_max(F32x8::splat(around.wetness));
-    look.albedo *= 1.0 - wetness * 0.5;
+    sample.albedo *= 1.0 - wetness * 0.5;
     // Water lies level, but where drops fall.
-    look.lean = look.lean.map(|lean| lean.map(|v| v * (1.0 - puddle)));
+    sample.lean = sample.lean.map(|lean| lean.map(|v| v * (1.0 - puddle)));
     let mut roughness = 0.6 - wetness * 0.28 - puddle * 0.3;
     if around.rain > 0.0 && puddle.simd_gt(0.0).any() {
         // Far rings are finer than pixels: there they are roughness.
         let near = 1.0 / (p.footprint_m * p.footprint_m * 4000.0 + 1.0);
         roughness += puddle * (1.0 - near) * (0.1 * around.rain);
         let rings = rings(around, p);
-        let [east, north] = look.lean.unwrap_or_default();
-        look.lean = Some([east + rings[0] * puddle * near, north + rings[1] * puddle * near]);
+        let [east, north] = sample.lean.unwrap_or_default();
+        sample.lean = Some([east + rings[0] * puddle * near, north + rings[1] * puddle * near]);
     }
-    look.gloss = Some(Gloss { mirror: wetness * 0.02, roughness });
-    look
+    sample.specular = Some(Specular { mirror: wetness * 0.02, roughness });
+    sample
 }
 
 /// Slopes of the rings that drops of rain make on water, along x and y of the world.
@@ -94,9 +100,9 @@ fn rings(around: &Surroundings, p: &Points) -> [F32x8; 2] {
 pub(super) fn asphalt(
     (noise, textures): (&Noise, &Textures),
     around: &Surroundings,
-    facet: &Facet<'_>,
+    facet: &ShadedTriangle<'_>,
     p: &Points,
-) -> Look {
+) -> BrdfSample {
     let rgb = Vec3::from_array(facet.part.rgb);
     let (stones, wear) = (laid(&textures.asphalt, p), laid(&textures.wear, p));
     // Some stretches are older than others.
@@ -123,7 +129,7 @@ pub(super) fn asphalt(
     if let Some(kerbed) = &facet.kerbed {
         albedo = gutter::soiled(kerbed, noise, p, albedo, &stones.shade);
     }
-    wet(noise, around, Look::leaning(albedo, lean), p, 1.0)
+    wet(noise, around, BrdfSample::leaning(albedo, lean), p, 1.0)
 }
 
 /// Shares that are iron and its brightness; none where there is no manhole near.
@@ -153,7 +159,7 @@ pub(super) fn marking(
     around: &Surroundings,
     rgb: Vec3,
     p: &Points,
-) -> Look {
+) -> BrdfSample {
     let (stones, wear) = (laid(&textures.asphalt, p), laid(&textures.wear, p));
     let rubbed = ground_noise(noise, p, 32.0);
     // Paint goes first where stones stand out, and where tar was poured over it.
@@ -163,11 +169,11 @@ pub(super) fn marking(
     let kept = kept * (1.0 - wear.tint.fast_max(F32x8::ZERO) * 0.8);
     let dirt = wear.shade * 0.5 + 0.5;
     let albedo = shades(rgb, kept * dirt) + shades(Vec3::splat(0.07), (1.0 - kept) * stones.shade);
-    wet(noise, around, Look::leaning(albedo, stones.lean.map(|v| v * 0.6)), p, 0.6)
+    wet(noise, around, BrdfSample::leaning(albedo, stones.lean.map(|v| v * 0.6)), p, 0.6)
 }
 
 #[inline]
-pub(super) fn grass((noise, textures): (&Noise, &Textures), rgb: Vec3, p: &Points) -> Look {
+pub(super) fn grass((noise, textures): (&Noise, &Textures), rgb: Vec3, p: &Points) -> BrdfSample {
     let blades = laid(&textures.grass, p);
     let (tufts, meadow) = (ground_noise(noise, p, 4.0), ground_noise(noise, p, 2.0));
     // Dry patches are yellower; where it is driest, soil shows.
@@ -180,5 +186,5 @@ pub(super) fn grass((noise, textures): (&Noise, &Textures), rgb: Vec3, p: &Point
     let green = shades(rgb, blades.shade * (tufts * 0.5 + 0.75)) * tint;
     let bare = smoothstep(0.74, 0.86, dry) * 0.7;
     let soil = shades(Vec3::new(0.15, 0.11, 0.07), blades.shade * 0.4 + 0.6);
-    Look::leaning(green.lerp(soil, bare), blades.lean)
+    BrdfSample::leaning(green.lerp(soil, bare), blades.lean)
 }

@@ -5,9 +5,9 @@ use glam::Vec3;
 use simd::{F32x8, Vec3x8, smoothstep, unit};
 
 use super::cells::in_cell;
-use super::facet::{Points, shades};
 use super::lane::Kerbed;
 use super::pattern::{Width, bars};
+use super::shaded_triangle::{Points, shades};
 
 /// How far from a kerb anything lies, metres; within lanes that are narrower, less far by as much.
 const REACH_M: f32 = 0.9;

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use schema::Tag;
-use schema::skin::Skin;
+use schema::mesh_textures::MeshTextures;
 use simd::{F32x8, Vec3x8};
 
 /// The places of a triangle: metres along the sidewalk and away from its kerb follow evenly from those on its plan.
@@ -17,8 +17,12 @@ pub(super) struct Laid {
 
 impl Laid {
     /// Of a triangle of a sidewalk; none where its mesh does not tell, or it has no area.
-    pub(super) fn new(tag: Tag, skin: Option<(&Skin, [Vec2; 3])>, corners_m: [Vec3; 3]) -> Option<Self> {
-        let (_, [ua, ub, uc]) = skin.filter(|_| tag == Tag::Sidewalk)?;
+    pub(super) fn new(
+        tag: Tag,
+        textures: Option<(&MeshTextures, [Vec2; 3])>,
+        corners_m: [Vec3; 3],
+    ) -> Option<Self> {
+        let (_, [ua, ub, uc]) = textures.filter(|_| tag == Tag::Sidewalk)?;
         let [a, b, c] = corners_m;
         let (ab, ac) = (b - a, c - a);
         let normal = ab.cross(ac);
@@ -65,9 +69,9 @@ mod tests {
             let (radius, away) = if outer { (12.0, 2.0) } else { (10.0, 0.0) };
             (ring(angle, radius), Vec2::new(11.0 * angle, away))
         };
-        let skin = Skin::default();
+        let textures = MeshTextures::default();
         let laid = |corners: [(Vec3, Vec2); 3]| {
-            Laid::new(Tag::Sidewalk, Some((&skin, corners.map(|c| c.1))), corners.map(|c| c.0))
+            Laid::new(Tag::Sidewalk, Some((&textures, corners.map(|c| c.1))), corners.map(|c| c.0))
                 .expect("has an area")
         };
         let at = |piece: &Laid, p: Vec3| piece.places(&Vec3x8::splat(p)).map(|v| v.to_array()[3]);
@@ -103,7 +107,7 @@ mod tests {
         // Along is along: a lean of the one axis runs with the first piece, to the east.
         let [east, north] = pieces[0].0.lean([F32x8::ONE, F32x8::ZERO]).map(|v| v.to_array()[0]);
         assert!(east > 0.95 && north.abs() < 0.3, "{east} {north}");
-        let road = Laid::new(Tag::Road, Some((&skin, [Vec2::ZERO; 3])), [Vec3::ZERO, Vec3::X, Vec3::Y]);
+        let road = Laid::new(Tag::Road, Some((&textures, [Vec2::ZERO; 3])), [Vec3::ZERO, Vec3::X, Vec3::Y]);
         assert!(road.is_none());
     }
 }

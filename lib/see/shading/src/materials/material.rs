@@ -5,27 +5,27 @@
 use crate::textures::{Noise, Texture, Textures};
 use glam::Vec3;
 use schema::geometry::{Paving, Surface};
-use schema::skin::Finish;
+use schema::mesh_textures::PbrFactors;
 use schema::{Tag, lights};
 use simd::{F32x8, Vec3x8};
 
 use super::cloth::clothes;
 use super::dirt;
 use super::facade::facade;
-use super::facet::{Facet, Gloss, Look, Points, Surroundings, shades};
 use super::ground;
 use super::pattern::{Width, bars};
 use super::paving;
-use super::skin::Draped;
+use super::shaded_triangle::{BrdfSample, Points, ShadedTriangle, Specular, Surroundings, shades};
+use super::uv_surface::UvSurface;
 
 /// What patterns are made of.
 #[derive(Clone, Copy)]
-pub(crate) struct Stuff {
+pub(crate) struct PatternSet {
     noise: &'static Noise,
     textures: &'static Textures,
 }
 
-impl Stuff {
+impl PatternSet {
     pub(crate) fn get() -> Self {
         Self { noise: Noise::get(), textures: Textures::get() }
     }
@@ -33,28 +33,33 @@ impl Stuff {
 
 /// The look of eight points.
 #[inline]
-pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &Points) -> Look {
+pub(crate) fn sample(
+    patterns: PatternSet,
+    around: &Surroundings,
+    facet: &ShadedTriangle<'_>,
+    p: &Points,
+) -> BrdfSample {
     let rgb = Vec3::from_array(facet.part.rgb);
-    let Stuff { noise, textures } = stuff;
+    let PatternSet { noise, textures } = patterns;
     let both = (noise, textures);
     match facet.part.surface {
-        Surface::Plain => Look::dull(shades(rgb, speckle(noise, p, 0.08))),
-        Surface::Cloth => Look::dull(shades(rgb, speckle(noise, p, 0.2))),
+        Surface::Plain => BrdfSample::dull(shades(rgb, speckle(noise, p, 0.08))),
+        Surface::Cloth => BrdfSample::dull(shades(rgb, speckle(noise, p, 0.2))),
         Surface::Clothes(weave) => clothes(noise, weave, facet, rgb, p),
         // By day it is smooth plastic; what it sends back to a lamp is light of lamps.
         Surface::Reflector => {
-            let painted = facet.draped.as_ref().and_then(|draped| draped.colour(p));
-            Look::glossy(painted.unwrap_or(Vec3x8::splat(rgb)), 0.04, 0.3)
+            let painted = facet.uv_surface.as_ref().and_then(|uv_surface| uv_surface.colour(p));
+            BrdfSample::glossy(painted.unwrap_or(Vec3x8::splat(rgb)), 0.04, 0.3)
         }
-        Surface::Rubber => Look::glossy(Vec3x8::splat(rgb), 0.03, 0.7),
+        Surface::Rubber => BrdfSample::glossy(Vec3x8::splat(rgb), 0.03, 0.7),
         Surface::Paint => dirt::painted(noise, facet, p),
         Surface::Glass | Surface::Window => {
-            Look::glossy(Vec3x8::splat(rgb.min(Vec3::splat(0.06))), 0.06, 0.02)
+            BrdfSample::glossy(Vec3x8::splat(rgb.min(Vec3::splat(0.06))), 0.06, 0.02)
         }
-        Surface::Opening => Look::dull(Vec3x8::splat(rgb)),
+        Surface::Opening => BrdfSample::dull(Vec3x8::splat(rgb)),
         Surface::Metal if facet.part.tag == Tag::Building => sheeting(noise, facet, rgb, p),
-        Surface::Metal => Look::glossy(shades(rgb * 0.75, speckle(noise, p, 0.1)), 0.15, 0.45),
-        Surface::Skin(finish) => finished(finish, rgb, facet.draped.as_ref(), p),
+        Surface::Metal => BrdfSample::glossy(shades(rgb * 0.75, speckle(noise, p, 0.1)), 0.15, 0.45),
+        Surface::Textured(factors) => textured(factors, rgb, facet.uv_surface.as_ref(), p),
         Surface::Asphalt | Surface::KerbedAsphalt(_) => ground::asphalt(both, around, facet, p),
         Surface::RoadMarking => ground::marking(both, around, rgb, p),
         Surface::Paving(paving) => paving::paving(both, around, facet, paving, p),
@@ -70,7 +75,7 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
         Surface::Wood => {
             let o = &p.object_m;
             let grain = noise.at_all((o.x + o.y) * 120.0, o.z * 18.0, p.footprint_m * 120.0);
-            Look::dull(shades(rgb, grain * 0.7 + 0.65))
+            BrdfSample::dull(shades(rgb, grain * 0.7 + 0.65))
         }
         Surface::Facade(_) => match &facet.front {
             Some(front) => facade(both, facet, front, p),
@@ -81,10 +86,13 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
             if facet.lights & bits != 0 {
                 let has_glow = bits == lights::STREET_LAMP || bits == lights::WORK_LAMP;
                 let emission = if has_glow { rgb * facet.glow * 1.6 } else { rgb * 1.6 };
-                Look { emission: Some(Vec3x8::splat(emission)), ..Look::dull(Vec3x8::splat(rgb * 0.3)) }
+                BrdfSample {
+                    emission: Some(Vec3x8::splat(emission)),
+                    ..BrdfSample::dull(Vec3x8::splat(rgb * 0.3))
+                }
             } else {
                 // A lens that does not burn: its colour, deep and glossy.
-                Look::glossy(Vec3x8::splat(rgb * 0.35), 0.05, 0.1)
+                BrdfSample::glossy(Vec3x8::splat(rgb * 0.35), 0.05, 0.1)
             }
         }
     }
@@ -92,19 +100,19 @@ pub(crate) fn look(stuff: Stuff, around: &Surroundings, facet: &Facet<'_>, p: &P
 
 /// How a finish sends light back, as pictures say where it has some: plastic mirrors a twenty-fifth, metal more and scatters less (as
 /// `Surface::Metal` does).
-fn finished(finish: Finish, rgb: Vec3, draped: Option<&Draped<'_>>, p: &Points) -> Look {
-    let rgb = draped.and_then(|draped| draped.colour(p)).unwrap_or(Vec3x8::splat(rgb));
-    let even = [finish.roughness, finish.metallic].map(F32x8::splat);
-    let [roughness, metallic] = draped.and_then(|draped| draped.gloss(p)).unwrap_or(even);
+fn textured(factors: PbrFactors, rgb: Vec3, uv_surface: Option<&UvSurface<'_>>, p: &Points) -> BrdfSample {
+    let rgb = uv_surface.and_then(|uv_surface| uv_surface.colour(p)).unwrap_or(Vec3x8::splat(rgb));
+    let even = [factors.roughness, factors.metallic].map(F32x8::splat);
+    let [roughness, metallic] = uv_surface.and_then(|uv_surface| uv_surface.specular(p)).unwrap_or(even);
     // What is as rough as can be mirrors nothing that would be seen.
     let shows = roughness.simd_lt(0.95) | metallic.simd_gt(0.0);
     let mirror = shows.select(metallic * 0.16 + 0.04, F32x8::ZERO);
-    let gloss = Gloss { mirror, roughness: roughness.fast_max(F32x8::splat(0.02)) };
-    Look {
+    let specular = Specular { mirror, roughness: roughness.fast_max(F32x8::splat(0.02)) };
+    BrdfSample {
         albedo: rgb * (1.0 - metallic * 0.25),
-        lean: draped.and_then(|draped| draped.lean(p)),
-        emission: draped.and_then(|draped| draped.glow(p)),
-        gloss: shows.any().then_some(gloss),
+        lean: uv_surface.and_then(|uv_surface| uv_surface.lean(p)),
+        emission: uv_surface.and_then(|uv_surface| uv_surface.glow(p)),
+        specular: shows.any().then_some(specular),
     }
 }
 
@@ -118,14 +126,14 @@ fn speckle(noise: &Noise, p: &Points, strength: f32) -> F32x8 {
 
 /// Places on an upright or sloping surface: to the right and up along it, metres.
 #[inline]
-fn unrolled(facet: &Facet<'_>, p: &Points) -> [F32x8; 2] {
+fn unrolled(facet: &ShadedTriangle<'_>, p: &Points) -> [F32x8; 2] {
     let o = &p.object_m;
     facet.tangents_object.map(|axis| o.x * axis.x + o.y * axis.y + o.z * axis.z)
 }
 
 /// Sheets with upright ribs, four a metre, stained by rain.
 #[inline]
-fn sheeting(noise: &Noise, facet: &Facet<'_>, rgb: Vec3, p: &Points) -> Look {
+fn sheeting(noise: &Noise, facet: &ShadedTriangle<'_>, rgb: Vec3, p: &Points) -> BrdfSample {
     let [x, y] = unrolled(facet, p);
     let stains = noise.at_all(x * 8.0, y * 1.6, p.footprint_m * 8.0);
     // Up one flank of a rib and down the other, even between them.
@@ -134,21 +142,26 @@ fn sheeting(noise: &Noise, facet: &Facet<'_>, rgb: Vec3, p: &Points) -> Look {
     let slope = turn.simd_gt(0.0).select(F32x8::splat(0.6), F32x8::splat(-0.6));
     let w = p.footprint_m * 12.0;
     let lean = flank.select(slope, F32x8::ZERO) / (w * w + 1.0);
-    let even = Look::glossy(shades(rgb * 0.75, stains * 0.3 + 0.85), 0.1, 0.5);
-    Look { lean: Some([lean, F32x8::ZERO]), ..even }
+    let even = BrdfSample::glossy(shades(rgb * 0.75, stains * 0.3 + 0.85), 0.1, 0.5);
+    BrdfSample { lean: Some([lean, F32x8::ZERO]), ..even }
 }
 
 /// A texture that lies on an object's faces.
 #[inline]
-fn upright(texture: &Texture, facet: &Facet<'_>, rgb: Vec3, p: &Points) -> Look {
+fn upright(texture: &Texture, facet: &ShadedTriangle<'_>, rgb: Vec3, p: &Points) -> BrdfSample {
     let [x, y] = unrolled(facet, p);
     let seen = texture.at(x, y, p.footprint_m);
-    Look::leaning(shades(rgb, seen.shade), seen.lean)
+    BrdfSample::leaning(shades(rgb, seen.shade), seen.lean)
 }
 
 /// Cast concrete: walls, kerbs, decks.
 #[inline]
-fn cast((noise, textures): (&Noise, &Textures), facet: &Facet<'_>, rgb: Vec3, p: &Points) -> Look {
+fn cast(
+    (noise, textures): (&Noise, &Textures),
+    facet: &ShadedTriangle<'_>,
+    rgb: Vec3,
+    p: &Points,
+) -> BrdfSample {
     // Pieces of the ground go on from block to block of the world.
     let is_kerb = matches!(facet.part.tag, Tag::Sidewalk | Tag::Ground);
     let [x, y] = if let Some(laid) = &facet.laid {
@@ -168,11 +181,16 @@ fn cast((noise, textures): (&Noise, &Textures), facet: &Facet<'_>, rgb: Vec3, p:
         // Stones of a metre.
         shade *= 1.0 - bars(x, 0.012, Width::new(p.footprint_m)) * 0.5;
     }
-    Look::leaning(shades(rgb, shade), seen.lean)
+    BrdfSample::leaning(shades(rgb, shade), seen.lean)
 }
 
 #[inline]
-fn foliage((noise, textures): (&Noise, &Textures), facet: &Facet<'_>, rgb: Vec3, p: &Points) -> Look {
+fn foliage(
+    (noise, textures): (&Noise, &Textures),
+    facet: &ShadedTriangle<'_>,
+    rgb: Vec3,
+    p: &Points,
+) -> BrdfSample {
     let (o, w) = (&p.object_m, p.footprint_m);
     // Seen along the axis that the facet faces most: leaves hide where that changes.
     let n = facet.normal_object.abs();
@@ -186,5 +204,5 @@ fn foliage((noise, textures): (&Noise, &Textures), facet: &Facet<'_>, rgb: Vec3,
     let leaves = textures.leaves.at(x, y, w);
     let clump = noise.at_all((o.x - o.z * 0.47) * 9.0, (o.y - o.z * 0.71) * 9.0, w * 9.0);
     let yellow = Vec3x8::new(leaves.tint * 0.7 + 1.0, leaves.tint * 0.25 + 1.0, F32x8::ONE);
-    Look::leaning(shades(rgb, leaves.shade * (clump * 0.7 + 0.35)) * yellow, leaves.lean)
+    BrdfSample::leaning(shades(rgb, leaves.shade * (clump * 0.7 + 0.35)) * yellow, leaves.lean)
 }

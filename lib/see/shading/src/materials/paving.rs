@@ -5,9 +5,9 @@ use glam::Vec3;
 use schema::geometry::Paving;
 use simd::{F32x8, Vec3x8};
 
-use super::facet::{Facet, Look, Points, Surroundings, shades};
 use super::ground::{ground_noise, wet};
 use super::pattern::{Width, bars};
+use super::shaded_triangle::{BrdfSample, Points, ShadedTriangle, Surroundings, shades};
 
 /// Stones along the kerb are so wide, and a metre long, metres.
 const BORDER_M: f32 = 0.18;
@@ -21,10 +21,10 @@ const BORDER: Vec3 = Vec3::new(0.36, 0.355, 0.34);
 pub(super) fn paving(
     (noise, textures): (&Noise, &Textures),
     around: &Surroundings,
-    facet: &Facet<'_>,
+    facet: &ShadedTriangle<'_>,
     paving: Paving,
     p: &Points,
-) -> Look {
+) -> BrdfSample {
     let rgb = Vec3::from_array(facet.part.rgb);
     let w = p.footprint_m;
     let places = facet.laid.as_ref().map(|laid| laid.places(&p.object_m));
@@ -53,7 +53,7 @@ pub(super) fn paving(
         }
     }
     let lean = facet.laid.as_ref().map_or(seen.lean, |laid| laid.lean(seen.lean));
-    wet(noise, around, Look::leaning(albedo, lean), p, 0.5)
+    wet(noise, around, BrdfSample::leaning(albedo, lean), p, 0.5)
 }
 
 /// Border stones: which share of points they are, and what is seen of them.

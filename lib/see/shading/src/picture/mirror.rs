@@ -13,7 +13,7 @@ use simd::{F32x8, LANES, Vec3x8, floor_words};
 
 use super::film::Film;
 use super::vignette::Vignette;
-use crate::light::{Sky, Skyline};
+use crate::light::{EnvironmentMap, Sky};
 use render::CameraView;
 
 /// Mirrored rays stand so many columns apart, and as many rows as are this far apart as slopes, but within these limits.
@@ -65,7 +65,7 @@ pub(super) struct Dry<'a> {
     /// What white things were balanced by.
     pub(super) balance: Vec3,
     pub(super) sky: &'a Sky,
-    pub(super) skyline: &'a Skyline,
+    pub(super) environment_map: &'a EnvironmentMap,
     /// Film value per radiance.
     pub(super) exposure: f32,
 }
@@ -205,7 +205,7 @@ impl<'a> Tracer<'a> {
             Vec3x8::default()
         } else {
             let sky = self.dry.sky.radiance(&way);
-            self.dry.skyline.before(&sky, &way) * F32x8::splat(self.dry.exposure)
+            self.dry.environment_map.before(&sky, &way) * F32x8::splat(self.dry.exposure)
         };
         let shown = is_shown.to_bitmask();
         let width = self.dry.buffer.width;

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use rayon::prelude::*;
-use render::{Bend, Facet as Triangle, RenderError, SKY, Scene, SurfacePoints, Surfaces, VisibilityBuffer};
+use render::{Bend, RenderError, SKY, Scene, SurfacePoints, SurfaceTriangle, Surfaces, VisibilityBuffer};
 use simd::{F32x8, LANES, STEPS, Vec3x8, exp_neg, smoothstep};
 
 use super::antialias::smooth_edges;
@@ -14,10 +14,10 @@ use super::rain::{Rain, draw_rain};
 use super::soften::soften;
 use super::spray::Spray;
 use super::vignette::Vignette;
-use crate::light::{Facing, Lighting, Lit, Ramp};
-use crate::materials::{Facet, Gloss, Points, Stuff, gets_wet, look};
+use crate::light::{CornerGradient, Facing, Lighting, Lit};
+use crate::materials::{PatternSet, Points, ShadedTriangle, Specular, gets_wet, sample};
 use render::CameraView;
-use render::panes::{Behind, PASSES, Panes, Passing};
+use render::panes::{PASSES, PaneRays, Panes, TransmittedHit};
 
 impl Picture {
     /// Lights and colours what was seen, and what is behind panes.
@@ -39,7 +39,7 @@ impl Picture {
         let mut shader = Shader {
             buffer,
             lighting,
-            stuff: Stuff::get(),
+            patterns: PatternSet::get(),
             exposure,
             per_focal: 1.0 / buffer.camera.fx,
             camera: Vec3::from(buffer.camera.local_from_optical.translation),
@@ -66,8 +66,9 @@ impl Picture {
             surfaces.for_each_span(y as u32, |columns, triangle| {
                 let pixels = &mut row[columns.start as usize..columns.end as usize];
                 let span = Span { first: columns.start, y: y as u32, pixels, bright };
-                let is_pane =
-                    |t: &Triangle<'_, '_>| panes.as_ref().is_some_and(|p| p.is_pane(t.instance, t.triangle));
+                let is_pane = |t: &SurfaceTriangle<'_, '_>| {
+                    panes.as_ref().is_some_and(|p| p.is_pane(t.instance, t.triangle))
+                };
                 match triangle {
                     Some(triangle) if is_pane(triangle) => {
                         let (here, others) = behind.split_at(columns.len());
@@ -97,7 +98,7 @@ impl Picture {
                 vignette: shader.vignette,
                 balance: shader.balance,
                 sky: &lighting.sky,
-                skyline: &lighting.skyline,
+                environment_map: &lighting.environment_map,
                 exposure,
             };
             let mirror = Mirror::new(&dry, &surfaces);
@@ -143,7 +144,7 @@ impl Picture {
 fn mirrored(
     mirror: &Mirror,
     pixels: (&[u32; LANES], u32),
-    gloss: &Gloss,
+    specular: &Specular,
     lean: Option<[F32x8; 2]>,
     toward: &Vec3x8,
 ) -> (Vec3x8, F32x8) {
@@ -152,15 +153,19 @@ fn mirrored(
     let level = (toward.x * toward.x + toward.y * toward.y).sqrt().fast_max(F32x8::splat(1e-3));
     let away = (east * toward.x + north * toward.y) * -1.0 / level;
     let right = (north * toward.x - east * toward.y) / level;
-    let rough = smoothstep(0.08, 0.24, gloss.roughness);
+    let rough = smoothstep(0.08, 0.24, specular.roughness);
     mirror.at(pixels, [away, right], toward.z, rough)
 }
 
 /// What is behind the pixels of a row that show panes, from left to right.
-fn behind_row(panes: &Panes<'_>, buffer: &VisibilityBuffer, y: u32) -> Result<Vec<Behind>, RenderError> {
+fn behind_row(
+    panes: &Panes<'_>,
+    buffer: &VisibilityBuffer,
+    y: u32,
+) -> Result<Vec<TransmittedHit>, RenderError> {
     let camera = &buffer.camera;
     let turn = glam::Mat3::from(camera.local_from_optical.matrix3);
-    let mut rays = Passing::default();
+    let mut rays = PaneRays::default();
     for x in 0..buffer.width {
         let at = buffer.index(x, y);
         if panes.is_pane(buffer.instance[at], buffer.triangle[at]) {
@@ -193,7 +198,7 @@ impl Span<'_> {
 
 /// What is the same for a triangle.
 struct Run<'a> {
-    facet: Facet<'a>,
+    facet: ShadedTriangle<'a>,
     /// Normal for lamps: that of the triangle, bent upwards for leaves, which stand every way.
     normal: Vec3,
     /// How the normal runs where the triangle stands for a curved surface.
@@ -206,7 +211,7 @@ struct Run<'a> {
     turned: Turned,
     relief: Relief,
     /// What of sky and ground is seen past its own body; all of it without one.
-    shelter: Option<Ramp>,
+    shelter: Option<CornerGradient>,
     /// How it is turned to what houses leave of the sky.
     facing: Facing,
     /// Whether it mirrors what is around it.
@@ -285,7 +290,7 @@ fn leaning(normal: Vec3) -> Vec3 {
 struct Shader<'a> {
     buffer: &'a VisibilityBuffer,
     lighting: &'a Lighting,
-    stuff: Stuff,
+    patterns: PatternSet,
     /// Film value per radiance.
     exposure: f32,
     /// Width of a pixel at a depth of a metre.
@@ -335,9 +340,9 @@ impl Shader<'_> {
     fn paint_pane(
         &self,
         mut span: Span<'_>,
-        triangle: &Triangle<'_, '_>,
+        triangle: &SurfaceTriangle<'_, '_>,
         surfaces: &Surfaces<'_>,
-        behind: &[Behind],
+        behind: &[TransmittedHit],
     ) {
         let run = self.begin(triangle);
         for (group, behind) in behind.chunks(LANES).enumerate() {
@@ -357,7 +362,7 @@ impl Shader<'_> {
         surfaces: &Surfaces<'_>,
         columns: &[u32; LANES],
         y: u32,
-        behind: &[Behind],
+        behind: &[TransmittedHit],
         passes: F32x8,
     ) -> Vec3x8 {
         let passes = passes.fast_max(F32x8::splat(1e-6));
@@ -367,9 +372,10 @@ impl Shader<'_> {
             *share = (0..behind.panes).fold(1.0, |share, _| share * PASSES);
         }
         for (lane, first) in behind.iter().enumerate() {
-            let seen_of = |behind: &Behind| behind.hit.map_or((SKY, SKY), |hit| (hit.instance, hit.triangle));
+            let seen_of =
+                |behind: &TransmittedHit| behind.hit.map_or((SKY, SKY), |hit| (hit.instance, hit.triangle));
             let (instance, triangle) = seen_of(first);
-            let same = |other: &Behind| seen_of(other) == (instance, triangle);
+            let same = |other: &TransmittedHit| seen_of(other) == (instance, triangle);
             if behind[..lane].iter().any(same) {
                 continue;
             }
@@ -394,7 +400,7 @@ impl Shader<'_> {
 
     /// Paints what shows a triangle. Of long spans the light is worked out at every eighth pixel, and between these only what
     /// is not even.
-    fn paint(&self, mut span: Span<'_>, triangle: &Triangle<'_, '_>) {
+    fn paint(&self, mut span: Span<'_>, triangle: &SurfaceTriangle<'_, '_>) {
         let run = self.begin(triangle);
         let points = |columns: &[u32; LANES], y| triangle.points(self.buffer, columns, y);
         let length = span.pixels.len();
@@ -533,13 +539,13 @@ impl Shader<'_> {
             world_m: here.position_local + Vec3x8::splat(around.world_from_local_m),
             footprint_m: here.depth_m * light.footprint_at_1_m,
         };
-        let look = look(self.stuff, around, &run.facet, &points);
+        let sample = sample(self.patterns, around, &run.facet, &points);
         let bent = run.bend.as_ref().map(|bend| bend.normals(here.position_object));
         let Turned { mut facing, mut ambient } = match &bent {
             Some(normals) => self.turned(run.facet.is_leaf(), normals),
             None => run.turned,
         };
-        if let Some([a, b]) = look.lean {
+        if let Some([a, b]) = sample.lean {
             let Relief { facing: [fa, fb], ambient: [sa, sb], .. } = run.relief;
             facing = (facing + a * fa + b * fb).fast_max(F32x8::ZERO);
             ambient += Vec3x8::splat(sa) * a + Vec3x8::splat(sb) * b;
@@ -553,35 +559,37 @@ impl Shader<'_> {
         ambient =
             ambient * Vec3x8::new(left(WALLS.x), left(WALLS.y), left(WALLS.z)) + Vec3x8::splat(self.bounced);
         let received = Vec3x8::splat(self.key) * (facing * light.sunlit) + ambient * light.open + light.lamps;
-        let mut out = behind.unwrap_or(look.albedo * received);
-        if let Some(emission) = look.emission {
+        let mut out = behind.unwrap_or(sample.albedo * received);
+        if let Some(emission) = sample.emission {
             out += emission;
         }
-        if let Some(gloss) = &look.gloss {
+        if let Some(specular) = &sample.specular {
             let toward = Vec3x8::splat(self.camera) - here.position_local;
             let toward = toward * (1.0 / toward.length_squared().sqrt().fast_max(F32x8::splat(1e-6)));
             let mut normals = bent.unwrap_or(Vec3x8::splat(run.facet.normal_local));
-            if let Some([a, b]) = look.lean {
+            if let Some([a, b]) = sample.lean {
                 let [ta, tb] = run.relief.tangents.map(Vec3x8::splat);
                 normals += ta * a + tb * b;
                 normals = normals * (1.0 / normals.length_squared().sqrt());
             }
             let mirrored = match &self.mirror {
-                Some(mirror) if run.gets_wet => Some(mirrored(mirror, pixels, gloss, look.lean, &toward)),
+                Some(mirror) if run.gets_wet => {
+                    Some(mirrored(mirror, pixels, specular, sample.lean, &toward))
+                }
                 _ => None,
             };
-            out = self.gloss(out, gloss, normals, toward, &light, mirrored);
+            out = self.specular(out, specular, normals, toward, &light, mirrored);
         }
         Vec3x8::splat(self.veil).lerp(out, light.passes)
     }
 
-    fn begin<'p>(&self, triangle: &Triangle<'_, 'p>) -> Run<'p> {
+    fn begin<'p>(&self, triangle: &SurfaceTriangle<'_, 'p>) -> Run<'p> {
         let n = triangle.normal_local;
         let to_key = self.lighting.sky.key_direction;
-        let facet = Facet::new(triangle.placed(), triangle);
+        let facet = ShadedTriangle::new(triangle.placed(), triangle);
         let gets_wet = self.mirror.is_some() && gets_wet(triangle.part, n);
         let relief = self.relief(&facet);
-        let shelter = triangle.open().map(|open| Ramp::new(triangle.corners_object_m(), open));
+        let shelter = triangle.open().map(|open| CornerGradient::new(triangle.corners_object_m(), open));
         let towards = Facing::new(n);
         let bend = triangle.bend();
         let turned = self.turned(facet.is_leaf(), &Vec3x8::splat(n));
@@ -604,7 +612,7 @@ impl Shader<'_> {
         Run { facet, normal: n, bend, outward: n, is_lit, turned, relief, shelter, facing: towards, gets_wet }
     }
 
-    fn relief(&self, facet: &Facet<'_>) -> Relief {
+    fn relief(&self, facet: &ShadedTriangle<'_>) -> Relief {
         let tangents = facet.tangents_local();
         let [_, x, y, z] = self.ambient;
         Relief {
@@ -634,10 +642,10 @@ impl Shader<'_> {
 
     /// Adds what a glossy surface mirrors: the sky, or what else is known to be `around` it, and a highlight of the sun.
     #[inline]
-    fn gloss(
+    fn specular(
         &self,
         out: Vec3x8,
-        gloss: &Gloss,
+        specular: &Specular,
         n: Vec3x8,
         toward: Vec3x8,
         light: &Light,
@@ -647,19 +655,19 @@ impl Shader<'_> {
         // Schlick's form of Fresnel's reflectance; rough surfaces gain less at grazing angles.
         let grazing = 1.0 - cos.fast_clamp(F32x8::ZERO, F32x8::ONE);
         let g2 = grazing * grazing;
-        let gain = (1.0 - gloss.roughness - gloss.mirror).fast_max(F32x8::ZERO);
-        let fresnel = gloss.mirror + gain * (g2 * g2 * grazing);
+        let gain = (1.0 - specular.roughness - specular.mirror).fast_max(F32x8::ZERO);
+        let fresnel = specular.mirror + gain * (g2 * g2 * grazing);
         // Dull neighbours in a group of eight stay dull at any angle.
-        let fresnel = gloss.mirror.simd_gt(0.0).select(fresnel, F32x8::ZERO);
+        let fresnel = specular.mirror.simd_gt(0.0).select(fresnel, F32x8::ZERO);
         let mirrored = n * (cos * 2.0) - toward;
         // Rough surfaces see a wide piece of sky: the mean light stands for it.
         let sky = self.lighting.sky.radiance(&mirrored);
-        let sharp = self.lighting.skyline.before(&sky, &mirrored) * F32x8::splat(self.exposure);
+        let sharp = self.lighting.environment_map.before(&sky, &mirrored) * F32x8::splat(self.exposure);
         let [level, .., rise] = self.ambient;
         let level = level + self.bounced;
         let wide = |level: f32, rise: f32| (mirrored.z * rise + level).fast_max(F32x8::ZERO);
         let wide = Vec3x8::new(wide(level.x, rise.x), wide(level.y, rise.y), wide(level.z, rise.z));
-        let blur = (gloss.roughness * 2.0).fast_min(F32x8::ONE);
+        let blur = (specular.roughness * 2.0).fast_min(F32x8::ONE);
         let mut reflected = sharp.lerp(wide, blur) * light.open;
         if let Some((seen, known)) = around {
             reflected = reflected.lerp(seen, known);
@@ -667,7 +675,7 @@ impl Shader<'_> {
         if light.sunlit.simd_gt(0.0).any() && self.lighting.sky.key_klx != Vec3::ZERO {
             let key = self.lighting.sky.key_direction;
             let off = (1.0 - mirrored.dot(Vec3x8::splat(key))).fast_max(F32x8::ZERO);
-            let spread = gloss.roughness * gloss.roughness * 0.5 + 0.0012;
+            let spread = specular.roughness * specular.roughness * 0.5 + 0.0012;
             let highlight = exp_neg(off / spread) * (0.08 / spread).fast_min(F32x8::splat(14.0));
             reflected += Vec3x8::splat(self.key) * (highlight * light.sunlit);
         }

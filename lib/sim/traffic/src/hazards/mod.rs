@@ -3,11 +3,11 @@
 //! A hazard whose vehicles do not fit (an agent starts there, or another hazard lies there) is left out whole; of the
 //! other things only those that would touch something are.
 
+mod obstacle;
+mod obstacles;
 mod sign;
 mod site;
-mod standing;
 mod stretch;
-mod thing;
 
 use nalgebra::Point3;
 use opendrive::LaneId;
@@ -15,17 +15,17 @@ use random::Stream;
 use schema::scene_info::HazardInfo;
 use schema::tables::ActorRow;
 
+pub(crate) use self::obstacle::Obstacle;
+pub(crate) use self::obstacles::Obstacles;
 use self::site::Site;
-pub(crate) use self::standing::Standing;
 use self::stretch::Stretch;
-pub(crate) use self::thing::Thing;
 use crate::input::SceneInput;
 use crate::scene::free_space::Taken;
 
 /// What stands in the hazards of a scene.
 #[derive(Debug, Default)]
 pub(crate) struct Hazards {
-    pub(crate) things: Vec<Thing>,
+    pub(crate) things: Vec<Obstacle>,
     pub(crate) placed: Vec<HazardInfo>,
     /// Both ends of each.
     ends: Vec<(LaneId, Point3<f64>)>,

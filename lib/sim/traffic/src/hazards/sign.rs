@@ -7,7 +7,7 @@ use random::Stream;
 use schema::footprint::footprint;
 use schema::tables::ActorRow;
 
-use super::thing::{Spot, Thing};
+use super::obstacle::{Obstacle, Spot};
 use crate::scene::free_space::{Footprint, Taken, apart};
 
 /// Centreline from the sign to the hazard, metres.
@@ -33,7 +33,7 @@ pub(super) fn before(
     draw: &mut Stream,
     taken: &Taken,
     fixed: &[ActorRow],
-) -> Option<Thing> {
+) -> Option<Obstacle> {
     (0..TRIES).find_map(|_| {
         let way_m = draw.uniform(BEFORE_M[0], BEFORE_M[1]);
         let turn_rad = draw.uniform(-TURN_DEG, TURN_DEG).to_radians();
@@ -41,7 +41,7 @@ pub(super) fn before(
         let (foot, heading_rad) = strip(map, from)?;
         // The face looks at those who come.
         let spot = Spot::upright(foot, heading_rad + std::f64::consts::PI + turn_rad);
-        let thing = Thing::sign(sign, &spot);
+        let thing = Obstacle::sign(sign, &spot);
         let (point, yaw_rad, size_m) = thing.footprint();
         let free = taken.is_free(&point, yaw_rad, size_m)
             && fixed.iter().all(|other| is_clear(&(point, yaw_rad, size_m), other));

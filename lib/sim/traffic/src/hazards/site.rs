@@ -8,8 +8,8 @@ use random::Stream;
 use schema::tables::PlanHazardRow;
 use schema::{ActorKind, HazardKind};
 
+use super::obstacle::{Obstacle, Spot};
 use super::stretch::Stretch;
-use super::thing::{Spot, Thing};
 use crate::scene::free_space::{Taken, apart};
 use crate::vehicle::doors;
 
@@ -52,7 +52,7 @@ pub(super) struct Site<'m, 't> {
     pub(super) stretch: Stretch<'m>,
     draw: Stream,
     missing_cones: f64,
-    pub(super) things: Vec<Thing>,
+    pub(super) things: Vec<Obstacle>,
     taken: &'t Taken,
     catalogue: &'t Catalogue,
 }
@@ -82,7 +82,7 @@ impl<'m, 't> Site<'m, 't> {
     }
 
     /// Adds a thing; `None` where it would touch another one.
-    fn add(&mut self, thing: Thing) -> Option<()> {
+    fn add(&mut self, thing: Obstacle) -> Option<()> {
         let (at, yaw_rad, size_m) = thing.footprint();
         let free = self.taken.is_free(&at, yaw_rad, size_m)
             && self.things.iter().all(|other| {
@@ -144,7 +144,7 @@ impl<'m, 't> Site<'m, 't> {
         let color = self.draw.choose(model.paints).copied()?;
         let doors = doors::left_open(model, &mut self.draw);
         let spot = Spot::new(&self.stretch.at(way_m, 0.0)?, turn_rad, [0.0; 2]);
-        self.add(Thing::vehicle(model, color, doors, &spot))
+        self.add(Obstacle::vehicle(model, color, doors, &spot))
     }
 
     /// None to three people who stand about.
@@ -156,7 +156,7 @@ impl<'m, 't> Site<'m, 't> {
             let (model, color) = (self.draw.choose_common(catalogue), self.draw.choose(&CLOTHES).copied());
             let comes = self.draw.chance(0.5);
             if let (Some(model), Some(color), true) = (model, color, comes) {
-                self.add(Thing::of_model(
+                self.add(Obstacle::of_model(
                     ActorKind::Walker,
                     model,
                     color,
@@ -182,7 +182,7 @@ impl<'m, 't> Site<'m, 't> {
             let lies = model.base == BaseType::Barrier;
             let turn_rad = if lies { 0.0 } else { std::f64::consts::FRAC_PI_2 };
             let color = if lies { CONCRETE } else { ORANGE };
-            self.add(Thing::of_model(ActorKind::Prop, model, color, &Spot::new(&place, turn_rad, push_m)));
+            self.add(Obstacle::of_model(ActorKind::Prop, model, color, &Spot::new(&place, turn_rad, push_m)));
         }
     }
 
@@ -229,7 +229,7 @@ impl<'m, 't> Site<'m, 't> {
                 BaseType::Pedestrian => (ActorKind::Walker, ORANGE),
                 _ => (ActorKind::Prop, if name == roadside::CONCRETE.name { CONCRETE } else { RED }),
             };
-            self.add(Thing::of_model(kind, model, color, &spot));
+            self.add(Obstacle::of_model(kind, model, color, &spot));
         }
     }
 
@@ -239,7 +239,7 @@ impl<'m, 't> Site<'m, 't> {
             Some(&(name, _)) if self.catalogue.find(name).is_some() => self.model(name, way_m),
             Some(&item) => {
                 if let Some(spot) = self.any_spot(way_m) {
-                    self.add(Thing::item(item, &spot));
+                    self.add(Obstacle::item(item, &spot));
                 }
             }
             None => self.model(people::WORKER.name, way_m),

@@ -43,7 +43,7 @@ fn swept_half_width(vehicle: &Vehicle, lane: &Lane) -> f64 {
 
 /// The way of one of two vehicles through the place where they meet, metres from where it is now.
 #[derive(Clone, Copy, Debug)]
-struct Part {
+struct Crossing {
     /// From the front to the beginning, and from the rear to the end.
     to_begin_m: f64,
     to_end_m: f64,
@@ -51,7 +51,7 @@ struct Part {
     to_lane_end_m: f64,
 }
 
-impl Part {
+impl Crossing {
     fn new(net: &Net, vehicle: &Vehicle, lane: usize, start_m: f64, zone_m: [f64; 2]) -> Self {
         let (from_m, half) = (start_m - vehicle.route().odometer_m(), vehicle.half_length_m());
         // What is too near from the first metre on may be so before.
@@ -75,8 +75,8 @@ pub(crate) struct Conflict<'a> {
     lane: usize,
     me: &'a Vehicle,
     rival: &'a Vehicle,
-    mine: Part,
-    theirs: Part,
+    mine: Crossing,
+    theirs: Crossing,
     /// Between the bumpers of the rival's rear and the own front, if both were on one lane; for ways that merge.
     gap_m: f64,
     merges: bool,
@@ -129,8 +129,8 @@ impl<'a> Conflict<'a> {
             + swept_half_width(rival, &net.lanes[area.other])
             + ASIDE_M;
         let zone = area.zone(together_m)?;
-        let mine = Part::new(net, me, lane, start_m, zone.own_m);
-        let theirs = Part::new(net, rival, area.other, held.start_m, zone.other_m);
+        let mine = Crossing::new(net, me, lane, start_m, zone.own_m);
+        let theirs = Crossing::new(net, rival, area.other, held.start_m, zone.other_m);
         // One who follows on a lane that both are on, no later than here, waits behind. On a ring those ahead come to the
         // lanes of those behind them, too, at last.
         let mut before = rival.claim().reservations().iter().filter(|r| r.start_m <= held.start_m);

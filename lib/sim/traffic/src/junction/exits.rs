@@ -5,7 +5,7 @@ use crate::junction::reservations::ReservationTable;
 use crate::occupancy::Occupancy;
 use crate::road::net::Net;
 use crate::vehicle::Vehicle;
-use crate::vehicle::wake::Wake;
+use crate::vehicle::activity::Activity;
 
 /// Free space behind the rear of a vehicle that waits behind a junction, metres.
 const EXIT_MARGIN_M: f64 = 1.5;
@@ -128,7 +128,7 @@ impl Exit<'_> {
             }
             let blocked = self.occupancy.on_lane(lane).iter().any(|there| {
                 let rear = start + there.along_m - there.half_length_m - self.at_m;
-                if self.vehicles.get(there.vehicle).is_some_and(|v| v.wake() == Wake::Asleep) {
+                if self.vehicles.get(there.vehicle).is_some_and(|v| v.wake() == Activity::Asleep) {
                     sleeper_m = sleeper_m.min(rear);
                 }
                 there.vehicle != self.me && there.speed_mps < EXIT_SLOW_MPS && rear < need

@@ -30,9 +30,9 @@ use crate::occupancy::{Leader, Occupancy, is_stranded};
 use crate::road::net::{Lane, Net};
 use crate::road::signals::Signals;
 use crate::vehicle::Vehicle;
+use crate::vehicle::activity::Activity;
 use crate::vehicle::attention::Class;
 use crate::vehicle::claim::Reservation;
-use crate::vehicle::wake::Wake;
 use schema::SignalState;
 
 /// Slower than this is creeping, m/s.
@@ -136,7 +136,7 @@ impl Junctions<'_> {
         let stood = !must_stand || claim.stood_steps() >= STOP_STEPS;
         let vehicle = &vehicles[me];
         // Who is about to sleep only goes on where it has leave already.
-        let goes = vehicle.wake() == Wake::Awake || !vehicle.claim().is_empty();
+        let goes = vehicle.wake() == Activity::Awake || !vehicle.claim().is_empty();
         let forbidden = forbids(light, speed, line.gap_m);
         ((!forbidden || blind) && stood && goes).then(|| Request {
             rank: rank(vehicle, entry),
@@ -211,7 +211,7 @@ impl RightOfWay {
             self.table.release_all(vehicle, me);
             return None;
         }
-        if vehicle.wake() == Wake::Asleep {
+        if vehicle.wake() == Activity::Asleep {
             return None;
         }
         if vehicle.driver().sees_no_lines() {

@@ -23,7 +23,6 @@ use crate::vehicle::motion::Motion;
 use crate::vehicle::motion::hitch;
 use crate::vehicle::route::Route;
 use crate::vehicle::towed::Towed;
-use crate::walking::company::{Company, abreast, draw_sizes};
 use crate::walking::crowd::{Crowd, radius_m};
 use crate::walking::fixtures::Fixtures;
 use crate::walking::paths::Paths;
@@ -32,6 +31,7 @@ use crate::walking::seats;
 use crate::walking::talk::{self, TURNS_RAD};
 use crate::walking::waiting::WaitingPlaces;
 use crate::walking::walker::{AWAITS_S, WHEELCHAIR_MPS, Walker};
+use crate::walking::walking_group::{WalkingGroup, abreast, draw_sizes};
 
 /// Whoever stands and waits when a scene begins does so for another so many seconds, at least and at most.
 const WAITS_S: [f64; 2] = [5.0, 90.0];
@@ -185,7 +185,7 @@ pub(crate) fn place_walkers(
             let mut waits = stream("traffic/walker/waiting", number as u64);
             if let Some(offset) = abreast(size, rank) {
                 let others = (first..first + size).filter(|i| *i != first + rank).collect();
-                walker.join(Company { first, others }, offset, slowest);
+                walker.join(WalkingGroup { first, others }, offset, slowest);
                 if let Some((places, until_s)) = &ring {
                     // The others go where the first goes, or wherever they like where it is late.
                     let late_s = if rank > 0 { AWAITS_S } else { 0.0 };

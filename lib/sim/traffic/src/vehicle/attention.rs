@@ -69,7 +69,7 @@ impl Attention {
     }
 
     /// Draws for a step.
-    pub(crate) fn look(&mut self, step: u32) {
+    pub(crate) fn perceive(&mut self, step: u32) {
         self.draw(u64::from(AWAY_STEPS) + u64::from(step));
     }
 
@@ -113,7 +113,7 @@ mod tests {
     fn shares(mut driver: Attention) -> ([f64; 4], [f64; 2]) {
         let mut counts = ([0u32; 4], [0u32; 2]);
         for step in 0..20_000 {
-            driver.look(step);
+            driver.perceive(step);
             for (count, class) in counts.0.iter_mut().zip(Class::ALL) {
                 *count += u32::from(driver.sight(class) != Sight::Sees);
             }
@@ -137,7 +137,9 @@ mod tests {
         // Drivers draw by themselves.
         let steps = |entity| {
             let mut driver = driver(&settings(0.5), entity);
-            (0..50).map(move |step| (driver.look(step), driver.sight(Class::Lights)).1).collect::<Vec<_>>()
+            (0..50)
+                .map(move |step| (driver.perceive(step), driver.sight(Class::Lights)).1)
+                .collect::<Vec<_>>()
         };
         assert_eq!(steps(1), steps(1));
         assert_ne!(steps(1), steps(2));
@@ -149,7 +151,7 @@ mod tests {
         let none = TrafficSettings { ignore_vehicles: 0.0, ignore_walkers: 0.0, ..settings(0.0) };
         let sights = |reckless: bool, distracted: bool| {
             let mut driver = Attention::new(&none, reckless, distracted, stream());
-            driver.look(0);
+            driver.perceive(0);
             Class::ALL.map(|class| driver.sight(class))
         };
         assert_eq!(sights(false, false), [Sight::Sees; 4]);

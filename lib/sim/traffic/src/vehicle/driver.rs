@@ -68,8 +68,8 @@ impl Driver {
     }
 
     /// Draws what it overlooks in a step.
-    pub(super) fn look(&mut self, step: u32) {
-        self.attention.look(step);
+    pub(super) fn perceive(&mut self, step: u32) {
+        self.attention.perceive(step);
     }
 
     pub(crate) fn sight(&self, class: Class) -> Sight {

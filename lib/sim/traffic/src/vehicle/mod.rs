@@ -4,6 +4,7 @@
 //! [`LaneChoice`]: which lane it asks for. [`Claim`]: what is reserved for it in junctions. [`Doors`]: which are open. [`Towed`]: what
 //! comes after it.
 
+pub(crate) mod activity;
 pub(crate) mod attention;
 pub(crate) mod claim;
 pub(crate) mod doors;
@@ -14,11 +15,11 @@ pub(crate) mod motion;
 pub(crate) mod route;
 pub(crate) mod sway;
 pub(crate) mod towed;
-pub(crate) mod wake;
 
 use catalogue::{BaseType, Model, swept_m};
 use nalgebra::{Point3, Vector3};
 
+use self::activity::Activity;
 use self::claim::Claim;
 use self::doors::Doors;
 use self::driver::Driver;
@@ -27,7 +28,6 @@ use self::lateral::{LaneChange, Lateral};
 use self::motion::{Course, Motion, half_base_m};
 use self::route::Route;
 use self::towed::Towed;
-use self::wake::Wake;
 use crate::bodies::{Body, BodyMotion};
 use crate::car_following::envelope;
 use crate::road::kerbside::Kerbside;
@@ -69,7 +69,7 @@ pub(crate) struct Vehicle {
     claim: Claim,
     doors: Doors,
     towed: Option<Towed>,
-    wake: Wake,
+    wake: Activity,
     /// Its odometer where it has passed what it keeps aside of, metres.
     aside_until_m: f64,
 }
@@ -96,7 +96,7 @@ impl Vehicle {
             claim: Claim::default(),
             doors,
             towed: None,
-            wake: Wake::Awake,
+            wake: Activity::Awake,
             aside_until_m: f64::NEG_INFINITY,
         };
         vehicle.route.choose_turn_lane(net);
@@ -163,7 +163,7 @@ impl Vehicle {
         &self.doors
     }
 
-    pub(crate) fn wake(&self) -> Wake {
+    pub(crate) fn wake(&self) -> Activity {
         self.wake
     }
 
@@ -307,8 +307,8 @@ impl Vehicle {
     }
 
     /// The driver looks about: draws what it overlooks in a step.
-    pub(crate) fn look(&mut self, step: u32) {
-        self.driver.look(step);
+    pub(crate) fn perceive(&mut self, step: u32) {
+        self.driver.perceive(step);
     }
 
     /// Begins a lane change to a place beside.
@@ -409,8 +409,8 @@ impl Vehicle {
     }
 
     /// Becomes as awake as told; who falls asleep waits for nobody.
-    pub(crate) fn set_wake(&mut self, wake: Wake) {
-        if wake == Wake::Asleep && self.wake != Wake::Asleep {
+    pub(crate) fn set_wake(&mut self, wake: Activity) {
+        if wake == Activity::Asleep && self.wake != Activity::Asleep {
             self.motion.rest();
             self.claim.stop_waiting();
             self.claim.yield_to(Vec::new());

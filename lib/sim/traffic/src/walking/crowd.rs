@@ -40,7 +40,7 @@ struct Disc {
 
 /// What a walker wishes for.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Wish {
+pub(crate) struct DesiredVelocity {
     /// Unit vector of its way.
     pub(crate) ahead: Vector2<f64>,
     pub(crate) speed_mps: f64,
@@ -107,7 +107,7 @@ impl Crowd {
     }
 
     /// The velocity of walker `me` in the next step: towards the cheapest one, as fast as velocities change.
-    pub(crate) fn velocity(&self, me: usize, wish: &Wish, fixtures: &Fixtures) -> Vector2<f64> {
+    pub(crate) fn velocity(&self, me: usize, wish: &DesiredVelocity, fixtures: &Fixtures) -> Vector2<f64> {
         let Some(own) = self.discs.get(me) else { return Vector2::zeros() };
         let others: Vec<&Disc> = self.near(own.point).filter(|(j, _)| *j != me).map(|(_, d)| d).collect();
         let things: Vec<&Fixture> = fixtures.near(own.point).collect();
@@ -206,8 +206,8 @@ mod tests {
     use super::*;
     use schema::footprint::Footprint;
 
-    const AHEAD: Wish =
-        Wish { ahead: Vector2::new(1.0, 0.0), speed_mps: 1.2, aside_m: 0.0, room_m: [-1.0, 1.0] };
+    const AHEAD: DesiredVelocity =
+        DesiredVelocity { ahead: Vector2::new(1.0, 0.0), speed_mps: 1.2, aside_m: 0.0, room_m: [-1.0, 1.0] };
 
     #[test]
     fn two_who_meet_go_to_their_right() {
@@ -244,7 +244,7 @@ mod tests {
         for _ in 0..160 {
             let mut crowd = Crowd::default();
             let me = crowd.add(at, velocity, 0.35);
-            let wish = Wish { aside_m: -at.y, room_m: [-1.0 - at.y, 1.0 - at.y], ..AHEAD };
+            let wish = DesiredVelocity { aside_m: -at.y, room_m: [-1.0 - at.y, 1.0 - at.y], ..AHEAD };
             let moved = crowd.step(me, crowd.velocity(me, &wish, &fixtures) * FRAME_PERIOD_S, &fixtures);
             (at.x, at.y) = (at.x + moved.x, at.y + moved.y);
             velocity = moved / FRAME_PERIOD_S;

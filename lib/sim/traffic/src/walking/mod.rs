@@ -1,6 +1,5 @@
 //! Walkers: where they can walk, where they go, and how they keep out of the way.
 
-pub(crate) mod company;
 pub(crate) mod crowd;
 mod edges;
 pub(crate) mod fixtures;
@@ -12,3 +11,4 @@ pub(crate) mod talk;
 pub(crate) mod together;
 pub(crate) mod waiting;
 pub(crate) mod walker;
+pub(crate) mod walking_group;

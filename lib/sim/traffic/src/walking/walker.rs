@@ -10,14 +10,14 @@ use crate::bodies::{Body, BodyMotion};
 use crate::occupancy::{CrossingWalker, Occupancy};
 use crate::road::net::Net;
 use crate::swept_path::SweptPaths;
-use crate::walking::company::Company;
-use crate::walking::crowd::{Crowd, Wish, radius_m};
+use crate::walking::crowd::{Crowd, DesiredVelocity, radius_m};
 use crate::walking::fixtures::Fixtures;
 use crate::walking::paths::{Crossing, Paths};
 use crate::walking::routes::{Leg, Route, Routes, Turn};
 use crate::walking::seats::Seat;
 use crate::walking::surroundings::Surroundings;
 use crate::walking::waiting::WaitingPlace;
+use crate::walking::walking_group::WalkingGroup;
 
 /// Fastest turn, radians per second.
 const TURN_RADPS: f64 = 5.0;
@@ -76,7 +76,7 @@ enum Mode {
     /// From the kerb back onto the sidewalk.
     ToWalk,
     /// Waits for something, looking somewhere.
-    Standing {
+    Obstacles {
         yaw_rad: f64,
         until_s: f64,
     },
@@ -121,7 +121,7 @@ pub(crate) struct Walker {
     route: Route,
     mode: Mode,
     /// Those it walks with, if there are any.
-    company: Option<Company>,
+    company: Option<WalkingGroup>,
     /// Trips begun, its own or those of the first of its group.
     trips: u32,
     /// Share of its speed at which it walks for the others' sake.
@@ -175,7 +175,7 @@ impl Walker {
     }
 
     /// Walks with others, where across the way it is told, as fast as all can.
-    pub(crate) fn join(&mut self, company: Company, offset: f64, speed_mps: f64) {
+    pub(crate) fn join(&mut self, company: WalkingGroup, offset: f64, speed_mps: f64) {
         (self.company, self.offset, self.speed_mps) = (Some(company), offset, speed_mps);
     }
 
@@ -186,7 +186,7 @@ impl Walker {
         // Of those who stand, this is the place across the way.
         self.offset = place.share;
         (self.point, self.yaw_rad) = (paths.point(self.way, self.along_m, place.share).0, place.yaw_rad);
-        self.mode = Mode::Standing { yaw_rad: place.yaw_rad, until_s };
+        self.mode = Mode::Obstacles { yaw_rad: place.yaw_rad, until_s };
     }
 
     /// Sits down, and stays.
@@ -200,7 +200,7 @@ impl Walker {
         if let Mode::Sitting { seat_m } = self.mode { seat_m } else { 0.0 }
     }
 
-    pub(crate) fn company(&self) -> Option<&Company> {
+    pub(crate) fn company(&self) -> Option<&WalkingGroup> {
         self.company.as_ref()
     }
 
@@ -212,7 +212,7 @@ impl Walker {
 
     /// Whether it can take over the trip of another one: that is new, and both are on the same way.
     pub(crate) fn may_join(&self, first: &Self) -> bool {
-        let free = matches!(self.mode, Mode::Along | Mode::Standing { .. });
+        let free = matches!(self.mode, Mode::Along | Mode::Obstacles { .. });
         free && self.way == first.way && self.trips != first.trips
     }
 
@@ -302,7 +302,7 @@ impl Walker {
     /// Moves a walker who would start in another one along its sidewalk to the nearest place where it does not.
     pub(crate) fn find_room(&mut self, paths: &Paths, fixtures: &Fixtures, crowd: &Crowd) {
         let length = paths.ways[self.way].length_m;
-        let stands = matches!(self.mode, Mode::Standing { .. });
+        let stands = matches!(self.mode, Mode::Obstacles { .. });
         let share = if stands || self.is_forward() { self.offset } else { -self.offset };
         let shifts = (0..100).map(|i| 0.5 * f64::from((i + 1) / 2) * if i % 2 == 0 { 1.0 } else { -1.0 });
         let free = shifts
@@ -358,17 +358,21 @@ impl Walker {
     }
 
     /// What it wishes for now, and the height of the surface there; nothing of who sits or was struck.
-    fn wish(&mut self, around: &Surroundings<'_>) -> Option<(Wish, f64)> {
+    fn wish(&mut self, around: &Surroundings<'_>) -> Option<(DesiredVelocity, f64)> {
         let &Surroundings { paths, time_s, .. } = around;
         match self.mode.clone() {
             Mode::Struck | Mode::Sitting { .. } => None,
-            Mode::Standing { yaw_rad, until_s } => {
+            Mode::Obstacles { yaw_rad, until_s } => {
                 if time_s > until_s {
                     self.set_out(around, None);
                 }
                 let (sin, cos) = frames::math::sin_cos(yaw_rad);
-                let wish =
-                    Wish { ahead: Vector2::new(cos, sin), speed_mps: 0.0, aside_m: 0.0, room_m: [-0.3, 0.3] };
+                let wish = DesiredVelocity {
+                    ahead: Vector2::new(cos, sin),
+                    speed_mps: 0.0,
+                    aside_m: 0.0,
+                    room_m: [-0.3, 0.3],
+                };
                 Some((wish, self.point.z))
             }
             Mode::Along => {
@@ -398,7 +402,10 @@ impl Walker {
                     self.mode = Mode::ToWalk;
                 }
                 let to = crossing.ends[1 - side];
-                Some((Wish { speed_mps: 0.0, ..self.straight_wish(&to, [0.0; 2]).0 }, self.point.z))
+                Some((
+                    DesiredVelocity { speed_mps: 0.0, ..self.straight_wish(&to, [0.0; 2]).0 },
+                    self.point.z,
+                ))
             }
             Mode::Over { crossing, side, .. } => Some(self.over_wish(crossing, side)),
             Mode::ToWalk => {
@@ -457,14 +464,14 @@ impl Walker {
     }
 
     /// The wish of one beside the road whom a long vehicle's corner may come to: out of its way, or not into it.
-    fn avoid_swept_path(&self, sweeps: &SweptPaths, wish: Wish) -> Wish {
+    fn avoid_swept_path(&self, sweeps: &SweptPaths, wish: DesiredVelocity) -> DesiredVelocity {
         let left = Vector2::new(-wish.ahead.y, wish.ahead.x);
         let after =
             |step: Vector2<f64>| Point3::new(self.point.x + step.x, self.point.y + step.y, self.point.z);
         let next = after(wish.ahead * (wish.speed_mps * STEPS_BACK_S));
         if !sweeps.is_swept(&self.point, self.radius_m()) {
             let into = sweeps.is_swept(&next, self.radius_m());
-            return if into { Wish { speed_mps: 0.0, ..wish } } else { wish };
+            return if into { DesiredVelocity { speed_mps: 0.0, ..wish } } else { wish };
         }
         // On the sidewalk, to wherever there is most room.
         let asides = [wish.room_m[0].clamp(-STEP_M, -0.3), 0.0, wish.room_m[1].clamp(0.3, STEP_M)];
@@ -480,7 +487,7 @@ impl Walker {
         }
         let ahead = best.1.try_normalize(1e-6).unwrap_or(wish.ahead);
         let speed_mps = if best.1.norm() > 0.0 { STEPS_BACK_MPS } else { 0.0 };
-        Wish { ahead, speed_mps, aside_m: 0.0, room_m: [-0.3, 0.3] }
+        DesiredVelocity { ahead, speed_mps, aside_m: 0.0, room_m: [-0.3, 0.3] }
     }
 
     fn turn_to(&mut self, yaw_rad: f64) {
@@ -490,7 +497,7 @@ impl Walker {
     }
 
     /// Along the sidewalk, on the liked line. The second value of wishes is the surface's height.
-    fn along_wish(&self, paths: &Paths) -> (Wish, f64) {
+    fn along_wish(&self, paths: &Paths) -> (DesiredVelocity, f64) {
         let leg = self.leg();
         let sense = if self.is_forward() { 1.0 } else { -1.0 };
         let way = &paths.ways[self.way];
@@ -499,7 +506,7 @@ impl Walker {
         let (sin, cos) = frames::math::sin_cos(way.place(self.along_m).heading_rad);
         let aside = sense * left;
         let halt = TURN_MPS + (2.0 * HALT_MPS2 * (leg.to_m - self.along_m).abs()).sqrt();
-        let wish = Wish {
+        let wish = DesiredVelocity {
             ahead: Vector2::new(cos, sin) * sense,
             speed_mps: if leg.then == Turn::Arrive { self.pace_mps().min(halt) } else { self.pace_mps() },
             aside_m: self.offset * room - aside,
@@ -510,7 +517,7 @@ impl Walker {
     }
 
     /// Straight to a place.
-    fn straight_wish(&self, to: &Point3<f64>, room_m: [f64; 2]) -> (Wish, f64) {
+    fn straight_wish(&self, to: &Point3<f64>, room_m: [f64; 2]) -> (DesiredVelocity, f64) {
         let way = flat(&self.point, to);
         let gap = way.norm();
         let ahead = if gap > 1e-6 { way / gap } else { Vector2::x() };
@@ -519,7 +526,7 @@ impl Walker {
         // Heights change evenly on the way.
         let height = self.point.z
             + (to.z - self.point.z) * (self.velocity_mps.norm() * FRAME_PERIOD_S / gap.max(1e-6)).min(1.0);
-        (Wish { ahead, speed_mps, aside_m: 0.0, room_m }, height)
+        (DesiredVelocity { ahead, speed_mps, aside_m: 0.0, room_m }, height)
     }
 
     /// Where on a kerb the walker goes who comes from `side`: on its right half of the crossing.
@@ -530,7 +537,7 @@ impl Walker {
         Point3::new(end.x + left.x, end.y + left.y, end.z)
     }
 
-    fn over_wish(&mut self, crossing: Crossing, side: usize) -> (Wish, f64) {
+    fn over_wish(&mut self, crossing: Crossing, side: usize) -> (DesiredVelocity, f64) {
         let to = self.kerb(&crossing, side, 1 - side);
         let way = flat(&crossing.ends[side], &crossing.ends[1 - side]);
         let length = way.norm().max(1e-6);
@@ -548,7 +555,7 @@ impl Walker {
             self.mode = Mode::Over { crossing: crossing.clone(), side, done_m: done };
         }
         let half = crossing.half_width_m;
-        let wish = Wish {
+        let wish = DesiredVelocity {
             ahead,
             // Nobody dawdles on the road.
             speed_mps: self.pace_mps().max(self.speed_mps),
@@ -573,7 +580,7 @@ impl Walker {
             // The first of the group says where to go next.
             Turn::Arrive if self.follows => {
                 let until_s = around.time_s + AWAITS_S;
-                self.mode = Mode::Standing { yaw_rad: self.yaw_rad, until_s };
+                self.mode = Mode::Obstacles { yaw_rad: self.yaw_rad, until_s };
             }
             Turn::Arrive => self.set_out(around, None),
             Turn::Join { way, last } => {

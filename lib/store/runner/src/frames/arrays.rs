@@ -10,7 +10,7 @@ use schema::measures::counts::PartialCounts;
 use schema::{AgentId, rate};
 use store::{FileWriter, StoreError, Unit, keys};
 
-use crate::frames::order::{Part, Writer, in_turn};
+use crate::frames::order::{FrameGroup, Writer, in_turn};
 use crate::frames::pool::BufferPool;
 
 /// An array of one frame.
@@ -111,13 +111,13 @@ pub struct Labelled<'u, L> {
 }
 
 /// What any thread sees of an agent's label.
-struct Seen<L: FrameArrays> {
+struct SharedLabel<L: FrameArrays> {
     label: L,
     locations: Vec<String>,
     pool: BufferPool<L::Memory>,
 }
 
-impl<L: FrameArrays> Seen<L> {
+impl<L: FrameArrays> SharedLabel<L> {
     fn frame(&self, frame: u32) -> Result<OfFrame, StageError> {
         let mut memory = self.pool.take(|| self.label.memory())?;
         let mut counts = PartialCounts::new();
@@ -156,7 +156,7 @@ struct Archives<'u> {
 fn open<L: FrameArrays>(
     labelled: Labelled<'_, L>,
     frames: u32,
-) -> Result<Part<Seen<L>, Archives<'_>>, StageError> {
+) -> Result<FrameGroup<SharedLabel<L>, Archives<'_>>, StageError> {
     let Labelled { unit, scene, agent, counted, label } = labelled;
     let (kinds, comment) = (label.kinds(), label.comment()?);
     let mut archives = Vec::with_capacity(kinds.len());
@@ -165,9 +165,9 @@ fn open<L: FrameArrays>(
     }
     let locations = archives.iter().map(|archive| archive.location.clone()).collect();
     let due: Vec<u32> = rate::due(frames, label.every_n_frames()).collect();
-    let seen = Seen { label, locations, pool: BufferPool::default() };
+    let seen = SharedLabel { label, locations, pool: BufferPool::default() };
     let (frames, counts) = (due.len() as u64, PartialCounts::new());
-    Ok(Part { due, seen, writer: Archives { unit, archives, frames, counts, counted } })
+    Ok(FrameGroup { due, seen, writer: Archives { unit, archives, frames, counts, counted } })
 }
 
 impl Writer<OfFrame> for Archives<'_> {
@@ -204,7 +204,7 @@ pub fn write_labels<'u, L: FrameArrays + Send>(
     progress: &Progress,
 ) -> Result<(), StageError> {
     let parts = labels.into_iter().map(|labelled| open(labelled?, frames));
-    in_turn(parts, frames, progress, Seen::frame)
+    in_turn(parts, frames, progress, SharedLabel::frame)
 }
 
 /// A label stage: the arrays of every agent, each agent's archives and counts a unit of their own. `label` gives an agent's

@@ -5,4 +5,4 @@ mod order;
 mod pool;
 
 pub use arrays::{FrameArray, FrameArrays, Labelled, label_agents, write_labels};
-pub use order::{Part, Writer, in_turn};
+pub use order::{FrameGroup, Writer, in_turn};

@@ -18,7 +18,7 @@ const MOST_PARTS: usize = 2;
 
 /// Frames that belong together, as those of an agent.
 #[derive(Debug)]
-pub struct Part<S, W> {
+pub struct FrameGroup<S, W> {
     /// Those that are computed, ascending.
     pub due: Vec<u32>,
     /// What computing them needs; any thread sees it.
@@ -63,7 +63,7 @@ enum Step<T> {
 /// # Panics
 /// As the functions do.
 pub fn in_turn<S: Send + Sync, W: Writer<T> + Send, T: Send>(
-    parts: impl IntoIterator<Item = Result<Part<S, W>, StageError>>,
+    parts: impl IntoIterator<Item = Result<FrameGroup<S, W>, StageError>>,
     frames: u32,
     progress: &Progress,
     frame: impl Fn(&S, u32) -> Result<T, StageError> + Sync,
@@ -130,7 +130,7 @@ struct Coming<'a, P, S, W, T, F> {
 
 impl<'a, P, S, W, T, F> Coming<'a, P, S, W, T, F>
 where
-    P: Iterator<Item = Result<Part<S, W>, StageError>>,
+    P: Iterator<Item = Result<FrameGroup<S, W>, StageError>>,
     S: Send + Sync + 'a,
     T: Send + 'a,
     F: Fn(&S, u32) -> Result<T, StageError> + Sync,
@@ -176,7 +176,7 @@ where
 
     fn open_part(&mut self) {
         match self.parts.next() {
-            Some(Ok(Part { due, seen, writer })) => {
+            Some(Ok(FrameGroup { due, seen, writer })) => {
                 self.writers.push_back(writer);
                 self.open = Some((Arc::new(seen), due.into_iter()));
             }

@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 
 use rayon::ThreadPoolBuilder;
-use runner::frames::{Part, Writer, in_turn};
+use runner::frames::{FrameGroup, Writer, in_turn};
 use runner::{At, Place, Progress, ProgressMode, StageError};
 
 const FRAMES: u32 = 60;
@@ -50,9 +50,10 @@ impl Writer<u32> for Notes<'_> {
 }
 
 /// Parts with numbers, and what takes them.
-fn parts<W>(dues: &[&[u32]], writer: impl Fn(u32) -> W) -> Vec<Result<Part<u32, W>, StageError>> {
-    let part =
-        |(number, due): (u32, &&[u32])| Ok(Part { due: due.to_vec(), seen: number, writer: writer(number) });
+fn parts<W>(dues: &[&[u32]], writer: impl Fn(u32) -> W) -> Vec<Result<FrameGroup<u32, W>, StageError>> {
+    let part = |(number, due): (u32, &&[u32])| {
+        Ok(FrameGroup { due: due.to_vec(), seen: number, writer: writer(number) })
+    };
     (0..).zip(dues).map(part).collect()
 }
 
@@ -139,7 +140,7 @@ fn few_parts_are_open() {
         let (open, most) = (AtomicU32::new(0), AtomicU32::new(0));
         let part = |seen: u32| {
             most.fetch_max(open.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
-            Ok(Part { due: due.clone(), seen, writer: Open(&open) })
+            Ok(FrameGroup { due: due.clone(), seen, writer: Open(&open) })
         };
         in_turn((0..50).map(part), 1, &progress(), |_, frame| slow(frame)).expect("nothing fails");
         // Three that wait or are being taken from, and one that is being ended.

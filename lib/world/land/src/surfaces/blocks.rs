@@ -6,8 +6,8 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 use nalgebra::Point3;
 use schema::Layer;
-use schema::geometry::{Part, SurfaceMesh, TriMesh};
-use schema::skin::Skin;
+use schema::geometry::{MeshPart, SurfaceMesh, TriMesh};
+use schema::mesh_textures::MeshTextures;
 
 use crate::surfaces::region::Region;
 
@@ -56,13 +56,13 @@ impl Blocks {
     }
 
     /// Adds a triangle to the block that its middle lies in.
-    pub(crate) fn triangle(&mut self, layer: Layer, part: Part, corners: [Point3<f64>; 3]) {
+    pub(crate) fn triangle(&mut self, layer: Layer, part: MeshPart, corners: [Point3<f64>; 3]) {
         let middle = (corners[0].coords + corners[1].coords + corners[2].coords) / 3.0;
         self.place(layer, part, [middle.x, middle.y], &[(corners, corners.map(on_plan))]);
     }
 
     /// Adds a quad (counter-clockwise seen from outside) to the block that its middle lies in.
-    pub(crate) fn quad(&mut self, layer: Layer, part: Part, corners: [Point3<f64>; 4]) {
+    pub(crate) fn quad(&mut self, layer: Layer, part: MeshPart, corners: [Point3<f64>; 4]) {
         self.quad_along(layer, part, corners, corners.map(on_plan));
     }
 
@@ -70,7 +70,7 @@ impl Blocks {
     pub(crate) fn quad_along(
         &mut self,
         layer: Layer,
-        part: Part,
+        part: MeshPart,
         corners: [Point3<f64>; 4],
         laid: [[f64; 2]; 4],
     ) {
@@ -81,7 +81,7 @@ impl Blocks {
         self.place(layer, part, [middle.x, middle.y], &both);
     }
 
-    fn place(&mut self, layer: Layer, part: Part, middle: [f64; 2], triangles: &[Laid]) {
+    fn place(&mut self, layer: Layer, part: MeshPart, middle: [f64; 2], triangles: &[Laid]) {
         let [column, row] = [0, 1].map(|k| {
             let [low, high] = self.range[k];
             ((middle[k] / BLOCK_M).floor() as i32).clamp(low, high.max(low))
@@ -124,7 +124,8 @@ impl Blocks {
         let blocks = self.blocks.into_iter().filter(|(_, b)| !b.mesh.triangles.is_empty());
         let whole = |((layer, _, _), mut b): ((Layer, i32, i32), Block)| {
             let laid = std::mem::take(&mut b.laid);
-            b.mesh.skin = (!laid.is_empty()).then(|| Arc::new(Skin { corners: laid, coats: Vec::new() }));
+            b.mesh.textures =
+                (!laid.is_empty()).then(|| Arc::new(MeshTextures { corners: laid, sets: Vec::new() }));
             SurfaceMesh { layer, origin_m: b.origin_m, mesh: b.mesh }
         };
         blocks.map(whole).collect()

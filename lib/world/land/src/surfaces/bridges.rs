@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use schema::Tag;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
 use crate::surfaces::blocks::Blocks;
 use crate::surfaces::ground::GroundLevels;
@@ -23,8 +23,8 @@ const PIER_HALF_M: f64 = 0.7;
 const RAIL_M: [f64; 3] = [0.45, 0.78, 0.08];
 const POST_EVERY_M: f64 = 4.0;
 
-const DECK: Part = Part::new(Tag::Bridge, Surface::Concrete, [0.36, 0.35, 0.33]);
-const RAIL: Part = Part::new(Tag::GuardRail, Surface::Metal, [0.45, 0.46, 0.47]);
+const DECK: MeshPart = MeshPart::new(Tag::Bridge, Surface::Concrete, [0.36, 0.35, 0.33]);
+const RAIL: MeshPart = MeshPart::new(Tag::GuardRail, Surface::Metal, [0.45, 0.46, 0.47]);
 
 /// Draws what carries the pieces of roads that begin in an area.
 pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels, blocks: &mut Blocks) {
@@ -124,7 +124,7 @@ fn rail(blocks: &mut Blocks, edge: [Point3<f64>; 2], out: [Vector3<f64>; 2]) {
 fn column(
     blocks: &mut Blocks,
     layer: Layer,
-    part: Part,
+    part: MeshPart,
     middle: Point3<f64>,
     half: f64,
     low: f64,

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use schema::Tag;
-use schema::geometry::{Kerbs, Part, Surface};
+use schema::geometry::{Kerbs, MeshPart, Surface};
 
 use crate::surfaces::blocks::Blocks;
 use crate::surfaces::cover::{Cover, Facet, PATCH_BELOW_M};
@@ -12,11 +12,11 @@ use crate::surfaces::region::Region;
 use crate::surfaces::sections::{Ground, Section, Strip, WIDEST_M};
 use schema::Layer;
 
-const WASTE: Part = Part::new(Tag::Ground, Surface::Asphalt, [0.12, 0.12, 0.12]);
-const BALLAST: Part = Part::new(Tag::RailTrack, Surface::Gravel, [0.17, 0.155, 0.14]);
+const WASTE: MeshPart = MeshPart::new(Tag::Ground, Surface::Asphalt, [0.12, 0.12, 0.12]);
+const BALLAST: MeshPart = MeshPart::new(Tag::RailTrack, Surface::Gravel, [0.17, 0.155, 0.14]);
 /// Faces of raised strips, but for their tag.
-const KERB: Part = Part::new(Tag::Sidewalk, Surface::Concrete, [0.42, 0.42, 0.41]);
-const MEDIAN: Part = Part::new(Tag::Ground, Surface::Concrete, [0.30, 0.29, 0.27]);
+const KERB: MeshPart = MeshPart::new(Tag::Sidewalk, Surface::Concrete, [0.42, 0.42, 0.41]);
+const MEDIAN: MeshPart = MeshPart::new(Tag::Ground, Surface::Concrete, [0.30, 0.29, 0.27]);
 /// Kerb faces reach this far below the edge where nothing joins it, metres.
 const SKIRT_M: f64 = 0.4;
 /// What stands less over a road is no kerb, metres.
@@ -154,7 +154,7 @@ pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels,
                 Ground::Land => continue,
             };
             // A face is what its strip is: an object has no tags beside its own.
-            let face = Part { tag: layer.tag(), ..KERB };
+            let face = MeshPart { tag: layer.tag(), ..KERB };
             let along_m =
                 if layer == Layer::Sidewalk { along(section, strip) } else { vec![0.0; here.len() + 1] };
             let right = k.checked_sub(1).and_then(|k| section.strips.get(k));
@@ -170,7 +170,7 @@ pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels,
                     .map(|(next, side)| is_kerbed(section, strip, next, (i, side), &ground.cover));
                 let top = match Kerbs::on(beside) {
                     Some(kerbs) if top.surface.is_asphalt() => {
-                        Part { surface: Surface::KerbedAsphalt(kerbs), ..top }
+                        MeshPart { surface: Surface::KerbedAsphalt(kerbs), ..top }
                     }
                     _ => top,
                 };

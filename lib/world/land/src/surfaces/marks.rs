@@ -4,7 +4,7 @@ use earcut::Earcut;
 use nalgebra::{Point3, Vector3};
 use opendrive::{Map, MarkColour, RoadSymbol, StopLine, Stripe};
 use schema::Tag;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
 use crate::surfaces::blocks::Blocks;
 use crate::surfaces::cover::Cover;
@@ -21,8 +21,8 @@ const PIECE_M: f64 = 1.5;
 const THIN_LINE_M: f64 = 0.1;
 const MAX_DASHES: usize = 20_000;
 
-const WHITE: Part = Part::new(Tag::RoadLine, Surface::RoadMarking, [0.72, 0.72, 0.70]);
-const YELLOW: Part = Part::new(Tag::RoadLine, Surface::RoadMarking, [0.72, 0.50, 0.06]);
+const WHITE: MeshPart = MeshPart::new(Tag::RoadLine, Surface::RoadMarking, [0.72, 0.72, 0.70]);
+const YELLOW: MeshPart = MeshPart::new(Tag::RoadLine, Surface::RoadMarking, [0.72, 0.50, 0.06]);
 
 /// Draws the paint whose pieces have their middles in an area.
 pub(crate) fn build(
@@ -53,7 +53,7 @@ pub(crate) fn build(
     }
 }
 
-fn colour(stripe: &Stripe) -> Part {
+fn colour(stripe: &Stripe) -> MeshPart {
     match stripe.colour {
         MarkColour::Yellow | MarkColour::Orange => YELLOW,
         _ => WHITE,
@@ -162,7 +162,7 @@ impl Painter<'_> {
     }
 
     /// A flat convex polygon near height `z`, counter-clockwise from above, laid on the road.
-    fn polygon(&mut self, paint: Part, polygon: &[[f64; 2]], z: f64) {
+    fn polygon(&mut self, paint: MeshPart, polygon: &[[f64; 2]], z: f64) {
         let count = polygon.len() as f64;
         let [x, y] = [0, 1].map(|k| polygon.iter().map(|p| p[k]).sum::<f64>() / count);
         if polygon.len() < 3 || !self.area.contains(x, y) {
@@ -183,7 +183,7 @@ impl Painter<'_> {
     }
 
     /// A band of some width along a line, in pieces.
-    fn band(&mut self, paint: Part, from: Point3<f64>, to: Point3<f64>, width_m: f64) {
+    fn band(&mut self, paint: MeshPart, from: Point3<f64>, to: Point3<f64>, width_m: f64) {
         let along = Vector3::new(to.x - from.x, to.y - from.y, 0.0);
         let Some(dir) = along.try_normalize(1e-6) else { return };
         let side = Vector3::new(-dir.y, dir.x, 0.0) * (0.5 * width_m);

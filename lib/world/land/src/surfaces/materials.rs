@@ -1,13 +1,13 @@
 //! What surfaces of several kinds look like.
 
 use schema::Tag;
-use schema::geometry::{Part, Paving, Surface};
+use schema::geometry::{MeshPart, Paving, Surface};
 
 /// Colour of grass, linear RGB.
 const GRASS_RGB: [f32; 3] = [0.10, 0.17, 0.05];
 /// Land, and the slopes beside roads.
-pub(crate) const GRASS: Part = Part::new(Tag::Terrain, Surface::Grass, GRASS_RGB);
-pub(crate) const ASPHALT: Part = Part::new(Tag::Road, Surface::Asphalt, [0.085, 0.085, 0.09]);
+pub(crate) const GRASS: MeshPart = MeshPart::new(Tag::Terrain, Surface::Grass, GRASS_RGB);
+pub(crate) const ASPHALT: MeshPart = MeshPart::new(Tag::Road, Surface::Asphalt, [0.085, 0.085, 0.09]);
 /// Sidewalks within such a square are paved alike, metres.
 const DISTRICT_M: f64 = 190.0;
 /// Of how many sixteenths of the squares, and their colour, linear RGB.
@@ -20,7 +20,7 @@ const PAVINGS: [(Paving, u32, [f32; 3]); 5] = [
 ];
 
 /// What a sidewalk is paved with that begins at a place: by district, so that streets and the junctions between them go on alike.
-pub(crate) fn pavement(at: [f64; 2]) -> Part {
+pub(crate) fn pavement(at: [f64; 2]) -> MeshPart {
     let [x, y] = at.map(|v| (v / DISTRICT_M).floor() as i64 as u64);
     // Mixes as splitmix64 does (Steele and others, 2014).
     let mut word = x.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ y.wrapping_mul(0xc2b2_ae3d_27d4_eb4f);
@@ -29,9 +29,9 @@ pub(crate) fn pavement(at: [f64; 2]) -> Part {
     let mut left = ((word ^ word >> 31) & 15) as u32;
     for (paving, share, rgb) in PAVINGS {
         if left < share {
-            return Part::new(Tag::Sidewalk, Surface::Paving(paving), rgb);
+            return MeshPart::new(Tag::Sidewalk, Surface::Paving(paving), rgb);
         }
         left -= share;
     }
-    Part::new(Tag::Sidewalk, Surface::Paving(Paving::Slabs), PAVINGS[0].2)
+    MeshPart::new(Tag::Sidewalk, Surface::Paving(Paving::Slabs), PAVINGS[0].2)
 }

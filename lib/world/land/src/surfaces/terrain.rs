@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 use schema::Tag;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
 use crate::surfaces::blocks::Blocks;
 use crate::surfaces::cover::Facet;
@@ -13,7 +13,7 @@ use crate::surfaces::sections::{Ground, Section, WIDEST_M};
 use crate::surfaces::water::Water;
 use schema::Layer;
 
-const WATER: Part = Part::new(Tag::Water, Surface::Glass, [0.03, 0.055, 0.06]);
+const WATER: MeshPart = MeshPart::new(Tag::Water, Surface::Glass, [0.03, 0.055, 0.06]);
 /// Side of a cell; nodes lie on whole multiples of it in the world, metres.
 const CELL_M: f64 = 4.0;
 /// The land stays this far under lanes, metres.

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use schema::Tag;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
 use crate::surfaces::blocks::Blocks;
 use crate::surfaces::ground::GroundLevels;
@@ -11,8 +11,8 @@ use crate::surfaces::region::Region;
 use crate::surfaces::sections::{Ground, Section, Strip};
 use schema::Layer;
 
-const STEEL: Part = Part::new(Tag::RailTrack, Surface::Metal, [0.32, 0.30, 0.28]);
-const SLEEPER: Part = Part::new(Tag::RailTrack, Surface::Concrete, [0.24, 0.23, 0.22]);
+const STEEL: MeshPart = MeshPart::new(Tag::RailTrack, Surface::Metal, [0.32, 0.30, 0.28]);
+const SLEEPER: MeshPart = MeshPart::new(Tag::RailTrack, Surface::Concrete, [0.24, 0.23, 0.22]);
 /// Standard gauge, from the middle of one rail to that of the other, metres.
 const GAUGE_M: f64 = 1.505;
 /// Width of a rail's head and height of a rail over its bed, metres; in a level crossing it hardly stands out.

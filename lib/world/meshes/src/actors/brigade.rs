@@ -3,7 +3,7 @@
 use crate::solids::{Detail, MeshBuilder};
 use catalogue::Load;
 use glam::Vec3;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 use schema::{Tag, lights};
 
 use crate::actors::lorry::Lorry;
@@ -33,10 +33,10 @@ pub(crate) fn fire_engine(l: &Lorry<'_>, b: &mut MeshBuilder, detail: Detail) {
         );
         b.tapered(looks.lamp(bits, [0.05, 0.1, 0.8]), min, max, 0.7, 0.97);
     }
-    let stripe = Part::new(Tag::Truck, Surface::Reflector, [0.85, 0.85, 0.3]);
-    let shutter = Part::new(Tag::Truck, Surface::Metal, [0.5, 0.51, 0.52]);
+    let stripe = MeshPart::new(Tag::Truck, Surface::Reflector, [0.85, 0.85, 0.3]);
+    let shutter = MeshPart::new(Tag::Truck, Surface::Metal, [0.5, 0.51, 0.52]);
     for side in [1.0, -1.0] {
-        let face = |part: Part, b: &mut MeshBuilder, x: [f32; 2], z: [f32; 2], out_m: f32| {
+        let face = |part: MeshPart, b: &mut MeshBuilder, x: [f32; 2], z: [f32; 2], out_m: f32| {
             let y = [half.y - 0.05, half.y - 0.012 + out_m].map(|y| y * side);
             b.cuboid(part, Vec3::new(x[0], y[0].min(y[1]), z[0]), Vec3::new(x[1], y[0].max(y[1]), z[1]));
         };

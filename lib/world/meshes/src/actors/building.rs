@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use schema::Tag;
-use schema::geometry::{Part, Surface, TriMesh, Wall};
+use schema::geometry::{MeshPart, Surface, TriMesh, Wall};
 
 use crate::solids::MeshBuilder;
 
@@ -23,16 +23,16 @@ const WALLS: [(Wall, [f32; 3]); 10] = [
 ];
 
 /// What a building's parts look like.
-struct Look {
+struct BuildingStyle {
     wall_rgb: [f32; 3],
-    wall: Part,
-    base: Part,
-    trim: Part,
-    flat_roof: Part,
-    tiles: Part,
+    wall: MeshPart,
+    base: MeshPart,
+    trim: MeshPart,
+    flat_roof: MeshPart,
+    tiles: MeshPart,
 }
 
-impl Look {
+impl BuildingStyle {
     fn of(kind: &str, variant: u32) -> Self {
         let (mut made_of, wall_rgb) = WALLS[variant as usize % WALLS.len()];
         match (kind, made_of) {
@@ -45,11 +45,11 @@ impl Look {
             [[0.25, 0.07, 0.04], [0.09, 0.08, 0.08], [0.18, 0.10, 0.07]][variant as usize / 10 % 3];
         Self {
             wall_rgb,
-            wall: Part::new(TAG, Surface::Facade(made_of), wall_rgb),
-            base: Part::new(TAG, Surface::Concrete, wall_rgb.map(|c| 0.55 * c)),
-            trim: Part::new(TAG, Surface::Concrete, wall_rgb.map(|c| (1.25 * c).min(0.8))),
-            flat_roof: Part::new(TAG, Surface::Gravel, [0.12, 0.12, 0.12]),
-            tiles: Part::new(TAG, Surface::RoofTiles, tile_rgb),
+            wall: MeshPart::new(TAG, Surface::Facade(made_of), wall_rgb),
+            base: MeshPart::new(TAG, Surface::Concrete, wall_rgb.map(|c| 0.55 * c)),
+            trim: MeshPart::new(TAG, Surface::Concrete, wall_rgb.map(|c| (1.25 * c).min(0.8))),
+            flat_roof: MeshPart::new(TAG, Surface::Gravel, [0.12, 0.12, 0.12]),
+            tiles: MeshPart::new(TAG, Surface::RoofTiles, tile_rgb),
         }
     }
 }
@@ -57,7 +57,7 @@ impl Look {
 /// A building with its entrance on the side of +x.
 pub(crate) fn building(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> {
     let half = 0.5 * size;
-    let look = Look::of(kind, variant);
+    let look = BuildingStyle::of(kind, variant);
     let mut b = MeshBuilder::new();
     match kind {
         "house" => house(&mut b, size, &look),
@@ -71,9 +71,9 @@ pub(crate) fn building(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> 
 }
 
 /// A house with a gable roof.
-fn house(b: &mut MeshBuilder, size: Vec3, look: &Look) {
+fn house(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle) {
     let half = 0.5 * size;
-    let Look { wall_rgb, wall, base, flat_roof, tiles, .. } = *look;
+    let BuildingStyle { wall_rgb, wall, base, flat_roof, tiles, .. } = *look;
     let eaves = 0.64 * size.z;
     let (x, y) = (half.x - 0.45, half.y - 0.30);
     storeys(b, wall, base, flat_roof, [x, y], [0.0, eaves], 0.4);
@@ -87,11 +87,11 @@ fn house(b: &mut MeshBuilder, size: Vec3, look: &Look) {
             Vec3::new(x, y, eaves - drop),
         ]
     };
-    let wall_plain = Part::new(TAG, Surface::Concrete, wall_rgb);
-    let under = Part::new(TAG, Surface::Wood, [0.3, 0.22, 0.15]);
+    let wall_plain = MeshPart::new(TAG, Surface::Concrete, wall_rgb);
+    let under = MeshPart::new(TAG, Surface::Wood, [0.3, 0.22, 0.15]);
     let rings = [ring(-half.y, half.x, 0.12), ring(half.y, half.x, 0.12)];
     b.loft(&rings, |_, j| if j == 4 { under } else { tiles }, [wall_plain; 2]);
-    let chimney = Part::new(TAG, Surface::Concrete, [0.3, 0.14, 0.10]);
+    let chimney = MeshPart::new(TAG, Surface::Concrete, [0.3, 0.14, 0.10]);
     b.cuboid(
         chimney,
         Vec3::new(-0.35 * half.x - 0.3, 0.3 * half.y, eaves),
@@ -101,9 +101,9 @@ fn house(b: &mut MeshBuilder, size: Vec3, look: &Look) {
 }
 
 /// A tower on a podium.
-fn tower(b: &mut MeshBuilder, size: Vec3, look: &Look, variant: u32) {
+fn tower(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle, variant: u32) {
     let half = 0.5 * size;
-    let Look { wall, base, trim, flat_roof, .. } = *look;
+    let BuildingStyle { wall, base, trim, flat_roof, .. } = *look;
     let inset = 0.25;
     let podium = (0.18 * size.z).min(8.0);
     let (x, y) = (half.x - inset, half.y - inset);
@@ -123,7 +123,7 @@ fn tower(b: &mut MeshBuilder, size: Vec3, look: &Look, variant: u32) {
         );
     }
     cornice(b, trim, [half.x, half.y], podium - 0.12, 0.35);
-    let plant = Part::new(TAG, Surface::Metal, [0.35; 3]);
+    let plant = MeshPart::new(TAG, Surface::Metal, [0.35; 3]);
     b.cuboid(
         plant,
         Vec3::new(-0.4 * half.x, -0.4 * half.y, size.z - 3.1),
@@ -133,13 +133,13 @@ fn tower(b: &mut MeshBuilder, size: Vec3, look: &Look, variant: u32) {
 }
 
 /// Floors over shops.
-fn block(b: &mut MeshBuilder, size: Vec3, look: &Look, variant: u32, balconies: bool) {
+fn block(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle, variant: u32, balconies: bool) {
     let half = 0.5 * size;
-    let Look { wall, base, trim, flat_roof, .. } = *look;
+    let BuildingStyle { wall, base, trim, flat_roof, .. } = *look;
     let inset = 0.25;
     let ground = 3.8f32.min(0.8 * size.z);
     let (x, y) = (half.x - inset, half.y - inset);
-    let shop = Part::new(TAG, Surface::Glass, [0.06, 0.07, 0.08]);
+    let shop = MeshPart::new(TAG, Surface::Glass, [0.06, 0.07, 0.08]);
     let top = size.z - 0.9;
     storeys(b, wall, base, flat_roof, [x, y], [0.0, top], 0.5);
     // Shop windows across the front between piers, with an awning or a band over them.
@@ -151,7 +151,7 @@ fn block(b: &mut MeshBuilder, size: Vec3, look: &Look, variant: u32, balconies: 
     }
     cornice(b, trim, [half.x, half.y], ground, 0.30);
     if (variant / 3).is_multiple_of(2) && balconies {
-        let rail = Part::new(TAG, Surface::Metal, [0.18; 3]);
+        let rail = MeshPart::new(TAG, Surface::Metal, [0.18; 3]);
         let floors = ((top - ground) / 3.0).floor() as usize;
         for floor in 1..floors {
             for side in [-0.5, 0.5] {
@@ -163,18 +163,18 @@ fn block(b: &mut MeshBuilder, size: Vec3, look: &Look, variant: u32, balconies: 
         }
     }
     parapet(b, trim, [x, y], top, size.z - 0.3);
-    let unit = Part::new(TAG, Surface::Metal, [0.4; 3]);
+    let unit = MeshPart::new(TAG, Surface::Metal, [0.4; 3]);
     b.cuboid(unit, Vec3::new(-0.5 * x, -0.3 * y, top), Vec3::new(-0.1 * x, 0.1 * y, size.z));
     cornice(b, trim, [half.x - 0.05, half.y - 0.05], top - 0.1, 0.2);
     door(b, x, half.x - 0.1, 0.0);
 }
 
 /// A hall with a shed roof.
-fn hall(b: &mut MeshBuilder, size: Vec3, look: &Look) {
+fn hall(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle) {
     let half = 0.5 * size;
-    let Look { wall_rgb, base, flat_roof, .. } = *look;
+    let BuildingStyle { wall_rgb, base, flat_roof, .. } = *look;
     let (x, y) = (half.x - 0.1, half.y - 0.1);
-    let metal = Part::new(TAG, Surface::Metal, wall_rgb);
+    let metal = MeshPart::new(TAG, Surface::Metal, wall_rgb);
     let top = 0.9 * size.z;
     storeys(b, metal, base, flat_roof, [x, y], [0.0, top], 0.8);
     // A shed roof in ridges along x.
@@ -191,7 +191,7 @@ fn hall(b: &mut MeshBuilder, size: Vec3, look: &Look) {
         };
         b.loft(&[ring(-half.x), ring(half.x)], |_, _| flat_roof, [metal; 2]);
     }
-    let gate = Part::new(TAG, Surface::Metal, [0.5, 0.5, 0.52]);
+    let gate = MeshPart::new(TAG, Surface::Metal, [0.5, 0.5, 0.52]);
     for share in [-0.5, 0.4] {
         b.cuboid(
             gate,
@@ -204,9 +204,9 @@ fn hall(b: &mut MeshBuilder, size: Vec3, look: &Look) {
 /// A block of walls from `z[0]` to `z[1]` with a plinth of some height.
 fn storeys(
     b: &mut MeshBuilder,
-    wall: Part,
-    base: Part,
-    roof: Part,
+    wall: MeshPart,
+    base: MeshPart,
+    roof: MeshPart,
     half: [f32; 2],
     z: [f32; 2],
     plinth: f32,
@@ -223,11 +223,11 @@ fn storeys(
     );
 }
 
-fn cornice(b: &mut MeshBuilder, trim: Part, half: [f32; 2], z: f32, height: f32) {
+fn cornice(b: &mut MeshBuilder, trim: MeshPart, half: [f32; 2], z: f32, height: f32) {
     b.cuboid(trim, Vec3::new(-half[0], -half[1], z - height), Vec3::new(half[0], half[1], z));
 }
 
-fn parapet(b: &mut MeshBuilder, trim: Part, half: [f32; 2], low: f32, high: f32) {
+fn parapet(b: &mut MeshBuilder, trim: MeshPart, half: [f32; 2], low: f32, high: f32) {
     let [x, y] = half;
     for (min, max) in [
         ((-x, -y), (x, -y + 0.3)),
@@ -240,8 +240,8 @@ fn parapet(b: &mut MeshBuilder, trim: Part, half: [f32; 2], low: f32, high: f32)
 }
 
 fn door(b: &mut MeshBuilder, wall_x: f32, front_x: f32, y: f32) {
-    let wood = Part::new(Tag::Building, Surface::Wood, [0.16, 0.09, 0.05]);
+    let wood = MeshPart::new(Tag::Building, Surface::Wood, [0.16, 0.09, 0.05]);
     b.cuboid(wood, Vec3::new(wall_x - 0.15, y - 0.6, 0.0), Vec3::new(wall_x + 0.05, y + 0.6, 2.2));
-    let canopy = Part::new(Tag::Building, Surface::Concrete, [0.3; 3]);
+    let canopy = MeshPart::new(Tag::Building, Surface::Concrete, [0.3; 3]);
     b.cuboid(canopy, Vec3::new(wall_x - 0.1, y - 0.9, 2.35), Vec3::new(front_x, y + 0.9, 2.5));
 }

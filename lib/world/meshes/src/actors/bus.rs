@@ -4,7 +4,7 @@ use crate::solids::{Detail, MeshBuilder};
 use catalogue::{BusBody, Model, Rim, Shape, trains::Train};
 use glam::Vec3;
 use schema::Tag;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 use schema::lights;
 
 use crate::actors::cabin::{REAR_DOOR_M, REAR_PANE};
@@ -152,7 +152,7 @@ pub(crate) fn bus(model: &Model, body: BusBody, size: Vec3) -> ActorMesh {
 
 /// Folds of an articulated bus's bellows between two places along it.
 fn bellows(b: &mut MeshBuilder, x: [f32; 2], high_m: f32, detail: Detail) {
-    let rubber = Part::new(Tag::Bus, Surface::Rubber, [0.045, 0.045, 0.048]);
+    let rubber = MeshPart::new(Tag::Bus, Surface::Rubber, [0.045, 0.045, 0.048]);
     let folds = match detail {
         Detail::Full => 6,
         Detail::Half => 3,
@@ -189,7 +189,7 @@ pub(crate) fn rear_section(train: &Train, size: Vec3) -> ActorMesh {
         car.tail(&mut b, detail);
         bellows(&mut b, [nose - 0.05, joint], size.z, detail);
         // However the sections turn, a drum fills the gap between the two halves of the bellows.
-        let rubber = Part::new(Tag::Bus, Surface::Rubber, [0.04, 0.04, 0.042]);
+        let rubber = MeshPart::new(Tag::Bus, Surface::Rubber, [0.04, 0.04, 0.042]);
         let foot = Vec3::new(joint, 0.0, BELLOWS_Z[0] + 0.04);
         let high = size.z - BELLOWS_Z[1] - 0.05;
         let sides = if detail == Detail::Full { 32 } else { 16 };
@@ -229,9 +229,9 @@ fn is_pane(car: &Car<'_>, f: f32, place: Place, left: bool) -> bool {
 /// What cools the air, or hatches; flashing lamps of a school bus.
 fn on_the_roof(b: &mut MeshBuilder, car: &Car<'_>, size: Vec3, detail: Detail) {
     let half = 0.5 * size;
-    let unit = Part::new(Tag::Bus, Surface::Plain, [0.72, 0.72, 0.71]);
+    let unit = MeshPart::new(Tag::Bus, Surface::Plain, [0.72, 0.72, 0.71]);
     let low = car.hull.style.roof_z * size.z - 0.10;
-    let mut boxed = |x: [f32; 2], wide: f32, z: f32, part: Part| {
+    let mut boxed = |x: [f32; 2], wide: f32, z: f32, part: MeshPart| {
         let (min, max) = (Vec3::new(x[0] * size.x, -wide, low), Vec3::new(x[1] * size.x, wide, z));
         if detail == Detail::Coarse { b.cuboid(part, min, max) } else { rounded(b, part, min, max, 0.05) }
     };
@@ -259,7 +259,7 @@ fn on_the_roof(b: &mut MeshBuilder, car: &Car<'_>, size: Vec3, detail: Detail) {
 /// Bands along the sides: of a line's colour, of luggage flaps, of a school bus's rails.
 fn bands(b: &mut MeshBuilder, car: &Car<'_>, detail: Detail) {
     let (hull, looks) = (car.hull, &car.looks);
-    let plain = |rgb: [f32; 3]| Part::new(Tag::Bus, Surface::Plain, rgb);
+    let plain = |rgb: [f32; 3]| MeshPart::new(Tag::Bus, Surface::Plain, rgb);
     let right_from = hull.f_of(door_places(car)[0].0 - door_places(car)[0].1 - 0.05);
     // Clear of the arches.
     let arches: Vec<[f32; 2]> = hull
@@ -272,7 +272,7 @@ fn bands(b: &mut MeshBuilder, car: &Car<'_>, detail: Detail) {
         Detail::Half => 6.0,
         Detail::Coarse => 1.0,
     };
-    let mut band = |part: Part, f: [f32; 2], z: [f32; 2], out_m: f32| {
+    let mut band = |part: MeshPart, f: [f32; 2], z: [f32; 2], out_m: f32| {
         let over_arches = z[0] > hull.radius + hull.arch + 0.02;
         for left in [true, false] {
             let start = if left { f[0] } else { f[0].max(right_from) };
@@ -344,7 +344,7 @@ fn door_places(car: &Car<'_>) -> Vec<(f32, f32)> {
 fn doors(b: &mut MeshBuilder, car: &Car<'_>, detail: Detail) {
     let (hull, looks) = (car.hull, &car.looks);
     for (x, wide) in door_places(car) {
-        let mut pane = |part: Part, x: [f32; 2], rows: [f32; 2], out_m: f32| {
+        let mut pane = |part: MeshPart, x: [f32; 2], rows: [f32; 2], out_m: f32| {
             let cells = if detail == Detail::Full { [2, 8] } else { [1, 3] };
             patch(b, part, cells, Vec3::Y * 0.12, &|u, v| {
                 let at = hull.section(hull.f_of(x[0] + (x[1] - x[0]) * u));
@@ -364,7 +364,7 @@ fn doors(b: &mut MeshBuilder, car: &Car<'_>, detail: Detail) {
 fn glass_and_signs(b: &mut MeshBuilder, car: &Car<'_>, detail: Detail) {
     let (hull, looks) = (car.hull, &car.looks);
     let ((roof0, roof1), cowl, deck) = (hull.style.roof, hull.style.cowl.0, hull.style.deck.0);
-    let mut pane = |part: Part, f: [f32; 2], s: f32, out: Vec3| {
+    let mut pane = |part: MeshPart, f: [f32; 2], s: f32, out: Vec3| {
         let cells = if detail == Detail::Full { [6, 3] } else { [2, 1] };
         patch(b, part, cells, -9.0 * out, &|u, v| {
             hull.top(&hull.section(f[0] + (f[1] - f[0]) * v), s * (1.0 - 2.0 * u)) + out

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use frames::math;
-use schema::skin::{Image, Level, Wrap};
+use schema::mesh_textures::{Image, Level, Wrap};
 
 /// Texels along the longer side.
 const SIDE: f32 = 256.0;

@@ -3,13 +3,13 @@
 use catalogue::{BarrierBody, ConeBody};
 use glam::Vec3;
 use schema::Tag;
-use schema::geometry::{Part, Surface, TriMesh};
+use schema::geometry::{MeshPart, Surface, TriMesh};
 
 use crate::solids::MeshBuilder;
 
-const ORANGE: Part = Part::new(Tag::TrafficCone, Surface::Plain, [0.85, 0.18, 0.02]);
-const WHITE: Part = Part::new(Tag::TrafficCone, Surface::Reflector, [0.85; 3]);
-const RUBBER: Part = Part::new(Tag::TrafficCone, Surface::Rubber, [0.06; 3]);
+const ORANGE: MeshPart = MeshPart::new(Tag::TrafficCone, Surface::Plain, [0.85, 0.18, 0.02]);
+const WHITE: MeshPart = MeshPart::new(Tag::TrafficCone, Surface::Reflector, [0.85; 3]);
+const RUBBER: MeshPart = MeshPart::new(Tag::TrafficCone, Surface::Rubber, [0.06; 3]);
 const FACES: usize = 14;
 
 /// Layers of a cone's body: height as a share, radius as a share of the foot's; and which of the bands between them are white.
@@ -21,7 +21,7 @@ struct Profile {
     /// Thickness of the base plate as a share of the height; 0: none.
     plate: f32,
     round_plate: bool,
-    body: Part,
+    body: MeshPart,
 }
 
 const CONE: Profile = Profile {
@@ -40,7 +40,7 @@ fn profile(body: ConeBody) -> Profile {
         ConeBody::Plain => Profile {
             layers: &[(0.05, 1.0), (0.9, 0.25), (1.0, 0.12)],
             white: &[],
-            body: Part::new(Tag::TrafficCone, Surface::Plain, [0.70, 0.07, 0.03]),
+            body: MeshPart::new(Tag::TrafficCone, Surface::Plain, [0.70, 0.07, 0.03]),
             ..CONE
         },
         ConeBody::Big => Profile { plate: 0.07, foot: 0.78, ..CONE },
@@ -126,8 +126,8 @@ pub(crate) fn barrier(body: BarrierBody, size: Vec3) -> TriMesh {
 
 /// Two boards in red and white on feet.
 fn street(size: Vec3) -> TriMesh {
-    let dark = Part::new(Tag::Barrier, Surface::Rubber, [0.07; 3]);
-    let white = Part::new(Tag::Barrier, Surface::Plain, [0.85; 3]);
+    let dark = MeshPart::new(Tag::Barrier, Surface::Rubber, [0.07; 3]);
+    let white = MeshPart::new(Tag::Barrier, Surface::Plain, [0.85; 3]);
     let half = 0.5 * size;
     let mut b = MeshBuilder::new();
     for x in [-0.78 * half.x, 0.78 * half.x] {
@@ -145,7 +145,7 @@ fn board(b: &mut MeshBuilder, size: Vec3, heights: [f32; 2], rgb: [f32; 3], half
     let fields = 6;
     for i in 0..fields {
         let x0 = -0.5 * size.x + size.x * i as f32 / fields as f32;
-        let paint = Part::new(Tag::Barrier, Surface::Reflector, if i % 2 == 0 { rgb } else { [0.85; 3] });
+        let paint = MeshPart::new(Tag::Barrier, Surface::Reflector, if i % 2 == 0 { rgb } else { [0.85; 3] });
         b.cuboid(
             paint,
             Vec3::new(x0, -half_thick, heights[0] * size.z),
@@ -156,7 +156,7 @@ fn board(b: &mut MeshBuilder, size: Vec3, heights: [f32; 2], rgb: [f32; 3], half
 
 /// A concrete safety barrier: a broad foot, a narrow top (the profile of New Jersey).
 fn concrete(size: Vec3) -> TriMesh {
-    let stone = Part::new(Tag::Barrier, Surface::Concrete, [0.46, 0.45, 0.43]);
+    let stone = MeshPart::new(Tag::Barrier, Surface::Concrete, [0.46, 0.45, 0.43]);
     let half = 0.5 * size;
     let profile = [(1.0, 0.0), (1.0, 0.09), (0.62, 0.40), (0.34, 1.0)];
     let ring = |x: f32| -> Vec<Vec3> {
@@ -171,7 +171,7 @@ fn concrete(size: Vec3) -> TriMesh {
 
 /// Two trestles of planks with boards in orange and white between them.
 fn wooden(size: Vec3) -> TriMesh {
-    let wood = Part::new(Tag::Barrier, Surface::Wood, [0.42, 0.30, 0.17]);
+    let wood = MeshPart::new(Tag::Barrier, Surface::Wood, [0.42, 0.30, 0.17]);
     let half = 0.5 * size;
     let mut b = MeshBuilder::new();
     for x in [-0.72 * half.x, 0.72 * half.x] {

@@ -2,13 +2,13 @@
 
 use crate::solids::{MeshBuilder, circle};
 use glam::Vec3;
-use schema::geometry::Part;
+use schema::geometry::MeshPart;
 
 /// A four-sided piece of `nu` by `nv` cells: `at` takes 0 to 1 each way to the skin; `inward` reaches from its middle to where
 /// it is closed.
 pub(crate) fn patch(
     b: &mut MeshBuilder,
-    part: Part,
+    part: MeshPart,
     [nu, nv]: [usize; 2],
     inward: Vec3,
     at: &dyn Fn(f32, f32) -> Vec3,
@@ -44,7 +44,7 @@ pub(crate) fn patch(
 /// A round piece: `at` takes places of the unit disc to the skin.
 pub(crate) fn disc(
     b: &mut MeshBuilder,
-    part: Part,
+    part: MeshPart,
     sides: usize,
     inward: Vec3,
     at: &dyn Fn(f32, f32) -> Vec3,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::solids::circle;
 use schema::SignFace;
-use schema::skin::Image;
+use schema::mesh_textures::Image;
 
 use crate::actors::canvas::Canvas;
 

@@ -2,7 +2,7 @@
 
 use crate::solids::{Detail, MeshBuilder};
 use glam::Vec3;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
 use crate::actors::lorry::Lorry;
 use crate::actors::pod::rounded;
@@ -332,6 +332,6 @@ pub(crate) fn tipper(l: &Lorry<'_>, b: &mut MeshBuilder, detail: Detail) {
 }
 
 /// What a strip of warning colours is made of: red and white in turn.
-pub(crate) fn warning(k: usize) -> Part {
+pub(crate) fn warning(k: usize) -> MeshPart {
     Lorry::stuff(Surface::Plain, [[0.62, 0.03, 0.03], [0.75, 0.75, 0.73]][k % 2])
 }

@@ -3,7 +3,7 @@
 use crate::solids::{Detail, MeshBuilder};
 use catalogue::{Load, Shape};
 use glam::Vec3;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 use schema::{Tag, lights};
 
 use crate::actors::car::Car;
@@ -91,7 +91,7 @@ impl Lorry<'_> {
     /// Beams, axles, tanks, mudguards and bars against driving under it.
     pub(crate) fn frame(&self, b: &mut MeshBuilder, detail: Detail) {
         let (half, radius, looks) = (self.half(), self.radius(), &self.cab.looks);
-        let metal = Part::new(Tag::Truck, Surface::Metal, [0.07, 0.07, 0.075]);
+        let metal = MeshPart::new(Tag::Truck, Surface::Metal, [0.07, 0.07, 0.075]);
         let (floor, front) = (self.body_floor() - 0.1, self.cab_back + 0.4);
         for y in [-0.4, 0.4] {
             b.cuboid(
@@ -115,7 +115,7 @@ impl Lorry<'_> {
         }
         let (first, last) = (self.axles[1], self.axles[self.axles.len() - 1]);
         let room = [first + radius + 0.18, self.axles[0] - 1.15 * radius - 0.25];
-        let tank = Part::new(Tag::Truck, Surface::Metal, [0.45, 0.46, 0.47]);
+        let tank = MeshPart::new(Tag::Truck, Surface::Metal, [0.45, 0.46, 0.47]);
         let long = 0.42 * (room[1] - room[0]);
         for (y, x, part) in [(1.0, room[1] - long, tank), (-1.0, room[1] - 0.7 * long, looks.trim)] {
             let (a, c) = (0.52 * y, (half.y - 0.16) * y);
@@ -182,12 +182,12 @@ impl Lorry<'_> {
     }
 
     /// A part of what is carried.
-    pub(crate) fn stuff(surface: Surface, rgb: [f32; 3]) -> Part {
-        Part::new(Tag::Truck, surface, rgb)
+    pub(crate) fn stuff(surface: Surface, rgb: [f32; 3]) -> MeshPart {
+        MeshPart::new(Tag::Truck, surface, rgb)
     }
 
     /// A box on each side: y counts outward from the middle.
-    pub(crate) fn both(b: &mut MeshBuilder, part: Part, x: [f32; 2], y: [f32; 2], z: [f32; 2]) {
+    pub(crate) fn both(b: &mut MeshBuilder, part: MeshPart, x: [f32; 2], y: [f32; 2], z: [f32; 2]) {
         for side in [1.0, -1.0] {
             let (a, c) = (side * y[0], side * y[1]);
             b.cuboid(part, Vec3::new(x[0], a.min(c), z[0]), Vec3::new(x[1], a.max(c), z[1]));
@@ -195,7 +195,7 @@ impl Lorry<'_> {
     }
 
     /// A box across the middle.
-    pub(crate) fn across(b: &mut MeshBuilder, part: Part, x: [f32; 2], half_y: f32, z: [f32; 2]) {
+    pub(crate) fn across(b: &mut MeshBuilder, part: MeshPart, x: [f32; 2], half_y: f32, z: [f32; 2]) {
         b.cuboid(part, Vec3::new(x[0], -half_y, z[0]), Vec3::new(x[1], half_y, z[1]));
     }
 

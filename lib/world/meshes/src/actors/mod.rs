@@ -12,6 +12,7 @@
 //! assert_eq!((car.pieces.len(), shown), (13, 5));
 //! ```
 
+mod ambient_occlusion;
 mod bodies;
 mod brigade;
 mod building;
@@ -33,7 +34,6 @@ mod pod;
 mod posture;
 mod props;
 mod rig;
-mod shelter;
 mod sign;
 mod skin;
 mod street;

@@ -3,7 +3,7 @@
 use crate::solids::{Detail, MeshBuilder};
 use catalogue::Frame;
 use glam::Vec3;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 use schema::{Tag, lights};
 
 use crate::actors::decal::disc;
@@ -27,24 +27,24 @@ pub(crate) struct Places {
 }
 
 struct Parts {
-    paint: Part,
-    metal: Part,
-    chrome: Part,
-    dark: Part,
-    plastic: Part,
-    glass: Part,
+    paint: MeshPart,
+    metal: MeshPart,
+    chrome: MeshPart,
+    dark: MeshPart,
+    plastic: MeshPart,
+    glass: MeshPart,
 }
 
 /// Adds everything but the wheels.
 pub(crate) fn body(b: &mut MeshBuilder, frame: Frame, places: &Places, detail: Detail) {
     let tag = Tag::Motorcycle;
     let parts = Parts {
-        paint: Part::new(tag, Surface::Paint, [0.5; 3]),
-        metal: Part::new(tag, Surface::Metal, [0.16, 0.16, 0.17]),
-        chrome: Part::new(tag, Surface::Metal, [0.6, 0.6, 0.62]),
-        dark: Part::new(tag, Surface::Rubber, [0.03; 3]),
-        plastic: Part::new(tag, Surface::Rubber, [0.05, 0.05, 0.052]),
-        glass: Part::new(tag, Surface::Glass, [0.04, 0.05, 0.06]),
+        paint: MeshPart::new(tag, Surface::Paint, [0.5; 3]),
+        metal: MeshPart::new(tag, Surface::Metal, [0.16, 0.16, 0.17]),
+        chrome: MeshPart::new(tag, Surface::Metal, [0.6, 0.6, 0.62]),
+        dark: MeshPart::new(tag, Surface::Rubber, [0.03; 3]),
+        plastic: MeshPart::new(tag, Surface::Rubber, [0.05, 0.05, 0.052]),
+        glass: MeshPart::new(tag, Surface::Glass, [0.04, 0.05, 0.06]),
     };
     let machine = Machine { b, p: places, parts, detail };
     match frame {
@@ -79,13 +79,13 @@ impl Machine<'_> {
         }
     }
 
-    fn pod(&mut self, part: Part, line: &[(f32, f32, f32, f32)]) {
+    fn pod(&mut self, part: MeshPart, line: &[(f32, f32, f32, f32)]) {
         let line: Vec<(Vec3, f32, f32)> = line.iter().map(|(f, z, y, h)| (self.at(*f, *z), *y, *h)).collect();
         let sides = self.sides(14);
         pod(self.b, part, &line, sides);
     }
 
-    fn tube(&mut self, part: Part, line: &[(Vec3, f32)]) {
+    fn tube(&mut self, part: MeshPart, line: &[(Vec3, f32)]) {
         let sides = self.sides(8);
         tube(self.b, part, line, sides);
     }
@@ -194,7 +194,8 @@ impl Machine<'_> {
         let (seat, radius, grip) = (self.p.seat, self.p.radius, self.p.grip);
         let (paint, metal, dark, glass) =
             (self.parts.paint, self.parts.metal, self.parts.dark, self.parts.glass);
-        let (plain, back) = (|rgb: [f32; 3]| Part::new(Tag::Motorcycle, Surface::Plain, rgb), self.p.back);
+        let (plain, back) =
+            (|rgb: [f32; 3]| MeshPart::new(Tag::Motorcycle, Surface::Plain, rgb), self.p.back);
         self.pod(
             paint,
             &[
@@ -284,7 +285,7 @@ impl Machine<'_> {
         // Lamps on a pole and beside the screen.
         let pole = Vec3::new(x[0] + 0.02, 0.0, seat + 0.30);
         self.tube(dark, &[(pole, 0.014), (pole.with_z(self.p.top - 0.06), 0.012)]);
-        let lamp = |bits: u32| Part::new(Tag::Motorcycle, Surface::Lamp(bits), [0.05, 0.1, 0.8]);
+        let lamp = |bits: u32| MeshPart::new(Tag::Motorcycle, Surface::Lamp(bits), [0.05, 0.1, 0.8]);
         let head = pole.with_z(self.p.top - 0.08);
         self.b.stack(
             lamp(lights::EMERGENCY),
@@ -367,7 +368,7 @@ impl Machine<'_> {
     }
 
     /// Crankcase, two cylinders with fins, and a cover on each side.
-    fn engine(&mut self, case: Part, bright: Part) {
+    fn engine(&mut self, case: MeshPart, bright: MeshPart) {
         let (seat, radius) = (self.p.seat, self.p.radius);
         self.pod(
             case,
@@ -399,7 +400,7 @@ impl Machine<'_> {
     }
 
     /// A pipe from the cylinder down and back along the right side.
-    fn exhaust(&mut self, part: Part, end: f32, end_z: f32) {
+    fn exhaust(&mut self, part: MeshPart, end: f32, end_z: f32) {
         let low = 0.62 * self.p.radius;
         let right = Vec3::Y * -0.17;
         let bend = [
@@ -463,7 +464,7 @@ impl Machine<'_> {
 
     /// The head lamp with its lens at a place, tail lamp, plate and blinkers.
     fn lamps(&mut self, lens_m: f32, face: Vec3) {
-        let lamp = |bits: u32, rgb: [f32; 3]| Part::new(Tag::Motorcycle, Surface::Lamp(bits), rgb);
+        let lamp = |bits: u32, rgb: [f32; 3]| MeshPart::new(Tag::Motorcycle, Surface::Lamp(bits), rgb);
         let head = lamp(lights::LOW_BEAM | lights::HIGH_BEAM | lights::POSITION, [0.85; 3]);
         let housing = self.parts.metal;
         let sides = self.sides(12);
@@ -485,7 +486,7 @@ impl Machine<'_> {
             0.8,
             0.8,
         );
-        let plate = Part::new(Tag::Motorcycle, Surface::Reflector, [0.78, 0.78, 0.76]);
+        let plate = MeshPart::new(Tag::Motorcycle, Surface::Reflector, [0.78, 0.78, 0.76]);
         let dark = self.parts.plastic;
         let back = Vec3::new(self.p.back, 0.0, tail_z - 0.19);
         self.b.cuboid(plate, back - Vec3::new(0.0, 0.09, 0.07), back + Vec3::new(0.012, 0.09, 0.07));

@@ -3,13 +3,13 @@
 use glam::Vec3;
 use random::{Stream, unit_f32};
 use schema::Tag;
-use schema::geometry::{Part, Surface, TriMesh};
+use schema::geometry::{MeshPart, Surface, TriMesh};
 
 use crate::solids::{MeshBuilder, circle};
 
 const BARK: [f32; 3] = [0.13, 0.09, 0.06];
 
-fn leaf(variant: u32) -> Part {
+fn leaf(variant: u32) -> MeshPart {
     let greens = [
         [0.06, 0.17, 0.03],
         [0.10, 0.21, 0.04],
@@ -17,7 +17,7 @@ fn leaf(variant: u32) -> Part {
         [0.14, 0.20, 0.04],
         [0.17, 0.15, 0.03],
     ];
-    Part::new(Tag::Vegetation, Surface::Foliage, greens[variant as usize % greens.len()])
+    MeshPart::new(Tag::Vegetation, Surface::Foliage, greens[variant as usize % greens.len()])
 }
 
 /// Numbers of a plant that depend on an index alone.
@@ -35,7 +35,7 @@ impl Draws {
     }
 }
 
-const WOOD: Part = Part::new(Tag::Vegetation, Surface::Wood, BARK);
+const WOOD: MeshPart = MeshPart::new(Tag::Vegetation, Surface::Wood, BARK);
 
 /// A trunk that leans a little, up to some height; answers with its upper end.
 fn trunk(b: &mut MeshBuilder, draws: &Draws, to_z: f32, r: f32) -> Vec3 {
@@ -82,7 +82,7 @@ pub(crate) fn plant(family: &str, kind: &str, size: Vec3, variant: u32) -> Optio
 }
 
 /// Five boughs with leaves, and a crown over them.
-fn broadleaf(b: &mut MeshBuilder, draws: &Draws, size: Vec3, thick: f32, green: Part) {
+fn broadleaf(b: &mut MeshBuilder, draws: &Draws, size: Vec3, thick: f32, green: MeshPart) {
     let half = 0.5 * size;
     let fork = trunk(b, draws, 0.45 * size.z, thick);
     let count = 5;
@@ -113,7 +113,7 @@ fn broadleaf(b: &mut MeshBuilder, draws: &Draws, size: Vec3, thick: f32, green: 
 fn conifer(b: &mut MeshBuilder, draws: &Draws, size: Vec3, thick: f32) {
     let half = 0.5 * size;
     trunk(b, draws, 0.35 * size.z, thick);
-    let dark = Part::new(Tag::Vegetation, Surface::Foliage, [0.03, 0.09, 0.04]);
+    let dark = MeshPart::new(Tag::Vegetation, Surface::Foliage, [0.03, 0.09, 0.04]);
     let layers = 5;
     for i in 0..layers {
         let share = i as f32 / layers as f32;
@@ -132,7 +132,7 @@ fn conifer(b: &mut MeshBuilder, draws: &Draws, size: Vec3, thick: f32) {
 }
 
 /// Fronds round the top of a bare trunk.
-fn palm(b: &mut MeshBuilder, draws: &Draws, size: Vec3, thick: f32, green: Part) {
+fn palm(b: &mut MeshBuilder, draws: &Draws, size: Vec3, thick: f32, green: MeshPart) {
     let half = 0.5 * size;
     let crown = trunk(b, draws, 0.88 * size.z, 0.7 * thick);
     let fronds = 11;
@@ -156,7 +156,7 @@ fn palm(b: &mut MeshBuilder, draws: &Draws, size: Vec3, thick: f32, green: Part)
 }
 
 /// Bushes in a row.
-fn hedge(b: &mut MeshBuilder, draws: &Draws, size: Vec3, green: Part) {
+fn hedge(b: &mut MeshBuilder, draws: &Draws, size: Vec3, green: MeshPart) {
     let half = 0.5 * size;
     let bump = draws.bump(4);
     let count = (size.x / 0.9).ceil().max(1.0) as usize;

@@ -5,10 +5,10 @@ use std::f32::consts::TAU;
 use crate::solids::{MeshBuilder, circle};
 use frames::math::f32::sin_cos;
 use glam::Vec3;
-use schema::geometry::Part;
+use schema::geometry::MeshPart;
 
 /// A tube through points, with the radius at each.
-pub(crate) fn tube(b: &mut MeshBuilder, part: Part, line: &[(Vec3, f32)], sides: usize) {
+pub(crate) fn tube(b: &mut MeshBuilder, part: MeshPart, line: &[(Vec3, f32)], sides: usize) {
     let last = line.len().saturating_sub(1);
     let along = |i: usize| (line[(i + 1).min(last)].0 - line[i.saturating_sub(1)].0).normalize_or(Vec3::X);
     let rings: Vec<Vec<Vec3>> = (0..line.len())
@@ -24,7 +24,7 @@ pub(crate) fn tube(b: &mut MeshBuilder, part: Part, line: &[(Vec3, f32)], sides:
 }
 
 /// A body of upright ellipses from behind to the front: place, half width, half height.
-pub(crate) fn pod(b: &mut MeshBuilder, part: Part, line: &[(Vec3, f32, f32)], sides: usize) {
+pub(crate) fn pod(b: &mut MeshBuilder, part: MeshPart, line: &[(Vec3, f32, f32)], sides: usize) {
     let rings: Vec<Vec<Vec3>> = line
         .iter()
         .map(|(at, y, z)| circle(sides).map(|(c, s)| *at + Vec3::new(0.0, y * c, z * s)).collect())
@@ -35,7 +35,7 @@ pub(crate) fn pod(b: &mut MeshBuilder, part: Part, line: &[(Vec3, f32, f32)], si
 /// A strip around a wheel, between angles in turns: 0 ahead, a quarter above.
 pub(crate) fn mudguard(
     b: &mut MeshBuilder,
-    part: Part,
+    part: MeshPart,
     axle: Vec3,
     radius: f32,
     half_width: f32,
@@ -61,7 +61,7 @@ pub(crate) fn mudguard(
 }
 
 /// A box whose edges are bevelled.
-pub(crate) fn rounded(b: &mut MeshBuilder, part: Part, min: Vec3, max: Vec3, bevel: f32) {
+pub(crate) fn rounded(b: &mut MeshBuilder, part: MeshPart, min: Vec3, max: Vec3, bevel: f32) {
     let ring = |x: f32, inset: f32| -> Vec<Vec3> {
         let (y0, y1) = (min.y + inset, max.y - inset);
         let (z0, z1) = (min.z + inset, max.z - inset);

@@ -3,7 +3,7 @@
 use catalogue::benches;
 use glam::Vec3;
 use schema::Tag;
-use schema::geometry::{Part, Surface, TriMesh};
+use schema::geometry::{MeshPart, Surface, TriMesh};
 
 use crate::solids::MeshBuilder;
 
@@ -25,8 +25,8 @@ pub(crate) fn prop(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> {
 /// A bench; it looks along +x.
 fn bench(b: &mut MeshBuilder, size: Vec3) {
     let half = 0.5 * size;
-    let wood = Part::new(Tag::Static, Surface::Wood, [0.30, 0.16, 0.07]);
-    let iron = Part::new(Tag::Static, Surface::Metal, [0.06; 3]);
+    let wood = MeshPart::new(Tag::Static, Surface::Wood, [0.30, 0.16, 0.07]);
+    let iron = MeshPart::new(Tag::Static, Surface::Metal, [0.06; 3]);
     // The seat looks along +x; the back rest is behind it.
     let (seat_z, back_x) = (benches::SEAT as f32 * size.z, -half.x + benches::BACK_M as f32);
     for y in [-0.8 * half.y, 0.8 * half.y] {
@@ -57,7 +57,7 @@ fn bench(b: &mut MeshBuilder, size: Vec3) {
 /// A hoop to lock bicycles to; it runs along x.
 fn rack(b: &mut MeshBuilder, size: Vec3) {
     let (half, r) = (0.5 * size, 0.5 * size.y);
-    let steel = Part::new(Tag::Static, Surface::Metal, [0.32, 0.33, 0.34]);
+    let steel = MeshPart::new(Tag::Static, Surface::Metal, [0.32, 0.33, 0.34]);
     let top = size.z - r;
     for x in [-half.x + r, half.x - r] {
         b.bar(steel, Vec3::new(x, 0.0, 0.0), Vec3::new(x, 0.0, top), [r; 2], 6);
@@ -69,8 +69,8 @@ fn rack(b: &mut MeshBuilder, size: Vec3) {
 fn bin(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     let half = 0.5 * size;
     let colour = [[0.05, 0.15, 0.06], [0.10, 0.10, 0.11], [0.25, 0.12, 0.04]][variant as usize % 3];
-    let body = Part::new(Tag::Static, Surface::Plain, colour);
-    let lid = Part::new(Tag::Static, Surface::Metal, [0.3; 3]);
+    let body = MeshPart::new(Tag::Static, Surface::Plain, colour);
+    let lid = MeshPart::new(Tag::Static, Surface::Metal, [0.3; 3]);
     b.stack(
         body,
         &[
@@ -91,9 +91,9 @@ fn fence(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     let half = 0.5 * size;
     let wood = variant.is_multiple_of(2);
     let post = if wood {
-        Part::new(Tag::Fence, Surface::Wood, [0.32, 0.20, 0.10])
+        MeshPart::new(Tag::Fence, Surface::Wood, [0.32, 0.20, 0.10])
     } else {
-        Part::new(Tag::Fence, Surface::Metal, [0.12, 0.13, 0.13])
+        MeshPart::new(Tag::Fence, Surface::Metal, [0.12, 0.13, 0.13])
     };
     let count = (size.x / 2.0).ceil().max(1.0) as usize;
     for i in 0..=count {
@@ -126,8 +126,8 @@ fn wall(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     let half = 0.5 * size;
     let (low, high) = (Vec3::new(-half.x, -half.y, 0.0), Vec3::new(half.x, half.y, size.z));
     let colour = [[0.42, 0.40, 0.37], [0.36, 0.18, 0.12], [0.55, 0.52, 0.46]][variant as usize % 3];
-    let stone = Part::new(Tag::Wall, Surface::Concrete, colour);
-    let cap = Part::new(Tag::Wall, Surface::Concrete, [0.5; 3]);
+    let stone = MeshPart::new(Tag::Wall, Surface::Concrete, colour);
+    let cap = MeshPart::new(Tag::Wall, Surface::Concrete, [0.5; 3]);
     b.cuboid(stone, low + Vec3::new(0.02, 0.04, 0.0), Vec3::new(high.x - 0.02, high.y - 0.04, 0.93 * size.z));
     b.cuboid(cap, Vec3::new(low.x, low.y, 0.93 * size.z), high);
 }
@@ -136,7 +136,7 @@ fn wall(b: &mut MeshBuilder, size: Vec3, variant: u32) {
 fn rock(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     let half = 0.5 * size;
     let (low, high) = (Vec3::new(-half.x, -half.y, 0.0), Vec3::new(half.x, half.y, size.z));
-    let stone = Part::new(Tag::Rock, Surface::Concrete, [0.27, 0.26, 0.24]);
+    let stone = MeshPart::new(Tag::Rock, Surface::Concrete, [0.27, 0.26, 0.24]);
     let bump = |ring: usize, side: usize| 0.80 + 0.05 * ((ring * 5 + side * 3 + variant as usize) % 5) as f32;
     b.blob(stone, Vec3::Z * 0.3 * size.z, half, 5, 8, bump);
     b.fit(low, high);

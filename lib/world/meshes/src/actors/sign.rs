@@ -3,18 +3,18 @@
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
-use schema::geometry::{Part, Surface, TriMesh};
-use schema::skin::{Coat, Skin};
+use schema::geometry::{MeshPart, Surface, TriMesh};
+use schema::mesh_textures::{MeshTextures, TextureSet};
 use schema::{SignFace, Tag};
 
 use crate::actors::device::{Board, board};
 use crate::solids::{MeshBuilder, circle};
 
-const GREY: Part = Part::new(Tag::TrafficSign, Surface::Metal, [0.35; 3]);
-const STEEL: Part = Part::new(Tag::Pole, Surface::Metal, [0.22, 0.23, 0.24]);
+const GREY: MeshPart = MeshPart::new(Tag::TrafficSign, Surface::Metal, [0.35; 3]);
+const STEEL: MeshPart = MeshPart::new(Tag::Pole, Surface::Metal, [0.22, 0.23, 0.24]);
 
-const fn face(rgb: [f32; 3]) -> Part {
-    Part::new(Tag::TrafficSign, Surface::Reflector, rgb)
+const fn face(rgb: [f32; 3]) -> MeshPart {
+    MeshPart::new(Tag::TrafficSign, Surface::Reflector, rgb)
 }
 
 /// The board stands on z = 0 and looks along +x; its pole reaches as far below as its face says. What is painted on it is a picture: no ray
@@ -46,7 +46,7 @@ pub(crate) fn sign(kind: &str, size: Vec3, said: SignFace) -> TriMesh {
     // As who reads it sees it: y is to the right.
     let place = |p: Vec3| Vec2::new(0.5 + p.y / size.y, 1.0 - p.z / size.z);
     let corners = (0..mesh.triangles.len()).map(|i| mesh.corners(i).map(place)).collect();
-    let coats = vec![Coat { colour: Some(image), ..Coat::default() }];
-    mesh.skin = Some(Arc::new(Skin { corners, coats }));
+    let sets = vec![TextureSet { colour: Some(image), ..TextureSet::default() }];
+    mesh.textures = Some(Arc::new(MeshTextures { corners, sets }));
     mesh
 }

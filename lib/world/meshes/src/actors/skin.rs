@@ -3,7 +3,7 @@
 use crate::solids::{Detail, MeshBuilder};
 use frames::math::f32::sin_cos;
 use glam::Vec3;
-use schema::geometry::Part;
+use schema::geometry::MeshPart;
 
 use crate::actors::hull::{Hull, Section};
 
@@ -86,7 +86,7 @@ impl Grid {
 pub(crate) const LINE_M: f32 = 0.005;
 
 /// Adds a skin; `part` says what is where, at a place along it.
-pub(crate) fn skin(b: &mut MeshBuilder, hull: &Hull, grid: &Grid, part: &dyn Fn(f32, Place) -> Part) {
+pub(crate) fn skin(b: &mut MeshBuilder, hull: &Hull, grid: &Grid, part: &dyn Fn(f32, Place) -> MeshPart) {
     let (rows, columns) = (grid.rows, grid.columns);
     let (r, c) = (rows.len() - 1, columns.len() - 1);
     let sections: Vec<Section> = grid.stations.iter().map(|f| hull.section(*f)).collect();
@@ -124,7 +124,14 @@ pub(crate) fn skin(b: &mut MeshBuilder, hull: &Hull, grid: &Grid, part: &dyn Fn(
 }
 
 /// Closes an end with a grid of the ring's rows and columns.
-fn end(b: &mut MeshBuilder, hull: &Hull, grid: &Grid, ring: &[u32], nose: bool, part: &dyn Fn(f32) -> Part) {
+fn end(
+    b: &mut MeshBuilder,
+    hull: &Hull,
+    grid: &Grid,
+    ring: &[u32],
+    nose: bool,
+    part: &dyn Fn(f32) -> MeshPart,
+) {
     let (rows, columns) = (grid.rows, grid.columns);
     let (r, c) = (rows.len() - 1, columns.len() - 1);
     let at = hull.section(if nose { 0.0 } else { 1.0 });
@@ -167,7 +174,7 @@ fn end(b: &mut MeshBuilder, hull: &Hull, grid: &Grid, ring: &[u32], nose: bool, 
 }
 
 /// The wall between the left and the right wheel house of each axle: at `inner_y`, metres aside.
-pub(crate) fn wheel_houses(b: &mut MeshBuilder, hull: &Hull, under: Part, inner_y: &[f32]) {
+pub(crate) fn wheel_houses(b: &mut MeshBuilder, hull: &Hull, under: MeshPart, inner_y: &[f32]) {
     let low = hull.style.clearance * hull.height;
     for (axle, half_y) in hull.axles.iter().zip(inner_y) {
         let reach = 1.02 * hull.arch;

@@ -5,13 +5,13 @@ use std::f32::consts::TAU;
 use frames::math::f32::sin_cos;
 use glam::Vec3;
 use schema::footprint::LightMount;
-use schema::geometry::{Part, Surface, TriMesh};
+use schema::geometry::{MeshPart, Surface, TriMesh};
 use schema::{SignFace, Tag, lights};
 
 use crate::actors::{sign, warning};
 use crate::solids::MeshBuilder;
 
-const STEEL: Part = Part::new(Tag::Pole, Surface::Metal, [0.22, 0.23, 0.24]);
+const STEEL: MeshPart = MeshPart::new(Tag::Pole, Surface::Metal, [0.22, 0.23, 0.24]);
 
 pub(crate) fn street(family: &str, kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> {
     match (family, kind) {
@@ -28,7 +28,7 @@ pub(crate) fn street(family: &str, kind: &str, size: Vec3, variant: u32) -> Opti
 /// traffic's right, that is towards +y.
 fn signal(size: Vec3, mount: LightMount) -> TriMesh {
     let half = 0.5 * size;
-    let black = Part::new(Tag::TrafficLight, Surface::Plain, [0.03, 0.03, 0.03]);
+    let black = MeshPart::new(Tag::TrafficLight, Surface::Plain, [0.03, 0.03, 0.03]);
     let mut b = MeshBuilder::new();
     b.cuboid(black, Vec3::new(-half.x, -half.y, 0.0), Vec3::new(0.25 * half.x, half.y, size.z));
     let lens = [
@@ -38,7 +38,7 @@ fn signal(size: Vec3, mount: LightMount) -> TriMesh {
     ];
     let radius = (0.145 * size.z).min(0.8 * half.y);
     for (i, (bits, rgb)) in lens.into_iter().enumerate() {
-        let glass = Part::new(Tag::TrafficLight, Surface::Lamp(bits), rgb);
+        let glass = MeshPart::new(Tag::TrafficLight, Surface::Lamp(bits), rgb);
         let z = size.z * (i as f32 + 0.5) / 3.0;
         let at = |x: f32| Vec3::new(x * half.x, 0.0, z);
         b.bar(glass, at(0.2), at(0.45), [radius, 0.8 * radius], 12);
@@ -91,7 +91,7 @@ fn lamp(size: Vec3) -> TriMesh {
         [0.6 * r, 0.5 * r],
         6,
     );
-    let head = Part::new(Tag::Pole, Surface::Metal, [0.3; 3]);
+    let head = MeshPart::new(Tag::Pole, Surface::Metal, [0.3; 3]);
     b.tapered(
         head,
         Vec3::new(half.x - 0.75, -half.y, size.z - 0.12),
@@ -99,7 +99,7 @@ fn lamp(size: Vec3) -> TriMesh {
         0.8,
         0.6,
     );
-    let lens = Part::new(Tag::Pole, Surface::Lamp(lights::STREET_LAMP), [0.75; 3]);
+    let lens = MeshPart::new(Tag::Pole, Surface::Lamp(lights::STREET_LAMP), [0.75; 3]);
     b.cuboid(
         lens,
         Vec3::new(half.x - 0.65, -0.75 * half.y, size.z - 0.16),
@@ -115,7 +115,7 @@ fn rsu(size: Vec3) -> TriMesh {
     let r = (0.25 * half.x).min(0.045);
     let x = -half.x + r;
     b.bar(STEEL, Vec3::new(x, 0.0, 0.0), Vec3::new(x, 0.0, size.z), [r; 2], 8);
-    let cabinet = Part::new(Tag::Static, Surface::Metal, [0.55, 0.56, 0.57]);
+    let cabinet = MeshPart::new(Tag::Static, Surface::Metal, [0.55, 0.56, 0.57]);
     b.cuboid(
         cabinet,
         Vec3::new(-half.x, -half.y, 0.25 * size.z),

@@ -4,7 +4,7 @@ use crate::solids::{Detail, MeshBuilder};
 use catalogue::{Load, Rim, trains::Train};
 use glam::Vec3;
 use schema::Tag;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
 use crate::actors::car::{Car, Looks};
 use crate::actors::hull::Hull;
@@ -195,7 +195,7 @@ pub(crate) fn container(l: &Lorry<'_>, b: &mut MeshBuilder, detail: Detail) {
 }
 
 /// A rib in each side wall from a place on: with sloping flanks, as sheet steel is bent.
-fn ribs(b: &mut MeshBuilder, part: Part, x: f32, pitch: f32, wide: f32, z: [f32; 2]) {
+fn ribs(b: &mut MeshBuilder, part: MeshPart, x: f32, pitch: f32, wide: f32, z: [f32; 2]) {
     let (base, flank) = (0.8 * pitch, 0.26 * pitch);
     let outline = [(0.0, wide - 0.05), (base, wide - 0.05), (base - flank, wide), (flank, wide)];
     for side in [1.0, -1.0] {

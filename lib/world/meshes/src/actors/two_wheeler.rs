@@ -3,11 +3,11 @@
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
-use crate::people::{Figure, Look, Seat};
+use crate::people::{Appearance, Figure, Seat};
 use crate::solids::{Detail, MeshBuilder};
 use catalogue::{BaseType, Frame, Model, Special, TwoWheelerBody};
 use glam::Vec3;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 use schema::{Tag, lights};
 
 use crate::actors::bodies::{LEVELS, body, fitted};
@@ -23,9 +23,9 @@ pub(crate) fn two_wheeler(model: &Model, built: &TwoWheelerBody, size: Vec3, var
     let machine = |detail| machine(model, built, size, size.z * alone as f32, size.z, detail);
     let (mut pieces, rides) = machine(Detail::Full);
     let bicycle = model.base == BaseType::Bicycle;
-    let mut look = Look::new(model, variant).riding(!bicycle);
+    let mut look = Appearance::new(model, variant).riding(!bicycle);
     if model.special == Special::Emergency {
-        look = Look { shoe_rgb: [0.02; 3], extra_rgb: [0.7; 3], ..look.in_uniform() };
+        look = Appearance { shoe_rgb: [0.02; 3], extra_rgb: [0.7; 3], ..look.in_uniform() };
     }
     let figure = Figure::new(look, 1.72);
     let on_z = rides.stands_z.unwrap_or(rides.seat.hips.z);
@@ -168,8 +168,8 @@ fn crank([front, rear]: [f32; 2], radius: f32) -> Vec3 {
 
 /// The crank with its chain wheel, and the pedals on it.
 fn cranks(tag: Tag, pedals: &Pedals) -> [Piece; 3] {
-    let metal = Part::new(tag, Surface::Metal, [0.3; 3]);
-    let dark = Part::new(tag, Surface::Rubber, [0.04; 3]);
+    let metal = MeshPart::new(tag, Surface::Metal, [0.3; 3]);
+    let dark = MeshPart::new(tag, Surface::Rubber, [0.04; 3]);
     let Pedals { crank: at, gear, .. } = *pedals;
     let mut b = MeshBuilder::new();
     b.bar(metal, Vec3::Y * -0.045, Vec3::Y * -0.040, [0.09; 2], 14);
@@ -191,18 +191,18 @@ fn cranks(tag: Tag, pedals: &Pedals) -> [Piece; 3] {
 
 /// A head lamp above the front mudguard and a tail lamp on the rear one.
 fn bicycle_lamps(b: &mut MeshBuilder, tag: Tag, [front, rear]: [f32; 2], radius: f32) {
-    let lamp = |bits: u32, rgb: [f32; 3]| Part::new(tag, Surface::Lamp(bits), rgb);
+    let lamp = |bits: u32, rgb: [f32; 3]| MeshPart::new(tag, Surface::Lamp(bits), rgb);
     let white = lamp(lights::LOW_BEAM | lights::HIGH_BEAM | lights::POSITION, [0.85; 3]);
     let at = Vec3::new(front + 0.04, 0.0, 2.0 * radius + 0.085);
     tube(b, white, &[(at - Vec3::X * 0.07, 0.015), (at, 0.036), (at + Vec3::X * 0.02, 0.03)], 8);
-    let metal = Part::new(tag, Surface::Metal, [0.3; 3]);
+    let metal = MeshPart::new(tag, Surface::Metal, [0.3; 3]);
     b.bar(metal, at - Vec3::X * 0.05, at - Vec3::new(0.10, 0.0, 0.07), [0.008; 2], 4);
     let red = lamp(lights::POSITION | lights::BRAKE, [0.55, 0.03, 0.03]);
     let (s, c) = frames::math::f32::sin_cos(TAU * 0.365);
     let tail = Vec3::new(rear, 0.0, radius) + Vec3::new(c, 0.0, s) * (radius + GUARD_M + 0.025);
     b.tapered(red, tail - Vec3::new(0.02, 0.022, 0.03), tail + Vec3::new(0.02, 0.022, 0.03), 0.8, 0.8);
     let below = tail - Vec3::new(0.012, 0.0, 0.075);
-    let reflector = Part::new(tag, Surface::Reflector, [0.45, 0.02, 0.02]);
+    let reflector = MeshPart::new(tag, Surface::Reflector, [0.45, 0.02, 0.02]);
     b.cuboid(reflector, below - Vec3::new(0.012, 0.03, 0.022), below + Vec3::new(0.012, 0.03, 0.022));
 }
 
@@ -217,9 +217,9 @@ fn bicycle_frame(
     grip: Vec3,
     detail: Detail,
 ) {
-    let paint = Part::new(tag, Surface::Paint, [0.5; 3]);
-    let metal = Part::new(tag, Surface::Metal, [0.3; 3]);
-    let dark = Part::new(tag, Surface::Rubber, [0.04; 3]);
+    let paint = MeshPart::new(tag, Surface::Paint, [0.5; 3]);
+    let metal = MeshPart::new(tag, Surface::Metal, [0.3; 3]);
+    let dark = MeshPart::new(tag, Surface::Rubber, [0.04; 3]);
     let full = detail == Detail::Full;
     let sides = if full { 8 } else { 4 };
     let wheelbase = front - rear;
@@ -278,10 +278,10 @@ fn bicycle_frame(
 
 /// The box of a cargo bicycle between its steering head and the front wheel, on the tube that carries it.
 fn cargo_box(b: &mut MeshBuilder, tag: Tag, [front, head]: [f32; 2], radius: f32, detail: Detail) {
-    let paint = Part::new(tag, Surface::Paint, [0.5; 3]);
-    let wood = Part::new(tag, Surface::Wood, [0.30, 0.20, 0.11]);
-    let metal = Part::new(tag, Surface::Metal, [0.12; 3]);
-    let dark = Part::new(tag, Surface::Rubber, [0.03; 3]);
+    let paint = MeshPart::new(tag, Surface::Paint, [0.5; 3]);
+    let wood = MeshPart::new(tag, Surface::Wood, [0.30, 0.20, 0.11]);
+    let metal = MeshPart::new(tag, Surface::Metal, [0.12; 3]);
+    let dark = MeshPart::new(tag, Surface::Rubber, [0.03; 3]);
     let sides = if detail == Detail::Full { 8 } else { 4 };
     let low = 0.20;
     let end = front - radius - 0.09;
@@ -330,10 +330,10 @@ fn kick(
 ) -> (Vec<Piece>, Rides) {
     let tag = Tag::Bicycle;
     let (half_l, half_w) = (0.5 * size.x, 0.5 * size.y);
-    let paint = Part::new(tag, Surface::Paint, [0.5; 3]);
-    let dark = Part::new(tag, Surface::Rubber, [0.03; 3]);
-    let metal = Part::new(tag, Surface::Metal, [0.10; 3]);
-    let lamp = |bits: u32, rgb: [f32; 3]| Part::new(tag, Surface::Lamp(bits), rgb);
+    let paint = MeshPart::new(tag, Surface::Paint, [0.5; 3]);
+    let dark = MeshPart::new(tag, Surface::Rubber, [0.03; 3]);
+    let metal = MeshPart::new(tag, Surface::Metal, [0.10; 3]);
+    let lamp = |bits: u32, rgb: [f32; 3]| MeshPart::new(tag, Surface::Lamp(bits), rgb);
     let (sides, steps) = match detail {
         Detail::Full => (10, 9),
         Detail::Half => (6, 4),

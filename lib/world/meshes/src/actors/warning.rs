@@ -2,17 +2,17 @@
 
 use glam::Vec3;
 use schema::Tag;
-use schema::geometry::{Part, Surface, TriMesh};
+use schema::geometry::{MeshPart, Surface, TriMesh};
 
 use crate::solids::{MeshBuilder, circle};
 
-const fn face(rgb: [f32; 3]) -> Part {
-    Part::new(Tag::TrafficSign, Surface::Reflector, rgb)
+const fn face(rgb: [f32; 3]) -> MeshPart {
+    MeshPart::new(Tag::TrafficSign, Surface::Reflector, rgb)
 }
 
-const BLACK: Part = Part::new(Tag::TrafficSign, Surface::Plain, [0.02; 3]);
-const RED: Part = face([0.62, 0.02, 0.02]);
-const GREY: Part = Part::new(Tag::TrafficSign, Surface::Metal, [0.30; 3]);
+const BLACK: MeshPart = MeshPart::new(Tag::TrafficSign, Surface::Plain, [0.02; 3]);
+const RED: MeshPart = face([0.62, 0.02, 0.02]);
+const GREY: MeshPart = MeshPart::new(Tag::TrafficSign, Surface::Metal, [0.30; 3]);
 /// Height of the board's lower end as a share of the whole height.
 const BOARD_FROM: f32 = 0.26;
 
@@ -52,7 +52,8 @@ pub(crate) fn warning(kind: &str, size: Vec3) -> Option<TriMesh> {
     // A triangle stands on its side; its device sits in its lower two thirds.
     let triangle: Shape = &[[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]];
     let diamond: Shape = &[[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]];
-    let (outline, inner_middle, rim, ground, device): (Shape, f32, Part, Part, &[Shape]) = match kind {
+    let (outline, inner_middle, rim, ground, device): (Shape, f32, MeshPart, MeshPart, &[Shape]) = match kind
+    {
         "accident" => (triangle, -0.33, RED, face([0.85; 3]), &ACCIDENT),
         "danger" => (triangle, -0.33, RED, face([0.85; 3]), &DANGER),
         "road_works" => (diamond, 0.0, BLACK, face([0.85, 0.30, 0.02]), &DIGGING),

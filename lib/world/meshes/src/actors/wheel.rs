@@ -5,7 +5,7 @@ use std::sync::Arc;
 use catalogue::Rim;
 use glam::Vec3;
 use schema::Tag;
-use schema::geometry::{Part, Surface, TriMesh};
+use schema::geometry::{MeshPart, Surface, TriMesh};
 
 use crate::actors::pieces::{Joint, Piece};
 use crate::solids::{Detail, MeshBuilder, circle};
@@ -18,13 +18,13 @@ fn ring(radius: f32, y: f32, sides: usize) -> Vec<Vec3> {
 
 /// A car's or lorry's wheel: closed, `width` wide about y = 0.
 pub(crate) fn disc(tag: Tag, radius: f32, width: f32, rim: Rim, detail: Detail) -> TriMesh {
-    let tyre = Part::new(tag, Surface::Rubber, TYRE);
+    let tyre = MeshPart::new(tag, Surface::Rubber, TYRE);
     let bright = match rim {
-        Rim::Dark(_) => Part::new(tag, Surface::Metal, [0.09, 0.09, 0.095]),
-        Rim::Heavy => Part::new(tag, Surface::Metal, [0.42, 0.42, 0.43]),
-        _ => Part::new(tag, Surface::Metal, [0.62, 0.63, 0.65]),
+        Rim::Dark(_) => MeshPart::new(tag, Surface::Metal, [0.09, 0.09, 0.095]),
+        Rim::Heavy => MeshPart::new(tag, Surface::Metal, [0.42, 0.42, 0.43]),
+        _ => MeshPart::new(tag, Surface::Metal, [0.62, 0.63, 0.65]),
     };
-    let gap = Part::new(tag, Surface::Metal, [0.035, 0.035, 0.037]);
+    let gap = MeshPart::new(tag, Surface::Metal, [0.035, 0.035, 0.037]);
     let half = 0.5 * width;
     // Heavy wheels have a high tyre.
     let edge = if rim == Rim::Heavy { 0.58 } else { 0.69 } * radius;
@@ -69,7 +69,7 @@ pub(crate) fn disc(tag: Tag, radius: f32, width: f32, rim: Rim, detail: Detail) 
 }
 
 /// A wedge from the hub to the rim that stands out of the face a little.
-fn spoke(b: &mut MeshBuilder, part: Part, half: f32, rim: &[Vec3]) {
+fn spoke(b: &mut MeshBuilder, part: MeshPart, half: f32, rim: &[Vec3]) {
     let index = b.part_index(part);
     let out = Vec3::Y * (half + 0.004);
     let [hub, from, to, back] =
@@ -81,7 +81,7 @@ fn spoke(b: &mut MeshBuilder, part: Part, half: f32, rim: &[Vec3]) {
 }
 
 /// Spokes between hub and rim, dished a little.
-fn spokes(b: &mut MeshBuilder, part: Part, edge: f32, half: f32, count: usize) {
+fn spokes(b: &mut MeshBuilder, part: MeshPart, edge: f32, half: f32, count: usize) {
     let wide = (0.62 * edge / count as f32).min(0.15 * edge);
     for (c, s) in circle(count) {
         let (out, across) = (Vec3::new(s, 0.0, c), Vec3::new(c, 0.0, -s));
@@ -105,7 +105,7 @@ fn spokes(b: &mut MeshBuilder, part: Part, edge: f32, half: f32, count: usize) {
 }
 
 /// A disc of steel with slots near its edge, and a cap.
-fn cover(b: &mut MeshBuilder, part: Part, gap: Part, edge: f32, half: f32) {
+fn cover(b: &mut MeshBuilder, part: MeshPart, gap: MeshPart, edge: f32, half: f32) {
     let rings: Vec<Vec<Vec3>> =
         [(0.93, 0.3), (0.92, 0.78), (0.66, 0.84), (0.30, 0.70), (0.26, 0.82), (0.10, 0.86)]
             .map(|(r, y)| ring(r * edge, y * half, 16))
@@ -114,7 +114,7 @@ fn cover(b: &mut MeshBuilder, part: Part, gap: Part, edge: f32, half: f32) {
 }
 
 /// A dished disc with a ring of bolts about a hub that stands out.
-fn hub(b: &mut MeshBuilder, part: Part, gap: Part, edge: f32, half: f32) {
+fn hub(b: &mut MeshBuilder, part: MeshPart, gap: MeshPart, edge: f32, half: f32) {
     let rings: Vec<Vec<Vec3>> = [(0.90, 0.1), (0.89, 0.35), (0.70, 0.30), (0.36, 0.5), (0.30, 0.92)]
         .map(|(r, y)| ring(r * edge, y * half, 12))
         .to_vec();
@@ -132,14 +132,14 @@ pub(crate) fn spoked(tag: Tag, radius: f32, width: f32, spokes: usize, detail: D
         Detail::Half => 16,
         Detail::Coarse => 8,
     };
-    let tyre = Part::new(tag, Surface::Rubber, TYRE);
-    let metal = Part::new(tag, Surface::Metal, [0.5, 0.5, 0.52]);
+    let tyre = MeshPart::new(tag, Surface::Rubber, TYRE);
+    let metal = MeshPart::new(tag, Surface::Metal, [0.5, 0.5, 0.52]);
     let mut b = MeshBuilder::new();
     let (half, inner) = (0.5 * width, radius - 1.4 * width.min(0.3 * radius));
     let wide = width > 0.06;
     let bead = inner + 0.3 * (radius - inner);
     // Around the tyre's section, then the rim's.
-    let section: &[(f32, f32, Part)] = if detail == Detail::Full {
+    let section: &[(f32, f32, MeshPart)] = if detail == Detail::Full {
         &[
             (bead, -0.8 * half, tyre),
             (0.5 * (bead + radius), -half, tyre),
@@ -231,8 +231,8 @@ impl Wheels<'_> {
     }
 
     fn stand(&self, b: &mut MeshBuilder) {
-        let tyre = Part::new(self.tag, Surface::Rubber, TYRE);
-        let rim = Part::new(self.tag, Surface::Rubber, [0.07, 0.07, 0.072]);
+        let tyre = MeshPart::new(self.tag, Surface::Rubber, TYRE);
+        let rim = MeshPart::new(self.tag, Surface::Rubber, [0.07, 0.07, 0.072]);
         // Where there are six of them each has fewer corners.
         let sides = if self.axles.len() > 2 { 6 } else { 8 };
         for x in self.axles {

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use crate::people::{Figure, Look, Seat};
+use crate::people::{Appearance, Figure, Seat};
 use crate::solids::{Detail, MeshBuilder};
 use catalogue::Model;
 use glam::Vec3;
 use schema::Tag;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
 use crate::actors::bodies::{body, coarser, fitted};
 use crate::actors::pieces::{ActorMesh, Joint, Piece};
@@ -19,9 +19,9 @@ const TYRE_M: f32 = 0.035;
 
 /// A wheelchair; the variant dresses who sits in it.
 pub(crate) fn wheelchair(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
-    let frame = Part::new(Tag::Pedestrian, Surface::Metal, [0.30, 0.31, 0.33]);
-    let canvas = Part::new(Tag::Pedestrian, Surface::Cloth, [0.03, 0.03, 0.04]);
-    let rubber = Part::new(Tag::Pedestrian, Surface::Rubber, [0.04; 3]);
+    let frame = MeshPart::new(Tag::Pedestrian, Surface::Metal, [0.30, 0.31, 0.33]);
+    let canvas = MeshPart::new(Tag::Pedestrian, Surface::Cloth, [0.03, 0.03, 0.04]);
+    let rubber = MeshPart::new(Tag::Pedestrian, Surface::Rubber, [0.04; 3]);
     let half = 0.5 * size;
     let radius = model.wheel_radius_m as f32;
     let wheel_y = half.y - 0.5 * TYRE_M;
@@ -78,7 +78,8 @@ pub(crate) fn wheelchair(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
         knees: Vec3::new(1.0, 0.0, 1.0),
         elbows: Vec3::new(-1.0, 0.10, -0.2),
     };
-    let figure = fitted(Figure::new(Look::new(model, variant).seated(), 1.65), |_| sits, sits.hips.z, size.z);
+    let figure =
+        fitted(Figure::new(Appearance::new(model, variant).seated(), 1.65), |_| sits, sits.hips.z, size.z);
     let coarser = coarser(&figure, Tag::Pedestrian, &pieces);
     pieces.extend(body(&figure, Tag::Pedestrian, Detail::Full));
     let pusher = Pusher { figure, seat: sits, axle, rim_m: radius - 0.02, aside_m: wheel_y - 0.045 };

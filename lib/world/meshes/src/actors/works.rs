@@ -1,23 +1,23 @@
 //! What lies about in road works.
 
 use glam::Vec3;
-use schema::geometry::{Part, Surface, TriMesh};
+use schema::geometry::{MeshPart, Surface, TriMesh};
 use schema::{Tag, lights};
 
 use crate::solids::MeshBuilder;
 
-const fn of(surface: Surface, rgb: [f32; 3]) -> Part {
-    Part::new(Tag::Static, surface, rgb)
+const fn of(surface: Surface, rgb: [f32; 3]) -> MeshPart {
+    MeshPart::new(Tag::Static, surface, rgb)
 }
 
-const STEEL: Part = of(Surface::Metal, [0.30, 0.31, 0.32]);
-const RUST: Part = of(Surface::Metal, [0.28, 0.13, 0.06]);
-const STONE: Part = of(Surface::Concrete, [0.42, 0.42, 0.41]);
-const TIMBER: Part = of(Surface::Wood, [0.40, 0.28, 0.15]);
-const SAND: Part = of(Surface::Concrete, [0.46, 0.36, 0.22]);
-const SACKING: Part = of(Surface::Plain, [0.36, 0.30, 0.20]);
-const RUBBER: Part = of(Surface::Rubber, [0.04; 3]);
-const YELLOW: Part = of(Surface::Plain, [0.75, 0.48, 0.03]);
+const STEEL: MeshPart = of(Surface::Metal, [0.30, 0.31, 0.32]);
+const RUST: MeshPart = of(Surface::Metal, [0.28, 0.13, 0.06]);
+const STONE: MeshPart = of(Surface::Concrete, [0.42, 0.42, 0.41]);
+const TIMBER: MeshPart = of(Surface::Wood, [0.40, 0.28, 0.15]);
+const SAND: MeshPart = of(Surface::Concrete, [0.46, 0.36, 0.22]);
+const SACKING: MeshPart = of(Surface::Plain, [0.36, 0.30, 0.20]);
+const RUBBER: MeshPart = of(Surface::Rubber, [0.04; 3]);
+const YELLOW: MeshPart = of(Surface::Plain, [0.75, 0.48, 0.03]);
 
 /// A thing of road works by name; it fills its box.
 pub(crate) fn item(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> {

@@ -8,10 +8,10 @@ use std::f32::consts::TAU;
 use frames::math::f32::{cos, sin};
 use glam::Vec3;
 
+use crate::people::appearance::Appearance;
 use crate::people::figure::{Bone, Bones, Figure, Side};
 use crate::people::gait::Gait;
 use crate::people::joints::{Limb, about_y, about_z, frame, hanging};
-use crate::people::look::Look;
 
 /// A dog's measures as shares of the height of its back.
 const SHOULDER: Vec3 = Vec3::new(0.36, 0.12, 0.70);
@@ -41,7 +41,7 @@ pub(crate) struct Dog {
 }
 
 impl Dog {
-    pub(crate) fn new(look: &Look) -> Self {
+    pub(crate) fn new(look: &Appearance) -> Self {
         let back = look.dog_m;
         Self { back, leg: LEG * back, paw: PAW * back }
     }

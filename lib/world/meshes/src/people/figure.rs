@@ -3,7 +3,7 @@
 use catalogue::Age;
 use glam::{Affine3A, Vec3};
 
-use crate::people::look::{Build, Hair, Hat, Look};
+use crate::people::appearance::{Appearance, Build, Hair, Hat};
 
 /// The rigid parts of a body. Each has its frame at its upper joint, axes as the object's where somebody stands upright.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,7 +145,7 @@ impl Side {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs, reason = "the names are their own documentation")]
 pub struct Figure {
-    pub look: Look,
+    pub look: Appearance,
     /// From the ground to the crown, with shoes and hair, without a hat.
     pub stature: f32,
     /// Height of the hip joints, and how far each is from the middle.
@@ -204,7 +204,7 @@ pub struct Measures {
 impl Figure {
     /// Somebody of a look and a stature.
     #[must_use]
-    pub fn new(look: Look, stature: f32) -> Self {
+    pub fn new(look: Appearance, stature: f32) -> Self {
         let h = stature;
         // 0 of an adult, 1 of a child of a metre.
         let young = ((1.60 - h) / 0.6).clamp(0.0, 1.0);
@@ -257,7 +257,7 @@ impl Figure {
     /// Somebody whose joints stand where they were measured. How they stride follows from the legs: the stature is that of
     /// somebody of ordinary proportions with such legs, whatever is above them.
     #[must_use]
-    pub fn measured(look: Look, measures: &Measures) -> Self {
+    pub fn measured(look: Appearance, measures: &Measures) -> Self {
         let Measures { hip_z, hip_y, thigh, shin, ankle, heel, ball, toe, stance_y, waist, .. } = *measures;
         let Measures { shoulder, neck, upper_arm, forearm, .. } = *measures;
         let per_hip = Self::new(look, hip_z / 0.5).hip_z / (hip_z / 0.5);
@@ -268,7 +268,7 @@ impl Figure {
 
     /// Height of what is worn on the head over the crown, as a share of the stature.
     #[must_use]
-    pub fn hat_share(look: &Look) -> f32 {
+    pub fn hat_share(look: &Appearance) -> f32 {
         match (look.hat, look.hair) {
             (Hat::None, Hair::Curls) => 0.016,
             (Hat::None, _) => 0.0,

@@ -3,10 +3,10 @@
 use frames::math::f32::{cos, sin};
 use glam::{Affine3A, Mat3A, Vec3};
 
+use crate::people::appearance::{Carried, Stance};
 use crate::people::body::limbs::thigh_reach_m;
 use crate::people::figure::{BONES, Bone, Bones, Figure, Side};
 use crate::people::joints::{about_y, about_z, frame};
-use crate::people::look::{Carried, Stance};
 
 /// How far the trunk leans back, radians.
 const BACK_RAD: f32 = 0.14;

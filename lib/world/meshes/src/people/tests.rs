@@ -20,7 +20,7 @@ fn models() -> impl Iterator<Item = &'static Model> {
 
 fn everybody() -> impl Iterator<Item = (String, Walker)> {
     models().flat_map(|model| {
-        (0..LOOKS).map(move |look| (format!("{} {look}", model.name), Walker::new(model, look)))
+        (0..APPEARANCES).map(move |look| (format!("{} {look}", model.name), Walker::new(model, look)))
     })
 }
 
@@ -275,7 +275,7 @@ fn looks_differ() {
 #[test]
 fn somebody_on_a_seat_reaches_what_they_hold() {
     let model = catalogue::models::find("bicycle.city").expect("a model");
-    let figure = Figure::new(Look::new(model, 3).riding(false), 1.75);
+    let figure = Figure::new(Appearance::new(model, 3).riding(false), 1.75);
     let seat = Seat {
         hips: Vec3::new(-0.2, 0.0, 1.0),
         lean_rad: 0.3,
@@ -456,7 +456,8 @@ fn far_away_people_are_as_large_of_fewer_triangles() {
 fn sitting() -> impl Iterator<Item = (String, Walker)> {
     let plain = |model: &&Model| model.special == Special::None && model.name != "walker.child";
     models().filter(plain).flat_map(|model| {
-        let may = (0..LOOKS).map(|look| Walker::new(model, look)).filter(|who| who.figure().look.may_sit());
+        let may =
+            (0..APPEARANCES).map(|look| Walker::new(model, look)).filter(|who| who.figure().look.may_sit());
         let found: Vec<(String, Walker)> = may.map(|who| (model.name.to_owned(), who)).collect();
         assert!(found.len() >= 2, "{}: {} of its looks may sit", model.name, found.len());
         found

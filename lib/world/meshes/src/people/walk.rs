@@ -10,7 +10,7 @@ use crate::people::figure::{BONES, Bone, Bones, Figure, Side};
 use crate::people::gait::{Gait, cycle};
 use crate::people::joints::{Limb, about_x, about_y, about_z, frame};
 
-use crate::people::look::{Build, Carried, Stance, Top};
+use crate::people::appearance::{Build, Carried, Stance, Top};
 
 /// Shares of a foot's time on the ground at which is seen how low the hips must be: where it is far from them.
 const FAR: [f32; 10] = [0.0, 0.04, 0.09, 0.16, 0.45, 0.65, 0.75, 0.84, 0.92, 0.9999];

@@ -10,9 +10,9 @@ use glam::{Vec3, Vec3A};
 use schema::Tag;
 use schema::geometry::TriMesh;
 
+use crate::people::appearance::{Appearance, Carried};
 use crate::people::figure::{Bone, Bones, Figure};
 use crate::people::gait::USUAL_MPS;
-use crate::people::look::{Carried, Look};
 
 /// Height of a bench's seat, metres: how far ahead somebody sits on it is the same on others.
 const USUAL_SEAT_M: f32 = 0.425;
@@ -31,7 +31,7 @@ impl Walker {
     /// A walker of the catalogue in one of its looks, as tall as such people are.
     #[must_use]
     pub fn new(model: &Model, variant: u32) -> Self {
-        let look = Look::new(model, variant);
+        let look = Appearance::new(model, variant);
         let tall = model.size_m[2] as f32 * look.height * if look.woman { 0.96 } else { 1.0 };
         Self::of_height(model, variant, tall * (1.0 + Figure::hat_share(&look)))
     }
@@ -39,7 +39,7 @@ impl Walker {
     /// The same, so high with hat.
     #[must_use]
     pub fn of_height(model: &Model, variant: u32, height_m: f32) -> Self {
-        let look = Look::new(model, variant);
+        let look = Appearance::new(model, variant);
         let figure = Figure::new(look, height_m / (1.0 + Figure::hat_share(&look)));
         let meshes = figure.meshes(Tag::Pedestrian, Detail::Full).into_iter();
         Self::of_meshes(figure, meshes.map(|(bone, mesh)| (bone, Arc::new(mesh))).collect())

@@ -1,6 +1,6 @@
 //! Putting meshes together from closed solids: lofts, bars, ellipsoids, boxes, all facing outward.
 
-mod shelter;
+mod ambient_occlusion;
 mod smooth;
 
 use std::f32::consts::TAU;
@@ -8,9 +8,9 @@ use std::f32::consts::TAU;
 use frames::Aabb;
 use frames::math::f32::sin_cos;
 use glam::Vec3;
-use schema::geometry::{Part, TriMesh};
+use schema::geometry::{MeshPart, TriMesh};
 
-pub use shelter::{Closeness, Place, sheltered};
+pub use ambient_occlusion::{OcclusionEstimate, OrientedPoint, ambient_visibility};
 use smooth::smooth;
 
 /// Cosine of the sharpest bend that is round and no edge: round bars of six sides are round.
@@ -114,7 +114,7 @@ impl MeshBuilder {
     }
 
     /// The index of a part; equal parts are one.
-    pub fn part_index(&mut self, part: Part) -> u8 {
+    pub fn part_index(&mut self, part: MeshPart) -> u8 {
         self.mesh.part_index(part)
     }
 
@@ -138,7 +138,12 @@ impl MeshBuilder {
     /// A solid between rings of equally many points: each ring runs counter-clockwise seen against the direction from
     /// the first ring to the last (from the far end looking back). `side(k, j)` names the part between
     /// rings `k` and `k + 1`, from point `j` to the next; `caps` those of the first and last ring.
-    pub fn loft(&mut self, rings: &[Vec<Vec3>], side: impl Fn(usize, usize) -> Part, caps: [Part; 2]) {
+    pub fn loft(
+        &mut self,
+        rings: &[Vec<Vec3>],
+        side: impl Fn(usize, usize) -> MeshPart,
+        caps: [MeshPart; 2],
+    ) {
         let Some(n) = rings.first().map(Vec::len) else { return };
         if self.detail > Detail::Full {
             let bounds = Aabb::from_points(rings.iter().flatten());
@@ -170,12 +175,12 @@ impl MeshBuilder {
     }
 
     /// A box along the axes.
-    pub fn cuboid(&mut self, part: Part, min: Vec3, max: Vec3) {
+    pub fn cuboid(&mut self, part: MeshPart, min: Vec3, max: Vec3) {
         self.tapered(part, min, max, 1.0, 1.0);
     }
 
     /// A box whose upper face is smaller by the factors `top_x`, `top_y` (about its middle).
-    pub fn tapered(&mut self, part: Part, min: Vec3, max: Vec3, top_x: f32, top_y: f32) {
+    pub fn tapered(&mut self, part: MeshPart, min: Vec3, max: Vec3, top_x: f32, top_y: f32) {
         let middle = 0.5 * (min + max);
         let ring = |z: f32, fx: f32, fy: f32| -> Vec<Vec3> {
             let (hx, hy) = (0.5 * (max.x - min.x) * fx, 0.5 * (max.y - min.y) * fy);
@@ -187,7 +192,7 @@ impl MeshBuilder {
     }
 
     /// A round bar from one point to another with the radii at its ends.
-    pub fn bar(&mut self, part: Part, from: Vec3, to: Vec3, radii: [f32; 2], sides: usize) {
+    pub fn bar(&mut self, part: MeshPart, from: Vec3, to: Vec3, radii: [f32; 2], sides: usize) {
         let axis = (to - from).normalize_or(Vec3::Z);
         let helper = if axis.z.abs() < 0.9 { Vec3::Z } else { Vec3::X };
         let u = axis.cross(helper).normalize_or(Vec3::Y);
@@ -200,12 +205,17 @@ impl MeshBuilder {
     }
 
     /// Horizontal ellipses stacked from bottom to top: `(centre, half x, half y)`.
-    pub fn stack(&mut self, part: Part, layers: &[(Vec3, f32, f32)], sides: usize) {
+    pub fn stack(&mut self, part: MeshPart, layers: &[(Vec3, f32, f32)], sides: usize) {
         self.stack_with(|_| part, layers, sides);
     }
 
     /// The same with a part per layer.
-    pub fn stack_with(&mut self, part: impl Fn(usize) -> Part, layers: &[(Vec3, f32, f32)], sides: usize) {
+    pub fn stack_with(
+        &mut self,
+        part: impl Fn(usize) -> MeshPart,
+        layers: &[(Vec3, f32, f32)],
+        sides: usize,
+    ) {
         let rings: Vec<Vec<Vec3>> = layers
             .iter()
             .map(|(centre, rx, ry)| {
@@ -217,14 +227,14 @@ impl MeshBuilder {
     }
 
     /// An ellipsoid of `rings` bands.
-    pub fn ellipsoid(&mut self, part: Part, centre: Vec3, half: Vec3, rings: usize, sides: usize) {
+    pub fn ellipsoid(&mut self, part: MeshPart, centre: Vec3, half: Vec3, rings: usize, sides: usize) {
         self.blob(part, centre, half, rings, sides, |_, _| 1.0);
     }
 
     /// An ellipsoid whose radius is scaled by `bump(ring, side)`.
     pub fn blob(
         &mut self,
-        part: Part,
+        part: MeshPart,
         centre: Vec3,
         half: Vec3,
         rings: usize,
@@ -286,7 +296,7 @@ impl MeshBuilder {
 
     /// A tube: its profile of `(radius, height)` turned about the vertical through `centre`; the profile is closed and
     /// runs counter-clockwise with the radius to the right and the height upward.
-    pub fn lathe(&mut self, part: Part, centre: Vec3, profile: &[(f32, f32)], sides: usize) {
+    pub fn lathe(&mut self, part: MeshPart, centre: Vec3, profile: &[(f32, f32)], sides: usize) {
         let index = self.part_index(part);
         let rings: Vec<Vec<u32>> = profile
             .iter()

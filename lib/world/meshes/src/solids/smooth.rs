@@ -86,14 +86,14 @@ impl Around {
 #[cfg(test)]
 mod tests {
     use schema::Tag;
-    use schema::geometry::{Part, Surface};
+    use schema::geometry::{MeshPart, Surface};
 
     use super::*;
 
     /// An open tube of unit radius along z, and where its corners are.
     fn tube(sides: usize) -> TriMesh {
         let mut mesh = TriMesh::default();
-        let part = mesh.part_index(Part::new(Tag::Car, Surface::Paint, [0.5; 3]));
+        let part = mesh.part_index(MeshPart::new(Tag::Car, Surface::Paint, [0.5; 3]));
         for j in 0..sides {
             let (s, c) = math::f32::sin_cos(std::f32::consts::TAU * j as f32 / sides as f32);
             mesh.add_vertex(Vec3::new(c, s, 0.0));
@@ -123,7 +123,7 @@ mod tests {
         assert!(square.corner_normals.is_empty() && square.bent(0).is_none());
         // Of two parts each keeps to itself: half a tube ends as the plane of its last quad does.
         let mut halves = tube(12);
-        let other = halves.part_index(Part::new(Tag::Car, Surface::Glass, [0.1; 3]));
+        let other = halves.part_index(MeshPart::new(Tag::Car, Surface::Glass, [0.1; 3]));
         halves.triangle_part[..12].fill(other);
         smooth(&mut halves, 0.8);
         let [first, ..] = halves.bent(0).expect("is bent");
@@ -138,7 +138,7 @@ mod tests {
     fn large_faces_stay_flat_between_narrow_bevels() {
         // A roof 2 m wide, a bevel of 5 cm at 30 degrees beside it.
         let mut mesh = TriMesh::default();
-        let part = mesh.part_index(Part::new(Tag::Car, Surface::Paint, [0.5; 3]));
+        let part = mesh.part_index(MeshPart::new(Tag::Car, Surface::Paint, [0.5; 3]));
         let drop = 0.05 * 0.577_35;
         for (y, z) in [(-1.0, 0.0), (1.0, 0.0), (1.05, -drop)] {
             mesh.add_vertex(Vec3::new(0.0, y, z));

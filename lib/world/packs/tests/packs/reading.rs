@@ -2,11 +2,11 @@
 
 use frames::Aabb;
 use glam::Vec3;
-use packs::{Hang, PackModel, read_folder};
+use packs::{Attachment, PackModel, read_folder};
 use schema::Tag;
 use schema::geometry::{Surface, TriMesh};
 use schema::lights;
-use schema::skin::{Glow, Wrap};
+use schema::mesh_textures::{Glow, Wrap};
 use serde_json::json;
 
 use crate::example;
@@ -69,10 +69,12 @@ fn a_model_is_as_its_page_says() {
 #[test]
 fn wheels_doors_and_levels_hang_where_they_are() {
     let van = van();
-    let hangs: Vec<Hang> = van.levels[0].pieces.iter().map(|piece| piece.hang).collect();
+    let hangs: Vec<Attachment> = van.levels[0].pieces.iter().map(|piece| piece.hang).collect();
     let wheels: Vec<(Vec3, bool)> = hangs
         .iter()
-        .filter_map(|hang| if let Hang::Wheel { at, steered } = *hang { Some((at, steered)) } else { None })
+        .filter_map(
+            |hang| if let Attachment::Wheel { at, steered } = *hang { Some((at, steered)) } else { None },
+        )
         .collect();
     // The van reaches 4 mm farther on both ends than its boxes: their middle is the origin.
     let want = [(1.8, 0.86, true), (1.8, -0.86, true), (-1.5, 0.86, false), (-1.5, -0.86, false)];
@@ -82,7 +84,7 @@ fn wheels_doors_and_levels_hang_where_they_are() {
     }
     let doors = hangs
         .iter()
-        .filter_map(|hang| if let Hang::Door { at, door } = *hang { Some((door, at)) } else { None });
+        .filter_map(|hang| if let Attachment::Door { at, door } = *hang { Some((door, at)) } else { None });
     let mut doors: Vec<(usize, Vec3)> = doors.collect();
     doors.sort_by_key(|(door, _)| *door);
     assert_eq!(doors.iter().map(|(door, _)| *door).collect::<Vec<_>>(), [0, 1]);
@@ -90,20 +92,20 @@ fn wheels_doors_and_levels_hang_where_they_are() {
     assert!((doors[1].1 - Vec3::new(2.3, -0.94, 0.45)).length() < 1e-4, "{doors:?}");
     // A coarser level replaces what it has a version of, and keeps the rest.
     assert_eq!(van.levels.iter().map(|level| level.from_m).collect::<Vec<_>>(), [0.0, 30.0]);
-    let count = |level: usize, hang: Hang| {
+    let count = |level: usize, hang: Attachment| {
         let piece = van.levels[level].pieces.iter().find(|piece| piece.hang == hang);
         piece.map_or(0, |piece| piece.mesh.triangles.len())
     };
     assert_eq!(van.levels[1].pieces.len(), van.levels[0].pieces.len());
-    assert!(count(1, Hang::Body) < count(0, Hang::Body));
-    assert!(hangs.iter().filter(|h| **h != Hang::Body).all(|h| count(0, *h) == count(1, *h)));
+    assert!(count(1, Attachment::Body) < count(0, Attachment::Body));
+    assert!(hangs.iter().filter(|h| **h != Attachment::Body).all(|h| count(0, *h) == count(1, *h)));
 }
 
 #[test]
 fn parts_have_surfaces_lamps_and_pictures() {
     let van = van();
     let body = &van.levels[0].pieces[0];
-    assert_eq!(body.hang, Hang::Body);
+    assert_eq!(body.hang, Attachment::Body);
     let parts = &body.mesh.parts;
     assert!(parts.iter().all(|part| part.tag == Tag::Truck));
     let has = |surface: Surface| parts.iter().any(|part| part.surface == surface);
@@ -118,21 +120,23 @@ fn parts_have_surfaces_lamps_and_pictures() {
         assert!(has(Surface::Lamp(bits)), "{bits}");
     }
     // The picture: yellow and blue, of which triangles see shares.
-    let skin = body.mesh.skin.as_deref().expect("has a picture");
-    assert_eq!((skin.coats.len(), skin.corners.len()), (2, body.mesh.triangles.len()));
-    let finest = &skin.coats[0].colour.as_ref().expect("a colour").levels[0];
+    let textures = body.mesh.textures.as_deref().expect("has a picture");
+    assert_eq!((textures.sets.len(), textures.corners.len()), (2, body.mesh.triangles.len()));
+    let finest = &textures.sets[0].colour.as_ref().expect("a colour").levels[0];
     assert_eq!((finest.width, finest.height, finest.texels[0]), (128, 64, [244, 190, 20]));
-    let livery = parts.iter().find(|part| matches!(part.surface, Surface::Skin(f) if f.coat == Some(0)));
+    let livery =
+        parts.iter().find(|part| matches!(part.surface, Surface::Textured(f) if f.texture_set == Some(0)));
     let [r, g, b] = livery.expect("is there").rgb;
     assert!(r > g && g > b && b < 0.2, "{r} {g} {b}");
     let wheel = van.levels[0]
         .pieces
         .iter()
-        .find(|piece| matches!(piece.hang, Hang::Wheel { .. }))
+        .find(|piece| matches!(piece.hang, Attachment::Wheel { .. }))
         .expect("has wheels");
-    let rim = wheel.mesh.parts.iter().find(|part| matches!(part.surface, Surface::Skin(_))).expect("a rim");
-    let Surface::Skin(finish) = rim.surface else { unreachable!() };
-    assert_eq!((finish.coat, finish.metallic), (None, 1.0));
+    let rim =
+        wheel.mesh.parts.iter().find(|part| matches!(part.surface, Surface::Textured(_))).expect("a rim");
+    let Surface::Textured(factors) = rim.surface else { unreachable!() };
+    assert_eq!((factors.texture_set, factors.metallic), (None, 1.0));
     assert!(wheel.mesh.parts.iter().any(|part| part.surface == Surface::Rubber));
 }
 
@@ -140,24 +144,26 @@ fn parts_have_surfaces_lamps_and_pictures() {
 fn materials_bring_relief_gloss_light_and_cut_outs() {
     let van = van();
     let mesh = &van.levels[0].pieces[0].mesh;
-    let skin = mesh.skin.as_deref().expect("has pictures");
-    let livery = &skin.coats[0];
+    let textures = mesh.textures.as_deref().expect("has pictures");
+    let livery = &textures.sets[0];
     let relief = livery.relief.as_ref().expect("has ribs");
     assert_eq!((relief.image.levels[0].texels[0], relief.strength), ([60, 128, 235], 0.8));
     // Roughness is the factor's times the picture's: 0.6 and half of it; the part has their mean.
     let gloss = livery.gloss.as_ref().expect("has grooves");
     assert_eq!(gloss.levels[0].texels[..4], [[0, 77, 0], [0, 77, 0], [0, 77, 0], [0, 153, 0]]);
-    let finish = mesh.parts.iter().find_map(|part| match part.surface {
-        Surface::Skin(finish) if finish.coat == Some(0) => Some(finish),
+    let factors = mesh.parts.iter().find_map(|part| match part.surface {
+        Surface::Textured(factors) if factors.texture_set == Some(0) => Some(factors),
         _ => None,
     });
     let mean = 0.6 * (3.0 * 128.0 + 255.0) / (4.0 * 255.0);
-    assert!((finish.expect("is there").roughness - mean).abs() < 1e-4);
+    assert!((factors.expect("is there").roughness - mean).abs() < 1e-4);
     let Some(Glow::Picture(sign)) = &livery.glow else { panic!("has no sign") };
     assert_eq!(sign.levels[0].texels[3 * 32 + 15], [255, 236, 190]);
     // Half of the grille's square metre times 0.4 is bars, and what is between them is no surface.
-    let bars =
-        mesh.parts.iter().position(|part| matches!(part.surface, Surface::Skin(f) if f.coat == Some(1)));
+    let bars = mesh
+        .parts
+        .iter()
+        .position(|part| matches!(part.surface, Surface::Textured(f) if f.texture_set == Some(1)));
     let bars = bars.expect("has a grille");
     let mut area_m2 = 0.0;
     for t in (0..mesh.triangles.len()).filter(|t| usize::from(mesh.triangle_part[*t]) == bars) {
@@ -217,7 +223,7 @@ fn files_of_their_own_and_normals_by_creases() {
     assert_eq!(files, ["bollard.bin", "bollard.gltf", "bollard.toml", "stripes.png"]);
     let mesh = &bollard.levels[0].pieces[0].mesh;
     assert_eq!(
-        mesh.skin.as_ref().expect("a picture").coats[0].colour.as_ref().expect("colours").wrap,
+        mesh.textures.as_ref().expect("a picture").sets[0].colour.as_ref().expect("colours").wrap,
         [Wrap::Repeat, Wrap::Clamp]
     );
     // Round about, flat on top: the normal of the wall points away from the axis.

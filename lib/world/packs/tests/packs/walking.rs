@@ -6,7 +6,7 @@ use std::f32::consts::TAU;
 use frames::Aabb;
 use glam::Vec3;
 use meshes::people::{Bone, Walker};
-use packs::{Hang, PackModel};
+use packs::{Attachment, PackModel};
 
 use crate::faults::read;
 use crate::person::person;
@@ -144,7 +144,7 @@ fn boxes_are_those_of_all_vertices() {
 #[test]
 fn pieces_are_closed_and_overlap() {
     let (model, _) = ada(1.0);
-    let bones: Vec<Hang> = model.levels[0].pieces.iter().map(|piece| piece.hang).collect();
+    let bones: Vec<Attachment> = model.levels[0].pieces.iter().map(|piece| piece.hang).collect();
     assert_eq!(bones.len(), 15, "{bones:?}");
     for piece in &model.levels[0].pieces {
         // Every edge has its other way round: what was cut is closed.
@@ -161,7 +161,8 @@ fn pieces_are_closed_and_overlap() {
     }
     // The knee is in the pieces of thigh and shin.
     let knee = |bone: Bone| {
-        let piece = model.levels[0].pieces.iter().find(|p| p.hang == Hang::Bone(bone)).expect("is there");
+        let piece =
+            model.levels[0].pieces.iter().find(|p| p.hang == Attachment::Bone(bone)).expect("is there");
         Aabb::from_points(&piece.mesh.positions)
     };
     assert!(knee(Bone::ThighLeft).min.z < -0.44 && knee(Bone::ShinLeft).max.z > 0.01);

@@ -48,19 +48,19 @@ pub(super) fn reference_line(context: &mut Context, road: &Road, lines: &RoadLin
 
 /// Records that begin before the road or after its end.
 pub(super) fn records(context: &mut Context, road: &Road, lines: &RoadLines) {
-    let mut look = |what: &str, starts: &mut dyn Iterator<Item = f64>| {
+    let mut check_order = |what: &str, starts: &mut dyn Iterator<Item = f64>| {
         let mut beyond = starts.filter(|s| outside(*s, road));
         if let Some(s) = beyond.next() {
             let message = format!("a {what} record begins where there is no road");
             note(context, lines.road, Some(road), Some(s), message);
         }
     };
-    look("elevation", &mut road.elevation.iter().map(|c| c.s));
-    look("superelevation", &mut road.superelevation.iter().map(|c| c.s));
-    look("crossfall", &mut road.crossfall.iter().map(|c| c.angle_rad.s));
-    look("shape", &mut road.shape.iter().map(|c| c.s));
-    look("laneOffset", &mut road.lane_offset.iter().map(|c| c.s));
-    look("type", &mut road.types.iter().map(|c| c.s));
+    check_order("elevation", &mut road.elevation.iter().map(|c| c.s));
+    check_order("superelevation", &mut road.superelevation.iter().map(|c| c.s));
+    check_order("crossfall", &mut road.crossfall.iter().map(|c| c.angle_rad.s));
+    check_order("shape", &mut road.shape.iter().map(|c| c.s));
+    check_order("laneOffset", &mut road.lane_offset.iter().map(|c| c.s));
+    check_order("type", &mut road.types.iter().map(|c| c.s));
 }
 
 /// Whether an s is not on a road.

@@ -6,7 +6,7 @@ use std::ops::Range;
 use crate::{PinholeCamera, SKY, Stipple};
 use glam::{DVec3, Vec3};
 
-use super::view::{Seen, TILE_HEIGHT, TILE_WIDTH, View};
+use super::view::{TILE_HEIGHT, TILE_WIDTH, View, ViewedInstance};
 use crate::cpu::bvh::{Node, Stack};
 use crate::cpu::meshes::BLOCK;
 use crate::cpu::outline::{Outlines, Vectors, inside, reciprocal, reciprocal_f64};
@@ -61,7 +61,7 @@ const DEPTH_PLANE: usize = 5;
 
 impl HalfSpaces {
     /// The tile's frustum in the object frame of an instance.
-    fn new(lens: &Lens, seen: &Seen<'_>) -> Self {
+    fn new(lens: &Lens, seen: &ViewedInstance<'_>) -> Self {
         let [first_x, first_y] = lens.first;
         // Half a pixel outside the outermost centres.
         let left = ((first_x - 0.5) * lens.step[0]) as f32;
@@ -91,7 +91,7 @@ impl HalfSpaces {
     }
 
     /// Moves the far end.
-    fn end_at(&mut self, seen: &Seen<'_>, farthest_m: f32) {
+    fn end_at(&mut self, seen: &ViewedInstance<'_>, farthest_m: f32) {
         self.offset[DEPTH_PLANE] = farthest_m * DEPTH_SLACK - seen.translation.z;
     }
 
@@ -265,7 +265,7 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
         true
     }
 
-    fn draw_instance(&mut self, lens: &Lens, seen: &Seen<'_>) {
+    fn draw_instance(&mut self, lens: &Lens, seen: &ViewedInstance<'_>) {
         let nodes = &seen.mesh.bvh.nodes;
         let mut spaces = HalfSpaces::new(lens, seen);
         spaces.end_at(seen, self.farthest_m);
@@ -294,7 +294,7 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
     }
 
     /// Draws the triangles of some slots of a mesh.
-    fn draw_range(&mut self, lens: &Lens, seen: &Seen<'_>, first: u32, count: u32) {
+    fn draw_range(&mut self, lens: &Lens, seen: &ViewedInstance<'_>, first: u32, count: u32) {
         let (first, end) = (first as usize, (first + count) as usize);
         for block in first / BLOCK..end.div_ceil(BLOCK) {
             self.draw_block(lens, seen, block, first, end);
@@ -303,7 +303,7 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
 
     /// Draws the triangles of one block whose slots are in `first..end`: projects all, sorts out those that
     /// cover no pixel centre.
-    fn draw_block(&mut self, lens: &Lens, seen: &Seen<'_>, block: usize, first: usize, end: usize) {
+    fn draw_block(&mut self, lens: &Lens, seen: &ViewedInstance<'_>, block: usize, first: usize, end: usize) {
         let corners = &seen.mesh.blocks[block].0;
         let mut place = [[[0.0f32; BLOCK]; 3]; 3];
         for corner in 0..3 {

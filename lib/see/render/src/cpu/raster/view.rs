@@ -14,7 +14,7 @@ pub(super) const TILE_HEIGHT: usize = 32;
 const MARGIN_PX: f32 = 1.0;
 
 /// An instance in front of the camera.
-pub(super) struct Seen<'a> {
+pub(super) struct ViewedInstance<'a> {
     pub(super) number: u32,
     pub(super) mesh: &'a MeshData,
     /// As [`MeshData::panes`] has them, where these are stippled.
@@ -32,7 +32,7 @@ pub(super) struct Seen<'a> {
 pub(super) struct View<'a> {
     pub(super) camera: PinholeCamera,
     /// Nearest first.
-    pub(super) seen: Vec<Seen<'a>>,
+    pub(super) seen: Vec<ViewedInstance<'a>>,
     /// Indices into `seen` of all tiles, one tile after the other, nearest first within each.
     entries: Vec<u32>,
     /// Where a tile's entries start; one more than there are tiles.
@@ -56,14 +56,14 @@ impl<'a> View<'a> {
         let rows = (camera.height as usize).div_ceil(TILE_HEIGHT);
         let look = |(number, placed): (u32, &'p Option<Placed<'a>>)| {
             let placed = placed.as_ref()?;
-            let (mut seen, range) = look(number, placed, camera)?;
+            let (mut seen, range) = in_view(number, placed, camera)?;
             if panes != Stipple::OPAQUE && placed.has_cabin {
                 seen.panes = &placed.mesh.panes;
                 seen.stipple = panes;
             }
             Some((seen, range))
         };
-        let mut found: Vec<(Seen<'a>, TileRange)> = placed.filter_map(look).collect();
+        let mut found: Vec<(ViewedInstance<'a>, TileRange)> = placed.filter_map(look).collect();
         found.sort_by(|(a, _), (b, _)| {
             a.nearest_m.total_cmp(&b.nearest_m).then_with(|| a.number.cmp(&b.number))
         });
@@ -91,7 +91,7 @@ impl<'a> View<'a> {
     }
 
     /// The instances that may be seen in a tile, nearest first.
-    pub(super) fn tile(&self, column: usize, row: usize) -> impl Iterator<Item = &Seen<'a>> {
+    pub(super) fn tile(&self, column: usize, row: usize) -> impl Iterator<Item = &ViewedInstance<'a>> {
         let tile = row * self.columns + column;
         self.entries[self.starts[tile] as usize..self.starts[tile + 1] as usize]
             .iter()
@@ -162,7 +162,11 @@ pub(crate) fn is_within(placed: &Placed<'_>, camera: &PinholeCamera, inner_px: f
 }
 
 /// Places one instance before the camera and finds the tiles it may touch; `None` when there are none.
-fn look<'a>(number: u32, placed: &Placed<'a>, camera: &PinholeCamera) -> Option<(Seen<'a>, TileRange)> {
+fn in_view<'a>(
+    number: u32,
+    placed: &Placed<'a>,
+    camera: &PinholeCamera,
+) -> Option<(ViewedInstance<'a>, TileRange)> {
     let Framed { rotation, translation, nearest_m, low, high, .. } = Framed::new(placed, camera)?;
     let (width, height) = (camera.width as f32, camera.height as f32);
     if low[0] - MARGIN_PX > width
@@ -180,7 +184,7 @@ fn look<'a>(number: u32, placed: &Placed<'a>, camera: &PinholeCamera) -> Option<
         tile(high[1] + MARGIN_PX, TILE_HEIGHT, height),
     ];
     let rows = rotation.transpose();
-    let seen = Seen {
+    let seen = ViewedInstance {
         number,
         mesh: placed.mesh,
         panes: &[],

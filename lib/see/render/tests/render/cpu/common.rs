@@ -7,8 +7,8 @@ use random::Stream;
 use render::cpu::CpuRenderer;
 use render::{CameraQuery, Hit, Hits, PinholeCamera, RayBatch, RayQuery, Renderer, Scene, VisibilityBuffer};
 use schema::Tag;
-use schema::geometry::{Part, Snapshot, Surface, TriMesh};
-pub(crate) use testkit::{instance, look, snapshot};
+use schema::geometry::{MeshPart, Snapshot, Surface, TriMesh};
+pub(crate) use testkit::{camera_at, instance, snapshot};
 
 pub(crate) fn stream(topic: &str, number: u64) -> Stream {
     Stream::new(5, 0, topic, number)
@@ -38,7 +38,7 @@ pub(crate) fn pose(stream: &mut Stream, size: f32) -> Affine3A {
 }
 
 pub(crate) fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Arc<TriMesh> {
-    let part = Part { tag: Tag::Building, surface: Surface::Plain, rgb: [0.5; 3] };
+    let part = MeshPart { tag: Tag::Building, surface: Surface::Plain, rgb: [0.5; 3] };
     Arc::new(TriMesh {
         triangle_part: vec![0; triangles.len()],
         positions,
@@ -140,7 +140,7 @@ pub(crate) fn trace_all(scene: &dyn Scene, origin: Vec3, directions: &[Vec3], ra
 }
 
 pub(crate) fn see(scene: &dyn Scene, camera: &PinholeCamera) -> VisibilityBuffer {
-    scene.look(&[CameraQuery::of(*camera)]).unwrap().remove(0)
+    scene.render(&[CameraQuery::of(*camera)]).unwrap().remove(0)
 }
 
 /// How far, in barycentric weight, a hit is from its triangle's nearest edge.

@@ -9,7 +9,7 @@ use crate::cpu::common::*;
 
 /// A camera at the origin that looks along x.
 fn forward(width: u32, height: u32, focal: f32) -> PinholeCamera {
-    let mut camera = look(Vec3::ZERO, Vec3::X, width, height, 1.0);
+    let mut camera = camera_at(Vec3::ZERO, Vec3::X, width, height, 1.0);
     (camera.fx, camera.fy) = (focal, focal);
     camera
 }
@@ -47,7 +47,7 @@ fn the_rasteriser_sees_what_rays_see() {
         let mut s = stream("cameras", number);
         let from = point(&mut s, 15.0) * Vec3::new(1.0, 1.0, 0.3);
         let mut camera =
-            look(from, unit(&mut s) * Vec3::new(1.0, 1.0, 0.3), 203, 117, uniform(&mut s, 0.4, 2.4));
+            camera_at(from, unit(&mut s) * Vec3::new(1.0, 1.0, 0.3), 203, 117, uniform(&mut s, 0.4, 2.4));
         camera.cx += 7.3;
         camera.fy *= 1.1;
         all += compare(&world, &camera);
@@ -64,7 +64,7 @@ fn cameras_inside_the_clutter_see_what_rays_see() {
         let meshes = vec![soup(&mut s, 300, 2.0, 2.0), soup(&mut s, 300, 0.3, 0.2)];
         let world =
             snapshot(meshes, vec![instance(0, 1, Affine3A::IDENTITY), instance(1, 2, Affine3A::IDENTITY)]);
-        let camera = look(Vec3::ZERO, unit(&mut s), 150, 100, 1.6);
+        let camera = camera_at(Vec3::ZERO, unit(&mut s), 150, 100, 1.6);
         let all = compare(&world, &camera);
         assert!(all.seen > 5000 && all.on_edges * 20 < all.seen, "{all:?}");
     }
@@ -121,7 +121,7 @@ fn a_closed_ball_has_no_cracks() {
     with_scene(&world, |scene| {
         for along in [Vec3::X, Vec3::new(-1.0, 0.4, 2.0), Vec3::new(0.1, -1.0, -0.5)] {
             let from = place.transform_point3(Vec3::new(0.5, 0.9, -0.7));
-            let buffer = see(scene, &look(from, along, 500, 300, 2.0));
+            let buffer = see(scene, &camera_at(from, along, 500, 300, 2.0));
             assert!(buffer.instance.iter().all(|&i| i == 0));
         }
     });
@@ -173,7 +173,7 @@ fn the_smaller_number_wins_ties() {
 #[test]
 fn thread_counts_change_no_byte() {
     let world = world(77);
-    let camera = look(Vec3::new(1.0, -20.0, 3.0), Vec3::new(0.1, 1.0, -0.1), 301, 199, 1.3);
+    let camera = camera_at(Vec3::new(1.0, -20.0, 3.0), Vec3::new(0.1, 1.0, -0.1), 301, 199, 1.3);
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
@@ -211,7 +211,7 @@ fn weights([a, b, c]: [Vec3; 3], point: Vec3) -> [f32; 3] {
 #[test]
 fn surface_points_lie_on_their_triangles() {
     let world = world(3);
-    let camera = look(Vec3::new(2.0, -25.0, 4.0), Vec3::new(0.0, 1.0, -0.1), 160, 90, 1.2);
+    let camera = camera_at(Vec3::new(2.0, -25.0, 4.0), Vec3::new(0.0, 1.0, -0.1), 160, 90, 1.2);
     with_scene(&world, |scene| {
         let buffer = see(scene, &camera);
         let surfaces = Surfaces::new(&buffer, &world);

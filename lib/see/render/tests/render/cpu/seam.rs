@@ -30,7 +30,7 @@ fn with_both(world: &Snapshot, run: impl FnOnce(&dyn Scene, &dyn Scene)) {
 /// Depths alone.
 fn depths(scene: &dyn Scene, camera: &PinholeCamera, among: Option<&[u32]>, panes: Stipple) -> Vec<f32> {
     let query = CameraQuery { camera: *camera, among, outputs: Outputs::Depths, panes };
-    let seen = scene.look(&[query]).unwrap().remove(0);
+    let seen = scene.render(&[query]).unwrap().remove(0);
     assert!(seen.instance.is_empty() && seen.triangle.is_empty());
     seen.depth_m
 }
@@ -45,12 +45,18 @@ fn both_see_the_same_ids_depths_and_surfaces() {
         let cameras: Vec<_> = (0..3)
             .map(|i| {
                 let from = point(&mut s, 14.0) * Vec3::new(1.0, 1.0, 0.2);
-                look(from, unit(&mut s) * Vec3::new(1.0, 1.0, 0.3), 40 + 7 * i, 26, uniform(&mut s, 0.5, 2.2))
+                camera_at(
+                    from,
+                    unit(&mut s) * Vec3::new(1.0, 1.0, 0.3),
+                    40 + 7 * i,
+                    26,
+                    uniform(&mut s, 0.5, 2.2),
+                )
             })
             .collect();
         with_both(&world, |cpu, brute| {
             let queries: Vec<_> = cameras.iter().map(|&camera| CameraQuery::of(camera)).collect();
-            let (ours, theirs) = (cpu.look(&queries).unwrap(), brute.look(&queries).unwrap());
+            let (ours, theirs) = (cpu.render(&queries).unwrap(), brute.render(&queries).unwrap());
             assert_eq!([ours.len(), theirs.len()], [3; 2]);
             for (ours, theirs) in ours.iter().zip(&theirs) {
                 assert_eq!(ours.camera, theirs.camera);
@@ -68,7 +74,7 @@ fn both_see_the_same_ids_depths_and_surfaces() {
             let some: Vec<u32> = (0..world.instances.len() as u32).step_by(3).collect();
             let queries: Vec<_> =
                 queries.iter().map(|query| CameraQuery { among: Some(&some), ..*query }).collect();
-            for (ours, theirs) in cpu.look(&queries).unwrap().iter().zip(&brute.look(&queries).unwrap()) {
+            for (ours, theirs) in cpu.render(&queries).unwrap().iter().zip(&brute.render(&queries).unwrap()) {
                 assert_eq!((&ours.instance, &ours.triangle), (&theirs.instance, &theirs.triangle));
                 assert!(ours.instance.iter().all(|&i| i == SKY || i % 3 == 0));
                 assert_eq!(depths(cpu, &ours.camera, Some(&some), Stipple::OPAQUE), ours.depth_m);
@@ -93,7 +99,7 @@ fn panes_are_stippled_if_asked_for() {
         testkit::snapshot(vec![glass, wall, seat], vec![there(0, 1, 20.0, 15.0), there(1, 2, 30.0, 0.0)]);
     let with_cabin = Snapshot { cabins: vec![there(2, 1, 20.0, 3.0)], ..bare.clone() };
     // More than a tile.
-    let camera = look(Vec3::ZERO, Vec3::X, 150, 80, 0.3);
+    let camera = camera_at(Vec3::ZERO, Vec3::X, 150, 80, 0.3);
     let mut renderer = CpuRenderer::default();
     renderer.prepare(&bare.meshes).unwrap();
     let (scene, cabin) = (renderer.place(&bare).unwrap(), renderer.place(&with_cabin).unwrap());
@@ -106,7 +112,7 @@ fn panes_are_stippled_if_asked_for() {
             assert_eq!(depths(&*scene, &camera, among, panes), opaque, "nothing is behind them");
             let stippled = depths(&*cabin, &camera, among, panes);
             let query = CameraQuery { among, panes, ..CameraQuery::of(camera) };
-            let seen = cabin.look(&[query]).unwrap().remove(0);
+            let seen = cabin.render(&[query]).unwrap().remove(0);
             assert_eq!(seen.depth_m, stippled);
             let mut behind = 0;
             for (pixel, depth) in stippled.iter().enumerate() {
@@ -123,7 +129,7 @@ fn panes_are_stippled_if_asked_for() {
     brute.prepare(&with_cabin.meshes).unwrap();
     let query =
         CameraQuery { panes: Stipple::new([[false, true], [true, false]]), ..CameraQuery::of(camera) };
-    let [ours, theirs] = [cabin.look(&[query]), brute.place(&with_cabin).unwrap().look(&[query])]
+    let [ours, theirs] = [cabin.render(&[query]), brute.place(&with_cabin).unwrap().render(&[query])]
         .map(|seen| seen.unwrap().remove(0));
     assert_eq!((ours.instance, ours.triangle), (theirs.instance, theirs.triangle));
 }

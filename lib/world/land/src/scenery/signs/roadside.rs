@@ -6,7 +6,7 @@ use nalgebra::Point3;
 
 use super::codes::Meaning;
 use super::given::{GivenSign, board};
-use super::rules::{Painted, Place, Wish, wishes};
+use super::rules::{Painted, RoadsidePosition, SignRequest, wishes};
 use crate::scenery::claims::{Candidate, rank, settle};
 use crate::scenery::draft::Draft;
 use crate::scenery::frontage::{Frontage, Spot};
@@ -23,7 +23,7 @@ const REPEATED_M: f64 = 70.0;
 const STEP_M: f64 = 1.0;
 
 /// A sign that would stand somewhere.
-struct Standing {
+struct CandidateSign {
     foot: Point3<f64>,
     yaw_rad: f64,
     meaning: Meaning,
@@ -48,13 +48,13 @@ pub(crate) fn roadside(
             }
             let away = if wish.to_traffic { 0.0 } else { std::f64::consts::PI };
             let what =
-                Standing { foot, yaw_rad: spot.facing_traffic_rad(front) + away, meaning: wish.meaning };
+                CandidateSign { foot, yaw_rad: spot.facing_traffic_rad(front) + away, meaning: wish.meaning };
             let takes = OrientedRect::square([foot.x, foot.y], FOOT_M);
             let rank = rank(site.rules.seed, "world/signs/rank", front.entity, wish.slot);
             candidates.push(Candidate { takes, needs: takes, rank, what });
         }
     }
-    for Candidate { what: Standing { foot, yaw_rad, meaning }, .. } in settle(candidates, land) {
+    for Candidate { what: CandidateSign { foot, yaw_rad, meaning }, .. } in settle(candidates, land) {
         if site.holds(foot.x, foot.y) {
             drafts.push(board(site, foot, yaw_rad, meaning));
         }
@@ -62,7 +62,7 @@ pub(crate) fn roadside(
 }
 
 /// Whether the map says a limit for the same traffic nearby.
-fn repeats(wish: &Wish, yaw_rad: f64, foot: &Point3<f64>, given: &[GivenSign]) -> bool {
+fn repeats(wish: &SignRequest, yaw_rad: f64, foot: &Point3<f64>, given: &[GivenSign]) -> bool {
     let is_limit = |word: &str| word.starts_with("speed_limit");
     is_limit(wish.meaning.sign_type)
         && given.iter().filter(|sign| is_limit(sign.sign_type)).any(|sign| {
@@ -72,11 +72,13 @@ fn repeats(wish: &Wish, yaw_rad: f64, foot: &Point3<f64>, given: &[GivenSign]) -
 }
 
 /// Where the pole of a sign would stand; none where it must not.
-fn foot(site: &Site<'_>, spot: &Spot, wish: &Wish, land: &Land<'_>) -> Option<Point3<f64>> {
+fn foot(site: &Site<'_>, spot: &Spot, wish: &SignRequest, land: &Land<'_>) -> Option<Point3<f64>> {
     let (foot, on) = match wish.place {
-        Place::Median => (spot.median?, Some(Ground::Median)),
-        Place::Side if spot.walk_m > 0.9 => (spot.beside(ON_WALK_M - spot.walk_m, 0.0), Some(Ground::Walk)),
-        Place::Side => (spot.beside(BESIDE_M, 0.0), None),
+        RoadsidePosition::Median => (spot.median?, Some(Ground::Median)),
+        RoadsidePosition::Side if spot.walk_m > 0.9 => {
+            (spot.beside(ON_WALK_M - spot.walk_m, 0.0), Some(Ground::Walk))
+        }
+        RoadsidePosition::Side => (spot.beside(BESIDE_M, 0.0), None),
     };
     let takes = OrientedRect::square([foot.x, foot.y], FOOT_M);
     if !site.near(foot.x, foot.y, reach_m::SIGNS) || !land.unused(&takes) {

@@ -39,7 +39,7 @@ const STOP: u64 = 2 << 32;
 
 /// Where beside the road a sign stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum RoadsidePosition {
     /// At the kerb, or beside the pavement.
     Side,
     /// On the median.
@@ -48,12 +48,12 @@ pub(super) enum Place {
 
 /// A sign that a side of a road would have.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Wish {
+pub(super) struct SignRequest {
     /// Its number among those of the frontage, whoever looks.
     pub(super) slot: u64,
     /// Distance from the start of the frontage, metres.
     pub(super) along_m: f64,
-    pub(super) place: Place,
+    pub(super) place: RoadsidePosition,
     pub(super) meaning: Meaning,
     /// Whether those see it who drive on this side; else those who come against them.
     pub(super) to_traffic: bool,
@@ -65,7 +65,7 @@ struct Side<'a> {
     length_m: f64,
     town: bool,
     motorway: bool,
-    wishes: Vec<Wish>,
+    wishes: Vec<SignRequest>,
 }
 
 impl Side<'_> {
@@ -75,19 +75,19 @@ impl Side<'_> {
     }
 
     fn wish(&mut self, after_m: f64, meaning: Meaning) {
-        self.push(after_m, Place::Side, meaning, true);
+        self.push(after_m, RoadsidePosition::Side, meaning, true);
     }
 
-    fn push(&mut self, after_m: f64, place: Place, meaning: Meaning, to_traffic: bool) {
+    fn push(&mut self, after_m: f64, place: RoadsidePosition, meaning: Meaning, to_traffic: bool) {
         let (slot, along_m) = (self.wishes.len() as u64, self.along(after_m));
-        self.wishes.push(Wish { slot, along_m, place, meaning, to_traffic });
+        self.wishes.push(SignRequest { slot, along_m, place, meaning, to_traffic });
     }
 
     /// On both sides of a carriageway of its own.
     fn wish_twice(&mut self, after_m: f64, meaning: Meaning) {
         self.wish(after_m, meaning);
         if self.front.traffic.lanes > 1 {
-            self.push(after_m, Place::Median, meaning, true);
+            self.push(after_m, RoadsidePosition::Median, meaning, true);
         }
     }
 
@@ -104,7 +104,7 @@ impl Side<'_> {
 }
 
 /// All that a side would have, the same whoever asks. None where nobody drives.
-pub(super) fn wishes(site: &Site<'_>, front: &Frontage, paint: &Painted) -> Vec<Wish> {
+pub(super) fn wishes(site: &Site<'_>, front: &Frontage, paint: &Painted) -> Vec<SignRequest> {
     let length_m = front.length_m();
     let Some(middle) = front.at(0.5 * length_m).filter(|_| front.traffic.lanes > 0 && !front.track) else {
         return Vec::new();
@@ -177,7 +177,7 @@ fn streets(side: &mut Side<'_>, random: &mut Stream) {
     }
     if side.front.traffic.one_way_street && side.length_m > 30.0 {
         side.wish(6.0, say("one_way"));
-        side.push(side.length_m - 4.0, Place::Side, say("do_not_enter"), false);
+        side.push(side.length_m - 4.0, RoadsidePosition::Side, say("do_not_enter"), false);
     }
 }
 
@@ -261,7 +261,13 @@ fn painted(side: &mut Side<'_>, painted: &Painted) {
     let direction = side.front.traffic.direction;
     let mut wish = |slot, along_m, word| {
         let meaning = Meaning::of(word);
-        side.wishes.push(Wish { slot, along_m, place: Place::Side, meaning, to_traffic: true });
+        side.wishes.push(SignRequest {
+            slot,
+            along_m,
+            place: RoadsidePosition::Side,
+            meaning,
+            to_traffic: true,
+        });
     };
     for (i, middle, ring) in &painted.crosswalks {
         let Some([along_m, far_m]) = side.front.nearest(middle.x, middle.y) else { continue };

@@ -1,6 +1,6 @@
 //! Who drives: what shows of somebody above a seat.
 
-use crate::people::{Bone, Figure, Hat, Look, Seat};
+use crate::people::{Appearance, Bone, Figure, Hat, Seat};
 use crate::solids::{Detail, Fit};
 use catalogue::Model;
 use glam::Vec3;
@@ -16,7 +16,7 @@ const SITTING: f32 = 0.485;
 
 /// Trunk, head, arms and thighs; the hands are at the steering wheel.
 pub(super) fn driver(model: &Model, tag: Tag, plan: &Plan, room: &Room<'_>, fit: &Fit) -> TriMesh {
-    let look = Look { hat: Hat::None, ..Look::new(model, 0).seated() };
+    let look = Appearance { hat: Hat::None, ..Appearance::new(model, 0).seated() };
     let hips = Vec3::from(plan.driver) + Vec3::new(-0.02, 0.0, -0.02);
     let crown = room.held(hips.with_z(hips.z + 1.2) - Vec3::X * 0.15).z - 0.02;
     let figure = Figure::new(look, ((crown - hips.z) / SITTING).clamp(1.45, 1.84));

@@ -2,7 +2,7 @@
 
 use crate::solids::MeshBuilder;
 use glam::Vec3;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
 use super::plan::Plan;
 use super::room::Room;
@@ -19,7 +19,7 @@ pub(super) fn lining(
     b: &mut MeshBuilder,
     room: &Room<'_>,
     plan: &Plan,
-    stuff: impl Fn(Surface, [f32; 3]) -> Part,
+    stuff: impl Fn(Surface, [f32; 3]) -> MeshPart,
     pane: &dyn Fn(f32, Place, bool) -> bool,
 ) {
     let carpet = stuff(Surface::Cloth, [0.022, 0.022, 0.023]);

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use crate::solids::{Fit, MeshBuilder};
 use catalogue::{Body, Model, trains};
 use schema::Tag;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
 use crate::actors::hull::Hull;
 use crate::actors::pieces::Cabin;
@@ -34,7 +34,7 @@ pub(crate) fn cabin(
 ) -> Cabin {
     let room = Room { hull, inner_y };
     let plan = Plan::new(model, &room);
-    let stuff = |surface: Surface, rgb: [f32; 3]| Part::new(tag, surface, rgb);
+    let stuff = |surface: Surface, rgb: [f32; 3]| MeshPart::new(tag, surface, rgb);
     let seats = match model.body {
         Body::Bus(_) => [0.05, 0.09, 0.22],
         Body::Car(body) => body.seat_rgb,

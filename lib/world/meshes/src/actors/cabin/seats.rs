@@ -4,20 +4,20 @@ use crate::solids::{MeshBuilder, circle};
 use catalogue::Seats;
 use frames::math::f32::sin_cos;
 use glam::Vec3;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
 use super::plan::{Plan, Row};
 use crate::actors::hull::Hull;
 
 /// What things in a cabin are made of.
 pub(crate) struct Stuffs {
-    pub(crate) cloth: Part,
-    pub(crate) plastic: Part,
-    pub(crate) metal: Part,
+    pub(crate) cloth: MeshPart,
+    pub(crate) plastic: MeshPart,
+    pub(crate) metal: MeshPart,
 }
 
 /// A slab from below to above with bevelled edges: places of its middle with half depth and half width.
-fn cushion(b: &mut MeshBuilder, part: Part, line: &[(Vec3, f32, f32)], forward: Vec3) {
+fn cushion(b: &mut MeshBuilder, part: MeshPart, line: &[(Vec3, f32, f32)], forward: Vec3) {
     let rings: Vec<Vec<Vec3>> = line
         .iter()
         .map(|(at, deep, wide)| {
@@ -123,7 +123,7 @@ pub(crate) fn rows(b: &mut MeshBuilder, s: &Stuffs, plan: &Plan, hull: &Hull) {
 }
 
 /// The dashboard from side to side, bent as the windscreen is.
-pub(crate) fn dashboard(b: &mut MeshBuilder, part: Part, plan: &Plan, hull: &Hull) {
+pub(crate) fn dashboard(b: &mut MeshBuilder, part: MeshPart, plan: &Plan, hull: &Hull) {
     let (x, z, deep) = (plan.cowl_x, plan.cowl_z, plan.dash_m);
     let bow = 0.85 * hull.style.glass_bow_m[0];
     // Against the way across, counter-clockwise.
@@ -178,7 +178,7 @@ pub(crate) fn steering_wheel(b: &mut MeshBuilder, s: &Stuffs, plan: &Plan) {
 }
 
 /// The mirror below the roof's front edge.
-pub(crate) fn inner_mirror(b: &mut MeshBuilder, part: Part, hull: &Hull) {
+pub(crate) fn inner_mirror(b: &mut MeshBuilder, part: MeshPart, hull: &Hull) {
     let (cowl, roof) = (hull.style.cowl.0, hull.style.roof.0);
     let at = hull.top(&hull.section(roof - 0.16 * (roof - cowl)), 0.0) - Vec3::new(0.10, 0.0, 0.09);
     b.cuboid(part, at - Vec3::new(0.012, 0.12, 0.03), at + Vec3::new(0.012, 0.12, 0.03));
@@ -186,7 +186,7 @@ pub(crate) fn inner_mirror(b: &mut MeshBuilder, part: Part, hull: &Hull) {
 
 /// The stuffs of a tag and a colour of the seats.
 impl Stuffs {
-    pub(crate) fn new(stuff: impl Fn(Surface, [f32; 3]) -> Part, seats: [f32; 3]) -> Self {
+    pub(crate) fn new(stuff: impl Fn(Surface, [f32; 3]) -> MeshPart, seats: [f32; 3]) -> Self {
         Self {
             cloth: stuff(Surface::Cloth, seats),
             plastic: stuff(Surface::Rubber, [0.03, 0.03, 0.031]),

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::solids::{Fit, MeshBuilder};
 use glam::Vec3;
-use schema::geometry::{Part, Surface, TriMesh};
+use schema::geometry::{MeshPart, Surface, TriMesh};
 
 use super::Car;
 use crate::actors::pieces::{Joint, Piece};
@@ -60,7 +60,7 @@ impl Car<'_> {
 
     /// What one looks through into the cabin, framed.
     fn way_in(&self, fit: &Fit, span: [f32; 2], left: bool) -> TriMesh {
-        let opening = Part::new(self.looks.tag, Surface::Opening, self.looks.gap.rgb);
+        let opening = MeshPart::new(self.looks.tag, Surface::Opening, self.looks.gap.rgb);
         self.door(fit, span, left, STANDS_OUT_M, self.looks.paint, |_, _, _| opening)
     }
 
@@ -72,8 +72,8 @@ impl Car<'_> {
         span: [f32; 2],
         left: bool,
         out_m: f32,
-        rim: Part,
-        part: impl Fn(usize, f32, bool) -> Part,
+        rim: MeshPart,
+        part: impl Fn(usize, f32, bool) -> MeshPart,
     ) -> TriMesh {
         // From behind to the front: along +x. The rings run counter-clockwise about it.
         let ring = |k: usize| -> Vec<Vec3> {

@@ -3,7 +3,7 @@
 use crate::solids::{Detail, MeshBuilder};
 use catalogue::{BaseType, Model, Special};
 use glam::Vec3;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 use schema::lights;
 
 use super::Car;
@@ -91,7 +91,7 @@ impl End<'_, '_> {
     }
 
     /// A patch between four corners, `away` is 1 on the left and -1 on the right.
-    fn patch(&mut self, part: Part, corners: Corners, away: f32, out_m: f32, cells: [usize; 2]) {
+    fn patch(&mut self, part: MeshPart, corners: Corners, away: f32, out_m: f32, cells: [usize; 2]) {
         let [a, b, c, d] = corners;
         let cells = match self.detail {
             Detail::Full => cells,
@@ -108,18 +108,18 @@ impl End<'_, '_> {
         *self.b = mesh;
     }
 
-    fn pair(&mut self, parts: [Part; 2], corners: Corners, out_m: f32, cells: [usize; 2]) {
+    fn pair(&mut self, parts: [MeshPart; 2], corners: Corners, out_m: f32, cells: [usize; 2]) {
         self.patch(parts[0], corners, 1.0, out_m, cells);
         self.patch(parts[1], corners, -1.0, out_m, cells);
     }
 
     /// A patch from one side to the other.
-    fn across(&mut self, part: Part, half: [f32; 2], z: [f32; 2], out_m: f32, cells: [usize; 2]) {
+    fn across(&mut self, part: MeshPart, half: [f32; 2], z: [f32; 2], out_m: f32, cells: [usize; 2]) {
         let corners = [(-half[0], z[0]), (half[0], z[0]), (half[1], z[1]), (-half[1], z[1])];
         self.patch(part, corners, 1.0, out_m, cells);
     }
 
-    fn round(&mut self, part: Part, (y, z): (f32, f32), radius_m: f32, out_m: f32) {
+    fn round(&mut self, part: MeshPart, (y, z): (f32, f32), radius_m: f32, out_m: f32) {
         let (inward, half_w) = (self.inward(), self.wide());
         let sides = match self.detail {
             Detail::Full => 12,
@@ -137,8 +137,8 @@ impl End<'_, '_> {
 }
 
 impl Car<'_> {
-    pub(super) fn white(&self) -> Part {
-        Part::new(self.looks.tag, Surface::Plain, [0.78, 0.78, 0.76])
+    pub(super) fn white(&self) -> MeshPart {
+        MeshPart::new(self.looks.tag, Surface::Plain, [0.78, 0.78, 0.76])
     }
 
     pub(crate) fn nose(&self, b: &mut MeshBuilder, detail: Detail) {
@@ -221,8 +221,8 @@ impl Car<'_> {
     }
 
     /// What sends light back: plates, reflectors.
-    fn reflector(&self, rgb: [f32; 3]) -> Part {
-        Part::new(self.looks.tag, Surface::Reflector, rgb)
+    fn reflector(&self, rgb: [f32; 3]) -> MeshPart {
+        MeshPart::new(self.looks.tag, Surface::Reflector, rgb)
     }
 
     fn plate(&self, end: &mut End<'_, '_>, z: f32) {
@@ -259,7 +259,12 @@ impl Car<'_> {
         let split = inner + 0.30 * (outer - inner);
         if full {
             let housing = block([inner - 0.015, outer + 0.015], [at(rows[0]) - 0.01, at(rows[3]) + 0.01]);
-            end.pair([Part::new(looks.tag, Surface::Glass, [0.05, 0.006, 0.006]); 2], housing, 0.005, [4, 1]);
+            end.pair(
+                [MeshPart::new(looks.tag, Surface::Glass, [0.05, 0.006, 0.006]); 2],
+                housing,
+                0.005,
+                [4, 1],
+            );
         }
         let z = rows.map(at);
         let gap = 0.004;

@@ -5,7 +5,7 @@ use catalogue::Special;
 use frames::math::f32::sin_cos;
 use glam::Vec3;
 use schema::Tag;
-use schema::geometry::Part;
+use schema::geometry::MeshPart;
 use schema::lights;
 
 use super::Car;
@@ -147,7 +147,7 @@ impl Car<'_> {
         b.tapered(third, p - Vec3::new(0.02, 0.14, 0.03), p + Vec3::new(0.03, 0.14, 0.004), 0.8, 0.95);
     }
 
-    fn rails(&self, b: &mut MeshBuilder, part: Part) {
+    fn rails(&self, b: &mut MeshBuilder, part: MeshPart) {
         let hull = self.hull;
         let (from, to) = (hull.style.roof.0 + 0.04, hull.style.roof.1 - 0.02);
         for s in [0.9, -0.9] {

@@ -3,7 +3,7 @@
 use crate::solids::{Detail, MeshBuilder};
 use catalogue::Livery;
 use glam::Vec3;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
 use super::Car;
 use crate::actors::decal::patch;
@@ -96,7 +96,7 @@ impl Car<'_> {
             Detail::Half => [((along[1] - along[0]) * 7.0).ceil().max(1.0) as usize, 1],
             Detail::Coarse => [1, 1],
         };
-        let mut on_both = |part: Part, Strip { along, up, slant, .. }: Strip, out_m: f32| {
+        let mut on_both = |part: MeshPart, Strip { along, up, slant, .. }: Strip, out_m: f32| {
             for left in [true, false] {
                 let out = Vec3::Y * if left { out_m } else { -out_m };
                 patch(b, part, cells(along, up), -12.0 * out, &|u, v| {
@@ -108,14 +108,14 @@ impl Car<'_> {
         for strip in self.strips(detail) {
             // Warning yellow of police and ambulances is sheeting.
             let surface = if strip.rgb == YELLOW { Surface::Reflector } else { Surface::Plain };
-            let part = Part::new(self.looks.tag, surface, strip.rgb);
+            let part = MeshPart::new(self.looks.tag, surface, strip.rgb);
             on_both(part, strip, 0.006);
         }
         if self.model.car_body().is_some_and(|body| body.livery == Livery::Motorhome)
             && detail != Detail::Coarse
         {
             let window = |along: [f32; 2], up: [f32; 2]| Strip { rgb: BLACK, along, up, slant: 0.0 };
-            let dark = Part::new(self.looks.tag, Surface::Glass, [0.03, 0.035, 0.04]);
+            let dark = MeshPart::new(self.looks.tag, Surface::Glass, [0.03, 0.035, 0.04]);
             on_both(self.looks.trim, window([0.40, 0.56], [1.22, 1.62]), 0.008);
             on_both(dark, window([0.407, 0.553], [1.24, 1.60]), 0.014);
             on_both(self.looks.trim, window([0.74, 0.86], [1.22, 1.62]), 0.008);

@@ -9,7 +9,7 @@ use crate::solids::{Detail, Fit, MeshBuilder};
 use catalogue::{BaseType, CarBody, Model};
 use glam::Vec3;
 use schema::Tag;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
 use crate::actors::cabin::cabin;
 use crate::actors::hull::Hull;
@@ -43,38 +43,38 @@ pub(crate) fn vehicle(model: &Model, body: &CarBody, size: Vec3) -> ActorMesh {
 /// What the skin of a car is made of.
 pub(crate) struct Looks {
     tag: Tag,
-    pub(crate) paint: Part,
-    pub(crate) window: Part,
+    pub(crate) paint: MeshPart,
+    pub(crate) window: MeshPart,
     /// That of lamps.
-    glass: Part,
-    pub(crate) under: Part,
+    glass: MeshPart,
+    pub(crate) under: MeshPart,
     /// Unpainted plastic.
-    pub(crate) trim: Part,
-    pub(crate) chrome: Part,
+    pub(crate) trim: MeshPart,
+    pub(crate) chrome: MeshPart,
     /// Lower band of the sides.
-    sill: Part,
-    pub(crate) gap: Part,
+    sill: MeshPart,
+    pub(crate) gap: MeshPart,
 }
 
 impl Looks {
     pub(crate) fn new(tag: Tag, model: &Model) -> Self {
-        let paint = Part::new(tag, Surface::Paint, [0.5; 3]);
-        let plain = |rgb: [f32; 3]| Part::new(tag, Surface::Plain, rgb);
+        let paint = MeshPart::new(tag, Surface::Paint, [0.5; 3]);
+        let plain = |rgb: [f32; 3]| MeshPart::new(tag, Surface::Plain, rgb);
         Self {
             tag,
             paint,
-            window: Part::new(tag, Surface::Window, [0.04, 0.05, 0.06]),
-            glass: Part::new(tag, Surface::Glass, [0.04, 0.05, 0.06]),
+            window: MeshPart::new(tag, Surface::Window, [0.04, 0.05, 0.06]),
+            glass: MeshPart::new(tag, Surface::Glass, [0.04, 0.05, 0.06]),
             under: plain([0.022, 0.022, 0.023]),
-            trim: Part::new(tag, Surface::Rubber, [0.035, 0.035, 0.037]),
-            chrome: Part::new(tag, Surface::Metal, [0.7, 0.71, 0.72]),
+            trim: MeshPart::new(tag, Surface::Rubber, [0.035, 0.035, 0.037]),
+            chrome: MeshPart::new(tag, Surface::Metal, [0.7, 0.71, 0.72]),
             sill: model.car_body().and_then(|body| body.sill_rgb).map_or(paint, plain),
             gap: plain([0.05, 0.05, 0.052]),
         }
     }
 
-    pub(crate) fn lamp(&self, bits: u32, rgb: [f32; 3]) -> Part {
-        Part::new(self.tag, Surface::Lamp(bits), rgb)
+    pub(crate) fn lamp(&self, bits: u32, rgb: [f32; 3]) -> MeshPart {
+        MeshPart::new(self.tag, Surface::Lamp(bits), rgb)
     }
 }
 
@@ -149,7 +149,7 @@ impl Car<'_> {
     }
 
     /// What is where on the skin.
-    fn part(&self, f: f32, place: Place, cuts: &[f32]) -> Part {
+    fn part(&self, f: f32, place: Place, cuts: &[f32]) -> MeshPart {
         let (style, looks) = (&self.hull.style, &self.looks);
         let glazed = f > style.windows.0 && f < style.windows.1;
         let in_arch = || {

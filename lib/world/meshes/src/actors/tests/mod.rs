@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use crate::people::{Bone, LOOKS, Walker};
+use crate::people::{APPEARANCES, Bone, Walker};
 use catalogue::{
     BaseType, Model,
     models::{MODELS, PARKED_TWO_WHEELERS},
@@ -27,7 +27,7 @@ fn everything() -> Vec<(String, [f64; 3], u32)> {
     }
     // Every look of those who walk.
     for model in MODELS.iter().filter(|model| walks(model)) {
-        all.extend((0..LOOKS).map(|look| (model.name.to_owned(), standing_m(model, look), look)));
+        all.extend((0..APPEARANCES).map(|look| (model.name.to_owned(), standing_m(model, look), look)));
     }
     all.extend(PARKED_TWO_WHEELERS.iter().map(|model| (model.name.to_owned(), model.size_m, 0)));
     all.extend(trains::sections().map(|model| (model.name.to_owned(), model.size_m, 0)));

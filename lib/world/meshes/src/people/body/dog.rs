@@ -2,7 +2,7 @@
 
 use crate::solids::{Detail, MeshBuilder};
 use glam::Vec3;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
 use super::shape::{lofted, slice};
 use super::stuffs::Stuffs;
@@ -93,6 +93,6 @@ pub(super) fn lower_leg(b: &mut MeshBuilder, dog: &Dog, s: &Stuffs) {
 
 /// Half of the lead, hanging.
 pub(super) fn lead(b: &mut MeshBuilder, s: &Stuffs, length_m: f32) {
-    let strap = Part::new(s.tag, Surface::Cloth, [0.28, 0.03, 0.03]);
+    let strap = MeshPart::new(s.tag, Surface::Cloth, [0.28, 0.03, 0.03]);
     b.bar(strap, Vec3::NEG_Z * length_m, Vec3::ZERO, [0.006; 2], 5);
 }

@@ -4,13 +4,13 @@ use crate::solids::MeshBuilder;
 use catalogue::Age;
 use frames::math::f32::sin_cos;
 use glam::Vec3;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
 use super::shape::{Slice, lofted, slice, solid};
 use super::stuffs::Stuffs;
 use crate::people::figure::Figure;
 
-use crate::people::look::{Hair, Hat};
+use crate::people::appearance::{Hair, Hat};
 
 const SIDES: usize = 11;
 
@@ -38,12 +38,12 @@ impl Head<'_> {
             .collect()
     }
 
-    fn solid(&mut self, part: Part, shape: &[(f32, f32, f32, f32)]) {
+    fn solid(&mut self, part: MeshPart, shape: &[(f32, f32, f32, f32)]) {
         let slices = self.cut(shape);
         lofted(self.b, &slices, SIDES, 0.95, |_, _| part);
     }
 
-    fn blob(&mut self, part: Part, [x, y, t]: [f32; 3], half: [f32; 3], rings: usize, sides: usize) {
+    fn blob(&mut self, part: MeshPart, [x, y, t]: [f32; 3], half: [f32; 3], rings: usize, sides: usize) {
         let m = self.m;
         let middle = Vec3::new(self.x + x * m, y * m, self.chin + t * m);
         self.b.ellipsoid(part, middle, Vec3::from_array(half) * m, rings, sides);
@@ -213,8 +213,8 @@ fn hair(it: &mut Head<'_>, f: &Figure, s: &Stuffs) {
 
 fn hat(it: &mut Head<'_>, f: &Figure, s: &Stuffs) {
     let top = it.top;
-    let shell = Part::new(s.tag, Surface::Plain, f.look.extra_rgb);
-    let dark = Part::new(s.tag, Surface::Plain, [0.012, 0.012, 0.014]);
+    let shell = MeshPart::new(s.tag, Surface::Plain, f.look.extra_rgb);
+    let dark = MeshPart::new(s.tag, Surface::Plain, [0.012, 0.012, 0.014]);
     // From the forehead up a dome, a quarter of an ellipse.
     let crown = |tip: f32| {
         let rise = [0.0f32, 0.42, 0.84, 1.18, 1.42].map(sin_cos);
@@ -291,7 +291,7 @@ fn hat(it: &mut Head<'_>, f: &Figure, s: &Stuffs) {
                 dark,
                 &[(0.610, 0.600, 0.0, 0.300), (0.625, 0.610, 0.0, 0.310), (0.690, 0.440, 0.0, 0.330)],
             );
-            let band = Part::new(s.tag, Surface::Plain, [0.55, 0.56, 0.58]);
+            let band = MeshPart::new(s.tag, Surface::Plain, [0.55, 0.56, 0.58]);
             it.blob(band, [0.440, 0.0, 0.815], [0.040, 0.060, 0.060], 4, 8);
         }
         Hat::FullHelmet => {

@@ -2,12 +2,12 @@
 
 use crate::solids::{Detail, MeshBuilder};
 use glam::Vec3;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
 use super::shape::{Slice, lofted, round, slice, solid};
 use super::stuffs::Stuffs;
+use crate::people::appearance::{Bottom, Build, Carried, Hat, Top};
 use crate::people::figure::{Figure, Side};
-use crate::people::look::{Bottom, Build, Carried, Hat, Top};
 
 const SIDES: usize = 8;
 
@@ -112,7 +112,7 @@ pub(super) fn forearm(b: &mut MeshBuilder, f: &Figure, s: &Stuffs, side: Side) {
     let tip = Vec3::new(0.030 * h, inward * 0.010 * h, -length - 0.55 * f.hand);
     b.bar(skin, base, tip, [0.0085 * h, 0.006 * h], 6);
     if side == Side::Right && f.look.carried == Carried::Phone {
-        let glass = Part::new(s.tag, Surface::Plain, [0.02, 0.02, 0.025]);
+        let glass = MeshPart::new(s.tag, Surface::Plain, [0.02, 0.02, 0.025]);
         let middle = Vec3::new(0.004 * h, inward * 0.016 * h, -length - 0.62 * f.hand);
         b.cuboid(glass, middle - Vec3::new(0.033, 0.005, 0.070), middle + Vec3::new(0.033, 0.005, 0.070));
     }
@@ -166,7 +166,7 @@ pub(super) fn thigh(b: &mut MeshBuilder, f: &Figure, s: &Stuffs, side: Side) {
 }
 
 /// A leg's half of a skirt or a coat's tails: `[length, front, back]`, the length as a share of the thigh's.
-fn hang(b: &mut MeshBuilder, f: &Figure, part: Part, side: Side, [length, front, back]: [f32; 3]) {
+fn hang(b: &mut MeshBuilder, f: &Figure, part: MeshPart, side: Side, [length, front, back]: [f32; 3]) {
     let (h, g) = (f.stature, f.look.girth());
     let middle = -side.sign() * (f.hip_y - 0.026 * h);
     let half = if f.look.woman { 0.096 } else { 0.092 } * g * h;
@@ -220,7 +220,7 @@ pub(super) fn foot(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
     let cut = |z: f32, front: f32, back: f32, half: f32| {
         slice(z * a, long * front * h, back * h, half * h).at(0.012 * h, 0.0)
     };
-    let sole = Part::new(s.tag, Surface::Rubber, f.look.shoe_rgb.map(|c| 0.35 * c));
+    let sole = MeshPart::new(s.tag, Surface::Rubber, f.look.shoe_rgb.map(|c| 0.35 * c));
     let slices = [
         cut(-1.00, 0.058, 0.051, 0.0230),
         cut(-0.86, 0.060, 0.054, 0.0255),
@@ -239,7 +239,7 @@ pub(super) fn toes(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
     let (h, a) = (f.stature, f.ankle);
     let tip = f.toe - f.ball;
     let cut = |z: f32, front: f32, back: f32, half: f32| slice(z * a, front * tip, back * h, half * h);
-    let sole = Part::new(s.tag, Surface::Rubber, f.look.shoe_rgb.map(|c| 0.35 * c));
+    let sole = MeshPart::new(s.tag, Surface::Rubber, f.look.shoe_rgb.map(|c| 0.35 * c));
     let slices = [
         cut(-0.25, 0.93, 0.022, 0.0235),
         cut(-0.12, 1.00, 0.026, 0.0265),

@@ -11,13 +11,13 @@ mod torso;
 use crate::solids::{Detail, MeshBuilder};
 use glam::Vec3;
 use schema::Tag;
-use schema::geometry::{Part, Surface, TriMesh};
+use schema::geometry::{MeshPart, Surface, TriMesh};
 
 use self::shape::{lofted, slice};
 use self::stuffs::Stuffs;
+use crate::people::appearance::Carried;
 use crate::people::dog::{Dog, LEGS};
 use crate::people::figure::{Bone, Figure, Side};
-use crate::people::look::Carried;
 use crate::people::pram::{FRONT, REAR};
 
 impl Figure {
@@ -73,8 +73,8 @@ impl Figure {
 }
 
 fn shovel(b: &mut MeshBuilder, figure: &Figure, stuffs: &Stuffs) {
-    let wood = Part::new(stuffs.tag, Surface::Wood, [0.30, 0.19, 0.09]);
-    let steel = Part::new(stuffs.tag, Surface::Metal, [0.16, 0.16, 0.17]);
+    let wood = MeshPart::new(stuffs.tag, Surface::Wood, [0.30, 0.19, 0.09]);
+    let steel = MeshPart::new(stuffs.tag, Surface::Metal, [0.16, 0.16, 0.17]);
     let length = figure.shovel_m();
     let at = |x: f32, z: f32| Vec3::new(x, 0.0, z - length);
     b.bar(wood, at(0.0, 0.22), at(0.0, length), [0.016; 2], 8);
@@ -87,7 +87,7 @@ fn shovel(b: &mut MeshBuilder, figure: &Figure, stuffs: &Stuffs) {
 }
 
 fn cane(b: &mut MeshBuilder, figure: &Figure, stuffs: &Stuffs) {
-    let wood = Part::new(stuffs.tag, Surface::Wood, [0.10, 0.05, 0.025]);
+    let wood = MeshPart::new(stuffs.tag, Surface::Wood, [0.10, 0.05, 0.025]);
     let length = figure.cane_m();
     b.bar(wood, Vec3::NEG_Z * length, Vec3::ZERO, [0.010, 0.011], 8);
     b.bar(wood, Vec3::new(-0.035, 0.0, 0.0), Vec3::new(0.075, 0.0, 0.008), [0.014, 0.012], 8);

@@ -2,7 +2,7 @@
 
 use crate::solids::{Detail, MeshBuilder};
 use glam::Vec3;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
 use super::shape::{lofted, slice};
 use super::stuffs::Stuffs;
@@ -14,8 +14,8 @@ const TYRE_M: f32 = 0.034;
 
 /// All but the wheels, from the ground below the hips of who pushes.
 pub(super) fn frame(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
-    let tube = Part::new(s.tag, Surface::Metal, [0.10, 0.10, 0.11]);
-    let grip = Part::new(s.tag, Surface::Rubber, [0.03, 0.03, 0.032]);
+    let tube = MeshPart::new(s.tag, Surface::Metal, [0.10, 0.10, 0.11]);
+    let grip = MeshPart::new(s.tag, Surface::Rubber, [0.03, 0.03, 0.032]);
     let [ahead, up] = f.handle_m();
     let wide = 0.21;
     for y in [-wide, wide] {
@@ -101,9 +101,9 @@ fn hood(b: &mut MeshBuilder, s: &Stuffs, x: f32) {
 
 /// Both wheels of an axle, about its middle.
 pub(super) fn wheels(b: &mut MeshBuilder, s: &Stuffs, axle: &Axle) {
-    let tyre = Part::new(s.tag, Surface::Rubber, [0.03, 0.03, 0.032]);
-    let rim = Part::new(s.tag, Surface::Metal, [0.45, 0.46, 0.48]);
-    let spoke = Part::new(s.tag, Surface::Metal, [0.06, 0.06, 0.065]);
+    let tyre = MeshPart::new(s.tag, Surface::Rubber, [0.03, 0.03, 0.032]);
+    let rim = MeshPart::new(s.tag, Surface::Metal, [0.45, 0.46, 0.48]);
+    let spoke = MeshPart::new(s.tag, Surface::Metal, [0.06, 0.06, 0.065]);
     for side in [-1.0, 1.0] {
         let hub = Vec3::Y * side * axle.aside;
         let across = |half: f32| [hub - Vec3::Y * half, hub + Vec3::Y * half];

@@ -3,7 +3,7 @@
 use crate::solids::MeshBuilder;
 use frames::math::f32::{pow, sin_cos};
 use glam::Vec3;
-use schema::geometry::Part;
+use schema::geometry::MeshPart;
 
 /// A horizontal slice: its height, the place it is about, and how far it reaches ahead, back and to either side.
 #[derive(Clone, Copy, Debug)]
@@ -66,7 +66,7 @@ pub(crate) fn lofted(
     slices: &[Slice],
     sides: usize,
     square: f32,
-    part: impl Fn(usize, usize) -> Part,
+    part: impl Fn(usize, usize) -> MeshPart,
 ) {
     let fewer = b.detail().sides(sides);
     let area = |n: usize| n as f32 * sin_cos(std::f32::consts::TAU / n as f32).0;
@@ -100,6 +100,6 @@ fn worth(slices: &[Slice], tolerance_m: f32) -> Vec<usize> {
 }
 
 /// The same of one part.
-pub(crate) fn solid(b: &mut MeshBuilder, part: Part, slices: &[Slice], sides: usize) {
+pub(crate) fn solid(b: &mut MeshBuilder, part: MeshPart, slices: &[Slice], sides: usize) {
     lofted(b, slices, sides, 1.0, |_, _| part);
 }

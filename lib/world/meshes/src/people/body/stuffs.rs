@@ -1,26 +1,26 @@
 //! Cloth, skin, hair: what the parts of a body are made of.
 
 use schema::Tag;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
-use crate::people::look::{Look, Top};
+use crate::people::appearance::{Appearance, Top};
 
 /// What somebody's parts are made of.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stuffs {
     pub(crate) tag: Tag,
-    pub(crate) top: Part,
-    pub(crate) bottom: Part,
-    pub(crate) skin: Part,
-    pub(crate) hair: Part,
-    pub(crate) shoe: Part,
-    pub(crate) extra: Part,
+    pub(crate) top: MeshPart,
+    pub(crate) bottom: MeshPart,
+    pub(crate) skin: MeshPart,
+    pub(crate) hair: MeshPart,
+    pub(crate) shoe: MeshPart,
+    pub(crate) extra: MeshPart,
 }
 
 impl Stuffs {
-    pub(crate) fn new(look: &Look, tag: Tag) -> Self {
-        let cloth = |rgb: [f32; 3]| Part::new(tag, Surface::Cloth, rgb);
-        let clothes = |weave, rgb: [f32; 3]| Part::new(tag, Surface::Clothes(weave), rgb);
+    pub(crate) fn new(look: &Appearance, tag: Tag) -> Self {
+        let cloth = |rgb: [f32; 3]| MeshPart::new(tag, Surface::Cloth, rgb);
+        let clothes = |weave, rgb: [f32; 3]| MeshPart::new(tag, Surface::Clothes(weave), rgb);
         Self {
             tag,
             top: clothes(look.top_weave, look.top_rgb),
@@ -30,12 +30,12 @@ impl Stuffs {
             },
             skin: cloth(look.skin_rgb),
             hair: cloth(look.hair_rgb),
-            shoe: Part::new(tag, Surface::Rubber, look.shoe_rgb),
+            shoe: MeshPart::new(tag, Surface::Rubber, look.shoe_rgb),
             extra: cloth(look.extra_rgb),
         }
     }
 
-    pub(crate) fn cloth(&self, rgb: [f32; 3]) -> Part {
-        Part::new(self.tag, Surface::Cloth, rgb)
+    pub(crate) fn cloth(&self, rgb: [f32; 3]) -> MeshPart {
+        MeshPart::new(self.tag, Surface::Cloth, rgb)
     }
 }

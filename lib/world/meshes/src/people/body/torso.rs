@@ -2,18 +2,18 @@
 
 use crate::solids::MeshBuilder;
 use glam::Vec3;
-use schema::geometry::{Part, Surface};
+use schema::geometry::{MeshPart, Surface};
 
 use super::shape::{Slice, lofted, slice, solid};
 use super::stuffs::Stuffs;
+use crate::people::appearance::{Appearance, Bottom, Build, Carried, Top};
 use crate::people::figure::Figure;
-use crate::people::look::{Bottom, Build, Carried, Look, Top};
 
 const SIDES: usize = 12;
 const BAND: [f32; 3] = [0.75, 0.76, 0.74];
 
 /// How thick the clothes on the trunk are, as a factor.
-fn cloth(look: &Look) -> f32 {
+fn cloth(look: &Appearance) -> f32 {
     match look.top {
         Top::Coat => 1.10,
         Top::Jacket | Top::Hoodie | Top::HiVis => 1.08,
@@ -73,7 +73,7 @@ fn ribs(f: &Figure) -> Vec<Slice> {
 }
 
 /// How far the hem of the top hangs below the waist, as a share of the stature; tops that are tucked in end at the waist.
-fn hem(look: &Look) -> f32 {
+fn hem(look: &Appearance) -> f32 {
     match look.top {
         Top::Coat => 0.120,
         Top::Suit => 0.140,
@@ -115,7 +115,7 @@ pub(super) fn chest(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
         })
         .collect();
     let front = |j: usize, reach: usize| j + 1 + reach >= SIDES || j < reach;
-    let band = Part::new(s.tag, Surface::Reflector, BAND);
+    let band = MeshPart::new(s.tag, Surface::Reflector, BAND);
     let white = s.cloth([0.70, 0.70, 0.68]);
     let tie = s.cloth([0.20, 0.02, 0.03]);
     let vest = s.cloth([0.60, 0.72, 0.03]);
@@ -210,7 +210,7 @@ fn backpack(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
 
 fn shoulder_bag(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
     let h = f.stature;
-    let leather = Part::new(s.tag, Surface::Cloth, f.look.extra_rgb);
+    let leather = MeshPart::new(s.tag, Surface::Cloth, f.look.extra_rgb);
     let side = -(0.122 * f.look.girth() * cloth(&f.look)) * h;
     let cut = |z: f32, long: f32, half: f32| slice(z * h, long * h, long * h, half * h).at(-0.035 * h, side);
     let slices = [

@@ -23,7 +23,7 @@ const LEAST_UP_M: f32 = 0.01;
 
 /// How closely it is looked.
 #[derive(Clone, Copy, Debug)]
-pub struct Closeness {
+pub struct OcclusionEstimate {
     /// Along a body's diagonal, at most.
     pub texels: u32,
     /// Lines along which it is looked; a place sees one way along each.
@@ -40,23 +40,23 @@ fn axis(number: usize, axes: usize) -> Vec3 {
 }
 
 /// A place and the way that its surface faces (unit).
-pub type Place = (Vec3, Vec3);
+pub type OrientedPoint = (Vec3, Vec3);
 
 /// The share of what sky and open ground give that reaches each of some places on a body, 0 to 1. The body is
 /// triangles between `positions`, and stands on the ground at z = 0; that is darker where the body is above it.
 #[must_use]
-pub fn sheltered(
+pub fn ambient_visibility(
     positions: &[Vec3],
     triangles: &[[u32; 3]],
-    places: &[Place],
-    closeness: Closeness,
+    places: &[OrientedPoint],
+    estimate: OcclusionEstimate,
 ) -> Vec<f32> {
     let bounds = Aabb::from_points(positions);
     if triangles.is_empty() || !(bounds.max - bounds.min).is_finite() {
         return vec![1.0; places.len()];
     }
-    let mut seen = Seen::new(positions, triangles, bounds, closeness.texels);
-    let places: Vec<Place> = places
+    let mut seen = AxisView::new(positions, triangles, bounds, estimate.texels);
+    let places: Vec<OrientedPoint> = places
         .iter()
         .map(|&(place, normal)| {
             let mut off = place + normal * (OFF * seen.texel_m);
@@ -69,9 +69,9 @@ pub fn sheltered(
     let (mut got, mut most) = (vec![0.0f32; places.len()], vec![1e-6f32; places.len()]);
     // Who sees ground where, and how much that counts.
     let mut below: Vec<(u32, f32, Vec2)> = Vec::new();
-    for number in 0..closeness.axes {
-        let up = axis(number, closeness.axes);
-        seen.look(up);
+    for number in 0..estimate.axes {
+        let up = axis(number, estimate.axes);
+        seen.view_along(up);
         for (open, place) in ground.open.iter_mut().zip(&cells) {
             *open += up.z * seen.from(*place, true);
         }
@@ -92,7 +92,7 @@ pub fn sheltered(
             }
         }
     }
-    ground.finish(closeness.axes);
+    ground.finish(estimate.axes);
     for (place, weight, landing) in below {
         got[place as usize] += weight * ground.at(landing);
     }
@@ -100,7 +100,7 @@ pub fn sheltered(
 }
 
 /// A body as it is seen from both ends of an axis.
-struct Seen<'a> {
+struct AxisView<'a> {
     positions: &'a [Vec3],
     triangles: &'a [[u32; 3]],
     bounds: Aabb,
@@ -117,7 +117,7 @@ struct Seen<'a> {
     shown: Vec<Vec3>,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> AxisView<'a> {
     fn new(positions: &'a [Vec3], triangles: &'a [[u32; 3]], bounds: Aabb, texels: u32) -> Self {
         let texel_m = ((bounds.max - bounds.min).length() / texels.max(1) as f32).max(LEAST_TEXEL_M);
         Self {
@@ -135,7 +135,7 @@ impl<'a> Seen<'a> {
     }
 
     /// Draws the body as seen from far away in a direction and in the opposite one.
-    fn look(&mut self, to: Vec3) {
+    fn view_along(&mut self, to: Vec3) {
         let right = to.cross(if to.z.abs() < 0.9 { Vec3::Z } else { Vec3::X }).normalize();
         let up = to.cross(right);
         self.axes = [right / self.texel_m, up / self.texel_m, to];
@@ -295,7 +295,12 @@ mod tests {
 
     fn seen(rectangles: &[[Vec3; 3]], place: Vec3, normal: Vec3) -> f32 {
         let (positions, triangles) = soup(rectangles);
-        sheltered(&positions, &triangles, &[(place, normal)], Closeness { texels: 256, axes: 24 })[0]
+        ambient_visibility(
+            &positions,
+            &triangles,
+            &[(place, normal)],
+            OcclusionEstimate { texels: 256, axes: 24 },
+        )[0]
     }
 
     #[test]
@@ -372,7 +377,8 @@ mod tests {
             places.push((Vec3::new(0.1, -0.2, z), Vec3::X));
             places.push((Vec3::new(0.1, -0.2, z), -Vec3::X));
         }
-        let got = sheltered(&positions, &triangles, &places, Closeness { texels: 160, axes: 24 });
+        let got =
+            ambient_visibility(&positions, &triangles, &places, OcclusionEstimate { texels: 160, axes: 24 });
         for ((place, normal), got) in places.iter().zip(got) {
             let rays = by_rays(&positions, &triangles, *place, *normal);
             assert!((got - rays).abs() < 0.12, "{place} {normal}: {got} {rays}");

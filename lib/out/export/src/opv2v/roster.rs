@@ -24,7 +24,7 @@ const MAX_OFF_DEG: f64 = 60.0;
 
 /// The exported agents of a scene.
 #[derive(Clone, Debug)]
-pub(super) struct Crew {
+pub(super) struct AgentRoster {
     pub(super) members: Vec<Member>,
     /// Frames 0, n, 2 n, ... are exported.
     pub(super) every_n_frames: u32,
@@ -69,7 +69,7 @@ impl CameraPair {
     }
 }
 
-impl Crew {
+impl AgentRoster {
     /// Chooses from a scene.
     ///
     /// # Errors
@@ -95,9 +95,9 @@ impl Crew {
         members.sort_by_key(|member| member.name.to_string());
         let rates = members.iter().map(|member| member.lidar.about.every_n_frames);
         let rates = rates.chain([scene.info().label_every_n_frames, scene.every_n_frames()]);
-        let mut crew = Self { every_n_frames: rates.fold(1, least_common_multiple), members, omissions };
-        crew.drop_slow_pictures();
-        Ok(crew)
+        let mut roster = Self { every_n_frames: rates.fold(1, least_common_multiple), members, omissions };
+        roster.drop_slow_pictures();
+        Ok(roster)
     }
 
     /// The frames that all members have.

@@ -7,7 +7,7 @@ use schema::{Tag, lights};
 use serde::Deserialize;
 
 use crate::error::Problem;
-use crate::joints::{MARKS, Mark};
+use crate::joints::{JointName, MARKS};
 use crate::limits;
 
 /// The page as it is written. Keys that are not here are faults.
@@ -69,7 +69,7 @@ fn crease() -> f64 {
 
 /// What is made of a material instead of what the file says.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Stuff {
+pub(crate) enum MaterialOverride {
     Paint,
     Glass,
     Rubber,
@@ -96,7 +96,7 @@ pub(crate) struct NodeNote {
 
 /// A model's page, checked.
 #[derive(Clone, Debug)]
-pub(crate) struct Sheet {
+pub(crate) struct ModelManifest {
     pub(crate) name: String,
     pub(crate) base: BaseType,
     /// Of people the height alone.
@@ -106,7 +106,7 @@ pub(crate) struct Sheet {
     pub(crate) age: &'static str,
     pub(crate) gender: &'static str,
     /// Which joint each node is.
-    pub(crate) joints: BTreeMap<String, Mark>,
+    pub(crate) joints: BTreeMap<String, JointName>,
     pub(crate) file: Option<String>,
     pub(crate) weight: f64,
     pub(crate) special: Special,
@@ -117,7 +117,7 @@ pub(crate) struct Sheet {
     pub(crate) wheel_radius_m: Option<f64>,
     pub(crate) crease_rad: f64,
     pub(crate) lod_from_m: Vec<f64>,
-    pub(crate) materials: BTreeMap<String, Stuff>,
+    pub(crate) materials: BTreeMap<String, MaterialOverride>,
     pub(crate) nodes: BTreeMap<String, NodeNote>,
 }
 
@@ -133,13 +133,13 @@ const LAMPS: [(&str, u32); 10] = [
     ("emergency", lights::EMERGENCY),
     ("emergency_other", lights::EMERGENCY_OTHER),
 ];
-const STUFFS: [(&str, Stuff); 6] = [
-    ("paint", Stuff::Paint),
-    ("glass", Stuff::Glass),
-    ("rubber", Stuff::Rubber),
-    ("metal", Stuff::Metal),
-    ("cloth", Stuff::Cloth),
-    ("plain", Stuff::Plain),
+const STUFFS: [(&str, MaterialOverride); 6] = [
+    ("paint", MaterialOverride::Paint),
+    ("glass", MaterialOverride::Glass),
+    ("rubber", MaterialOverride::Rubber),
+    ("metal", MaterialOverride::Metal),
+    ("cloth", MaterialOverride::Cloth),
+    ("plain", MaterialOverride::Plain),
 ];
 const DOORS: [&str; 4] = ["front_left", "front_right", "rear_left", "rear_right"];
 const WHEELS: [(&str, bool); 2] = [("steered", true), ("fixed", false)];
@@ -170,7 +170,7 @@ fn between(key: &str, value: f64, low: f64, high: f64) -> Result<f64, Problem> {
     good.then_some(value).ok_or_else(|| bad(key, format!("{value} is not between {low} and {high}")))
 }
 
-impl Sheet {
+impl ModelManifest {
     pub(crate) fn parse(text: &str) -> Result<Self, Problem> {
         let written: Written = toml::from_str(text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start.min(text.len()));
@@ -200,10 +200,10 @@ impl Sheet {
 }
 
 impl Written {
-    fn checked(self) -> Result<Sheet, Problem> {
+    fn checked(self) -> Result<ModelManifest, Problem> {
         let bases = BaseType::ALL.map(|base| (base.name(), base));
         let base = word("base", &self.base, &bases)?;
-        Sheet::check_name(&self.name, base)?;
+        ModelManifest::check_name(&self.name, base)?;
         let replaced = models::find(&self.name);
         let person = self.person(base, replaced)?;
         let special = [Special::None, Special::Emergency, Special::Taxi, Special::Electric]
@@ -248,7 +248,7 @@ impl Written {
         for (name, node) in &self.nodes {
             nodes.insert(name.clone(), node.checked(&format!("nodes.{name}"), base)?);
         }
-        let mut joints: BTreeMap<String, Mark> = BTreeMap::new();
+        let mut joints: BTreeMap<String, JointName> = BTreeMap::new();
         for (name, mark) in self.joints.iter().flatten() {
             let mark = word(&format!("joints.{name}"), mark, &MARKS)?;
             if let Some((other, _)) = joints.iter().find(|(_, known)| **known == mark) {
@@ -259,7 +259,7 @@ impl Written {
         let length_m = self.size_m.map_or(f64::INFINITY, |[length_m, ..]| length_m);
         let wheelbase_m = self.wheelbase_m.map(|v| between("wheelbase_m", v, 0.3, 0.98 * length_m));
         let wheel_radius_m = self.wheel_radius_m.map(|v| between("wheel_radius_m", v, 0.05, 1.5));
-        Ok(Sheet {
+        Ok(ModelManifest {
             name: self.name,
             base,
             size_m: self.size_m,

@@ -5,13 +5,13 @@ use simd::{F32x8, Vec3x8};
 
 /// A number along a triangle, linear in its plane between those of its corners.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ramp {
+pub(crate) struct CornerGradient {
     corner: Vec3,
     first: f32,
     slope: Vec3,
 }
 
-impl Ramp {
+impl CornerGradient {
     /// Of the corners of a triangle (object frame) and the numbers there; their mean where it has no area.
     pub(crate) fn new([corner, second, third]: [Vec3; 3], [a, b, c]: [f32; 3]) -> Self {
         let (along, across) = (second - corner, third - corner);
@@ -40,7 +40,7 @@ mod tests {
     #[test]
     fn it_is_what_its_corners_say_and_runs_evenly_between() {
         let corners = [Vec3::new(1.0, 0.5, 2.0), Vec3::new(3.0, 0.0, 2.5), Vec3::new(1.5, 2.0, 1.0)];
-        let ramp = Ramp::new(corners, [0.2, 0.9, 0.5]);
+        let ramp = CornerGradient::new(corners, [0.2, 0.9, 0.5]);
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
         let at = |i: usize| {
             corners.get(i).copied().unwrap_or(if i == 3 { middle } else { corners[1] * 2.0 - corners[0] })
@@ -49,7 +49,7 @@ mod tests {
         for (got, want) in got.into_iter().zip([0.2, 0.9, 0.5, 1.6 / 3.0, 1.0]) {
             assert!((got - want).abs() < 1e-5, "{got} {want}");
         }
-        let none = Ramp::new([corners[0]; 3], [0.2, 0.9, 0.4]);
+        let none = CornerGradient::new([corners[0]; 3], [0.2, 0.9, 0.4]);
         assert!((none.at(&Vec3x8::splat(middle)).to_array()[0] - 0.5).abs() < 1e-6);
     }
 }

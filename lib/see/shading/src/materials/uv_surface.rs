@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use frames::math;
 use glam::{Vec2, Vec3};
 use schema::geometry::Surface;
-use schema::skin::{Coat, Finish, Glow, Image, Level, Relief, Skin, Wrap};
+use schema::mesh_textures::{Glow, Image, Level, MeshTextures, PbrFactors, Relief, TextureSet, Wrap};
 use simd::{F32x8, LANES, Vec3x8};
 
 use super::points::Points;
@@ -14,8 +14,8 @@ use super::points::Points;
 const LEAST_OUTWARD: f32 = 0.3;
 
 /// The pictures that lie on a triangle: their places follow evenly from those on the triangle's plane.
-pub(super) struct Draped<'a> {
-    coat: &'a Coat,
+pub(super) struct UvSurface<'a> {
+    texture_set: &'a TextureSet,
     /// Place in the pictures at the first corner, in widths and heights.
     at: Vec2,
     corner: Vec3,
@@ -26,23 +26,23 @@ pub(super) struct Draped<'a> {
     axes: [Vec2; 2],
 }
 
-impl<'a> Draped<'a> {
+impl<'a> UvSurface<'a> {
     /// The pictures of a part on a triangle of its mesh, whose looks lean along `tangents_object`; none where it has none, or the triangle
     /// no area.
     pub(super) fn new(
         surface: Surface,
-        skin: Option<(&'a Skin, [Vec2; 3])>,
+        textures: Option<(&'a MeshTextures, [Vec2; 3])>,
         corners_m: [Vec3; 3],
         tangents_object: impl FnOnce() -> [Vec3; 2],
     ) -> Option<Self> {
-        let coat = match surface {
-            Surface::Skin(Finish { coat, .. }) => coat?,
+        let texture_set = match surface {
+            Surface::Textured(PbrFactors { texture_set, .. }) => texture_set?,
             // What is painted on a sign.
             Surface::Reflector => 0,
             _ => return None,
         };
-        let (skin, [ua, ub, uc]) = skin?;
-        let coat = skin.coats.get(usize::from(coat))?;
+        let (textures, [ua, ub, uc]) = textures?;
+        let texture_set = textures.sets.get(usize::from(texture_set))?;
         let [a, b, c] = corners_m;
         let (ab, ac) = (b - a, c - a);
         let normal = ab.cross(ac);
@@ -58,7 +58,7 @@ impl<'a> Draped<'a> {
             return None;
         }
         let mut axes = [Vec2::ZERO; 2];
-        if coat.relief.is_some() {
+        if texture_set.relief.is_some() {
             // Along the one the other stays as it is.
             let sideways = down.cross(normal);
             let sideways = (sideways * sideways.dot(right).signum()).normalize_or_zero();
@@ -67,31 +67,31 @@ impl<'a> Draped<'a> {
             let tangents = tangents_object();
             axes = [sideways, upwards].map(|axis| Vec2::new(axis.dot(tangents[0]), axis.dot(tangents[1])));
         }
-        Some(Self { coat, at: ua, corner: a, right, down, axes })
+        Some(Self { texture_set, at: ua, corner: a, right, down, axes })
     }
 
     /// The colours of eight points, linear RGB; none where the part's own is all over.
     pub(super) fn colour(&self, p: &Points) -> Option<Vec3x8> {
-        Some(self.light(self.coat.colour.as_deref()?, p))
+        Some(self.light(self.texture_set.colour.as_deref()?, p))
     }
 
     /// Their own light; none where they have none.
     pub(super) fn glow(&self, p: &Points) -> Option<Vec3x8> {
-        Some(match self.coat.glow.as_ref()? {
+        Some(match self.texture_set.glow.as_ref()? {
             Glow::Even(rgb) => Vec3x8::splat(Vec3::from_array(*rgb)),
             Glow::Picture(image) => self.light(image, p),
         })
     }
 
     /// Their roughness and metalness; none where these are even.
-    pub(super) fn gloss(&self, p: &Points) -> Option<[F32x8; 2]> {
-        let seen = self.between(self.coat.gloss.as_deref()?, p, share);
+    pub(super) fn specular(&self, p: &Points) -> Option<[F32x8; 2]> {
+        let seen = self.between(self.texture_set.specular.as_deref()?, p, share);
         Some([seen.y, seen.z])
     }
 
     /// How they lean; none where they are even.
     pub(super) fn lean(&self, p: &Points) -> Option<[F32x8; 2]> {
-        let Relief { image, strength } = self.coat.relief.as_ref()?;
+        let Relief { image, strength } = self.texture_set.relief.as_ref()?;
         let normals = self.between(image, p, share) * F32x8::splat(2.0) - Vec3x8::splat(Vec3::ONE);
         let steepness = F32x8::splat(*strength) / normals.z.fast_max(F32x8::splat(LEAST_OUTWARD));
         // The middle of the bytes is 127.5: less than half a byte is even.
@@ -170,11 +170,15 @@ mod tests {
         Arc::new(Image { levels, wrap: [Wrap::Clamp; 2] })
     }
 
-    fn skin(coat: Coat) -> Skin {
-        Skin { corners: vec![[Vec2::ZERO, Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0)]], coats: vec![coat] }
+    fn textures(texture_set: TextureSet) -> MeshTextures {
+        MeshTextures {
+            corners: vec![[Vec2::ZERO, Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0)]],
+            sets: vec![texture_set],
+        }
     }
 
-    const SURFACE: Surface = Surface::Skin(Finish { coat: Some(0), roughness: 1.0, metallic: 0.0 });
+    const SURFACE: Surface =
+        Surface::Textured(PbrFactors { texture_set: Some(0), roughness: 1.0, metallic: 0.0 });
     /// Two metres wide and high, in the plane x = 3: to the right is y, downwards is -z; it looks along +x from behind.
     const CORNERS: [Vec3; 3] = [Vec3::new(3.0, 0.0, 2.0), Vec3::new(3.0, 2.0, 2.0), Vec3::new(3.0, 0.0, 0.0)];
 
@@ -188,12 +192,15 @@ mod tests {
         // Red, green over blue, white.
         let texels = vec![[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 255]];
         let colour = Some(image(2, 2, texels, [128, 128, 128]));
-        let skin = skin(Coat { colour, ..Coat::default() });
-        let draped = Draped::new(SURFACE, Some((&skin, skin.corners[0])), CORNERS, || [Vec3::ZERO; 2])
-            .expect("a picture");
-        assert!((draped.right.length() - 0.5).abs() < 1e-6 && (draped.down.length() - 0.5).abs() < 1e-6);
+        let textures = textures(TextureSet { colour, ..TextureSet::default() });
+        let uv_surface =
+            UvSurface::new(SURFACE, Some((&textures, textures.corners[0])), CORNERS, || [Vec3::ZERO; 2])
+                .expect("a picture");
+        assert!(
+            (uv_surface.right.length() - 0.5).abs() < 1e-6 && (uv_surface.down.length() - 0.5).abs() < 1e-6
+        );
         let at =
-            |y: F32x8, z: f32, footprint: f32| draped.colour(&points(y, z, footprint)).expect("a colour");
+            |y: F32x8, z: f32, footprint: f32| uv_surface.colour(&points(y, z, footprint)).expect("a colour");
         // From the middle of the left texel to that of the right one, beside the upper edge.
         let seen = at(STEPS * (1.0 / 7.0) + 0.5, 1.5, 0.01);
         assert_eq!([seen.lane(0), seen.lane(7)], [Vec3::X, Vec3::Y]);
@@ -203,15 +210,19 @@ mod tests {
         let far = at(F32x8::splat(0.5), 0.5, 5.0).lane(3);
         assert!((far - Vec3::splat(0.2158)).length() < 1e-3, "{far}");
         let none = || [Vec3::ZERO; 2];
-        assert!(Draped::new(Surface::Plain, Some((&skin, skin.corners[0])), CORNERS, none).is_none());
+        assert!(
+            UvSurface::new(Surface::Plain, Some((&textures, textures.corners[0])), CORNERS, none).is_none()
+        );
         // What sends light back has the first coat, if there is one.
-        let sheet = Draped::new(Surface::Reflector, Some((&skin, skin.corners[0])), CORNERS, none);
+        let sheet = UvSurface::new(Surface::Reflector, Some((&textures, textures.corners[0])), CORNERS, none);
         let sheet = sheet.and_then(|sheet| sheet.colour(&points(F32x8::splat(0.5), 0.5, 0.01)));
         assert_eq!(sheet.expect("a colour").lane(0), Vec3::Z);
-        assert!(Draped::new(Surface::Reflector, None, CORNERS, none).is_none());
+        assert!(UvSurface::new(Surface::Reflector, None, CORNERS, none).is_none());
         let here = points(STEPS, 0.5, 0.01);
         assert!(
-            draped.gloss(&here).is_none() && draped.lean(&here).is_none() && draped.glow(&here).is_none()
+            uv_surface.specular(&here).is_none()
+                && uv_surface.lean(&here).is_none()
+                && uv_surface.glow(&here).is_none()
         );
     }
 
@@ -228,12 +239,15 @@ mod tests {
                 [Vec2::new(0.6, 0.8), Vec2::new(-0.8, 0.6)],
                 [Vec2::new(-2.0, 0.0), Vec2::new(0.0, 0.5)],
             ] {
-                let mut skin = skin(Coat { relief: Some(relief.clone()), ..Coat::default() });
-                skin.corners[0] = [Vec2::ZERO, b, c];
-                let draped =
-                    Draped::new(SURFACE, Some((&skin, skin.corners[0])), CORNERS, || [Vec3::Y, Vec3::Z])
-                        .expect("a picture");
-                let [right, up] = draped.lean(&points(STEPS, 0.5, 0.01)).expect("leans");
+                let mut textures =
+                    textures(TextureSet { relief: Some(relief.clone()), ..TextureSet::default() });
+                textures.corners[0] = [Vec2::ZERO, b, c];
+                let uv_surface =
+                    UvSurface::new(SURFACE, Some((&textures, textures.corners[0])), CORNERS, || {
+                        [Vec3::Y, Vec3::Z]
+                    })
+                    .expect("a picture");
+                let [right, up] = uv_surface.lean(&points(STEPS, 0.5, 0.01)).expect("leans");
                 let lean = Vec3::new(0.0, right.as_array()[0], up.as_array()[0]);
                 assert!((lean.length() - 1.0).abs() < 0.02, "{lean}");
                 // One step along it in the picture, by the places at the corners: y grows to b, z falls to c.
@@ -244,30 +258,34 @@ mod tests {
         }
         // Half a byte beside the middle is even.
         let even = Relief { image: image(1, 1, vec![[128, 127, 255]], [0; 3]), strength: 4.0 };
-        let skin = skin(Coat { relief: Some(even), ..Coat::default() });
-        let draped = Draped::new(SURFACE, Some((&skin, skin.corners[0])), CORNERS, || [Vec3::Y, Vec3::Z]);
-        let lean = draped.and_then(|draped| draped.lean(&points(STEPS, 0.5, 0.01))).expect("is even");
+        let textures = textures(TextureSet { relief: Some(even), ..TextureSet::default() });
+        let uv_surface =
+            UvSurface::new(SURFACE, Some((&textures, textures.corners[0])), CORNERS, || [Vec3::Y, Vec3::Z]);
+        let lean =
+            uv_surface.and_then(|uv_surface| uv_surface.lean(&points(STEPS, 0.5, 0.01))).expect("is even");
         assert_eq!(lean, [F32x8::ZERO; 2]);
     }
 
     #[test]
     fn light_and_gloss_are_as_painted() {
-        let even = Coat { glow: Some(Glow::Even([0.5, 0.25, 0.0])), ..Coat::default() };
-        let painted = Coat {
+        let even = TextureSet { glow: Some(Glow::Even([0.5, 0.25, 0.0])), ..TextureSet::default() };
+        let painted = TextureSet {
             glow: Some(Glow::Picture(image(1, 1, vec![[255, 188, 0]], [0; 3]))),
-            gloss: Some(image(1, 1, vec![[9, 51, 255]], [0; 3])),
-            ..Coat::default()
+            specular: Some(image(1, 1, vec![[9, 51, 255]], [0; 3])),
+            ..TextureSet::default()
         };
         let here = points(STEPS, 0.5, 0.01);
-        for (coat, green) in [(even, 0.25), (painted.clone(), 0.5029)] {
-            let skin = skin(coat);
-            let draped = Draped::new(SURFACE, Some((&skin, [Vec2::ZERO; 3])), CORNERS, || [Vec3::ZERO; 2]);
-            let glow = draped.and_then(|draped| draped.glow(&here)).expect("shines");
+        for (texture_set, green) in [(even, 0.25), (painted.clone(), 0.5029)] {
+            let textures = textures(texture_set);
+            let uv_surface =
+                UvSurface::new(SURFACE, Some((&textures, [Vec2::ZERO; 3])), CORNERS, || [Vec3::ZERO; 2]);
+            let glow = uv_surface.and_then(|uv_surface| uv_surface.glow(&here)).expect("shines");
             assert!((glow.lane(5).y - green).abs() < 1e-3, "{glow:?}");
         }
-        let skin = skin(painted);
-        let draped = Draped::new(SURFACE, Some((&skin, [Vec2::ZERO; 3])), CORNERS, || [Vec3::ZERO; 2]);
-        let gloss = draped.and_then(|draped| draped.gloss(&here)).expect("is given");
-        assert_eq!(gloss.map(|v| v.as_array()[2]), [0.2, 1.0]);
+        let textures = textures(painted);
+        let uv_surface =
+            UvSurface::new(SURFACE, Some((&textures, [Vec2::ZERO; 3])), CORNERS, || [Vec3::ZERO; 2]);
+        let specular = uv_surface.and_then(|uv_surface| uv_surface.specular(&here)).expect("is given");
+        assert_eq!(specular.map(|v| v.as_array()[2]), [0.2, 1.0]);
     }
 }

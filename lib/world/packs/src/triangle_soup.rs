@@ -7,11 +7,11 @@ use meshes::people::Bone;
 use schema::Tag;
 
 use crate::accessor::Numbers;
-use crate::coat::places;
 use crate::document::Document;
 use crate::error::Problem;
 use crate::graph::{At, Graph, Placed};
 use crate::limits;
+use crate::material::places;
 use crate::rig::{Rig, Weights};
 
 /// What tells the parts of a mesh apart.
@@ -30,7 +30,7 @@ pub(crate) struct Triangle {
     pub(crate) normals: Option<[Vec3; 3]>,
     /// Places in the picture.
     pub(crate) uv: [Vec2; 3],
-    /// Index into [`Soup::parts`].
+    /// Index into [`TriangleSoup::parts`].
     pub(crate) part: usize,
     /// Of pedestrians the bone that each corner hangs on most.
     pub(crate) bones: [Bone; 3],
@@ -52,13 +52,13 @@ impl Triangle {
 }
 
 /// All triangles of a model.
-pub(crate) struct Soup {
+pub(crate) struct TriangleSoup {
     /// By level, then by what they hang on.
     pub(crate) levels: Vec<Vec<Vec<Triangle>>>,
     pub(crate) parts: Vec<PartKey>,
 }
 
-impl Soup {
+impl TriangleSoup {
     /// # Errors
     /// Data are missing or damaged, or there is too much of them.
     pub(crate) fn new(

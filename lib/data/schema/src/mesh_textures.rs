@@ -6,9 +6,9 @@ use glam::Vec2;
 
 /// How a part with a skin sends light back.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Finish {
+pub struct PbrFactors {
     /// Which coat of its mesh lies on it; none: the part's colour all over.
-    pub coat: Option<u8>,
+    pub texture_set: Option<u8>,
     /// 0 mirror, 1 dull: its mean.
     pub roughness: f32,
     /// 0 paint, plastic or cloth, 1 bare metal: its mean.
@@ -17,11 +17,11 @@ pub struct Finish {
 
 /// The pictures of a part, which lie on it in the same places.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Coat {
+pub struct TextureSet {
     /// Colour; none: the part's.
     pub colour: Option<Arc<Image>>,
     /// Roughness in green and metalness in blue; none: the finish's.
-    pub gloss: Option<Arc<Image>>,
+    pub specular: Option<Arc<Image>>,
     /// Which way the surface leans.
     pub relief: Option<Relief>,
     /// Light of its own.
@@ -48,11 +48,11 @@ pub enum Glow {
 
 /// The pictures of a mesh, and where they lie on it.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Skin {
+pub struct MeshTextures {
     /// Places in the pictures of the corners of each triangle, in widths to the right and heights downwards.
     pub corners: Vec<[Vec2; 3]>,
     /// The pictures by coat.
-    pub coats: Vec<Coat>,
+    pub sets: Vec<TextureSet>,
 }
 
 /// What is seen beyond an edge of a picture.

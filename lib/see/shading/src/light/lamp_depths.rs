@@ -19,14 +19,14 @@ const OFF: f32 = 1.25;
 
 /// How a lamp looks at the world: columns, rows, field of view across, and how far. Beyond it nothing casts a shadow.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Outlook {
+pub(super) struct LampView {
     columns: u32,
     rows: u32,
     fov_rad: f32,
     reach_m: f32,
 }
 
-impl Outlook {
+impl LampView {
     pub(super) const HEADLIGHT: Self =
         Self { columns: 384, rows: 128, fov_rad: 1.9, reach_m: super::headlight::REACH_M };
     /// Of a street lamp two and a quarter times as far to the sides as it is high, where its light is faint.
@@ -36,13 +36,13 @@ impl Outlook {
 
 /// What a lamp, or both headlights of a vehicle from between them, see: what is behind that is in shadow.
 #[derive(Clone, Debug)]
-pub(super) struct Seen {
+pub(super) struct LampDepths {
     camera: PinholeCamera,
     optical_from_local: Affine3A,
     depth_m: Vec<f32>,
 }
 
-impl Seen {
+impl LampDepths {
     /// From a place, looking ahead; the lamp's own object is not in the way.
     ///
     /// # Errors
@@ -52,21 +52,21 @@ impl Seen {
         own: ObjectId,
         place: Vec3,
         [ahead, up]: [Vec3; 2],
-        outlook: &Outlook,
+        view: &LampView,
     ) -> Result<Self, RenderError> {
         let right = ahead.cross(up);
         let turn = Mat3A::from_cols(right.into(), (-up).into(), ahead.into());
         let local_from_optical = Affine3A { matrix3: turn, translation: place.into() };
         let camera = PinholeCamera {
             near_m: NEAR_M,
-            far_m: outlook.reach_m,
-            ..PinholeCamera::centred(local_from_optical, outlook.columns, outlook.rows, outlook.fov_rad)
+            far_m: view.reach_m,
+            ..PinholeCamera::centred(local_from_optical, view.columns, view.rows, view.fov_rad)
         };
         // Houses and vehicles have their origins within them. Light only grazes the ground, which would shade itself.
         let snapshot = scene.snapshot();
         let is_near = |i: &Instance| {
             i.object != own
-                && (Vec3::from(i.local_from_object.translation) - place).length() < outlook.reach_m
+                && (Vec3::from(i.local_from_object.translation) - place).length() < view.reach_m
                 && !is_ground(snapshot.mesh(i))
         };
         let instances = (0..).zip(&snapshot.instances);
@@ -132,8 +132,8 @@ mod tests {
         renderer.prepare(&snapshot.meshes).expect("has no device");
         let scene = renderer.place(&snapshot).expect("all meshes are prepared");
         let lamps = Vec3::new(0.4, 0.0, 0.65);
-        let seen =
-            Seen::new(&*scene, 1, lamps, [Vec3::X, Vec3::Z], &Outlook::HEADLIGHT).expect("has no device");
+        let seen = LampDepths::new(&*scene, 1, lamps, [Vec3::X, Vec3::Z], &LampView::HEADLIGHT)
+            .expect("has no device");
         let share = |place: Vec3| seen.reaches(&Vec3x8::splat(place), &Vec3x8::splat(-Vec3::X)).to_array()[3];
         let lit = |x: f32, y: f32, z: f32| share(Vec3::new(x, y, z)) > 0.5;
         // Its face itself, and what is before it and beside it.
@@ -151,8 +151,8 @@ mod tests {
 
     #[test]
     fn walls_along_a_beam_do_not_shade_themselves() {
-        for (off_m, outlook) in
-            [(1.0f32, Outlook::HEADLIGHT), (4.0, Outlook::HEADLIGHT), (1.5, Outlook::WIDE)]
+        for (off_m, view) in
+            [(1.0f32, LampView::HEADLIGHT), (4.0, LampView::HEADLIGHT), (1.5, LampView::WIDE)]
         {
             // A wall along the beam.
             let wall = Affine3A::from_translation(Vec3::new(30.0, off_m + 0.25, 0.0));
@@ -161,7 +161,8 @@ mod tests {
             let mut renderer = CpuRenderer::default();
             renderer.prepare(&snapshot.meshes).expect("has no device");
             let scene = renderer.place(&snapshot).expect("all meshes are prepared");
-            let seen = Seen::new(&*scene, 1, Vec3::Z, [Vec3::X, Vec3::Z], &outlook).expect("has no device");
+            let seen =
+                LampDepths::new(&*scene, 1, Vec3::Z, [Vec3::X, Vec3::Z], &view).expect("has no device");
             let normal = Vec3x8::splat(-Vec3::Y);
             for k in 0..400 {
                 let place = Vec3::new(3.0 + 0.11 * k as f32, off_m, 0.5 + 0.003 * k as f32);
@@ -182,7 +183,7 @@ mod tests {
         renderer.prepare(&snapshot.meshes).expect("has no device");
         let scene = renderer.place(&snapshot).expect("all meshes are prepared");
         let axes = [-Vec3::Z, Vec3::X];
-        let seen = Seen::new(&*scene, 1, 8.0 * Vec3::Z, axes, &Outlook::WIDE).expect("has no device");
+        let seen = LampDepths::new(&*scene, 1, 8.0 * Vec3::Z, axes, &LampView::WIDE).expect("has no device");
         let up = Vec3x8::splat(Vec3::Z);
         let share = |x: f32, y: f32| seen.reaches(&Vec3x8::splat(Vec3::new(x, y, 0.0)), &up).to_array()[3];
         // Its far upper edge lies at 7 m, so its shadow ends at 7 * 8 / 6.4.

@@ -14,7 +14,7 @@ use super::mask::{WAY_MARGIN_M, bounds, merge, widened};
 use super::options::NuScenesOptions;
 use super::options::plain;
 use super::rig::{Rig, is_labelled, sample_step};
-use super::words::Modality;
+use super::vocabulary::Modality;
 use crate::{Cost, ExportError, Omission, SceneSource, Source, UnitName};
 
 /// Bytes of a row of annotations, of a reading, and of a sample with its pose.
@@ -23,7 +23,7 @@ const ROW_BYTES: [u64; 3] = [470, 420, 420];
 const MOST_STEP: u32 = 30;
 
 /// What is left out, and why.
-pub(crate) fn survey(source: &Source, options: &NuScenesOptions) -> Result<Vec<Omission>, ExportError> {
+pub(crate) fn preflight(source: &Source, options: &NuScenesOptions) -> Result<Vec<Omission>, ExportError> {
     let mut omissions = BTreeSet::from([
         Omission::new(
             "velocities and turn rates of boxes",

@@ -31,13 +31,16 @@ struct Bundle {
 ///
 /// # Errors
 /// The renderer failed.
-pub(crate) fn look(scene: &dyn Scene, views: &[CameraView]) -> Result<Vec<VisibilityBuffer>, SensorError> {
+pub(crate) fn render_views(
+    scene: &dyn Scene,
+    views: &[CameraView],
+) -> Result<Vec<VisibilityBuffer>, SensorError> {
     let straight: Vec<CameraQuery<'_>> = views
         .iter()
         .filter(|view| view.model.rays().is_none())
         .map(|view| CameraQuery::of(view.pinhole()))
         .collect();
-    let mut straight = scene.look(&straight)?.into_iter();
+    let mut straight = scene.render(&straight)?.into_iter();
     let mut seen = Vec::with_capacity(views.len());
     for view in views {
         let buffer = if view.model.rays().is_none() { straight.next() } else { None };
@@ -46,7 +49,7 @@ pub(crate) fn look(scene: &dyn Scene, views: &[CameraView]) -> Result<Vec<Visibi
             None => {
                 let camera = view.pinhole();
                 let window = Window { corner: [0, 0], size: [camera.width, camera.height] };
-                let mut buffer = look_bent(view, window, None, scene)?;
+                let mut buffer = render_bent(view, window, None, scene)?;
                 buffer.rays = view.model.rays().cloned();
                 buffer
             }
@@ -59,16 +62,16 @@ pub(crate) fn look(scene: &dyn Scene, views: &[CameraView]) -> Result<Vec<Visibi
 ///
 /// # Errors
 /// The renderer failed.
-pub(super) fn look_bent_at(
+pub(super) fn render_bent_views(
     scene: &dyn Scene,
     view: &CameraView,
     window: Window,
     instances: &[u32],
 ) -> Result<VisibilityBuffer, SensorError> {
-    look_bent(view, window, Some(instances), scene)
+    render_bent(view, window, Some(instances), scene)
 }
 
-fn look_bent(
+fn render_bent(
     view: &CameraView,
     window: Window,
     among: Option<&[u32]>,

@@ -4,7 +4,9 @@
 //! sees in that direction: distances are left out of account.
 
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
-use render::{Facet, PinholeCamera, RayBatch, RayQuery, RenderError, Scene, Surfaces, VisibilityBuffer};
+use render::{
+    PinholeCamera, RayBatch, RayQuery, RenderError, Scene, SurfaceTriangle, Surfaces, VisibilityBuffer,
+};
 use schema::geometry::Surface;
 use simd::{F32x8, LANES, Vec3x8, floor_words};
 
@@ -33,26 +35,30 @@ type Texel = wide::f32x4;
 
 /// What hides the sky around a place.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Skyline {
+pub(crate) struct EnvironmentMap {
     /// Picture by picture, from the top.
     texels: Vec<Texel>,
 }
 
 /// The light in which what stands around is seen.
 #[derive(Clone, Copy)]
-pub(super) struct Seen<'a> {
+pub(super) struct LitSurroundings<'a> {
     pub(super) sky: &'a Sky,
     pub(super) shadows: &'a Shadows,
     pub(super) lamps: &'a Lamps,
     pub(super) fog: &'a Fog,
 }
 
-impl Skyline {
+impl EnvironmentMap {
     /// Looks around a place of a scene's local frame.
     ///
     /// # Errors
     /// The renderer failed.
-    pub(super) fn new(scene: &dyn Scene, light: Seen<'_>, centre: Vec3) -> Result<Self, RenderError> {
+    pub(super) fn new(
+        scene: &dyn Scene,
+        light: LitSurroundings<'_>,
+        centre: Vec3,
+    ) -> Result<Self, RenderError> {
         let eye = centre + Vec3::Z * HEIGHT_M;
         let focal = 0.5 * SIDE as f32;
         let cameras = WAYS.map(|way| PinholeCamera {
@@ -132,12 +138,12 @@ impl Skyline {
     }
 }
 
-impl Seen<'_> {
+impl LitSurroundings<'_> {
     /// Radiance of what eight pixels of a row show, in plain colours.
     fn radiance(
         &self,
         buffer: &VisibilityBuffer,
-        facet: &Facet<'_, '_>,
+        facet: &SurfaceTriangle<'_, '_>,
         columns: &[u32; LANES],
         y: u32,
     ) -> Vec3x8 {
@@ -202,7 +208,7 @@ fn in_blocks() -> Vec<(u32, u32)> {
 }
 
 /// The mean colour of what a triangle is of.
-fn albedo(facet: &Facet<'_, '_>) -> Vec3 {
+fn albedo(facet: &SurfaceTriangle<'_, '_>) -> Vec3 {
     let rgb = Vec3::from_array(facet.part.rgb);
     match facet.part.surface {
         Surface::Paint => Vec3::from_array(facet.placed().paint),
@@ -220,7 +226,7 @@ mod tests {
     use render::Renderer;
     use render::cpu::CpuRenderer;
     use schema::Tag;
-    use schema::geometry::{Instance, Part, Snapshot, TriMesh};
+    use schema::geometry::{Instance, MeshPart, Snapshot, TriMesh};
     use schema::tables::Weather;
 
     use super::super::lighting::Lighting;
@@ -233,7 +239,7 @@ mod tests {
             positions: vec![corner(-20.0, -5.0), corner(20.0, -5.0), corner(20.0, 14.2), corner(-20.0, 14.2)],
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             triangle_part: vec![0, 0],
-            parts: vec![Part { tag: Tag::Building, surface: Surface::Plain, rgb: [0.5, 0.0, 0.0] }],
+            parts: vec![MeshPart { tag: Tag::Building, surface: Surface::Plain, rgb: [0.5, 0.0, 0.0] }],
             ..TriMesh::default()
         };
         let instance = Instance {
@@ -269,8 +275,9 @@ mod tests {
         let facing = light.sky.key_klx.x * (-light.sky.key_direction.x).max(0.0);
         let want = (klx.x + facing) * 0.5 / std::f32::consts::PI;
         let sky = Vec3::new(0.0, 0.0, 7.0);
-        let seen =
-            |way: Vec3| light.skyline.before(&Vec3x8::splat(sky), &Vec3x8::splat(way.normalize())).lane(3);
+        let seen = |way: Vec3| {
+            light.environment_map.before(&Vec3x8::splat(sky), &Vec3x8::splat(way.normalize())).lane(3)
+        };
         // The wall's upper edge is 10 m over the place that looks: a slope of 0.5, and it ends at 45 degrees to both sides.
         for way in [Vec3::X, Vec3::new(1.0, 0.6, 0.3), Vec3::new(1.0, -0.9, 0.4), Vec3::new(1.0, 0.9, -0.2)] {
             let got = seen(way);

@@ -12,13 +12,13 @@ use super::walls::{Facing, Walls};
 
 /// [`Walls`] around a place, in its local frame.
 #[derive(Clone, Debug)]
-pub(crate) struct Enclosed {
+pub(crate) struct SkyVisibility {
     walls: Arc<Walls>,
     /// Its south-west corner, and the height that its heights are over.
     corner_local: Vec3,
 }
 
-impl Enclosed {
+impl SkyVisibility {
     /// Around a place of a scene.
     ///
     /// # Errors

@@ -10,13 +10,13 @@ use schema::{ObjectId, ReturnKind};
 use settings::LidarSpec;
 
 use super::air::Air;
-use super::beam::{Echo, Met, add_air, echoes_of, keep};
-use super::fire::{Drawn, words_index};
+use super::beam::{BeamHit, Echo, add_air, echoes_of, keep};
+use super::emit::{Drawn, words_index};
 use super::patch::Patch;
 use super::reflectance::{Reflectance, reflectance};
 use super::scan::Followed;
-use super::sweep::{LidarSweep, Part, Return};
-use crate::struck::Struck;
+use super::sweep::{LidarSweep, Return, SweepPart};
+use crate::surface_hit::SurfaceHit;
 use render::panes::PASSES;
 
 /// Returns within this distance ahead or behind and [`CROP_LEFT_M`] to the sides are of the agent's own body.
@@ -51,9 +51,9 @@ pub(super) struct Receiver<'a> {
 
 /// What a task keeps from beam to beam: memory, and the surface that was met last, which neighbours often meet too.
 #[derive(Default)]
-struct Desk {
+struct Scratch {
     face: Option<Face>,
-    met: Vec<Met>,
+    met: Vec<BeamHit>,
     echoes: Vec<Echo>,
     returns: Vec<Return>,
 }
@@ -72,13 +72,19 @@ struct Face {
 
 impl Receiver<'_> {
     /// The returns of a patch, beam by beam, of what the rays of those beams met that were fired: the kept ones at least.
-    pub(super) fn receive(&self, patch: &Patch, drawn: &Drawn, fired: &[u32], followed: &Followed) -> Part {
+    pub(super) fn receive(
+        &self,
+        patch: &Patch,
+        drawn: &Drawn,
+        fired: &[u32],
+        followed: &Followed,
+    ) -> SweepPart {
         let tells_returns = self.spec.tells_returns();
         let mut sweep = LidarSweep::with_capacity(drawn.kept.len(), tells_returns);
         let places = drawn.places(fired);
         let mut beams = places.iter().zip(&drawn.words);
         let mut row_ends = Vec::with_capacity(patch.rows.len());
-        let mut desk = Desk::default();
+        let mut desk = Scratch::default();
         for row in patch.rows.clone() {
             for (ray, (&place, &words)) in patch.beams(row, self.spec).zip(&mut beams) {
                 if place == Drawn::DROPPED {
@@ -98,7 +104,7 @@ impl Receiver<'_> {
             row_ends.push(sweep.x_m.len());
         }
         sweep.time_offset_s.resize(sweep.x_m.len(), self.time_offset_s());
-        Part { sweep, row_ends }
+        SweepPart { sweep, row_ends }
     }
 
     fn time_offset_s(&self) -> f32 {
@@ -121,14 +127,14 @@ impl Receiver<'_> {
         let (point_m, bare) = self.place(ray, words, hit.t, true)?;
         let met = self.met(direction_local, hit, true, face)?;
         let (intensity, kind) = (met.intensity(bare), ReturnKind::Surface);
-        let Met { cos_angle, id, tag, .. } = met;
+        let BeamHit { cos_angle, id, tag, .. } = met;
         Some(Return { point_m, intensity, id, tag, cos_angle, number: 1, count: 1, kind })
     }
 
     /// Leaves the returns of a beam of some of the rays on the desk, the nearest first.
-    fn echoed(&self, ray: u32, words: [u32; 4], own: Range<usize>, followed: &Followed, desk: &mut Desk) {
+    fn echoed(&self, ray: u32, words: [u32; 4], own: Range<usize>, followed: &Followed, desk: &mut Scratch) {
         let Followed { directions, hits, behind } = followed;
-        let Desk { face, met, echoes, returns } = desk;
+        let Scratch { face, met, echoes, returns } = desk;
         met.clear();
         echoes.clear();
         returns.clear();
@@ -147,7 +153,7 @@ impl Receiver<'_> {
             let seen = self.met(directions[at], hit, at == own.start, face);
             // There and back.
             let share = (0..2 * passed.panes).fold(1.0, |share, _| share * PASSES);
-            met.extend(seen.map(|seen| Met { share: share * seen.share, is_behind: true, ..seen }));
+            met.extend(seen.map(|seen| BeamHit { share: share * seen.share, is_behind: true, ..seen }));
         }
         echoes_of(met, self.rays, self.air, echoes);
         if let Some(air) = self.air {
@@ -177,7 +183,13 @@ impl Receiver<'_> {
 
     /// What a ray met.
     #[inline]
-    fn met(&self, direction_local: Vec3, hit: &Hit, is_axis: bool, last: &mut Option<Face>) -> Option<Met> {
+    fn met(
+        &self,
+        direction_local: Vec3,
+        hit: &Hit,
+        is_axis: bool,
+        last: &mut Option<Face>,
+    ) -> Option<BeamHit> {
         let known = last.filter(|face| (face.instance, face.triangle) == (hit.instance, hit.triangle));
         let face = match known {
             Some(face) => face,
@@ -186,23 +198,23 @@ impl Receiver<'_> {
         let cos_angle = face.normal_local.dot(direction_local).abs().min(1.0);
         let Face { reflectance, id, tag, .. } = face;
         let share = reflectance.at(cos_angle);
-        Some(Met { range_m: hit.t, share, cos_angle, id, tag, is_axis, is_behind: false })
+        Some(BeamHit { range_m: hit.t, share, cos_angle, id, tag, is_axis, is_behind: false })
     }
 
     fn face(&self, hit: &Hit) -> Option<Face> {
-        let struck = Struck::before(self.snapshot, hit, self.before)?;
+        let surface_hit = SurfaceHit::before(self.snapshot, hit, self.before)?;
         Some(Face {
             instance: hit.instance,
             triangle: hit.triangle,
-            normal_local: struck.normal_local,
+            normal_local: surface_hit.normal_local,
             reflectance: reflectance(
-                struck.part,
-                struck.paint,
-                struck.normal_local.z.abs() > LEVEL,
+                surface_hit.part,
+                surface_hit.paint,
+                surface_hit.normal_local.z.abs() > LEVEL,
                 self.wetness,
             ),
-            id: struck.object,
-            tag: struck.part.tag as u8,
+            id: surface_hit.object,
+            tag: surface_hit.part.tag as u8,
         })
     }
 

@@ -11,7 +11,7 @@ use super::patch::Patch;
 const LANES: usize = 8;
 
 /// What beams are fired with at one moment.
-pub(super) struct Gun<'a> {
+pub(super) struct Emitter<'a> {
     spec: &'a LidarSpec,
     /// Unit directions of all beams in the sensor frame.
     directions: &'a [Vec3],
@@ -34,7 +34,7 @@ pub(super) fn words_index(frame: u32, ray: u32, number: u32) -> u64 {
     u64::from(frame) << 32 | u64::from(number) << 22 | u64::from(ray)
 }
 
-impl<'a> Gun<'a> {
+impl<'a> Emitter<'a> {
     pub(super) fn new(spec: &'a LidarSpec, directions: &'a [Vec3], local_from_sensor: Affine3A) -> Self {
         Self { spec, directions, local_from_sensor, offsets: offsets(&spec.beam) }
     }

@@ -1,8 +1,8 @@
 //! What looks are made from and of: a triangle, points on it, and how these send light back.
 
 use glam::Vec3;
-use render::Facet as Triangle;
-use schema::geometry::{Instance, Part, Surface};
+use render::SurfaceTriangle;
+use schema::geometry::{Instance, MeshPart, Surface};
 use schema::{ObjectId, Tag};
 use simd::{F32x8, Vec3x8};
 
@@ -10,11 +10,11 @@ use super::front::Front;
 use super::laid::Laid;
 use super::lane::{Across, Kerbed};
 pub(crate) use super::points::Points;
-use super::skin::Draped;
+use super::uv_surface::UvSurface;
 
 /// What is the same for all points of one triangle.
-pub(crate) struct Facet<'a> {
-    pub(super) part: &'a Part,
+pub(crate) struct ShadedTriangle<'a> {
+    pub(super) part: &'a MeshPart,
     pub(super) paint: Vec3,
     pub(super) lights: u32,
     pub(super) glow: Vec3,
@@ -28,7 +28,7 @@ pub(crate) struct Facet<'a> {
     /// How it is divided, if it is a house front.
     pub(super) front: Option<Front>,
     /// The pictures on it, if it has some of its own.
-    pub(super) draped: Option<Draped<'a>>,
+    pub(super) uv_surface: Option<UvSurface<'a>>,
     /// Where on its lane it lies, if it is a piece of one.
     pub(super) lane: Option<Across>,
     /// How it lies along its sidewalk, if it is a piece of one.
@@ -39,20 +39,20 @@ pub(crate) struct Facet<'a> {
 
 /// How points send light back.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Look {
+pub(crate) struct BrdfSample {
     /// Share of light scattered evenly, linear RGB.
     pub(crate) albedo: Vec3x8,
-    /// How much normals lean along [`Facet::tangents_local`]; none where the surface is even.
+    /// How much normals lean along [`ShadedTriangle::tangents_local`]; none where the surface is even.
     pub(crate) lean: Option<[F32x8; 2]>,
     /// Light of its own, in units of what the film shows as white; none for most.
     pub(crate) emission: Option<Vec3x8>,
     /// What it mirrors; nothing for dull surfaces.
-    pub(crate) gloss: Option<Gloss>,
+    pub(crate) specular: Option<Specular>,
 }
 
 /// How points mirror.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Gloss {
+pub(crate) struct Specular {
     /// Share of light mirrored at normal incidence; 0 without gloss.
     pub(crate) mirror: F32x8,
     /// Width of the highlight: 0 mirror, 1 dull.
@@ -85,8 +85,8 @@ impl Surroundings {
     pub(crate) const WRAP_M: f64 = 4096.0;
 }
 
-impl<'a> Facet<'a> {
-    pub(crate) fn new(instance: &Instance, triangle: &Triangle<'_, 'a>) -> Self {
+impl<'a> ShadedTriangle<'a> {
+    pub(crate) fn new(instance: &Instance, triangle: &SurfaceTriangle<'_, 'a>) -> Self {
         let object_from_local = instance.local_from_object.matrix3.transpose();
         let normal_local = triangle.normal_local;
         let corners_object_m = triangle.corners_object_m();
@@ -114,11 +114,11 @@ impl<'a> Facet<'a> {
             eye_object_m: triangle.camera_object_m(),
             tangents_object,
             front,
-            draped: Draped::new(part.surface, triangle.skin(), corners_object_m, || {
+            uv_surface: UvSurface::new(part.surface, triangle.textures(), corners_object_m, || {
                 upright(normal_local).map(|axis| object_from_local * axis)
             }),
             lane: if is_road { Across::new(corners_object_m) } else { None },
-            laid: Laid::new(part.tag, triangle.skin(), corners_object_m),
+            laid: Laid::new(part.tag, triangle.textures(), corners_object_m),
             kerbed: Kerbed::new(part.surface, corners_object_m),
         }
     }
@@ -145,10 +145,10 @@ impl<'a> Facet<'a> {
     }
 }
 
-/// See [`Facet::tangents_local`].
-fn tangents_local(part: &Part, normal_local: Vec3) -> [Vec3; 2] {
+/// See [`ShadedTriangle::tangents_local`].
+fn tangents_local(part: &MeshPart, normal_local: Vec3) -> [Vec3; 2] {
     let is_built = part.tag == Tag::Building
-        || matches!(part.surface, Surface::RoofTiles | Surface::Gravel | Surface::Skin(_));
+        || matches!(part.surface, Surface::RoofTiles | Surface::Gravel | Surface::Textured(_));
     if is_level(normal_local) && !is_built { [Vec3::X, Vec3::Y] } else { upright(normal_local) }
 }
 
@@ -163,7 +163,7 @@ fn upright(normal: Vec3) -> [Vec3; 2] {
     [right, normal.cross(right)]
 }
 
-impl Look {
+impl BrdfSample {
     /// A surface that mirrors nothing.
     #[inline]
     pub(super) fn dull(albedo: Vec3x8) -> Self {
@@ -178,8 +178,8 @@ impl Look {
 
     #[inline]
     pub(super) fn glossy(albedo: Vec3x8, mirror: f32, roughness: f32) -> Self {
-        let gloss = Gloss { mirror: F32x8::splat(mirror), roughness: F32x8::splat(roughness) };
-        Self { albedo, gloss: Some(gloss), ..Self::default() }
+        let specular = Specular { mirror: F32x8::splat(mirror), roughness: F32x8::splat(roughness) };
+        Self { albedo, specular: Some(specular), ..Self::default() }
     }
 }
 

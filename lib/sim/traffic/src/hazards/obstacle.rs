@@ -42,7 +42,7 @@ fn mass_kg(kind: ActorKind, model: &str, size_m: [f64; 3]) -> f64 {
 
 /// Something that stands in a hazard.
 #[derive(Clone, Debug)]
-pub(crate) struct Thing {
+pub(crate) struct Obstacle {
     /// Number of its hazard.
     hazard: u32,
     kind: ActorKind,
@@ -91,7 +91,7 @@ impl Spot {
     }
 }
 
-impl Thing {
+impl Obstacle {
     fn new(kind: ActorKind, (model, size_m): Item, at: &Spot) -> Self {
         Self {
             hazard: 0,

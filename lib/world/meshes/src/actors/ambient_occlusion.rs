@@ -4,7 +4,7 @@ use std::f32::consts::TAU;
 use std::sync::Arc;
 
 use crate::people::about_y;
-use crate::solids::{Closeness, Place, sheltered};
+use crate::solids::{OcclusionEstimate, OrientedPoint, ambient_visibility};
 use glam::{Affine3A, Mat3A, Vec3};
 use schema::Tag;
 use schema::geometry::TriMesh;
@@ -13,21 +13,21 @@ use crate::actors::pieces::{ActorMesh, Joint, Piece};
 use crate::actors::posture::Posture;
 
 /// How closely an actor close by is looked at, and one that moves its limbs or is farther away.
-const FINE: Closeness = Closeness { texels: 160, axes: 24 };
-const COARSE: Closeness = Closeness { texels: 96, axes: 12 };
+const FINE: OcclusionEstimate = OcclusionEstimate { texels: 160, axes: 24 };
+const COARSE: OcclusionEstimate = OcclusionEstimate { texels: 96, axes: 12 };
 /// What turns is looked at in so many positions, and has their mean.
 const TURNS: usize = 8;
 /// Of less than this a corner is within something else, and its triangle's other corners say what is seen of it.
 const BURIED: f32 = 0.015;
 
 impl ActorMesh {
-    /// The same with the light that reaches the corners of its triangles ([`TriMesh::corner_open`]): of its pieces at rest, doors
+    /// The same with the light that reaches the corners of its triangles ([`TriMesh::corner_visibility`]): of its pieces at rest, doors
     /// closed, level by level. Houses and plants have none: the first are large, the second let light through.
     #[must_use]
-    pub fn sheltered(mut self) -> Self {
+    pub fn with_ambient_occlusion(mut self) -> Self {
         let posture = self.posed(Posture::default());
-        let closeness = if self.rig.is_some() { COARSE } else { FINE };
-        shelter(&mut self.pieces, &posture, closeness);
+        let estimate = if self.rig.is_some() { COARSE } else { FINE };
+        shelter(&mut self.pieces, &posture, estimate);
         for level in &mut self.coarser {
             shelter(&mut level.pieces, &posture, COARSE);
         }
@@ -40,7 +40,7 @@ fn is_apt(mesh: &TriMesh) -> bool {
     !mesh.parts.iter().any(|part| matches!(part.tag, Tag::Building | Tag::Vegetation | Tag::Wall))
 }
 
-fn shelter(pieces: &mut [Piece], posture: &Posture, closeness: Closeness) {
+fn shelter(pieces: &mut [Piece], posture: &Posture, estimate: OcclusionEstimate) {
     if !pieces.iter().all(|piece| is_apt(&piece.mesh)) {
         return;
     }
@@ -74,14 +74,14 @@ fn shelter(pieces: &mut [Piece], posture: &Posture, closeness: Closeness) {
             .collect();
         *corners = gather(&piece.mesh, &poses, &mut places);
     }
-    let open = sheltered(&positions, &triangles, &places, closeness);
+    let open = ambient_visibility(&positions, &triangles, &places, estimate);
     let mut done: Vec<(Arc<TriMesh>, Arc<TriMesh>)> = Vec::new();
     for ((number, _), corners) in firsts.iter().zip(corners) {
         let piece = &pieces[*number];
         let turns = if matches!(piece.joint, Joint::Wheel { .. }) { TURNS } else { 1 };
         let of = |first: u32| open[first as usize..first as usize + turns].iter().sum::<f32>() / turns as f32;
         let mut mesh = TriMesh::clone(&piece.mesh);
-        mesh.corner_open = corners.iter().map(|first| shares(first.map(of))).collect();
+        mesh.corner_visibility = corners.iter().map(|first| shares(first.map(of))).collect();
         done.push((Arc::clone(&piece.mesh), Arc::new(mesh)));
     }
     for piece in pieces {
@@ -99,7 +99,7 @@ fn shares(open: [f32; 3]) -> [u8; 3] {
 }
 
 /// Adds the places of a mesh's corners in some poses, one after the other, each once; gives the first of each corner of its triangles.
-fn gather(mesh: &TriMesh, poses: &[Affine3A], places: &mut Vec<Place>) -> Vec<[u32; 3]> {
+fn gather(mesh: &TriMesh, poses: &[Affine3A], places: &mut Vec<OrientedPoint>) -> Vec<[u32; 3]> {
     let normals = |triangle: usize| {
         mesh.bent(triangle).unwrap_or_else(|| {
             let [a, b, c] = mesh.corners(triangle);
@@ -139,7 +139,7 @@ mod tests {
     fn mean(pieces: &[Piece], wanted: impl Fn(Vec3, Vec3) -> bool) -> f32 {
         let mesh = &pieces[0].mesh;
         let (mut sum, mut area) = (0.0, 0.0);
-        for (number, open) in mesh.corner_open.iter().enumerate() {
+        for (number, open) in mesh.corner_visibility.iter().enumerate() {
             let [a, b, c] = mesh.corners(number);
             let twice = (b - a).cross(c - a);
             if wanted((a + b + c) / 3.0, twice.normalize_or_zero()) {
@@ -154,13 +154,13 @@ mod tests {
     fn roofs_are_open_and_undersides_are_dark_at_every_level() {
         for name in ["car.sedan", "van.delivery", "truck.box", "bus.city"] {
             let model = models::find(name).expect("is one");
-            let made = actor_mesh(name, model.size_m, 0).expect("is one").sheltered();
+            let made = actor_mesh(name, model.size_m, 0).expect("is one").with_ambient_occlusion();
             let height = model.size_m[2] as f32;
             for pieces in std::iter::once(&made.pieces).chain(made.coarser.iter().map(|level| &level.pieces))
             {
                 assert!(
                     pieces.iter().all(|p| matches!(p.joint, Joint::Door { .. } | Joint::Doorway { .. })
-                        || p.mesh.corner_open.len() == p.mesh.triangles.len()),
+                        || p.mesh.corner_visibility.len() == p.mesh.triangles.len()),
                     "{name}"
                 );
                 let roof = mean(pieces, |at, normal| at.z > 0.9 * height && normal.z > 0.9);

@@ -3,12 +3,12 @@
 use glam::Vec3;
 use render::{Hit, pose_before};
 use schema::ObjectId;
-use schema::geometry::{Part, Snapshot};
+use schema::geometry::{MeshPart, Snapshot};
 
 /// The triangle that a ray struck.
 #[derive(Clone, Copy)]
-pub(crate) struct Struck<'a> {
-    pub(crate) part: &'a Part,
+pub(crate) struct SurfaceHit<'a> {
+    pub(crate) part: &'a MeshPart,
     pub(crate) object: ObjectId,
     /// Colour of what is painted, linear RGB.
     pub(crate) paint: [f32; 3],
@@ -19,7 +19,7 @@ pub(crate) struct Struck<'a> {
     edges: [Vec3; 2],
 }
 
-impl<'a> Struck<'a> {
+impl<'a> SurfaceHit<'a> {
     pub(crate) fn new(snapshot: &'a Snapshot, hit: &Hit) -> Option<Self> {
         Self::before(snapshot, hit, 0.0)
     }

@@ -4,7 +4,7 @@ use catalogue::{Age, BaseType, Model, Special};
 use schema::geometry::Weave;
 
 /// Looks that a model has; variants beyond begin again.
-pub const LOOKS: u32 = 16;
+pub const APPEARANCES: u32 = 16;
 
 /// How broad somebody is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -102,7 +102,7 @@ pub enum Stance {
 /// Somebody's look. Colours are linear RGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs, reason = "the names are their own documentation")]
-pub struct Look {
+pub struct Appearance {
     pub age: Age,
     pub woman: bool,
     pub build: Build,
@@ -205,18 +205,18 @@ const UNIFORM: [f32; 3] = [0.012, 0.018, 0.05];
 /// A word that differs between questions asked of the same look (the finaliser of SplitMix64, by Steele, Lea and Flood).
 fn word(model: &Model, variant: u32, question: u64) -> usize {
     let name = model.name.bytes().fold(0u64, |sum, byte| sum.wrapping_mul(257).wrapping_add(u64::from(byte)));
-    let seed = name ^ u64::from(variant % LOOKS) << 40 ^ question << 52;
+    let seed = name ^ u64::from(variant % APPEARANCES) << 40 ^ question << 52;
     let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
     ((z ^ z >> 31) >> 33) as usize
 }
 
-impl Look {
+impl Appearance {
     /// The look of a walker, or of who sits in a wheelchair or rides, by model and variant.
     #[must_use]
     pub fn new(model: &Model, variant: u32) -> Self {
-        let variant = variant % LOOKS;
+        let variant = variant % APPEARANCES;
         let ask = |question: u64| word(model, variant, question);
         // Neighbours differ in what is seen first, whatever the words say.
         let turn = variant as usize;

@@ -2,7 +2,7 @@
 
 /// How awake a vehicle is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Wake {
+pub(crate) enum Activity {
     #[default]
     Awake,
     /// Far from all agents: it drives on to where it may sleep.

@@ -12,7 +12,7 @@ const MEAN_SIZE: f64 = 2.0 * TWO_OF_THREE + 3.0 * (1.0 - TWO_OF_THREE);
 const ABREAST: [&[f64]; 2] = [&[-0.85, 0.15], &[-1.0, 0.0, 1.0]];
 /// Who walks with somebody.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Company {
+pub(crate) struct WalkingGroup {
     /// Index of the first of the group.
     pub(crate) first: usize,
     /// The others, without oneself.

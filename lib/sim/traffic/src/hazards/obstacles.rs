@@ -5,7 +5,7 @@ use schema::ObjectId;
 use schema::footprint::footprint;
 use schema::tables::StateRow;
 
-use super::thing::Thing;
+use super::obstacle::Obstacle;
 use crate::bodies::{Bodies, Body, Owner};
 use crate::input::SimulationLog;
 use crate::walking::fixtures::Fixtures;
@@ -17,7 +17,7 @@ const STILL: f64 = 1e-4;
 #[derive(Debug)]
 struct Placed {
     id: ObjectId,
-    thing: Thing,
+    thing: Obstacle,
     body: Option<Body>,
     /// Its pose one step ago.
     before: Pose<World, Object>,
@@ -28,23 +28,23 @@ struct Placed {
 
 /// All of them.
 #[derive(Debug, Default)]
-pub(crate) struct Standing {
+pub(crate) struct Obstacles {
     placed: Vec<Placed>,
     /// Those that were hit, with the first frame that was logged with them.
     adrift: Vec<(usize, Option<i32>)>,
 }
 
-impl Standing {
+impl Obstacles {
     /// Gives bodies to things, in the order of their ids, and puts them in the way of walkers.
     pub(crate) fn new(
         ids: &[ObjectId],
-        things: Vec<Thing>,
+        things: Vec<Obstacle>,
         bodies: &mut Bodies,
         fixtures: &mut Fixtures,
     ) -> Self {
-        let place = |(index, (id, thing)): (usize, (&ObjectId, Thing))| {
+        let place = |(index, (id, thing)): (usize, (&ObjectId, Obstacle))| {
             let (at, yaw_rad, size_m) = thing.footprint();
-            let owner = Owner::Thing(index as u32);
+            let owner = Owner::Obstacle(index as u32);
             let body = thing.solid.then(|| bodies.movable(&at, yaw_rad, size_m, thing.mass_kg, owner));
             let fixture = footprint(&thing.actor(*id)).map(|place| fixtures.add(&place));
             Placed { id: *id, body, before: thing.pose(), is_hit: false, fixture, thing }
@@ -54,11 +54,11 @@ impl Standing {
     }
 
     /// All of them, where they are.
-    pub(crate) fn things(&self) -> impl Iterator<Item = &Thing> {
+    pub(crate) fn things(&self) -> impl Iterator<Item = &Obstacle> {
         self.placed.iter().map(|p| &p.thing)
     }
 
-    pub(crate) fn get(&self, index: u32) -> Option<&Thing> {
+    pub(crate) fn get(&self, index: u32) -> Option<&Obstacle> {
         self.placed.get(index as usize).map(|p| &p.thing)
     }
 

@@ -15,7 +15,7 @@ use crate::junction::exits::is_counted_on;
 use crate::junction::reservations::ReservationTable;
 use crate::road::net::Net;
 use crate::vehicle::Vehicle;
-use crate::vehicle::wake::Wake;
+use crate::vehicle::activity::Activity;
 use crate::walking::walker::Walker;
 
 /// Distances are looked at every so many steps (1 s).
@@ -23,13 +23,13 @@ const EVERY_STEPS: u32 = 20;
 
 /// Where the agents are that the others sleep far from.
 #[derive(Debug)]
-pub(crate) struct Watch {
+pub(crate) struct Activation {
     pub(crate) distance_m: f64,
     /// The first so many vehicles are agents, which never sleep.
     pub(crate) agents: usize,
 }
 
-impl Watch {
+impl Activation {
     /// Whether it is time to look.
     pub(crate) fn is_due(step: u32) -> bool {
         step.is_multiple_of(EVERY_STEPS)
@@ -46,7 +46,7 @@ impl Watch {
     }
 
     /// Lets vehicles fall asleep and wake up.
-    pub(crate) fn look(
+    pub(crate) fn update(
         &self,
         net: &Net,
         reservations: &ReservationTable,
@@ -56,24 +56,24 @@ impl Watch {
     ) {
         let agents = self.agents(vehicles);
         for (me, vehicle) in vehicles.iter_mut().enumerate().skip(self.agents) {
-            let was_asleep = vehicle.wake() == Wake::Asleep;
+            let was_asleep = vehicle.wake() == Activity::Asleep;
             let wake = if vehicle.is_crashed() || !self.is_far(&agents, &vehicle.motion().position()) {
-                Wake::Awake
+                Activity::Awake
             } else if was_asleep {
-                Wake::Asleep
+                Activity::Asleep
             } else if !vehicle.claim().is_empty()
                 || vehicle.lateral().change().is_some()
                 || bends.is_held_by(me)
                 || is_counted_on(reservations, net, vehicle)
             {
-                Wake::Drowsy
+                Activity::Drowsy
             } else if vehicle.speed_mps() > 0.0 {
-                Wake::Halting
+                Activity::Halting
             } else {
-                Wake::Asleep
+                Activity::Asleep
             };
             vehicle.set_wake(wake);
-            if wake == Wake::Asleep && !was_asleep {
+            if wake == Activity::Asleep && !was_asleep {
                 vehicle.bodies().for_each(|body| bodies.rest(body));
             }
         }
