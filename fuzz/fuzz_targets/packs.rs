@@ -41,8 +41,8 @@ fuzz_target!(|bytes: &[u8]| {
         for t in 0..mesh.triangles.len() {
             let _ = (mesh.corners(t), mesh.part(t), mesh.bent(t));
         }
-        if let Some(skin) = &mesh.skin {
-            assert_eq!(skin.corners.len(), mesh.triangles.len());
+        if let Some(textures) = &mesh.textures {
+            assert_eq!(textures.corners.len(), mesh.triangles.len());
         }
     }
 });

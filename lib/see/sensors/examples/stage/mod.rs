@@ -12,7 +12,7 @@ use catalogue::{BaseType, Model, benches};
 use glam::{Affine3A, Vec3};
 use meshes::actors::{Piece, Posture, actor_mesh};
 use meshes::people::Walker;
-use packs::{Hang, PackModel};
+use packs::{Attachment, PackModel};
 use schema::Tag;
 use schema::geometry::{Instance, Snapshot, Surface, SurfaceMesh, TriMesh};
 use schema::tables::Weather;
@@ -130,8 +130,8 @@ impl Stage {
         let object = self.instances.len() as u16 + 1;
         for piece in model.levels.first().map_or(&[][..], |level| &level.pieces) {
             let place_m = match piece.hang {
-                Hang::Wheel { at, .. } | Hang::Door { at, .. } => at,
-                Hang::Body | Hang::Bone(_) => Vec3::ZERO,
+                Attachment::Wheel { at, .. } | Attachment::Door { at, .. } => at,
+                Attachment::Body | Attachment::Bone(_) => Vec3::ZERO,
             };
             let pose = at * Affine3A::from_translation(place_m);
             self.instances.push(common::instance(self.meshes.len() as u32, object, pose));

@@ -149,7 +149,7 @@ fn materials_bring_relief_gloss_light_and_cut_outs() {
     let relief = livery.relief.as_ref().expect("has ribs");
     assert_eq!((relief.image.levels[0].texels[0], relief.strength), ([60, 128, 235], 0.8));
     // Roughness is the factor's times the picture's: 0.6 and half of it; the part has their mean.
-    let gloss = livery.gloss.as_ref().expect("has grooves");
+    let gloss = livery.specular.as_ref().expect("has grooves");
     assert_eq!(gloss.levels[0].texels[..4], [[0, 77, 0], [0, 77, 0], [0, 77, 0], [0, 153, 0]]);
     let factors = mesh.parts.iter().find_map(|part| match part.surface {
         Surface::Textured(factors) if factors.texture_set == Some(0) => Some(factors),
