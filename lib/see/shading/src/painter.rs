@@ -59,7 +59,7 @@ impl Painter for CpuPainter<'_> {
         shots: &[Shot<'_>],
     ) -> Result<Vec<Picture>, RenderError> {
         let lighting = self.lights.around(scene, when, place_local)?;
-        let picture = |shot: &Shot<'_>| Ok(Picture::new(scene, shot.view, shot.seen, &lighting)?);
+        let picture = |shot: &Shot<'_>| Picture::new(scene, shot.view, shot.seen, &lighting);
         shots.par_iter().map(picture).collect()
     }
 }

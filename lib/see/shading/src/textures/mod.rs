@@ -13,6 +13,7 @@
 //! assert!(seen.shade.to_array().iter().all(|shade| (shade - 1.0).abs() < 0.01));
 //! ```
 
+mod all;
 mod canvas;
 mod cells;
 mod laid;
@@ -20,9 +21,8 @@ mod noise;
 mod plants;
 mod stone;
 mod texture;
-mod textures;
 mod wear;
 
+pub use all::Textures;
 pub use noise::{Noise, hash2, unit};
 pub use texture::{Texels, Texture};
-pub use textures::Textures;
